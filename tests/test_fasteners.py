@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -145,6 +146,44 @@ def test_of_a_stud_the_name_says_what_it_is() -> None:
     assert not feeler.find_fasteners(mockup_of({"pin": parts["stud"], "plate": parts["plate"]}))
 
 
+def test_a_rod_in_a_nut_is_a_stud() -> None:
+    rod, nut = hardware.roller(0.004, 0.05, USUAL), hardware.nut(0.008, USUAL)
+    pose = tilted(3)
+    parts = {"Part 1": placed(rod, pose @ at(z=-0.01)), "Part 2": placed(nut, pose)}
+    parts["Part 3"] = placed(Mesh(*plate_under(-0.01, -1e-4)), pose)
+    stud, found = feeler.find_fasteners(mockup_of(parts))
+    assert (stud.part, stud.kind, stud.drive, found.kind) == (0, "stud", "", "nut")
+    assert stud.because.endswith("in the bore of Part 2") and stud.length == pytest.approx(0.05, rel=1e-6)
+    check_frame(stud, pose @ at(z=0.015))
+    tube = hardware.ring(0.0035, 0.004, 0.05, USUAL)
+    for name, other in (("Part 1", tube), ("Part 1", hardware.roller(0.002, 0.05, USUAL)), ("pin", rod)):
+        beside = {name: placed(other, pose @ at(z=-0.01)), "Part 2": placed(nut, pose)}
+        assert [row.part for row in feeler.find_fasteners(mockup_of(beside))] == [1]
+
+
+def test_a_sensor_is_told_by_its_name() -> None:
+    """Connectors look alike: a thread, a hexagon and a round body."""
+    loops = [circle(0.006, 24, -0.017), circle(0.006, 24, -0.008), hexagon(0.017, -0.008), hexagon(0.017, 0.0)]
+    mesh = skin_loops([*loops, circle(0.007, 24, 0.0), circle(0.007, 24, 0.012)])
+    row = found_of(mesh, tilted(2), "speed sensor")
+    check_frame(row, tilted(2))
+    assert (row.kind, row.drive, row.confidence) == ("bolt", "hexagon", 0.99)
+    assert row.across_flats == pytest.approx(0.017, rel=1e-6)
+    assert not feeler.find_fasteners(mockup_of({"receptacle": placed(mesh, tilted(2))}))
+
+
+DRAWN = pytest.importorskip("drawn_fasteners") if find_spec("manifold3d") else None
+
+
+@pytest.mark.skipif(DRAWN is None, reason="manifold3d draws them")
+@pytest.mark.parametrize("shape", [] if DRAWN is None else [*DRAWN.FASTENERS, *DRAWN.OTHERS])
+def test_fasteners_as_others_draw_them(shape: str) -> None:
+    """Without names: kind, drive, width and place of each, at random cuts, sizes and poses, also inside out."""
+    for seed in range(8):
+        made, mockup, pose = DRAWN.drawn(shape, seed)
+        assert DRAWN.fault_of(made, pose, feeler.find_fasteners(mockup)) == "", f"seed {seed}"
+
+
 def hollow_bolt() -> Mesh:
     """A hexagon on a tube: a union's nut."""
     outside = [circle(0.004, 24, -0.03), circle(0.004, 24), hexagon(0.0132), hexagon(0.0132, 0.005)]
@@ -237,6 +276,12 @@ def test_names_are_a_second_voice() -> None:
         ("screwdriver", "other"),
         ("pipe/union_2", "other"),
         ("inspection_plug", "plug"),
+        ("main_sensor", "plug"),
+        ("set screw, socket", "screw"),
+        ("Socket Head Cap Screw M6", "screw"),
+        ("SCREW_SOCKET_HEAD_M6", "screw"),
+        ("washer, for bolt M8", "other"),
+        ("bolt socket", "other"),
         ("donut", None),
         ("part 933", None),
         ("", None),

@@ -1,4 +1,4 @@
-"""Which tool goes into a recess: the outline of the walls around an axis that face inwards, cut across at one height."""
+"""Which tool goes into a recess: the outline of the walls that face the axis, cut across at one height."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TOP = 0.2
 LOBES = (1.12, 1.7)
 """How far the lobes of a Torx recess reach, by the distance of what is between them; 1.39 in ISO 10664."""
 PRISM_SIDES = {4: "square socket", 6: "hexagon socket", 12: "12-point socket"}
-CORNERS = {4: (1.3, 1.45), 6: (1.05, 1.2), 12: (1.09, 1.19)}
+CORNERS = {4: (1.3, 1.45), 6: (1.05, 1.2), 12: (1.12, 1.19)}
 """How far corners of these reach, by the distance of their sides: `fastener_shape.CORNERS`."""
 
 
@@ -122,7 +122,7 @@ class _Outline:
         nearest = np.round(steps).astype(np.int64)
         if np.abs(steps - nearest).max() > ALONG_DEG * count / 360.0:
             return None
-        return np.bincount(nearest % count, weights=weight, minlength=count)
+        return np.asarray(np.bincount(nearest % count, weights=weight, minlength=count), dtype=np.float64)
 
     def slot(self) -> tuple[str, float] | None:
         """Two walls that face each other."""

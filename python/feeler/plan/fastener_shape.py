@@ -2,8 +2,8 @@
 
 A shape is looked at along each axis about which it could be one. Its walls (triangles along the axis) are put together
 by their distance from it: four directions are a square, six a hexagon, twelve a hexagon turned twice or, like more of
-them, a cylinder; those that face inwards are a bore or a recess, whose outline is looked at in `fastener_drive`. What is
-beyond the head tells a bolt from a nut.
+them, a cylinder; those that face inwards are a bore or a recess (`fastener_drive`). What is beyond the head tells a
+bolt from a nut.
 """
 
 from __future__ import annotations
@@ -32,6 +32,10 @@ ALIKE = 0.03
 """Principal values that differ by less, as a share of their sum, are alike: threads and marks make a difference."""
 LEAST_BODY = 0.02
 """Bodies with a smaller share of the walls are details."""
+LEAST_GROUP = 0.002
+"""Walls at one distance with a smaller share of all walls are not looked at."""
+LEAST_ROUND = 0.68
+"""The least width across the axis by the greatest: 0.71 of a square. Only wing nuts are narrower."""
 LEAST_SYMMETRIC = 0.8
 """Share of the walls that has to belong to bodies about the axis: what has other walls is no fastener."""
 TOP_SHARE = 0.25
@@ -39,7 +43,7 @@ TOP_SHARE = 0.25
 pipe unions stand out more."""
 SHANK_SLENDER = 0.7
 """The least length of a shank, in diameters."""
-CORNERS = {4: (1.3, 1.45), 6: (1.0, 1.2), 12: (1.09, 1.19)}
+CORNERS = {4: (1.3, 1.45), 6: (1.0, 1.2), 12: (1.12, 1.19)}
 """How far from the axis corners of a square, of a hexagon and of two hexagons turned by 30 degrees are, by the distance
 of their sides. Those of a cylinder cut into twelve are at 1.035, walls of slots are longer."""
 PRISMS = {4: "square", 6: "hexagon", 12: "12-point"}
@@ -48,6 +52,8 @@ FLAT_SOCKETS = ("square socket", "hexagon socket", "12-point socket")
 """Recesses that have a width across flats."""
 SQUARE_HEAD = (0.4, 1.1)
 """Height of a square head by its shank's diameter: blocks with a boss are flatter or higher."""
+HEAD_HEIGHTS = (0.12, 1.5)
+"""Height of a head by its width across flats: 0.4 in the standards; standoffs are longer."""
 SQUARE_NUT = 0.5
 """The least height of a square nut by half its width: square washers are flatter."""
 BODY_TO_FLATS = (0.5, 0.95)
@@ -66,6 +72,8 @@ WING_BORE = (0.3, 0.75)
 """A wing nut's bore by its hub."""
 CORE = (0.75, 0.97)
 """Diameter of a thread's core by its shank's: 0.8 to 0.9 in the standards."""
+WIDEST_STUD_M = 0.0251
+"""The widest stud that is told by its two threads: thicker such rods are shafts as a rule."""
 STUD_SLENDER = 3.0
 """The least length of a stud, in diameters."""
 THREAD_TO_FLATS = (0.3, 0.88)
@@ -74,7 +82,7 @@ BORE_TO_FLATS = (0.3, 0.68)
 """A nut's bore by its width across flats: at most 0.67 in the standards."""
 BORE_TO_12_POINT = 0.86
 """The most of a 12-point nut's: M8 has 10 mm across flats."""
-NUT_HEIGHT = (0.15, 1.6)
+NUT_HEIGHT = (0.15, 2.05)
 """Height by width across flats: thin nuts to long ones."""
 PRISM_HEIGHT = (0.25, 1.0)
 """The same of a prism that stands for a head or a nut in a coarse mesh."""
@@ -87,13 +95,17 @@ HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head by its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
 
+_TURNS = np.arange(8) * (np.pi / 8.0)
+_AROUND = np.stack([np.cos(_TURNS), np.sin(_TURNS)], axis=1)
+
+
 @dataclass(frozen=True)
 class Looks:
     """What a shape looks like, in the frame of its corners, metres; NaN where the mesh does not show it."""
 
     kind: str
-    """"bolt", "screw", "nut" or "stud"; where the mesh does not tell "head" (bolt or screw) or "prism" (or nut); "rod": another
-    shape."""
+    """"bolt", "screw", "nut" or "stud"; where the mesh does not tell "head" (bolt or screw) or "prism" (or nut); "rod":
+    another shape."""
     axis: Floats
     """Unit; out of the joint, unless `is_two_sided`."""
     top: Floats
@@ -170,10 +182,12 @@ class _View:
 
     def is_hollow(self) -> bool:
         """Whether a bore goes all the way through."""
-        inner = self.inner()
-        if not inner:
-            return False
-        return sum(b.height for b in inner) > 0.7 * (self.high - self.low)
+        inner, full = self.inner(), self.high - self.low
+        is_open = [
+            any(b.low < self.low + 0.1 * full for b in inner),
+            any(b.high > self.high - 0.1 * full for b in inner),
+        ]
+        return all(is_open) and sum(b.height for b in inner) > 0.7 * full
 
 
 def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
@@ -275,6 +289,14 @@ def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: 
     points, turned = (corners - centre) @ frame.T, normals @ frame.T
     r = np.hypot(points[..., 0], points[..., 1])
     z = points[..., 2]
+    rest = points.reshape(-1, 3)
+    around = rest[:, :2] @ _AROUND.T
+    widths = around.max(axis=0) - around.min(axis=0)
+    wings = None
+    if widths.min() < LEAST_ROUND * widths.max():
+        wings = _wings(rest[:, :2], r.reshape(-1))
+        if wings is None:
+            return None
     wall = np.abs(turned[:, 2]) < WALL_SLOPE
     total = float(area[wall].sum())
     if not total > 0.02 * float(area.sum()):
@@ -299,12 +321,13 @@ def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: 
     whole = float(weights[~is_cut].sum())
     bodies = []
     for group in groups:
+        if weights[group].sum() < LEAST_GROUP * total:
+            continue
         body = _body(distance[group], angle[group], weights[group], heights[group], farthest[group], whole or total)
         if body is not None:
             bodies.append(body)
-    rest = points.reshape(-1, 3)
-    around = sum(body.share for body in bodies if not (body.is_inside and any(recesses)))
-    if around < LEAST_SYMMETRIC and not _is_winged(rest, bodies):
+    share = sum(body.share for body in bodies if not (body.is_inside and any(recesses)))
+    if share < LEAST_SYMMETRIC and wings is None:
         return None
     kept = [body for body in bodies if body.share >= LEAST_BODY]
     return _View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses)
@@ -341,14 +364,6 @@ def _body(
     return _Body(abs(middle), middle < 0, count, prism, float(heights.min()), float(heights.max()), share)
 
 
-def _is_winged(points: Floats, bodies: list[_Body]) -> bool:
-    """Whether two opposite wings stand out from something round with a bore."""
-    return (
-        any(body.is_inside for body in bodies)
-        and _wings(points[:, :2], np.hypot(points[:, 0], points[:, 1])) is not None
-    )
-
-
 def _wings(across: Floats, r: Floats) -> tuple[float, float] | None:
     """Radius of the hub, and how far its two wings reach; None where there are none."""
     reach = float(r.max())
@@ -373,17 +388,20 @@ def _recognised(view: _View, axis: Floats, centre: Floats) -> Looks | None:
             out = sign * axis
             top = seen.high if found.top is None else found.top
             looks = Looks(
-                *(found.kind, out, centre + out * top, top - seen.low, found.is_two_sided, found.ring),
-                *(
-                    found.size,
-                    found.flats,
-                    found.length,
-                    found.head,
-                    found.is_strong,
-                    found.because,
-                    found.drive,
-                    found.is_known_by_name,
-                ),
+                kind=found.kind,
+                axis=out,
+                top=centre + out * top,
+                height=top - seen.low,
+                is_two_sided=found.is_two_sided,
+                ring=found.ring,
+                size=found.size,
+                across_flats=found.flats,
+                length=found.length,
+                head_height=found.head,
+                is_strong=found.is_strong,
+                because=found.because,
+                drive=found.drive,
+                is_known_by_name=found.is_known_by_name,
             )
             if looks.is_strong:
                 return looks
@@ -433,6 +451,9 @@ def _bolt(view: _View) -> _Found | None:
     if not prisms or view.is_hollow():
         return None
     head = max(prisms, key=lambda b: (b.sides > 4, b.radius))
+    full = view.high - view.low
+    if any(b.high > view.high - 0.1 * full and b.radius > BORE_TO_FLATS[0] * head.radius for b in view.inner()):
+        return None  # a bore from above: a domed nut from below
     shank = _shank(view, head.low, head.radius)
     if shank is None or not THREAD_TO_FLATS[0] <= shank[0] / head.radius <= THREAD_TO_FLATS[1]:
         return None
@@ -443,12 +464,15 @@ def _bolt(view: _View) -> _Found | None:
         return None  # a plate under it
     bearing = _bearing(view, radius, head.radius)
     flats, length, height = 2.0 * head.radius, bearing - view.low, view.high - bearing
+    if not HEAD_HEIGHTS[0] <= head.height / flats <= HEAD_HEIGHTS[1]:
+        return None  # a plate, or a standoff
     name = PRISMS[head.sides]
     because = f"{_a(name)}, {_mm(flats)} across flats, on a shank of {_mm(2.0 * radius)}"
     beyond = view.high - head.high
     top, is_known_by_name = None, False
     is_strong = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
-    if beyond > TOP_SHARE * head.height:
+    is_domed = beyond < head.height and not any(b.high > head.high + 0.1 * beyond for b in view.outer())
+    if beyond > TOP_SHARE * head.height and not is_domed:
         # A sensor: its hexagon is between a thread and a body that a wrench goes around.
         if head.sides != 6 or beyond > 2.0 * head.height or length > 2.5 * head.height:
             return None
@@ -476,6 +500,11 @@ def _recessed_screw(view: _View) -> _Found | None:
     full = view.high - view.low
     head = float(view.r[view.z > view.high - 0.5 * full].max())
     radius = float(view.r[view.z < view.low + 0.4 * full].max())
+    if radius < 0.3 * head:  # a pointed tip
+        lowest = sorted((b for b in outer if b.radius > 0.3 * head), key=lambda b: b.low)
+        if not lowest:
+            return None
+        radius = lowest[0].radius
     # A slot may run out of the head on both sides; others are inside it.
     if not recess.reach < 0.85 * head and recess.drive != "slot":
         return None
@@ -483,14 +512,15 @@ def _recessed_screw(view: _View) -> _Found | None:
         return None
     is_headless = radius > 0.9 * head
     if is_headless:
-        if full < HEADLESS_SLENDER * 2.0 * radius or recess.reach > HEADLESS_RECESS * radius and recess.drive != "slot":
+        is_thin = recess.reach > HEADLESS_RECESS * radius and recess.drive != "slot"
+        if is_thin or full < HEADLESS_SLENDER * 2.0 * radius:
             return None
         if len(outer) > 1 and min(b.radius for b in outer) < 0.7 * radius:
             return None
-    elif view.high - _bearing(view, radius, head) > MOST_HEAD * 2.0 * radius:
-        return None
-    elif full < 1.3 * radius or not HEAD_TO_SHANK[0] <= head / radius <= MOST_HEAD_WIDTH:
-        return None
+    else:
+        is_high = view.high - _bearing(view, radius, head) > MOST_HEAD * 2.0 * radius
+        if is_high or full < 1.3 * radius or not HEAD_TO_SHANK[0] <= head / radius <= MOST_HEAD_WIDTH:
+            return None
     if recess.drive == "slot" and not recess.width < SLOT_TO_HEAD * 2.0 * head:
         return None
     bearing = view.high if is_headless else _bearing(view, radius, head)
@@ -509,7 +539,11 @@ def _nut(view: _View) -> _Found | None:
         return None
     body, bore = max(prisms, key=lambda b: (b.sides > 4, b.radius)), min(bores, key=lambda b: b.radius)
     full = view.high - view.low
-    least = float(view.r.min())
+    # The bore of a domed nut goes in from below.
+    is_blind = bore.high < view.high - 0.1 * full
+    if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
+        return None
+    least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())
     if not BORE_TO_FLATS[0] <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
         return None
     if not NUT_HEIGHT[0] <= full / (2.0 * body.radius) <= NUT_HEIGHT[1] or body.height < 0.4 * full:
@@ -524,7 +558,7 @@ def _nut(view: _View) -> _Found | None:
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
-    is_two_sided = below < 1.1 * above
+    is_two_sided = below < 1.1 * above and not is_blind
     if above > 1.1 * below:
         return None  # a flange: the other way round it is on the joint's side
     # Slots of a castle nut are open above: between the bore and the outside, corners at their floor.
@@ -570,7 +604,7 @@ def _stud(view: _View) -> _Found | None:
     if not (core.low < shank.low - 0.05 * full and core.high > shank.high + 0.05 * full):
         return None
     ends = [float(view.r[near].max()) for near in (view.z > view.high - 1e-6 * full, view.z < view.low + 1e-6 * full)]
-    if max(ends) > 0.97 * float(view.r[view.z > view.high - 0.2 * full].max()) or 2.0 * shank.radius > WIDEST_WEAK_M:
+    if max(ends) > 0.97 * float(view.r[view.z > view.high - 0.2 * full].max()) or 2.0 * shank.radius > WIDEST_STUD_M:
         return None
     size = 2.0 * float(view.r.max())
     because = f"a shank of {_mm(size)} between two threads"
