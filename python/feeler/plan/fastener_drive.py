@@ -18,6 +18,8 @@ ALONG_DEG = 3.0
 """Directions of walls that differ by less are one."""
 MOST_DEPTH = 0.8
 """The greatest depth of a recess, as a share of the shape's height: deeper ones are bores."""
+SLIVER = 1e-3
+"""Triangles with a smaller share of the walls that face the axis are not looked at."""
 TOP = 0.2
 """How far below the upper end a recess may begin, as a share of its depth: domes and chamfers."""
 LOBES = (1.12, 1.7)
@@ -60,7 +62,9 @@ class Recess:
 
 def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
     """The recess at the upper end of a shape between `low` and `high`; None where none is known."""
-    inner = np.flatnonzero(walls.distance < 0.0)
+    is_inner = walls.distance < 0.0
+    # Slivers of plane faces may face anywhere once coordinates are rounded.
+    inner = np.flatnonzero(is_inner & (walls.area > SLIVER * walls.area[is_inner].sum()))
     if not len(inner):
         return None
     z = walls.corners[inner][:, :, 2]
@@ -160,12 +164,10 @@ class _Outline:
 
     def lobes(self) -> tuple[str, float] | None:
         """Six lobes: going around, what is far and what is near from the axis changes twelve times."""
-        least = min(float(self.radii.min()), float(self.distance.min()))
-        if not LOBES[0] <= self.reach / max(least, 1e-300) <= LOBES[1]:
-            return None
-        middles = 0.5 * (self.begin + self.end)
-        points = np.concatenate([self.begin, self.end, middles])
+        points = np.concatenate([self.begin, self.end, 0.5 * (self.begin + self.end)])
         r, turn = np.linalg.norm(points, axis=1), np.arctan2(points[:, 1], points[:, 0])
+        if not LOBES[0] <= self.reach / max(float(r.min()), 1e-300) <= LOBES[1]:
+            return None
         sixth = (turn * 6.0) % (2.0 * np.pi)
         # One lobe on top of the others: all are alike, and far at one angle.
         phase = np.angle(np.sum((r - r.mean()) * np.exp(1j * sixth)))
