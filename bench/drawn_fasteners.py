@@ -295,7 +295,84 @@ class Draughtsman:
         solid += rod(r, low, long - high, self.n)
         return Drawn(solid, "stud", "", np.nan, np.nan, long, True)
 
+    # Less usual ones.
+
+    def dome_nut(self) -> Drawn:
+        high, round_ = 0.8 * self.size, 0.47 * self.flats
+        solid = prism(regular(6, self.flats / 2.0), 0.0, high)
+        solid += Solid.sphere(round_, self.n).translate([0, 0, high])
+        solid = solid.trim_by_plane([0, 0, 1], 0.0) - rod(self.thread, -1.0, self.size, self.n)
+        return self.sized(solid, "nut", "hexagon", self.flats, high + round_)
+
+    def coupling_nut(self) -> Drawn:
+        high = 3.0 * self.size
+        solid = prism(regular(6, self.flats / 2.0), 0.0, high) - rod(self.thread, -1.0, 2.0 * high, self.n)
+        return self.sized(solid, "nut", "hexagon", self.flats, high, True)
+
+    def banjo_bolt(self) -> Drawn:
+        """Hollow from its tip."""
+        high = 0.65 * self.size
+        solid = prism(regular(6, self.flats / 2.0), 0.0, high) + self.shank()
+        bore = rod(0.2 * self.size, -2.0 * self.length, -0.1 * self.size, self.n)
+        return self.sized(solid - bore, "bolt", "hexagon", self.flats, high)
+
+    def wood_screw(self) -> Drawn:
+        d = self.size
+        solid = Solid.cylinder(0.5 * d, 0.5 * d, d, self.n) + rod(0.5 * d, -2.0 * d, 0.01, self.n)
+        solid += Solid.cylinder(3.0 * d, 0.02 * d, 0.5 * d, self.n).translate([0, 0, -5.0 * d])
+        drive = str(self.rng.choice(["cross", "slot", "torx socket"]))
+        cut, _ = self.recess(drive, 0.5 * d, d)
+        return Drawn(solid - cut, "screw", drive, np.nan, d, 0.5 * d)
+
+    def square_socket_plug(self) -> Drawn:
+        d = 2.0 * self.size
+        cut = prism(regular(4, 0.25 * d).rotate(360 * self.turn), -0.45 * d, 1.0)
+        return Drawn(rod(d / 2.0, -0.9 * d, 0.0, self.n) - cut, "screw", "square socket", 0.5 * d, d, 0.0)
+
     # What is no fastener.
+
+    def socket_tool(self) -> Drawn:
+        d = self.size
+        return Drawn(
+            rod(d, 0.0, 3.0 * d, self.n)
+            - prism(regular(6, 0.7 * d), 1.8 * d, 4.0 * d)
+            - prism(regular(4, 0.4 * d), -1.0, 1.2 * d)
+        )
+
+    def standoff(self) -> Drawn:
+        d = self.size
+        solid = prism(regular(6, d), 0.0, 6.0 * d) - rod(0.4 * d, -1.0, 1.5 * d, self.n)
+        return Drawn(solid - rod(0.4 * d, 4.5 * d, 7.0 * d, self.n))
+
+    def hexagon_flange(self) -> Drawn:
+        d = self.size
+        return Drawn(prism(regular(6, 3.0 * d), 0.0, 0.4 * d) + rod(1.2 * d, 0.0, 3.0 * d, self.n))
+
+    def square_plate_with_boss(self) -> Drawn:
+        d = self.size
+        return Drawn(Solid.cube([4.0 * d, 4.0 * d, 0.4 * d], True) + rod(d / 2.0, 0.0, 2.0 * d, self.n))
+
+    def lever(self) -> Drawn:
+        d = self.size
+        arms = Solid.cube([6.0 * d, 0.8 * d, 0.5 * d], True).translate([0, 0, 0.4 * d])
+        return Drawn(rod(d, 0.0, 0.8 * d, self.n) + arms - rod(0.5 * d, -1.0, 2.0 * d, self.n))
+
+    def spline_shaft(self) -> Drawn:
+        d, solid = self.size, rod(self.size / 2.0, 0.0, 6.0 * self.size, self.n)
+        for i in range(6):
+            key = Solid.cube([0.65 * d, 0.2 * d, 2.0 * d]).translate([0, -0.1 * d, 0])
+            solid += key.rotate([0, 0, 60.0 * i])
+        return Drawn(solid)
+
+    def slotted_bush(self) -> Drawn:
+        d = self.size
+        solid = rod(d, 0.0, 2.0 * d, self.n) - rod(0.6 * d, -1.0, 9.0 * d, self.n)
+        return Drawn(solid - Solid.cube([9.0 * d, 0.3 * d, 0.8 * d], True).translate([0, 0, 2.0 * d]))
+
+    def pulley(self) -> Drawn:
+        d = self.size
+        solid = rod(2.0 * d, 0.0, 0.3 * d, self.n) + rod(1.5 * d, 0.2 * d, 0.8 * d, self.n)
+        return Drawn(solid + rod(2.0 * d, 0.7 * d, d, self.n) - rod(0.5 * d, -1.0, 2.0 * d, self.n))
 
     def washer(self) -> Drawn:
         solid = Solid.cylinder(0.2 * self.size, self.size, self.size, self.n)
@@ -402,11 +479,13 @@ FASTENERS = [
     *("hexagon_bolt", "flange_bolt", "square_bolt", "twelve_point_bolt", "cap_screw", "hexagon_recess_screw"),
     *("slotted_screw", "cross_screw", "torx_screw", "twelve_point_recess_screw", "set_screw", "hexagon_nut"),
     *("square_nut", "flange_nut", "castle_nut", "twelve_point_nut", "wing_nut", "stud_with_threads"),
+    *("dome_nut", "coupling_nut", "banjo_bolt", "wood_screw", "square_socket_plug"),
 ]
 OTHERS = [
     *("washer", "pin", "dowel", "clevis_pin", "rivet", "tube", "flanged_bush", "cylinder", "cup", "shaft"),
     *("keyed_shaft", "hexagon_bar", "box", "square_tube", "union", "gear", "knob", "plate_with_holes"),
-    *("grooved_block", "grooved_disc"),
+    *("grooved_block", "grooved_disc", "socket_tool", "standoff", "hexagon_flange", "square_plate_with_boss"),
+    *("lever", "spline_shaft", "slotted_bush", "pulley"),
 ]
 
 

@@ -501,10 +501,7 @@ def _recessed_screw(view: _View) -> _Found | None:
     head = float(view.r[view.z > view.high - 0.5 * full].max())
     radius = float(view.r[view.z < view.low + 0.4 * full].max())
     if radius < 0.3 * head:  # a pointed tip
-        lowest = sorted((b for b in outer if b.radius > 0.3 * head), key=lambda b: b.low)
-        if not lowest:
-            return None
-        radius = lowest[0].radius
+        radius = max((b.radius for b in outer if b.radius < 0.75 * head), default=radius)
     # A slot may run out of the head on both sides; others are inside it.
     if not recess.reach < 0.85 * head and recess.drive != "slot":
         return None
