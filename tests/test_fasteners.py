@@ -253,6 +253,8 @@ def test_names_are_a_second_voice() -> None:
     prism = hardware.hex_bolt(0.006, 0.02, Tolerance(6e-3))
     both = {"bolt": placed(bolt, np.eye(4)), "thing": placed(prism, at(1.0))}
     assert [row.path for row in feeler.find_fasteners(mockup_of(both))] == ["bolt"]
+    both = {"bolt": placed(bolt, np.eye(4)), "Part 12": placed(prism, at(1.0))}
+    assert len(feeler.find_fasteners(mockup_of(both))) == 2, "a name that programs give says nothing"
     both = {"part 1": placed(bolt, np.eye(4)), "part 2": placed(prism, at(1.0))}
     assert len(feeler.find_fasteners(mockup_of(both))) == 2
 

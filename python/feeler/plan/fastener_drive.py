@@ -71,8 +71,9 @@ def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
     floor, depth = float(z.min()), high - float(z.min())
     if depth > MOST_DEPTH * (high - low):
         # Below the recess may be another one, from the other end.
-        is_upper = z.min(axis=1) > 0.5 * (low + high)
-        if not is_upper.any():
+        middle = 0.5 * (low + high)
+        is_upper = z.min(axis=1) > middle
+        if not is_upper.any() or (~is_upper & (z.max(axis=1) > middle)).any():
             return None
         inner, z = inner[is_upper], z[is_upper]
         floor, depth = float(z.min()), high - float(z.min())

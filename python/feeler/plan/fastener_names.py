@@ -32,12 +32,16 @@ OTHERS = (
 )
 """Words that name something else, where they come last: a bolt ring is no bolt."""
 
+GENERIC = "part body solid component compound shape object mesh node item product instance copy default assembly"
+"""Words of names that programs give: they say nothing about a part."""
+
 HEADS = "head headed hd set cap button countersunk flat pan drive shoulder"
 """Words before which "socket" describes a screw."""
 
 _KIND_OF_WORD = {word: kind for kind, words in KINDS.items() for word in words.split()}
 _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for number in numbers.split()}
 _OTHERS = frozenset(OTHERS.split())
+_GENERIC = frozenset(GENERIC.split())
 _HEADS = frozenset(HEADS.split())
 _SUPPORTING = frozenset(SUPPORTING.split())
 _STANDARD = re.compile(r"(?:din|iso|en)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?(\d{2,5})(?!\d)", re.IGNORECASE)
@@ -55,6 +59,11 @@ def kind_said(name: str) -> str | None:
     plain = "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
     # "set screw, socket" is a screw: what follows a comma describes it.
     return next((said for said in map(_said, re.split(r"[,;(]", plain)) if said is not None), None)
+
+
+def says_nothing(name: str) -> bool:
+    """Whether a name has no word about the part, such as "Part 12"."""
+    return all(len(word) < 3 or word.lower() in _GENERIC for word in _WORD.findall(name))
 
 
 def _said(phrase: str) -> str | None:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import kind_said
+from feeler.plan.fastener_names import kind_said, says_nothing
 from feeler.plan.fastener_shape import Looks, looks_of, rod_of
 from feeler.plan.same_shapes import PartMeshes, SameShape, same_shapes
 from feeler.scene import Scene
@@ -287,7 +287,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
         seen = looks or (rod if name in KINDS else None)
         if seen is None:
             continue
-        confidence = _confidence(seen, name, is_naming)
+        confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
         if confidence < LEAST_CONFIDENCE:
             continue
         kind = _kind(seen, name)
@@ -309,14 +309,14 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
     return found
 
 
-def _confidence(looks: Looks, name: str | None, is_naming: bool) -> float:
+def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
     if name in KINDS or name == "plug":
         return NAMED if looks.kind == "rod" else AGREED
     if name == "other" or looks.is_known_by_name:
         return DOUBTED
     if looks.is_strong:
         return STRONG
-    return DOUBTED if is_naming else WEAK
+    return DOUBTED if is_telling else WEAK
 
 
 def _kind(looks: Looks, name: str | None) -> str:
