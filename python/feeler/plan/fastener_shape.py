@@ -95,7 +95,7 @@ HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head by its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
 
-_TURNS = np.arange(8) * (np.pi / 8.0)
+_TURNS = np.arange(4) * (np.pi / 4.0)
 _AROUND = np.stack([np.cos(_TURNS), np.sin(_TURNS)], axis=1)
 
 
@@ -204,7 +204,7 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
         normals = -normals  # wound inside out
     best: Looks | None = None
     for axis in _axes(corners, area, normals, centre):
-        view = _view(corners, area, normals, centre, axis)
+        view = _view(corners, area, normals, centre, axis) if _is_round(vertices - centre, axis) else None
         if view is None:
             continue
         found = _recognised(view, axis, centre)
@@ -281,22 +281,30 @@ def _surface_moment(corners: Floats, area: Floats) -> Floats:
     return np.asarray(np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total))
 
 
-def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
-    """The shape along an axis; None where it is not symmetric about it."""
+def _frame(axis: Floats) -> Floats:
+    """(3, 3): rows across an axis, and along it."""
     x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     x /= np.linalg.norm(x)
-    frame = np.stack([x, np.cross(axis, x), axis])
+    return np.stack([x, np.cross(axis, x), axis])
+
+
+def _is_round(offset: Floats, axis: Floats) -> bool:
+    """Whether a shape's corners, from its middle, are about as wide in all directions across an axis, but for wings."""
+    across = offset @ _frame(axis)[:2].T
+    around = across @ _AROUND.T
+    widths = around.max(axis=0) - around.min(axis=0)
+    if widths.min() >= LEAST_ROUND * widths.max():
+        return True
+    return _wings(across, np.hypot(across[:, 0], across[:, 1])) is not None
+
+
+def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
+    """The shape along an axis; None where it is not symmetric about it."""
+    frame = _frame(axis)
     points, turned = (corners - centre) @ frame.T, normals @ frame.T
     r = np.hypot(points[..., 0], points[..., 1])
     z = points[..., 2]
     rest = points.reshape(-1, 3)
-    around = rest[:, :2] @ _AROUND.T
-    widths = around.max(axis=0) - around.min(axis=0)
-    wings = None
-    if widths.min() < LEAST_ROUND * widths.max():
-        wings = _wings(rest[:, :2], r.reshape(-1))
-        if wings is None:
-            return None
     wall = np.abs(turned[:, 2]) < WALL_SLOPE
     total = float(area[wall].sum())
     if not total > 0.02 * float(area.sum()):
@@ -327,7 +335,7 @@ def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: 
         if body is not None:
             bodies.append(body)
     share = sum(body.share for body in bodies if not (body.is_inside and any(recesses)))
-    if share < LEAST_SYMMETRIC and wings is None:
+    if share < LEAST_SYMMETRIC and _wings(rest[:, :2], r.reshape(-1)) is None:
         return None
     kept = [body for body in bodies if body.share >= LEAST_BODY]
     return _View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses)
