@@ -59,7 +59,7 @@ def test_a_bolt_in_the_open() -> None:
     assert row.part == 0 and row.path == "bolt" and row.blockers == ()
     assert row.way.shape == (2, 4, 4)
     assert np.allclose(row.way[0] - row.way[1], at(z=0.1) - np.eye(4))
-    assert row.because == "360.0 degrees are free"
+    assert row.because == "360.0 degrees are free, with a way in over 100 mm"
 
 
 def test_a_well_too_deep_for_a_bar_and_not_for_a_driver() -> None:

@@ -279,14 +279,14 @@ class _Question:
     def _because(self, shown: Swing | None, found: Swing | None, drawn: float) -> str:
         if shown is None:
             return "the tool meets something at every angle"
+        looked, came = f"{1e3 * self._approach:g} mm", f"{1e3 * drawn:.3g} mm"
         if found is None:
-            looked, came = f"{1e3 * self._approach:g} mm", f"{1e3 * drawn:.3g} mm"
             return (
                 f"a swing of {shown.span:.1f} degrees is free, but no way in was found within {looked}: "
                 f"it comes out {came} at most"
             )
         enough = "" if found.span >= self._needed else f", of {self._needed:g} that are needed"
-        return f"{found.span:.1f} degrees are free{enough}"
+        return f"{found.span:.1f} degrees are free{enough}, with a way in over {looked}"
 
     def _straight(self, frame: Floats, swing: Swing, ignore: Any, blocked: Counter[int], drawn: _Drawn) -> Floats:
         """The way along z to one of the swing's seats, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards.
