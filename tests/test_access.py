@@ -12,6 +12,7 @@ from shapes import at, box, joined, mockup_of, tool_of
 
 import feeler
 from feeler.errors import MeshError, OptionError, PoseError
+from feeler.plan.pair_turns import blocked_turns
 from feeler.plan.reaching import AccessInterrupted
 from feeler.plan.tool_seat import seated_tool
 from feeler.samples import hardware
@@ -58,7 +59,7 @@ def test_a_bolt_in_the_open() -> None:
     assert row.part == 0 and row.path == "bolt" and row.blockers == ()
     assert row.way.shape == (2, 4, 4)
     assert np.allclose(row.way[0] - row.way[1], at(z=0.1) - np.eye(4))
-    assert row.because == "360.0 degrees are free"
+    assert row.because == "360.0 degrees are free, with a way in over 100 mm"
 
 
 def test_a_well_too_deep_for_a_bar_and_not_for_a_driver() -> None:
@@ -139,13 +140,8 @@ def test_each_swing_is_free_and_hardly_larger_ones_are() -> None:
         if free.all() or not free.any():
             continue
         runs = np.diff(np.flatnonzero(~np.concatenate([free, free, free[:1] & False]))) - 1
-        longest = runs.max(initial=0) / 10.0
-        # A free gap between two angles that both are blocked is not found: it is narrower than a step.
-        if row.swing > 0:
-            partly += 1
-            assert row.swing <= longest + 0.2
-            if longest > 360.0 / 5:
-                assert row.swing >= longest - 0.2
+        partly += 1
+        assert abs(row.swing - runs.max(initial=0) / 10.0) <= 0.2
     assert partly >= 6
 
 
@@ -171,7 +167,9 @@ def test_under_a_roof_a_jaw_comes_in_sideways_and_a_ring_does_not() -> None:
     ring = joined(jaw(), box((-0.02, -0.012, -0.004), (-0.012, 0.012, -0.001)))
     row = asked(roof, feeler.Tool(*ring, "ring"))
     assert not row.reachable and row.swing == 360.0 and not len(row.way)
-    assert row.because == "a swing of 360.0 degrees is free, but no way in was found"
+    assert row.because == (
+        "a swing of 360.0 degrees is free, but no way in was found within 100 mm: it comes out 4.38 mm at most"
+    )
     assert row.blockers[0].path == "roof"
     assert asked({}, feeler.Tool(*ring, "ring")).reachable
 
@@ -228,16 +226,73 @@ def test_the_sample_wrench_turns_about_its_jaw() -> None:
     assert not stuck.reachable and stuck.blockers[0].path == "plate"
 
 
-def test_a_swing_narrower_than_a_step_is_found() -> None:
-    """Between two walls, turned, that leave 4.4354 degrees; at none of 72 even steps is the seat free."""
-    walls = [sheet(first + 0.2 + turn, 0.05, 0.12) for first in (0.0, 4.4354) for turn in [0.0]]
-    others = [sheet(0.2 + turn, 0.05, 0.12) for turn in np.arange(7.0, 359.0, 2.5)]
-    wedge = feeler.Tool(
-        *joined(*(sheet(turn, 0.02, 0.1, -0.005, 0.005) for turn in (-1.5, -0.8, 0.0, 0.8, 1.5))), "fan"
-    )
-    row = asked({"walls": joined(*walls, *others)}, wedge, swing=1.0)
-    assert row.swing == pytest.approx(4.4354 - 3.0, abs=2e-3) and row.swing <= 4.4354 - 3.0
-    assert row.reachable and row.angle == pytest.approx(1.7, abs=2e-3)
+@pytest.mark.parametrize("seed", range(12))
+def test_the_swing_in_a_sector_is_its_closed_form(seed: int) -> None:
+    """A bar between two walls at random angles, in a random frame; sheets close the rest of the circle."""
+    rng = np.random.default_rng(seed)
+    half, near = rng.uniform(1e-4, 4e-3), rng.uniform(0.0205, 0.05)
+    play = 4.4354 if seed == 0 else 10 ** rng.uniform(-1.5, 2.3)
+    lean = float(np.degrees(np.arcsin(half / near)))  # where the bar's side meets the near edge of a wall
+    first, opening = rng.uniform(0.0, 360.0), play + 2.0 * lean
+    count = int((360.0 - opening) / min(0.9 * lean, 3.0)) + 2
+    walls = [sheet(turn, near, 0.12, -0.02, 0.02) for turn in np.linspace(first + opening, first + 360.0, count)]
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    frame = at(*rng.uniform(-3.0, 3.0, 3))
+    frame[:3, :3] = turn * np.sign(np.linalg.det(turn))
+    vertices, faces = joined(*walls)
+    scene = feeler.Scene(mockup_of({"walls": (vertices @ frame[:3, :3].T + frame[:3, 3], faces)}))
+    tool = feeler.Tool(*box((0.6 * near, -half, -0.005), (0.1, half, 0.005)), "bar")
+    (row,) = feeler.access(scene, tool, frame, swing=60.0, angles=int(rng.integers(4, 100)), threads=1)
+    assert play - 1e-3 < row.swing <= play
+    assert abs((row.angle - first - lean + 180.0) % 360.0 - 180.0) < 1e-3
+    assert row.reachable == (play >= 60.0) and len(row.way)
+
+
+def test_two_triangles_meet_over_the_angles_of_the_closed_form() -> None:
+    """Random pairs, some of them level and flush: just inside the ends they meet, just outside they do not."""
+    rng = np.random.default_rng(3)
+    a, b = rng.normal(size=(2, 1500, 3, 3))
+    a[::4, :, 2] = b[::4, :, 2] = 0.0
+    low, high = blocked_turns(a, b)
+    checked = 0
+    for one, other, first, last in zip(a, b, low, high, strict=True):
+        scene = feeler.Scene(mockup_of({"b": (other, np.array([[0, 1, 2]]))}), threads=1)
+        tool = feeler.Tool(one, [[0, 1, 2]])
+
+        def meets(turn: float, scene: feeler.Scene = scene, tool: feeler.Tool = tool) -> bool:
+            return scene.is_colliding(tool, at(degrees=float(np.degrees(turn))))
+
+        assert meets(0.0) == (first < 0.0 < last)
+        if first < 0.0:
+            assert meets(first + 1e-9) and meets(last - 1e-9) and meets(rng.uniform(first, last))
+        for end, way in ((first, -1e-9), (last, 1e-9)):
+            if first < 0.0 and abs(end) < np.pi - 1e-6:  # half a turn either way is the most that is told
+                checked += 1
+                assert not meets(end + way)
+    assert checked > 200
+
+
+def test_a_slot_above_the_seat_is_found_at_any_angle() -> None:
+    """Below the roof the blade turns freely; it comes in only where the slot is."""
+    for turn in (0.0, 17.3, 101.9, 261.4):
+        half = 0.0006
+        sides = [box((-0.2, half, 0.03), (0.2, 0.3, 0.04)), box((-0.2, -0.3, 0.03), (0.2, -half, 0.04))]
+        vertices, faces = joined(*sides)
+        row = asked({"roof": (vertices @ at(degrees=turn)[:3, :3].T, faces)}, BLADE, approach=0.08)
+        assert row.reachable and row.swing == 360.0 and row.drawn == row.looked == 0.08
+        assert np.allclose(row.way[0] - row.way[1], at(z=0.08) - np.eye(4))
+
+
+def test_it_says_how_far_it_looked_for_a_way_in() -> None:
+    roof = {"lid": box((-0.5, -0.5, 0.06), (0.5, 0.5, 0.07)), "wall": PLATE}
+    ring = feeler.Tool(*joined(jaw(), box((-0.02, -0.012, -0.004), (-0.012, 0.012, -0.001))), "ring")
+    short, far = asked(roof, ring, approach=0.04), asked(roof, ring, approach=0.1)
+    assert short.reachable and short.looked == short.drawn == 0.04
+    assert not far.reachable and far.looked == 0.1
+    assert far.drawn == pytest.approx(0.06 + 0.001 - HEAD_TOP, abs=2e-6)
+    assert far.because.endswith("no way in was found within 100 mm: it comes out 55.6 mm at most")
+    blocked = asked({"lid": box((-0.5, -0.5, -0.01), (0.5, 0.5, 0.01))}, bar(end=1.0))
+    assert blocked.looked == 0.1 and blocked.drawn == 0.0
 
 
 def test_a_hand_goes_along() -> None:

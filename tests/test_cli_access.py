@@ -66,6 +66,7 @@ def test_what_people_read(stand: Path, bar: Path) -> None:
 def test_what_machines_read(stand: Path, bar: Path) -> None:
     document = run_json("access", stand, "--tool", bar, "--threads", "1", code=1)
     assert document["reachable"] == 2 and document["targets"] == 3 and document["partial"] is False
+    assert all(row["looked_m"] == 0.1 and 0.0 <= row["drawn_m"] <= 0.1 for row in document["rows"])
     assert document["swing_deg"] == 60.0 and document["angles"] == 72 and document["approach_m"] == 0.1
     assert [row["path"] for row in document["rows"]] == ["stand/open/bolt", "stand/wall/bolt", "stand/[1] roof/screw"]
     first, second, third = document["rows"]

@@ -79,7 +79,7 @@ def access(
         float, typer.Option(help="Metres by which the tool sits above the top of the head; negative: below.")
     ] = 0.0,
     swing: Annotated[float, typer.Option(help="Degrees that it has to be swung.")] = 60.0,
-    angles: Annotated[int, typer.Option(help="Seats that are tried around the axis.")] = 72,
+    angles: Annotated[int, typer.Option(help="Even steps around the axis that are tried first, and counted.")] = 72,
     approach: Annotated[float, typer.Option(help="Metres of the way in.")] = 0.1,
     without: Without = None,
     only: Only = None,
@@ -156,7 +156,7 @@ def access(
             }
         )
     else:
-        _print(found, rows, len(asked), seconds, written)
+        _print(found, rows, len(asked), approach, seconds, written)
     if is_interrupted:
         fail("interrupted: what was found until then is told")
         raise typer.Exit(INTERRUPTED)
@@ -218,6 +218,8 @@ def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Acces
                 "swing_deg": reach.swing,
                 "angle_deg": reach.angle,
                 "because": reach.because,
+                "looked_m": reach.looked,
+                "drawn_m": reach.drawn,
                 "blockers": _blockers(reach.blockers),
                 "world_from_tool": reach.pose.tolist(),
                 "way": reach.way.tolist(),
@@ -260,6 +262,7 @@ def _csv(rows: list[dict[str, Any]]) -> bytes:
 
     lines = []
     columns = ["target", "part", "path", "kind", "size_m", "across_flats_m", "reachable", "swing_deg", "angle_deg"]
+    columns += ["looked_m", "drawn_m"]
     for row in rows:
         values = [row.get(column) for column in columns]
         blockers = [each["path"] for each in row["blockers"]]
@@ -270,7 +273,12 @@ def _csv(rows: list[dict[str, Any]]) -> bytes:
 
 
 def _print(
-    found: feeler.Access, rows: list[dict[str, Any]], targets: int, seconds: float, written: dict[str, str]
+    found: feeler.Access,
+    rows: list[dict[str, Any]],
+    targets: int,
+    approach: float,
+    seconds: float,
+    written: dict[str, str],
 ) -> None:
     from feeler.cli import outputs
 
@@ -279,6 +287,7 @@ def _print(
         outputs.print_finding(out, "interrupted: this is what was found until then")
     reached = int(found.reachable.sum())
     line = f"{reached:,} of {count(len(found), 'target')} reachable ({outputs.duration(seconds)})"
+    line += f"; ways in were looked for over {outputs.length(approach)}"
     if found.is_partial:
         line += f"; {targets - len(found):,} were not tried"
     if reached == len(found):

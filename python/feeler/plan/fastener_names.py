@@ -22,8 +22,9 @@ STANDARDS = {
 }
 """Numbers of DIN and ISO standards by the kind of fastener."""
 
-SUPPORTING = "plug plugs"
-"""Words that make a likely shape surer, but no fastener of another one: a plug with a hexagon is screwed in."""
+SUPPORTING = "plug plugs sensor sensors"
+"""Words that make a likely shape surer, but no fastener of another one: plugs and sensors with a hexagon are screwed
+in."""
 
 OTHERS = (
     "washer washers plate hole holes boss union pipe tube clamp bracket housing cover wrench driver screwdriver socket "
@@ -31,9 +32,17 @@ OTHERS = (
 )
 """Words that name something else, where they come last: a bolt ring is no bolt."""
 
+GENERIC = "part body solid component compound shape object mesh node item product instance copy default assembly"
+"""Words of names that programs give: they say nothing about a part."""
+
+HEADS = "head headed hd set cap button countersunk flat pan drive shoulder"
+"""Words before which "socket" describes a screw."""
+
 _KIND_OF_WORD = {word: kind for kind, words in KINDS.items() for word in words.split()}
 _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for number in numbers.split()}
 _OTHERS = frozenset(OTHERS.split())
+_GENERIC = frozenset(GENERIC.split())
+_HEADS = frozenset(HEADS.split())
 _SUPPORTING = frozenset(SUPPORTING.split())
 _STANDARD = re.compile(r"(?:din|iso|en)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?(\d{2,5})(?!\d)", re.IGNORECASE)
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
@@ -48,13 +57,23 @@ def kind_said(name: str) -> str | None:
     if standard is not None and standard.group(1) in _KIND_OF_STANDARD:
         return _KIND_OF_STANDARD[standard.group(1)]
     plain = "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
-    words = [word.lower() for word in _WORD.findall(plain)]
+    # "set screw, socket" is a screw: what follows a comma describes it.
+    return next((said for said in map(_said, re.split(r"[,;(]", plain)) if said is not None), None)
+
+
+def says_nothing(name: str) -> bool:
+    """Whether a name has no word about the part, such as "Part 12"."""
+    return all(len(word) < 3 or word.lower() in _GENERIC for word in _WORD.findall(name))
+
+
+def _said(phrase: str) -> str | None:
+    words = [word.lower() for word in _WORD.findall(phrase)]
     words = [word for word in words if len(word) > 2]
     said = None
-    for word in words:
+    for word, following in zip(words, [*words[1:], ""], strict=False):
         if word in _KIND_OF_WORD:
             said = _KIND_OF_WORD[word]
-        elif word in _OTHERS:
+        elif word in _OTHERS and not (word == "socket" and following in _HEADS):
             said = "other"
         elif word in _SUPPORTING:
             said = "plug"

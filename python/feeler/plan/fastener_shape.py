@@ -1,8 +1,9 @@
 """What a shape looks like as a fastener: its axis, its head, its shank, its bore.
 
 A shape is looked at along each axis about which it could be one. Its walls (triangles along the axis) are put together
-by their distance from it: six directions are a hexagon, more of them a cylinder, and those that face inwards a socket
-or a bore. What is beyond the head tells a bolt from a nut.
+by their distance from it: four directions are a square, six a hexagon, twelve a hexagon turned twice or, like more of
+them, a cylinder; those that face inwards are a bore or a recess (`fastener_drive`). What is beyond the head tells a
+bolt from a nut.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from feeler.plan.fastener_drive import Recess, Walls, recess_of
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -29,28 +32,71 @@ ALIKE = 0.03
 """Principal values that differ by less, as a share of their sum, are alike: threads and marks make a difference."""
 LEAST_BODY = 0.02
 """Bodies with a smaller share of the walls are details."""
+LEAST_GROUP = 0.002
+"""Walls at one distance with a smaller share of all walls are not looked at."""
+LEAST_ROUND = 0.68
+"""The least width across the axis by the greatest: 0.71 of a square. Only wing nuts are narrower."""
 LEAST_SYMMETRIC = 0.8
 """Share of the walls that has to belong to bodies about the axis: what has other walls is no fastener."""
 TOP_SHARE = 0.25
 """How far a head's top may stand out beyond its walls, as a share of their height: chamfers and domes do, sleeves of
 pipe unions stand out more."""
-SHANK_SLENDER = 0.8
+SHANK_SLENDER = 0.7
 """The least length of a shank, in diameters."""
+CORNERS = {4: (1.3, 1.45), 6: (1.0, 1.2), 12: (1.12, 1.19)}
+"""How far from the axis corners of a square, of a hexagon and of two hexagons turned by 30 degrees are, by the distance
+of their sides. Those of a cylinder cut into twelve are at 1.035, walls of slots are longer."""
+PRISMS = {4: "square", 6: "hexagon", 12: "12-point"}
+"""Drives that a tool goes around."""
+FLAT_SOCKETS = ("square socket", "hexagon socket", "12-point socket")
+"""Recesses that have a width across flats."""
+SQUARE_HEAD = (0.4, 1.1)
+"""Height of a square head by its shank's diameter: blocks with a boss are flatter or higher."""
+HEAD_HEIGHTS = (0.12, 1.5)
+"""Height of a head by its width across flats: 0.4 in the standards; standoffs are longer."""
+SQUARE_NUT = 0.5
+"""The least height of a square nut by half its width: square washers are flatter."""
+BODY_TO_FLATS = (0.5, 0.95)
+"""Width of the body beyond a sensor's hexagon by the width across flats: a wrench goes around it."""
+HEADLESS_SLENDER = 0.7
+"""The least length of a set screw, in diameters."""
+HEADLESS_RECESS = 0.72
+"""How far the corners of a set screw's recess may reach, by its radius: walls of tools and bushes are thinner."""
+MOST_HEAD = 1.35
+"""The greatest height of a round head with a recess, by its shank's diameter."""
+MOST_HEAD_WIDTH = 3.0
+"""The greatest diameter of such a head, by its shank's."""
+SLOT_TO_HEAD = 0.25
+"""The greatest width of a slot by its head's diameter: 0.15 in the standards; slots of couplings are wider."""
+WING_BORE = (0.3, 0.75)
+"""A wing nut's bore by its hub."""
+CORE = (0.75, 0.97)
+"""Diameter of a thread's core by its shank's: 0.8 to 0.9 in the standards."""
+WIDEST_STUD_M = 0.0251
+"""The widest stud that is told by its two threads: thicker such rods are shafts as a rule."""
+STUD_SLENDER = 3.0
+"""The least length of a stud, in diameters."""
 THREAD_TO_FLATS = (0.3, 0.88)
 """Thread diameter by width across flats: 0.5 to 0.67 in the standards, up to 0.8 for flanged heads."""
 BORE_TO_FLATS = (0.3, 0.68)
 """A nut's bore by its width across flats: at most 0.67 in the standards."""
-NUT_HEIGHT = (0.15, 1.6)
+BORE_TO_12_POINT = 0.86
+"""The most of a 12-point nut's: M8 has 10 mm across flats."""
+NUT_HEIGHT = (0.15, 2.05)
 """Height by width across flats: thin nuts to long ones."""
 PRISM_HEIGHT = (0.25, 1.0)
 """The same of a prism that stands for a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
 """The widest shank, and width across flats, of shapes that other things have as well: larger ones are seldom
 fasteners."""
-HEAD_TO_SHANK = (1.25, 2.4)
+HEAD_TO_SHANK = (1.4, 2.4)
 """Diameter of a round head by its shank's: 1.5 for socket heads, 2 for pan heads."""
 HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head by its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
+
+
+_TURNS = np.arange(4) * (np.pi / 4.0)
+_AROUND = np.stack([np.cos(_TURNS), np.sin(_TURNS)], axis=1)
 
 
 @dataclass(frozen=True)
@@ -58,8 +104,8 @@ class Looks:
     """What a shape looks like, in the frame of its corners, metres; NaN where the mesh does not show it."""
 
     kind: str
-    """"bolt", "screw" or "nut"; where the mesh does not tell "head" (bolt or screw) or "prism" (or nut); "rod": another
-    shape."""
+    """"bolt", "screw", "nut" or "stud"; where the mesh does not tell "head" (bolt or screw) or "prism" (or nut); "rod":
+    another shape."""
     axis: Floats
     """Unit; out of the joint, unless `is_two_sided`."""
     top: Floats
@@ -77,6 +123,10 @@ class Looks:
     is_strong: bool
     """Whether hardly anything else looks so."""
     because: str
+    drive: str = ""
+    """As `Fastener.drive`."""
+    is_known_by_name: bool = False
+    """Whether things that are no fasteners look so as often, so that the name decides."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +136,8 @@ class _Body:
     radius: float
     is_inside: bool
     directions: int
-    is_hexagon: bool
+    sides: int
+    """4, 6 or 12 of a square, a hexagon, or two hexagons that are turned by 30 degrees; 0: round."""
     low: float
     high: float
     share: float
@@ -103,7 +154,12 @@ class _View:
 
     bodies: list[_Body]
     z: Floats
+    """Of the corners of the triangles, along the axis, from the middle."""
     r: Floats
+    across: Floats
+    """(n, 2): the same corners across the axis."""
+    recesses: tuple[Recess | None, Recess | None]
+    """At the upper and at the lower end."""
 
     @property
     def low(self) -> float:
@@ -115,10 +171,8 @@ class _View:
 
     def flipped(self) -> _View:
         """From the other end."""
-        bodies = [
-            _Body(b.radius, b.is_inside, b.directions, b.is_hexagon, -b.high, -b.low, b.share) for b in self.bodies
-        ]
-        return _View(bodies, -self.z, self.r)
+        bodies = [_Body(b.radius, b.is_inside, b.directions, b.sides, -b.high, -b.low, b.share) for b in self.bodies]
+        return _View(bodies, -self.z, self.r, self.across, self.recesses[::-1])
 
     def outer(self) -> list[_Body]:
         return [b for b in self.bodies if not b.is_inside]
@@ -128,10 +182,12 @@ class _View:
 
     def is_hollow(self) -> bool:
         """Whether a bore goes all the way through."""
-        inner = self.inner()
-        if not inner:
-            return False
-        return sum(b.height for b in inner) > 0.7 * (self.high - self.low)
+        inner, full = self.inner(), self.high - self.low
+        is_open = [
+            any(b.low < self.low + 0.1 * full for b in inner),
+            any(b.high > self.high - 0.1 * full for b in inner),
+        ]
+        return all(is_open) and sum(b.height for b in inner) > 0.7 * full
 
 
 def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
@@ -144,9 +200,11 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
         return None
     corners, area, normals = corners[is_flat], double[is_flat], cross[is_flat] / double[is_flat][:, None]
     centre = np.average(corners.mean(axis=1), axis=0, weights=area)
+    if float(np.einsum("ni,ni,n->", normals, corners.mean(axis=1) - centre, area)) < 0.0:
+        normals = -normals  # wound inside out
     best: Looks | None = None
     for axis in _axes(corners, area, normals, centre):
-        view = _view(corners, area, normals, centre, axis)
+        view = _view(corners, area, normals, centre, axis) if _is_round(vertices - centre, axis) else None
         if view is None:
             continue
         found = _recognised(view, axis, centre)
@@ -190,28 +248,28 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
 
 
 def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Iterator[Floats]:
-    """Axes about which the shape may be symmetric, likely ones first.
+    """Axes about which the shape may be a fastener, likely ones first.
 
     A shape with three equal directions or more about an axis has two equal principal values of its normals and of its
-    surface, and the axis is that of the third. Where all three are alike, the directions of its largest plane faces are
-    tried.
+    surface, and the axis is that of the third. A slot or wings leave the axis a principal one. Where values are alike,
+    the directions of the largest plane faces are tried.
     """
     candidates: list[Floats] = []
+    others: list[Floats] = []
     is_round = False
     for spread in (np.einsum("n,ni,nj->ij", area, normals, normals), _surface_moment(corners - centre, area)):
         values, vectors = np.linalg.eigh(spread)
         near, far = sorted(np.diff(values / values.sum()).tolist())
-        if near > ALIKE:
-            return
-        if far < 2.0 * ALIKE:
-            is_round = True
-        candidates.append(vectors[:, 0 if values[1] - values[0] > values[2] - values[1] else 2])
+        is_round = is_round or far < 2.0 * ALIKE
+        alone = 0 if values[1] - values[0] > values[2] - values[1] else 2
+        (candidates if near <= ALIKE else others).append(vectors[:, alone])
+        others += [vectors[:, i] for i in range(3) if i != alone]
     if is_round:
         planes, index = np.unique(np.round(normals, 3), axis=0, return_inverse=True)
         weight = np.bincount(index.reshape(-1), weights=area)
         candidates += [planes[i] / np.linalg.norm(planes[i]) for i in np.argsort(-weight)[:8]]
     tried: list[Floats] = []
-    for axis in candidates:
+    for axis in [*candidates, *others]:
         if all(abs(axis @ other) < 1.0 - 1e-4 for other in tried):
             tried.append(axis)
             yield axis
@@ -223,36 +281,69 @@ def _surface_moment(corners: Floats, area: Floats) -> Floats:
     return np.asarray(np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total))
 
 
-def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
-    """The shape along an axis; None where it is not symmetric about it."""
+def _frame(axis: Floats) -> Floats:
+    """(3, 3): rows across an axis, and along it."""
     x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     x /= np.linalg.norm(x)
-    frame = np.stack([x, np.cross(axis, x), axis])
+    return np.stack([x, np.cross(axis, x), axis])
+
+
+def _is_round(offset: Floats, axis: Floats) -> bool:
+    """Whether a shape's corners, from its middle, are about as wide in all directions across an axis, but for wings."""
+    across = offset @ _frame(axis)[:2].T
+    around = across @ _AROUND.T
+    widths = around.max(axis=0) - around.min(axis=0)
+    if widths.min() >= LEAST_ROUND * widths.max():
+        return True
+    return _wings(across, np.hypot(across[:, 0], across[:, 1])) is not None
+
+
+def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
+    """The shape along an axis; None where it is not symmetric about it."""
+    frame = _frame(axis)
     points, turned = (corners - centre) @ frame.T, normals @ frame.T
     r = np.hypot(points[..., 0], points[..., 1])
     z = points[..., 2]
+    rest = points.reshape(-1, 3)
     wall = np.abs(turned[:, 2]) < WALL_SLOPE
     total = float(area[wall].sum())
     if not total > 0.02 * float(area.sum()):
         return None
     across = turned[wall, :2] / np.linalg.norm(turned[wall, :2], axis=1)[:, None]
     distance = np.einsum("ij,ij->i", across, points[wall].mean(axis=1)[:, :2])
+    walls = Walls(points[wall], across, distance, area[wall])
+    recesses = (
+        recess_of(walls, float(z.min()), float(z.max())),
+        recess_of(walls.flipped(), -float(z.max()), -float(z.min())),
+    )
     angle = np.degrees(np.arctan2(across[:, 1], across[:, 0]))
+    farthest = r[wall].max(axis=1)
     gap = SAME_RADIUS * float(r.max())
     order = np.argsort(distance)
     groups = np.split(order, np.flatnonzero(np.diff(distance[order]) > gap) + 1)
     weights, heights = area[wall], z[wall]
+    is_cut = np.zeros(len(weights), dtype=bool)
+    for recess in recesses:
+        if recess is not None:
+            is_cut[recess.walls] = True
+    whole = float(weights[~is_cut].sum())
     bodies = []
     for group in groups:
-        body = _body(distance[group], angle[group], weights[group], heights[group], total)
+        if weights[group].sum() < LEAST_GROUP * total:
+            continue
+        body = _body(distance[group], angle[group], weights[group], heights[group], farthest[group], whole or total)
         if body is not None:
             bodies.append(body)
-    if sum(body.share for body in bodies) < LEAST_SYMMETRIC:
+    share = sum(body.share for body in bodies if not (body.is_inside and any(recesses)))
+    if share < LEAST_SYMMETRIC and _wings(rest[:, :2], r.reshape(-1)) is None:
         return None
-    return _View([body for body in bodies if body.share >= LEAST_BODY], z.reshape(-1), r.reshape(-1))
+    kept = [body for body in bodies if body.share >= LEAST_BODY]
+    return _View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses)
 
 
-def _body(distance: Floats, angle: Floats, weight: Floats, heights: Floats, total: float) -> _Body | None:
+def _body(
+    distance: Floats, angle: Floats, weight: Floats, heights: Floats, farthest: Floats, total: float
+) -> _Body | None:
     """Walls at about one distance, if they go around the axis evenly."""
     sides = np.round(angle / DIRECTION_DEG).astype(np.int64)
     # Directions of a hexagon may fall beside a border of these steps: neighbours are one.
@@ -268,35 +359,81 @@ def _body(distance: Floats, angle: Floats, weight: Floats, heights: Floats, tota
         return None
     # A fine cylinder is one run, all around.
     count = len(np.unique(sides)) if len(runs) < 3 else len(runs)
-    if count < 5:
-        return None
-    six = complex((weight * np.cos(6 * turn)).sum(), (weight * np.sin(6 * turn)).sum())
-    is_hexagon = len(runs) == 6 and abs(six) > 0.97 * weight.sum() and areas.min() > LEAST_DIRECTION * areas.mean()
     middle = float(np.average(distance, weights=weight))
+    out = float(farthest.max()) / max(abs(middle), 1e-300)
+    prism = 0
+    if len(runs) in CORNERS and areas.min() > LEAST_DIRECTION * areas.mean():
+        low, high = CORNERS[len(runs)]
+        phase = complex((weight * np.cos(len(runs) * turn)).sum(), (weight * np.sin(len(runs) * turn)).sum())
+        prism = len(runs) if abs(phase) > 0.97 * weight.sum() and low <= out <= high else 0
+    if count < 5 and prism != 4:
+        return None
     share = float(weight.sum()) / total
-    return _Body(abs(middle), middle < 0, count, is_hexagon, float(heights.min()), float(heights.max()), share)
+    return _Body(abs(middle), middle < 0, count, prism, float(heights.min()), float(heights.max()), share)
+
+
+def _wings(across: Floats, r: Floats) -> tuple[float, float] | None:
+    """Radius of the hub, and how far its two wings reach; None where there are none."""
+    reach = float(r.max())
+    tip = across[int(np.argmax(r))] / reach
+    along, beside = np.abs(across @ tip), np.abs(across @ np.array([-tip[1], tip[0]]))
+    thick = float(beside[r > 0.85 * reach].max())
+    sides = across @ tip
+    hub = float(beside.max())
+    if not (hub < 0.62 * reach and thick < 0.5 * hub and float(sides.min()) < -0.95 * reach):
+        return None
+    wing = along > 1.1 * hub
+    return (hub, reach) if float(beside[wing].max()) < 0.6 * hub else None
 
 
 def _recognised(view: _View, axis: Floats, centre: Floats) -> Looks | None:
     weak = None
     for sign, seen in ((1.0, view), (-1.0, view.flipped())):
-        for look in (_hex_bolt, _socket_screw, _nut, _round_screw, _prism):
+        for look in (_bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism):
             found = look(seen)
             if found is None:
                 continue
-            kind, size, flats, length, head, ring, is_two_sided, is_strong, because = found
             out = sign * axis
+            top = seen.high if found.top is None else found.top
             looks = Looks(
-                *(kind, out, centre + out * seen.high, seen.high - seen.low, is_two_sided, ring),
-                *(size, flats, length, head, is_strong, because),
+                kind=found.kind,
+                axis=out,
+                top=centre + out * top,
+                height=top - seen.low,
+                is_two_sided=found.is_two_sided,
+                ring=found.ring,
+                size=found.size,
+                across_flats=found.flats,
+                length=found.length,
+                head_height=found.head,
+                is_strong=found.is_strong,
+                because=found.because,
+                drive=found.drive,
+                is_known_by_name=found.is_known_by_name,
             )
-            if is_strong:
+            if looks.is_strong:
                 return looks
             weak = weak or looks
     return weak
 
 
-_Found = tuple[str, float, float, float, float, float, bool, bool, str]
+@dataclass(frozen=True)
+class _Found:
+    """What `Looks` is made of, along the view's axis."""
+
+    kind: str
+    size: float
+    flats: float
+    length: float
+    head: float
+    ring: float
+    because: str
+    drive: str = ""
+    is_two_sided: bool = False
+    is_strong: bool = True
+    top: float | None = None
+    """None: the upper end."""
+    is_known_by_name: bool = False
 
 
 def _shank(view: _View, under: float, wide: float) -> tuple[float, float] | None:
@@ -311,79 +448,177 @@ def _shank(view: _View, under: float, wide: float) -> tuple[float, float] | None
     return radius, length
 
 
-def _bearing(view: _View, head: _Body, radius: float) -> float:
-    """Where the head bears on the joint: the end of what is wider than the shank."""
-    wide = view.z[(view.r > 1.15 * radius) & (view.z < head.high)]
-    return float(wide.min()) if len(wide) else head.low
+def _bearing(view: _View, radius: float, wide: float) -> float:
+    """Where a head of radius `wide` bears on the joint: the end of what is wider than the shank, its thread or not."""
+    head = view.z[view.r > radius + 0.35 * (wide - radius)]
+    return float(head.min())
 
 
-def _hex_bolt(view: _View) -> _Found | None:
-    hexagons = [b for b in view.outer() if b.is_hexagon]
-    if not hexagons:
+def _bolt(view: _View) -> _Found | None:
+    prisms = [b for b in view.outer() if b.sides]
+    if not prisms or view.is_hollow():
         return None
-    head = max(hexagons, key=lambda b: b.radius)
-    if view.high - head.high > TOP_SHARE * head.height or view.is_hollow():
-        return None
+    head = max(prisms, key=lambda b: (b.sides > 4, b.radius))
+    full = view.high - view.low
+    if any(b.high > view.high - 0.1 * full and b.radius > BORE_TO_FLATS[0] * head.radius for b in view.inner()):
+        return None  # a bore from above: a domed nut from below
     shank = _shank(view, head.low, head.radius)
     if shank is None or not THREAD_TO_FLATS[0] <= shank[0] / head.radius <= THREAD_TO_FLATS[1]:
         return None
     radius = shank[0]
-    bearing = _bearing(view, head, radius)
+    if head.sides == 4 and not any(b.directions > 6 for b in view.outer()):
+        return None  # a round head that is cut as coarsely as its shank
+    if any(b.sides == 4 and b is not head and b.radius > 1.2 * radius for b in prisms):
+        return None  # a plate under it
+    bearing = _bearing(view, radius, head.radius)
     flats, length, height = 2.0 * head.radius, bearing - view.low, view.high - bearing
+    if not HEAD_HEIGHTS[0] <= head.height / flats <= HEAD_HEIGHTS[1]:
+        return None  # a plate, or a standoff
+    name = PRISMS[head.sides]
+    because = f"{_a(name)}, {_mm(flats)} across flats, on a shank of {_mm(2.0 * radius)}"
+    beyond = view.high - head.high
+    top, is_known_by_name = None, False
+    is_strong = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
+    is_domed = beyond < head.height and not any(b.high > head.high + 0.1 * beyond for b in view.outer())
+    if beyond > TOP_SHARE * head.height and not is_domed:
+        # A sensor: its hexagon is between a thread and a body that a wrench goes around.
+        if head.sides != 6 or beyond > 2.0 * head.height or length > 2.5 * head.height:
+            return None
+        body = float(view.r[view.z > head.high + 0.3 * beyond].max())
+        if not BODY_TO_FLATS[0] <= body / head.radius <= BODY_TO_FLATS[1] or any(view.recesses):
+            return None
+        if body < 1.08 * radius:
+            return None  # a pipe on both sides, or seen from the thread's end
+        top = float(view.z[view.r > 1.03 * body].max())
+        is_strong, is_known_by_name, height = False, True, top - bearing
+        because += ", under a round body"
     # Where the shank has six sides too, the head may as well be a round one that is cut as coarsely.
-    kind = "head" if any(b.radius < 0.97 * head.radius for b in hexagons) else "bolt"
-    because = f"a hexagon, {_mm(flats)} across flats, on a shank of {_mm(2.0 * radius)}"
-    return kind, 2.0 * radius, flats, length, height, 0.9 * head.radius, False, True, because
+    is_coarse = any(b.sides == 6 and b.radius < 0.97 * head.radius for b in prisms)
+    kind = "head" if is_coarse and head.sides == 6 else "bolt"
+    ring = 0.9 * head.radius
+    return _Found(
+        *(kind, 2.0 * radius, flats, length, height, ring, because, name, False, is_strong, top, is_known_by_name)
+    )
 
 
-def _socket_screw(view: _View) -> _Found | None:
-    sockets = [b for b in view.inner() if b.is_hexagon]
-    outer = view.outer()
-    if not sockets or not outer or view.is_hollow():
+def _recessed_screw(view: _View) -> _Found | None:
+    recess, outer = view.recesses[0], view.outer()
+    if recess is None or not outer or view.is_hollow():
         return None
-    socket = max(sockets, key=lambda b: b.radius)
     full = view.high - view.low
-    if view.high - socket.high > 0.35 * socket.height + 0.02 * full or socket.height > 0.8 * full:
-        return None
-    head = max(outer, key=lambda b: b.radius)
+    head = float(view.r[view.z > view.high - 0.5 * full].max())
     radius = float(view.r[view.z < view.low + 0.4 * full].max())
-    if not 0.2 <= socket.radius / head.radius <= 0.85:
+    if radius < 0.3 * head:  # a pointed tip
+        radius = max((b.radius for b in outer if b.radius < 0.75 * head), default=radius)
+    # A slot may run out of the head on both sides; others are inside it.
+    if not recess.reach < 0.85 * head and recess.drive != "slot":
         return None
-    is_headless = radius > 0.9 * head.radius
-    bearing = view.high if is_headless else _bearing(view, head, radius)
-    flats = 2.0 * socket.radius
-    because = f"a hexagon socket, {_mm(flats)} across flats, in a round head"
-    return "screw", 2.0 * radius, flats, bearing - view.low, view.high - bearing, head.radius, False, True, because
+    if any(b.sides and b.radius > radius for b in outer):
+        return None
+    is_headless = radius > 0.9 * head
+    if is_headless:
+        is_thin = recess.reach > HEADLESS_RECESS * radius and recess.drive != "slot"
+        if is_thin or full < HEADLESS_SLENDER * 2.0 * radius:
+            return None
+        if len(outer) > 1 and min(b.radius for b in outer) < 0.7 * radius:
+            return None
+    else:
+        is_high = view.high - _bearing(view, radius, head) > MOST_HEAD * 2.0 * radius
+        if is_high or full < 1.3 * radius or not HEAD_TO_SHANK[0] <= head / radius <= MOST_HEAD_WIDTH:
+            return None
+    if recess.drive == "slot" and not recess.width < SLOT_TO_HEAD * 2.0 * head:
+        return None
+    bearing = view.high if is_headless else _bearing(view, radius, head)
+    flats = recess.width if recess.drive in FLAT_SOCKETS else np.nan
+    width = f", {_mm(flats)} across flats," if flats == flats else ""
+    where = "in a rod" if is_headless else "in a round head"
+    because = f"{_a(recess.drive)}{width} {where}"
+    length = full if is_headless else bearing - view.low
+    return _Found("screw", 2.0 * radius, flats, length, view.high - bearing, head, because, recess.drive)
 
 
 def _nut(view: _View) -> _Found | None:
-    hexagons = [b for b in view.outer() if b.is_hexagon]
-    bores = [b for b in view.inner() if not b.is_hexagon or b.directions == 6]
-    if not hexagons or not bores:
+    prisms = [b for b in view.outer() if b.sides]
+    bores = [b for b in view.inner() if b.sides or b.directions != 6]  # six directions may be a castle nut's slots
+    if not prisms or not bores:
         return None
-    body, bore = max(hexagons, key=lambda b: b.radius), min(bores, key=lambda b: b.radius)
+    body, bore = max(prisms, key=lambda b: (b.sides > 4, b.radius)), min(bores, key=lambda b: b.radius)
     full = view.high - view.low
-    if not BORE_TO_FLATS[0] <= float(view.r.min()) / body.radius <= BORE_TO_FLATS[1]:
+    # The bore of a domed nut goes in from below.
+    is_blind = bore.high < view.high - 0.1 * full
+    if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
+        return None
+    least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())
+    if not BORE_TO_FLATS[0] <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
         return None
     if not NUT_HEIGHT[0] <= full / (2.0 * body.radius) <= NUT_HEIGHT[1] or body.height < 0.4 * full:
         return None
-    if not float(view.r.min()) > 0.6 * bore.radius:
+    if not least > 0.6 * bore.radius:
         return None  # something closes the bore
+    if body.sides == 4 and full < SQUARE_NUT * body.radius:
+        return None  # a square washer
     flats, ring = 2.0 * body.radius, 0.5 * (bore.radius + body.radius)
-    size = 2.0 * float(view.r.min())
-    because = f"a hexagon, {_mm(flats)} across flats, with a bore of {_mm(size)}"
+    size, name = 2.0 * least, PRISMS[body.sides]
+    because = f"{_a(name)}, {_mm(flats)} across flats, with a bore of {_mm(size)}"
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
-    is_two_sided = below < 1.1 * above
+    is_two_sided = below < 1.1 * above and not is_blind
     if above > 1.1 * below:
         return None  # a flange: the other way round it is on the joint's side
-    return "nut", size, flats, full, full, ring, is_two_sided, True, because
+    # Slots of a castle nut are open above: between the bore and the outside, corners at their floor.
+    floor = view.z[(view.r > 1.15 * bore.radius) & (np.abs(view.z - 0.5 * (view.low + view.high)) < 0.42 * full)]
+    floor = floor[(floor > body.low + 0.02 * full) & (floor < body.high - 0.02 * full)]
+    if is_two_sided and len(floor):
+        if float(floor.max()) < 0.5 * (view.low + view.high):
+            return None
+        is_two_sided = False
+    is_strong = body.sides != 4
+    return _Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong)
+
+
+def _wing_nut(view: _View) -> _Found | None:
+    wings = _wings(view.across, view.r)
+    bores = [b for b in view.inner() if not b.sides or b.directions == 6]
+    if wings is None or not bores:
+        return None
+    hub, reach = wings
+    bore = min(b.radius for b in bores)
+    least, full = float(view.r.min()), view.high - view.low
+    if not WING_BORE[0] <= least / hub <= WING_BORE[1] or not least > 0.6 * bore or full > 2.0 * reach:
+        return None
+    # Wings rise from the joint: what is outside of the hub is higher than its lower end.
+    low, high = float(view.z[view.r > 1.2 * hub].min()), float(view.z[view.r <= 1.02 * hub].max())
+    is_risen = view.high > high - 1e-9 and low > view.low + 0.02 * full
+    if not is_risen:
+        return None
+    because = f"two wings on a hub of {_mm(2.0 * hub)}, with a bore of {_mm(2.0 * least)}"
+    size, ring = 2.0 * least, 0.5 * (bore + hub)
+    return _Found("nut", size, np.nan, full, full, ring, because, "wings", False, view.high > 1.02 * high)
+
+
+def _stud(view: _View) -> _Found | None:
+    """A shank between two threads that are drawn with the core's diameter, each with a chamfered end."""
+    outer = [b for b in view.outer() if not b.sides or b.directions >= 6]
+    if len(outer) != 2 or view.inner() or any(view.recesses):
+        return None
+    core, shank = sorted(outer, key=lambda b: b.radius)
+    full = view.high - view.low
+    if not CORE[0] <= core.radius / shank.radius <= CORE[1] or full < STUD_SLENDER * 2.0 * shank.radius:
+        return None
+    if not (core.low < shank.low - 0.05 * full and core.high > shank.high + 0.05 * full):
+        return None
+    ends = [float(view.r[near].max()) for near in (view.z > view.high - 1e-6 * full, view.z < view.low + 1e-6 * full)]
+    if max(ends) > 0.97 * float(view.r[view.z > view.high - 0.2 * full].max()) or 2.0 * shank.radius > WIDEST_STUD_M:
+        return None
+    size = 2.0 * float(view.r.max())
+    because = f"a shank of {_mm(size)} between two threads"
+    return _Found("stud", size, np.nan, full, np.nan, 0.7 * core.radius, because, "", True, False)
 
 
 def _round_screw(view: _View) -> _Found | None:
     outer = [b for b in view.outer() if b.directions >= 5]
-    if len(outer) < 2 or view.inner():
+    if len(outer) < 2 or view.inner() or any(view.recesses):
         return None
     head = max(outer, key=lambda b: b.radius)
     if view.high - head.high > 0.6 * head.height:
@@ -392,7 +627,7 @@ def _round_screw(view: _View) -> _Found | None:
     if shank is None or 2.0 * shank[0] > 0.75 * WIDEST_WEAK_M:
         return None
     radius = shank[0]
-    bearing = _bearing(view, head, radius)
+    bearing = _bearing(view, radius, head.radius)
     height = view.high - bearing
     wide = float(view.r[view.z > bearing + 0.2 * height].max())
     if not HEAD_TO_SHANK[0] <= wide / radius <= HEAD_TO_SHANK[1]:
@@ -400,12 +635,13 @@ def _round_screw(view: _View) -> _Found | None:
     if not HEAD_HEIGHT[0] <= height / (2.0 * radius) <= HEAD_HEIGHT[1]:
         return None
     because = f"a round head of {_mm(2.0 * wide)} on a shank of {_mm(2.0 * radius)}"
-    return "screw", 2.0 * radius, np.nan, bearing - view.low, height, 0.9 * head.radius, False, False, because
+    ring = 0.9 * head.radius
+    return _Found("screw", 2.0 * radius, np.nan, bearing - view.low, height, ring, because, is_strong=False)
 
 
 def _prism(view: _View) -> _Found | None:
     outer = view.outer()
-    if len(outer) != 1 or not outer[0].is_hexagon or view.inner():
+    if len(outer) != 1 or outer[0].sides != 6 or view.inner():
         return None
     body, full = outer[0], view.high - view.low
     if not PRISM_HEIGHT[0] <= full / (2.0 * body.radius) <= PRISM_HEIGHT[1] or body.height < 0.7 * full:
@@ -413,7 +649,12 @@ def _prism(view: _View) -> _Found | None:
     flats = 2.0 * body.radius
     if flats > WIDEST_WEAK_M:
         return None
-    return "prism", np.nan, flats, np.nan, full, 0.6 * body.radius, True, False, f"a hexagon, {_mm(flats)} across flats"
+    because, ring = f"a hexagon, {_mm(flats)} across flats", 0.6 * body.radius
+    return _Found("prism", np.nan, flats, np.nan, full, ring, because, PRISMS[6], True, False)
+
+
+def _a(thing: str) -> str:
+    return f"a {thing}"
 
 
 def _mm(metres: float) -> str:

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import kind_said
+from feeler.plan.fastener_names import kind_said, says_nothing
 from feeler.plan.fastener_shape import Looks, looks_of, rod_of
-from feeler.plan.same_shapes import SameShape, same_shapes
+from feeler.plan.same_shapes import PartMeshes, SameShape, same_shapes
 from feeler.scene import Scene
 
 Progress = Callable[[float, str], object]
@@ -39,6 +39,13 @@ DOUBTED = 0.3
 among parts that are named fasteners."""
 LEAST_CONFIDENCE = 0.5
 """What is found is at least so sure."""
+
+ROD_TO_BORE = (0.85, 1.25)
+"""Diameter of a stud by the bore of its nut: threads are drawn with the core's diameter, the nominal one, or both."""
+ROD_FULL = 0.6
+"""The least share of its cylinder that a stud fills: tubes fill less."""
+ROD_SLENDER = 1.5
+"""The least length of a stud in a nut, in diameters."""
 
 _AROUND = 12  # rays from each end, around the axis
 _RAY_BEGIN = 1e-3  # how far off the end they begin, as a share of the height
@@ -71,6 +78,9 @@ class Fastener:
     confidence: float
     """0 to 1; not a probability: an order. `because` says what it comes from."""
     because: str
+    drive: str = ""
+    """Where the tool goes: "hexagon", "square", "12-point" or "wings" around it; "hexagon socket", "square socket",
+    "12-point socket", "torx socket", "slot" or "cross" into it; empty where the mesh does not show it."""
 
     @property
     def axis(self) -> Floats:
@@ -153,7 +163,7 @@ class Fasteners(Sequence[Fastener]):
 
 def _key(row: Fastener) -> tuple[Any, ...]:
     numbers = [row.size, row.across_flats, row.length, row.head_height, row.confidence]
-    return (row.part, row.path, row.kind, row.because, row.frame.tobytes(), np.array(numbers).tobytes())
+    return (row.part, row.path, row.kind, row.drive, row.because, row.frame.tobytes(), np.array(numbers).tobytes())
 
 
 def find_fasteners(
@@ -187,6 +197,7 @@ def find_fasteners(
         scene = mockup if isinstance(mockup, Scene) else Scene(world)
         for i, row in zip(unsure, _turned_out(scene, [found[i] for i in unsure]), strict=True):
             rows[i] = row
+    rows += _studs(world, chosen, rows)
     if progress is not None:
         progress(1.0, "done")
     return Fasteners(sorted(rows, key=lambda row: row.part))
@@ -216,6 +227,47 @@ def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress 
     return found
 
 
+def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -> list[Fastener]:
+    """Studs among the parts: rods, which alone look like pins, in the bore of a nut that was found."""
+    nuts = [row for row in rows if row.kind == "nut" and row.size > 0.0]
+    if not nuts:
+        return []
+    taken = {row.part for row in rows}
+    rest = np.array([part for part in _small(world, chosen).tolist() if part not in taken], dtype=np.int64)
+    bounds = world.part_bounds.reshape(-1, 2, 3)[rest]
+    meshes = PartMeshes(world)
+    found: dict[int, Fastener] = {}
+    for nut in nuts:
+        middle = nut.frame[:3, 3] - 0.5 * nut.length * nut.axis
+        for part in rest[((bounds[:, 0] <= middle) & (middle <= bounds[:, 1])).all(axis=1)].tolist():
+            if part in found or kind_said(world.part_names[part]) == "other":
+                continue
+            vertices, faces = meshes[part]
+            local = (vertices - nut.frame[:3, 3]) @ nut.frame[:3, :3]
+            size = 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+            low, high = float(local[:, 2].min()), float(local[:, 2].max())
+            corners = local[faces]
+            volume = abs(float(np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))) / 6.0
+            is_rod = volume > ROD_FULL * 0.25 * np.pi * size**2 * (high - low)
+            if not (is_rod and ROD_TO_BORE[0] <= size / nut.size <= ROD_TO_BORE[1] and high - low > ROD_SLENDER * size):
+                continue
+            frame = nut.frame.copy()
+            frame[:3, 3] += high * nut.axis
+            found[part] = Fastener(
+                part=part,
+                path=world.part_paths[part],
+                kind="stud",
+                frame=frame,
+                size=size,
+                across_flats=np.nan,
+                length=high - low,
+                head_height=np.nan,
+                confidence=STRONG,
+                because=f"a rod of {1e3 * size:.3g} mm in the bore of {nut.path}",
+            )
+    return list(found.values())
+
+
 def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """The parts that may be fasteners, by size."""
     bounds = world.part_bounds.reshape(-1, 2, 3)[chosen]
@@ -235,7 +287,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
         seen = looks or (rod if name in KINDS else None)
         if seen is None:
             continue
-        confidence = _confidence(seen, name, is_naming)
+        confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
         if confidence < LEAST_CONFIDENCE:
             continue
         kind = _kind(seen, name)
@@ -251,19 +303,20 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             head_height=seen.head_height,
             confidence=confidence,
             because=seen.because + voice,
+            drive=seen.drive,
         )
         found.append((row, seen))
     return found
 
 
-def _confidence(looks: Looks, name: str | None, is_naming: bool) -> float:
+def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
     if name in KINDS or name == "plug":
         return NAMED if looks.kind == "rod" else AGREED
-    if name == "other":
+    if name == "other" or looks.is_known_by_name:
         return DOUBTED
     if looks.is_strong:
         return STRONG
-    return DOUBTED if is_naming else WEAK
+    return DOUBTED if is_telling else WEAK
 
 
 def _kind(looks: Looks, name: str | None) -> str:

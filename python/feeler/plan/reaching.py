@@ -12,11 +12,11 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler._core import Screw
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
 from feeler.plan.blocked import Blocker
 from feeler.plan.fasteners import Fasteners
+from feeler.plan.swings import Swing, Swings, turned, uncovered
 from feeler.plan.tool_seat import SeatedTool, seated_tool
 from feeler.poses import nearest_rigid, placed
 from feeler.scene import Scene
@@ -27,18 +27,22 @@ Hand = Tool | tuple[Tool, npt.ArrayLike]
 
 LEAST_ANGLES, MOST_ANGLES = 4, 3600
 """Seats around the axis."""
-FINE_ANGLES = [0.5 * i for i in range(720)]
-"""Seats, degrees, where a narrow swing is looked for. Closer ones find narrower ones and take longer."""
 MOST_THREADS = 1024
-WAY_ANGLES = 24
-"""Angles of each free swing from which a way in is sought: evenly spread, the middle first."""
+SIDEWAYS_ANGLES = 24
+"""Angles of each free swing from which the tool is drawn off sideways: evenly spread, the middle first."""
+STRAIGHT_ANGLES = 48
+"""Angles of each free swing from which it is drawn off straight. More: narrower slots above the seat are found, and a
+target without a way takes longer."""
+STRAIGHT_DEG = 0.1
+"""Angles that differ less are one where a straight way is sought, degrees."""
+BEYOND_M = 1e-6
+"""How far beyond an impact the parts that stopped the tool are met, metres."""
 SIDEWAYS = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0)
 """Directions across the axis, degrees from where the handle is, in which the tool is drawn off sideways."""
 NEAR_M = 0.02
 """How far from the origin of a bare frame its fastener is sought, metres."""
 UNDER_M = 1e-4
 """How far under that origin, so that of what meets there the head comes first."""
-_BEFORE_ALL = float(np.nextafter(1.0, 0.0))  # the largest fraction that is not all of a step
 _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
 
 
@@ -62,6 +66,10 @@ class Reach:
     """`(4, 4)` world_from_tool: the tool seated in the middle of the swing; at angle 0 where there is none."""
     way: Floats
     """`(k, 4, 4)` world_from_tool: the way in, to a seat within the swing; `(0, 4, 4)` where none was found."""
+    looked: float
+    """How far from its seat a way in was looked for, metres: `approach`. What is farther away was not looked at."""
+    drawn: float
+    """How far the tool came out of its seat at best, metres: `looked` where a way was found, 0 without a free seat."""
     because: str
     """In words what the answer comes from."""
     blockers: tuple[Blocker, ...]
@@ -145,16 +153,16 @@ def access(
 ) -> Access:
     """Whether the tool gets to each target, and how far it can be swung there, about the target's z axis.
 
-    The tool's frame is laid on the target's: origin on origin, z along z, turned about z by each of `angles` even
-    steps, and, where it is free at none of these or the swing needed is less than a step, by every half degree. Where
-    the seat is free, casts about z tell how far it can be swung: nothing is jumped over, and no swing is said to be
-    larger than it is. Then a way in is sought: straight along z over `approach` metres, or
-    else sideways, across z. It never says that there is no way: only that none of these is one.
+    The tool's frame is laid on the target's: origin on origin, z along z, turned about z by any angle. Every free swing
+    of at least a thousandth of a degree is found, and no swing is said to be larger than it is. Then a way in is looked
+    for over `approach` metres: straight along z, or else sideways, across z. `access` never claims that there is no
+    way: each answer says how far it looked (`looked`) and how far the tool came out (`drawn`).
 
     - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The fastener itself
       may be met at the seat, when swung, and on a straight way; not when the tool is drawn off sideways, so that a ring
       is not drawn off through the head. Of a bare frame it is the part nearest to its origin, up to 20 mm away.
     - `swing`: degrees that are needed, above 0 up to 360.
+    - `angles`: even steps around z that are tried first; `blockers` counts these. The free swings do not depend on it.
     - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`.
     - `grip`: where the target's frame is in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that is to
       point out of the joint, about its origin: "y" for `sample_tool("wrench")`, whose jaw turns about y.
@@ -213,16 +221,15 @@ def _in_threads(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-@dataclass(frozen=True)
-class _Arc:
-    """A free swing, degrees: from `start`, over `span`."""
+@dataclass
+class _Drawn:
+    """How far the tool came out at best, as a share of the way."""
 
-    start: float
-    span: float
+    most: float = 0.0
 
-    def holds(self, angle: float) -> bool:
-        """Whether a seat is in it."""
-        return (angle - self.start) % 360.0 <= self.span
+    def came(self, share: float) -> None:
+        """One try came so far."""
+        self.most = max(self.most, share)
 
 
 class _Question:
@@ -231,24 +238,26 @@ class _Question:
     def __init__(self, scene: Scene, seated: SeatedTool, needed: float, angles: int, approach: float) -> None:
         self._scene, self._seated, self._needed, self._approach = scene, seated, needed, approach
         self._angles = 360.0 * np.arange(angles) / angles
-        self._sideways = [_turned(side)[:3, :3] @ seated.outward for side in SIDEWAYS]
+        self._swings = Swings(scene, seated.tool)
+        self._sides = [turned(side)[:3, :3] @ seated.outward for side in SIDEWAYS]
 
     def reach(self, target: int, frame: Floats, part: int | None) -> Reach:
         """The answer for one target."""
         scene, seated = self._scene, self._seated
         ignore = seated.ignoring(scene.mockup, part)
         blocked: Counter[int] = Counter()
-        free = self._free_angles(frame, ignore, blocked)
-        arcs = self._arcs(frame, free, ignore, blocked)
-        found: _Arc | None = None
+        swings = self._swings.free(frame, self._angles, self._needed, ignore, blocked)
+        drawn = _Drawn()
+        found: Swing | None = None
         way = np.empty((0, 4, 4))
-        for arc in arcs:
-            seats = [frame @ _turned(angle) for angle in _to_try(arc, free)]
-            way = self._way_in(frame, seats, part, ignore, blocked)
+        for swing in swings:
+            way = self._straight(frame, swing, ignore, blocked, drawn)
+            if not len(way):
+                way = self._sideways(frame, swing, part, blocked, drawn)
             if len(way):
-                found = arc
+                found = swing
                 break
-        shown = found or (arcs[0] if arcs else None)
+        shown = found or (swings[0] if swings else None)
         reachable = found is not None and found.span >= self._needed
         paths = scene.mockup.part_paths
         middle = 0.0 if shown is None else shown.start + 0.5 * shown.span
@@ -259,81 +268,71 @@ class _Question:
             reachable=reachable,
             swing=0.0 if shown is None else shown.span,
             angle=float("nan") if shown is None else shown.start,
-            pose=frame @ _turned(middle) @ seated.seat_from_tool,
+            pose=frame @ turned(middle) @ seated.seat_from_tool,
             way=way @ seated.seat_from_tool if len(way) else way,
-            because=self._because(shown, found),
+            looked=self._approach,
+            drawn=drawn.most * self._approach,
+            because=self._because(shown, found, drawn.most * self._approach),
             blockers=tuple(Blocker(i, paths[i], count) for i, count in _worst_first(blocked)),
         )
 
-    def _free_angles(self, frame: Floats, ignore: Any, blocked: Counter[int]) -> list[float]:
-        """Angles at which the seat is free, degrees, ascending."""
-        scene, tool = self._scene, self._seated.tool
-
-        def is_free(angle: float) -> bool:
-            return not scene.is_colliding(tool, frame @ _turned(angle), ignore=ignore)
-
-        free = []
-        for angle in self._angles.tolist():
-            if is_free(angle):
-                free.append(angle)
-            else:
-                blocked.update(scene.collide(tool, frame @ _turned(angle), ignore=ignore).parts.tolist())
-        if free and self._needed >= self._angles[1]:
-            return free  # what is between two blocked seats is not enough
-        return sorted({*free, *(angle for angle in FINE_ANGLES if is_free(angle))})
-
-    def _because(self, shown: _Arc | None, found: _Arc | None) -> str:
+    def _because(self, shown: Swing | None, found: Swing | None, drawn: float) -> str:
         if shown is None:
             return "the tool meets something at every angle"
+        looked, came = f"{1e3 * self._approach:g} mm", f"{1e3 * drawn:.3g} mm"
         if found is None:
-            return f"a swing of {shown.span:.1f} degrees is free, but no way in was found"
+            return (
+                f"a swing of {shown.span:.1f} degrees is free, but no way in was found within {looked}: "
+                f"it comes out {came} at most"
+            )
         enough = "" if found.span >= self._needed else f", of {self._needed:g} that are needed"
-        return f"{found.span:.1f} degrees are free{enough}"
+        return f"{found.span:.1f} degrees are free{enough}, with a way in over {looked}"
 
-    def _arcs(self, frame: Floats, free: list[float], ignore: Any, blocked: Counter[int]) -> list[_Arc]:
-        """The free swings, the largest first."""
-        arcs: list[_Arc] = []
-        for angle in free:
-            if any(arc.holds(angle) for arc in arcs):
-                continue
-            ahead = self._swung(frame, angle, 360.0, ignore, blocked)
-            if ahead == 360.0:
-                return [_Arc(0.0, 360.0)]
-            behind = self._swung(frame, angle, ahead - 360.0, ignore, blocked)
-            arcs.append(_Arc((angle - behind) % 360.0, ahead + behind))
-        return sorted(arcs, key=lambda arc: (-arc.span, arc.start))
+    def _straight(self, frame: Floats, swing: Swing, ignore: Any, blocked: Counter[int], drawn: _Drawn) -> Floats:
+        """The way along z to one of the swing's seats, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards.
 
-    def _swung(self, frame: Floats, angle: float, by: float, ignore: Any, blocked: Counter[int]) -> float:
-        """Degrees that are free from a seat on, of so many either way; all of them only where nothing is met."""
-        screw = Screw(frame[:3, 2], frame[:3, 3], np.radians(by))
-        impact = self._scene.cast(self._seated.tool, frame @ _turned(angle), screw=screw, ignore=ignore)
-        if impact is None:
-            return abs(by)
-        blocked[impact.part] += 1
-        return min(impact.fraction, _BEFORE_ALL) * abs(by)
-
-    def _way_in(
-        self, frame: Floats, seats: list[Floats], part: int | None, ignore: Any, blocked: Counter[int]
-    ) -> Floats:
-        """The way to one of the seats, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards."""
+        What stops the tool on its way rules out all angles at which it goes on stopping it at that height.
+        """
         scene, tool = self._scene, self._seated.tool
-        for seat in seats:
-            out = _shifted(seat, self._approach * frame[:3, 2])
-            impact = scene.cast(tool, seat, out, ignore=ignore)
+        closed = [] if swing.span == 360.0 else [(swing.start + swing.span, 360.0 - swing.span)]
+        angle = swing.start + 0.5 * swing.span
+        for _ in range(STRAIGHT_ANGLES):
+            seat = frame @ turned(angle)
+            impact = scene.cast(tool, seat, _shifted(seat, self._approach * frame[:3, 2]), ignore=ignore)
             if impact is not None:
                 blocked[impact.part] += 1
-            elif not self._is_inside(out, ignore, blocked):
-                return np.stack([out, seat])
-        for seat in seats:
-            for side in self._sideways:
+                drawn.came(impact.fraction)
+                height = impact.fraction * self._approach
+            elif not self._is_inside(_shifted(seat, self._approach * frame[:3, 2]), ignore, blocked):
+                drawn.came(1.0)
+                return np.stack([_shifted(seat, self._approach * frame[:3, 2]), seat])
+            else:
+                height = self._approach
+            lifted = _shifted(frame, (height + BEYOND_M) * frame[:3, 2])
+            closed += [(angle - 0.5 * STRAIGHT_DEG, STRAIGHT_DEG), *self._swings.ruled_out(lifted, angle, ignore)]
+            gaps = uncovered(closed)
+            if not gaps:
+                break
+            low, span = max(gaps, key=lambda gap: (gap[1], -gap[0]))
+            angle = low + 0.5 * span
+        return np.empty((0, 4, 4))
+
+    def _sideways(self, frame: Floats, swing: Swing, part: int | None, blocked: Counter[int], drawn: _Drawn) -> Floats:
+        """The way across z to one of the swing's seats, (2, 4, 4); (0, 4, 4) where none was found."""
+        scene, tool = self._scene, self._seated.tool
+        for angle in _spread(swing):
+            seat = frame @ turned(angle)
+            for side in self._sides:
                 out = _shifted(seat, self._approach * (seat[:3, :3] @ side))
                 impact = scene.cast(tool, seat, out)
                 if impact is not None and impact.part == part and impact.fraction == 0.0:
                     impact = scene.cast(tool, seat, out, touching="free")  # a jaw without play slides off
                 if impact is not None:
+                    drawn.came(impact.fraction)
                     if impact.part != part:
                         blocked[impact.part] += 1
                 elif not self._is_inside(out, None, blocked):
+                    drawn.came(1.0)
                     return np.stack([out, seat])
         return np.empty((0, 4, 4))
 
@@ -400,27 +399,17 @@ def _whole(what: str, value: object, span: tuple[int, int]) -> int:
     return int(value)
 
 
-def _turned(degrees: float) -> Floats:
-    angle = np.radians(degrees)
-    turn = np.eye(4)
-    turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    return turn
-
-
 def _shifted(pose: Floats, by: Floats) -> Floats:
     shifted: Floats = pose.copy()
     shifted[:3, 3] += by
     return shifted
 
 
-def _to_try(arc: _Arc, free: list[float]) -> list[float]:
-    """Angles of a swing from which a way in is sought: its middle, and free seats from there outwards."""
-    seats = sorted((angle - arc.start) % 360.0 for angle in free if arc.holds(angle))
-    if len(seats) > WAY_ANGLES:
-        seats = [seats[round(i * (len(seats) - 1) / (WAY_ANGLES - 1))] for i in range(WAY_ANGLES)]
-    middle = 0.5 * arc.span
-    outwards = sorted(seats, key=lambda seat: (abs(seat - middle), seat))
-    return [(arc.start + seat) % 360.0 for seat in [middle, *outwards]]
+def _spread(swing: Swing) -> list[float]:
+    """Angles of a swing from its middle outwards, evenly spread."""
+    shares = np.arange(SIDEWAYS_ANGLES) / (SIDEWAYS_ANGLES - (swing.span < 360.0))
+    outwards = sorted([0.5, *shares.tolist()], key=lambda share: (abs(share - 0.5), share))
+    return [swing.start + share * swing.span for share in dict.fromkeys(outwards)]
 
 
 def _worst_first(counts: Counter[Any]) -> list[tuple[Any, int]]:

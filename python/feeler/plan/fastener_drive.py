@@ -1,0 +1,192 @@
+"""Which tool goes into a recess: the outline of the walls that face the axis, cut across at one height."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+CUT = 0.35
+"""Where a recess is cut across, as a share of its depth from the top: below chamfers, above what a drill left."""
+SAME = 0.015
+"""Distances of walls from the axis that differ by less, as a share of the recess, are one."""
+ALONG_DEG = 3.0
+"""Directions of walls that differ by less are one."""
+MOST_DEPTH = 0.8
+"""The greatest depth of a recess, as a share of the shape's height: deeper ones are bores."""
+SLIVER = 1e-3
+"""Triangles with a smaller share of the walls that face the axis are not looked at."""
+TOP = 0.2
+"""How far below the upper end a recess may begin, as a share of its depth: domes and chamfers."""
+LOBES = (1.12, 1.7)
+"""How far the lobes of a Torx recess reach, by the distance of what is between them; 1.39 in ISO 10664."""
+PRISM_SIDES = {4: "square socket", 6: "hexagon socket", 12: "12-point socket"}
+CORNERS = {4: (1.3, 1.45), 6: (1.05, 1.2), 12: (1.12, 1.19)}
+"""How far corners of these reach, by the distance of their sides: `fastener_shape.CORNERS`."""
+
+
+@dataclass(frozen=True)
+class Walls:
+    """Walls of a shape along an axis, in a frame with z along it."""
+
+    corners: Floats
+    """(n, 3, 3)."""
+    across: Floats
+    """(n, 2): unit normals across the axis, out of the solid."""
+    distance: Floats
+    """(n,): from the axis, along the normal; negative where a wall faces the axis."""
+    area: Floats
+
+    def flipped(self) -> Walls:
+        """From the other end."""
+        return Walls(self.corners * [1.0, 1.0, -1.0], self.across, self.distance, self.area)
+
+
+@dataclass(frozen=True)
+class Recess:
+    """What a tool goes into from above."""
+
+    drive: str
+    """"hexagon socket", "square socket", "12-point socket", "torx socket", "slot" or "cross"."""
+    width: float
+    """Across flats; of a slot and of a cross its width."""
+    reach: float
+    """How far from the axis it goes."""
+    walls: Ints
+    """Which walls are the recess's."""
+
+
+def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
+    """The recess at the upper end of a shape between `low` and `high`; None where none is known."""
+    is_inner = walls.distance < 0.0
+    # Slivers of plane faces may face anywhere once coordinates are rounded.
+    inner = np.flatnonzero(is_inner & (walls.area > SLIVER * walls.area[is_inner].sum()))
+    if not len(inner):
+        return None
+    z = walls.corners[inner][:, :, 2]
+    floor, depth = float(z.min()), high - float(z.min())
+    if depth > MOST_DEPTH * (high - low):
+        # Below the recess may be another one, from the other end.
+        middle = 0.5 * (low + high)
+        is_upper = z.min(axis=1) > middle
+        if not is_upper.any() or (~is_upper & (z.max(axis=1) > middle)).any():
+            return None
+        inner, z = inner[is_upper], z[is_upper]
+        floor, depth = float(z.min()), high - float(z.min())
+    if high - float(z.max()) > TOP * depth:
+        return None
+    level = high - CUT * depth - 1e-7 * depth
+    is_cut = (z.min(axis=1) < level) & (z.max(axis=1) > level)
+    if not is_cut.any() or floor >= level:
+        return None
+    begin, end = _cut(walls.corners[inner[is_cut]], level)
+    outline = _Outline(begin, end, walls.across[inner[is_cut]], -walls.distance[inner[is_cut]])
+    found = outline.slot() or outline.cross() or outline.prism() or outline.lobes()
+    if found is None:
+        return None
+    drive, width = found
+    return Recess(drive, width, outline.reach, inner)
+
+
+def _cut(corners: Floats, level: float) -> tuple[Floats, Floats]:
+    """Where triangles (n, 3, 3) cross a height: both ends of each, (n, 2)."""
+    height = corners[..., 2] - level
+    is_alone = (height > 0) == ((height > 0).sum(axis=1) == 1)[:, None]
+    alone = np.argmax(is_alone, axis=1)
+    each = np.arange(len(corners))
+    ends = []
+    for step in (1, 2):
+        other = (alone + step) % 3
+        share = height[each, alone] / (height[each, alone] - height[each, other])
+        ends.append(corners[each, alone, :2] + share[:, None] * (corners[each, other, :2] - corners[each, alone, :2]))
+    return ends[0], ends[1]
+
+
+class _Outline:
+    """The outline of a recess: segments, their normals' directions, and how far they are from the axis."""
+
+    def __init__(self, begin: Floats, end: Floats, normals: Floats, distance: Floats) -> None:
+        self.begin, self.end, self.distance = begin, end, np.einsum("ij,ij->i", -normals, 0.5 * (begin + end))
+        self.angle = np.degrees(np.arctan2(normals[:, 1], normals[:, 0]))
+        self.length = np.linalg.norm(end - begin, axis=1)
+        self.normals = normals
+        self.radii = np.concatenate([np.linalg.norm(begin, axis=1), np.linalg.norm(end, axis=1)])
+        self.reach = float(self.radii.max())
+
+    def _directions(self, chosen: npt.NDArray[np.bool_], count: int) -> Floats | None:
+        """Length of the chosen segments in each of `count` even directions; None where others are among them."""
+        turn = np.radians(self.angle[chosen])
+        weight = self.length[chosen]
+        phase = complex((weight * np.cos(count * turn)).sum(), (weight * np.sin(count * turn)).sum())
+        first = np.degrees(np.angle(phase)) / count
+        steps = (self.angle[chosen] - first) * count / 360.0
+        nearest = np.round(steps).astype(np.int64)
+        if np.abs(steps - nearest).max() > ALONG_DEG * count / 360.0:
+            return None
+        return np.asarray(np.bincount(nearest % count, weights=weight, minlength=count), dtype=np.float64)
+
+    def slot(self) -> tuple[str, float] | None:
+        """Two walls that face each other."""
+        lengths = self._directions(np.ones(len(self.length), dtype=bool), 2)
+        half = float(np.average(self.distance, weights=self.length))
+        if lengths is None or lengths.min() < 0.8 * lengths.max() or lengths.min() < 4.0 * half:
+            return None
+        return ("slot", 2.0 * half) if self._is_one(self.distance, half) else None
+
+    def cross(self) -> tuple[str, float] | None:
+        """Two slots across each other: walls in four directions that begin off the middle."""
+        half = float(self.distance.min())
+        near = self.distance < half + 0.1 * self.reach
+        half = float(np.average(self.distance[near], weights=self.length[near]))
+        lengths = self._directions(near, 4)
+        if lengths is None or lengths.min() < 0.8 * lengths.max() or self.reach < 1.8 * half:
+            return None
+        nearest = min(self.radii.min(), 2.0 * half)
+        if not self._is_one(self.distance[near], half) or nearest < 1.25 * half or self._is_any_over_its_foot(near):
+            return None
+        return "cross", 2.0 * half
+
+    def prism(self) -> tuple[str, float] | None:
+        """Flats at one distance."""
+        middle = float(np.average(self.distance, weights=self.length))
+        if not self._is_one(self.distance, middle):
+            return None
+        for count, name in PRISM_SIDES.items():
+            lengths = self._directions(np.ones(len(self.length), dtype=bool), count)
+            low, high = CORNERS[count]
+            if lengths is None or lengths.min() < 0.4 * lengths.mean() or not low <= self.reach / middle <= high:
+                continue
+            return name, 2.0 * middle
+        return None
+
+    def lobes(self) -> tuple[str, float] | None:
+        """Six lobes: going around, what is far and what is near from the axis changes twelve times."""
+        points = np.concatenate([self.begin, self.end, 0.5 * (self.begin + self.end)])
+        r, turn = np.linalg.norm(points, axis=1), np.arctan2(points[:, 1], points[:, 0])
+        if not LOBES[0] <= self.reach / max(float(r.min()), 1e-300) <= LOBES[1]:
+            return None
+        sixth = (turn * 6.0) % (2.0 * np.pi)
+        # One lobe on top of the others: all are alike, and far at one angle.
+        phase = np.angle(np.sum((r - r.mean()) * np.exp(1j * sixth)))
+        model = np.cos(sixth - phase)
+        if np.corrcoef(model, r)[0, 1] < 0.9:
+            return None
+        steps = np.round((turn - phase / 6.0) * 3.0 / np.pi).astype(np.int64) % 6
+        if len(np.unique(steps)) < 6 or len(self.length) < 18:
+            return None
+        return "torx socket", 2.0 * self.reach
+
+    def _is_one(self, distance: Floats, middle: float) -> bool:
+        return bool(np.abs(distance - middle).max() <= max(SAME * self.reach, 0.01 * middle))
+
+    def _is_any_over_its_foot(self, chosen: npt.NDArray[np.bool_]) -> bool:
+        """Whether a wall has the point on it that is nearest to the axis."""
+        along = np.stack([-self.normals[chosen, 1], self.normals[chosen, 0]], axis=1)
+        one = np.einsum("ij,ij->i", along, self.begin[chosen])
+        other = np.einsum("ij,ij->i", along, self.end[chosen])
+        slack = 0.02 * self.reach
+        return bool(((np.minimum(one, other) < -slack) & (np.maximum(one, other) > slack)).any())
