@@ -1,9 +1,8 @@
 """Which parts block which along which straight motions: the arcs of a directional blocking graph, found when asked for.
 
 Wilson and Latombe, "Geometric reasoning about mechanical assembly", Artificial Intelligence 71, 1994. The directions of
-a part come from its contacts, from the axes of fasteners and from the world. A part that a cast meets blocks it. Parts
-that are in contact with it at the start may slide and part, by the rule of `feeler.removal`, which is asked for the
-pair alone.
+a part come from its contacts, from the axes of fasteners and from the world. Parts that casts meet block it; so do
+those that it is in at the start, where it goes deeper. `removal` checks each step later, by its own rule.
 """
 
 from __future__ import annotations
@@ -34,7 +33,14 @@ MOST_NORMALS, MOST_DIRECTIONS = 8, 18
 """Contact normals, and directions, of a part. More finds motions that only crowded parts have, and takes longer."""
 MOST_BLOCKERS = 24
 """A direction that more parts block is left out: there are shorter ways, or none."""
-SAME_COSINE = 1.0 - 1e-9
+FEW_BLOCKERS = 4
+"""A direction with more than so many blockers more than the best one, and twice as many, is left out."""
+DEEPER_M, DEEPER_SHARE = 1e-5, 0.07
+"""Parts in each other at the start may be so much deeper on the way, as for `removal`."""
+DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2.0, 3.0)
+"""Where their depth is measured, in sizes of the moving part. A step that goes too deep between is found out later."""
+SAME_COSINE = 1.0 - 1e-8
+"""Directions nearer to each other are one: 0.1 mrad."""
 
 SHANK_PLAY = 1.12
 """A fastener joins the parts that its shank, this much wider, meets. Holes are up to a tenth wider than their bolts."""
@@ -53,41 +59,50 @@ class BlockingGraph:
         given = list(allow) if isinstance(allow, (list, tuple)) else [allow]
         names = [each for each in given if isinstance(each, (str, Part)) and each != "start"]
         self.allowed = frozenset(question.scene.mockup.parts.select(names).tolist() if names else [])
-        self.has_overlap = any(isinstance(each, (int, float)) and each > 0 for each in given)
+        self.overlap = max((float(each) for each in given if isinstance(each, (int, float))), default=0.0)
         self._exits: dict[int, list[Exit]] = {}
+        self._left: dict[int, Iterator[Exit]] = {}
+        self._holding: dict[int, frozenset[int]] = {}
 
     def is_known(self, node: int) -> bool:
         """Whether the exits of a part were looked for."""
         return node in self._exits
 
     def exits(self, node: int) -> list[Exit]:
-        """What blocks a part along each of its directions; those along which no kept part does."""
+        """What blocks a part along each of its directions; those along which no kept part does. Where nothing blocks
+        one, the others wait until that one is forgotten."""
         if node not in self._exits:
-            self._exits[node] = undominated(self._found(node)) if node not in self.question.kept else []
-        return self._exits[node]
+            self._exits[node] = []
+            if node not in self.question.kept:
+                self.clock.tell(f"what blocks {self.question.names([node])}")
+                holding = self.holding(node)
+                self._left[node] = self._found(_Mover(self, node, frozenset(self.question.parts_of(holding))), holding)
+        found = self._exits[node]
+        left = self._left.get(node, iter(()))
+        while not any(not one.blockers for one in found) and (one := next(left, None)) is not None:
+            found = undominated([*found, one])
+        self._exits[node] = found
+        return found
 
-    def _found(self, node: int) -> list[Exit]:
-        self.clock.tell(f"what blocks {self.question.names([node])}")
-        mover = _Mover(self, node)
-        holding = self.holding(node)
-        found: list[Exit] = []
+    def _found(self, mover: _Mover, holding: frozenset[int]) -> Iterator[Exit]:
+        fewest = MOST_BLOCKERS
         for direction in mover.directions():
             if not self.clock.goes_on():
-                break
-            least = holding.union(map(self.question.node_of, mover.opposed(direction)))
-            if any(one.blockers | one.fasteners < least for one in found):
+                return
+            least = set(map(self.question.node_of, mover.opposed(direction)))
+            if any(one.blockers < least for one in self._exits[mover.node]):
                 continue
-            blockers = mover.blockers(direction)
+            blockers = mover.blockers(direction, min(MOST_BLOCKERS, 2 * fewest + FEW_BLOCKERS))
             if blockers is not None:
-                found.append(Exit((direction,), frozenset(map(self.question.node_of, blockers)), holding))
-                if not blockers:
-                    break
-        return found
+                fewest = min(fewest, len(blockers))
+                yield Exit((direction,), frozenset(map(self.question.node_of, blockers)), holding)
 
     def holding(self, node: int) -> frozenset[int]:
         """The fasteners that join a part to others, and may go."""
-        fasteners = self.joints.of(self.question.parts_of([node]))
-        return frozenset(map(self.question.node_of, fasteners)) - self.question.kept - {node}
+        if node not in self._holding:
+            fasteners = self.joints.of(self.question.parts_of([node]))
+            self._holding[node] = frozenset(map(self.question.node_of, fasteners)) - self.question.kept - {node}
+        return self._holding[node]
 
     def learn(self, node: int, exit_: Exit) -> None:
         """Adds an exit that was found by other means."""
@@ -132,8 +147,10 @@ class BlockingGraph:
 class _Mover:
     """A part, or the wanted ones with what grips them, among all other parts of the scene."""
 
-    def __init__(self, graph: BlockingGraph, node: int) -> None:
+    def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int]) -> None:
         self.graph, self.question, self.node = graph, graph.question, node
+        # Parts that go before it, or may be met.
+        self.passed = graph.allowed | before
         self.parts = self.question.parts_of([node])
         self.tool = self.question.moving([node])
         self.rest = self.question.scene.without(list(self.parts))
@@ -144,8 +161,8 @@ class _Mover:
         flush = set(self.contacts.parts[is_touching].tolist())
         deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
         met = {int(part) for part in touching.parts}
-        # Casts tell of parts that touch; of those that are deeper only the rule of `removal` does.
-        self.seats = sorted((met - flush | deep) - graph.allowed)
+        # Casts tell of parts that touch, measured depths of those that are in each other.
+        self.seats = sorted((met - flush | deep) - self.passed)
 
     def directions(self) -> Iterator[Direction]:
         """Those given; contact normals, the axes of fasteners and of the world, and what is along two contacts; both
@@ -159,7 +176,7 @@ class _Mover:
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
         asked = self.question.grip["directions"] if self.node == TARGET else None
         given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
-        lines = [*axes, *np.eye(3), *(line for line in across if np.linalg.norm(line) > 0.1), *normals]
+        lines = [*np.eye(3), *axes, *(line for line in across if np.linalg.norm(line) > 0.1), *normals]
         all_: list[Direction] = []
         for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
             unit = line / np.linalg.norm(line)
@@ -173,36 +190,55 @@ class _Mover:
         """Touching parts with a contact plane against a direction. What is deeper has no such plane to go by."""
         against = self.contacts.normals @ np.array(direction) < -OPPOSED
         touching = np.abs(self.contacts.gaps) <= TOUCH_M
-        return set(self.contacts.parts[against & touching].tolist()) - self.graph.allowed
+        return set(self.contacts.parts[against & touching].tolist()) - self.passed
 
-    def blockers(self, direction: Direction) -> frozenset[int] | None:
-        """All parts that block it along a direction; `None` where a kept part does, or too many."""
-        kept, allowed = self.question.kept, self.graph.allowed
+    def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
+        """All other parts that block it along a direction; `None` where a kept part does, more than `most`, or the time
+        is up."""
+        kept = self.question.kept
         found = self.opposed(direction)
-        if found & kept:
-            return None
-        for seat in self.seats:
-            if seat not in found and not self._leaves(seat, direction):
-                found.add(seat)
-                if seat in kept:
-                    return None
-        far = np.eye(4)
-        far[:3, 3] = self._way_out(direction) * np.array(direction)
-        passed = {*found, *self.seats, *allowed}
-        while len(found) <= MOST_BLOCKERS:
+        if not found & kept:
+            found |= self._deeper(direction, set(self.seats) - found)
+        passed = {*found, *self.seats, *self.passed}
+        pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
+        while not found & kept and len(found) <= most and self.graph.clock.goes_on():
             ignore = [("*", sorted(passed))] if passed else None
-            hit = self.rest.cast(self.tool, np.eye(4), far, touching="free", ignore=ignore)
+            # What is met farther on is looked for from where the last one was.
+            hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
             if hit is None:
                 return frozenset(found)
             passed.add(hit.part)
-            if not self.graph.has_overlap or not self._leaves(hit.part, direction):
-                if hit.part in kept:
-                    return None
+            pose = hit.pose
+            if not self.graph.overlap or self._deeper(direction, {hit.part}):
                 found.add(hit.part)
         return None
 
-    def _leaves(self, part: int, direction: Direction) -> bool:
-        return self.question.leaves(self.node, part, direction, self.graph.clock)
+    def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
+        """Those of the parts that it goes deeper into along a direction than it is at the start, by samples."""
+        left = sorted(parts)
+        found: set[int] = set()
+        way = self._way_out(direction)
+        at_start = self._depths(left, np.eye(4)) if left else {}
+        for share in DEPTH_SHARES:
+            if not left or share * self.size > way:
+                break
+            depths = self._depths(left, self._moved(direction, share * self.size))
+            limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * at_start.get(part, 0.0) for part in left}
+            found |= {part for part in left if depths.get(part, 0.0) > max(limits[part], self.graph.overlap)}
+            left = [part for part in left if part not in found]
+        return found
+
+    def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
+        depths = self.rest.only(parts).depth(self.tool, pose)
+        found: dict[int, float] = {}
+        for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
+            found[part] = max(depth, found.get(part, 0.0))
+        return found
+
+    def _moved(self, direction: Direction, by: float) -> Floats:
+        pose = np.eye(4)
+        pose[:3, 3] = by * np.array(direction)
+        return pose
 
     def _way_out(self, direction: Direction) -> float:
         """How far along a direction the box of the tool leaves the box of all else, metres."""
@@ -235,7 +271,8 @@ class Joints:
         return [self._rows[part] for part in parts if part in self._rows]
 
     def of(self, parts: tuple[int, ...]) -> set[int]:
-        """The fasteners that join one of these parts; none where these are fasteners themselves."""
+        """The fasteners that join one of these parts; none where these are fasteners themselves. Studs stay: it is
+        their nuts that are undone."""
         if self.among(parts):
             return set()
         bounds = self._bounds
@@ -243,7 +280,8 @@ class Joints:
         reach = 0.1 * (upper - lower).max()
         near = ((bounds[:, 0] <= upper + reach) & (bounds[:, 1] >= lower - reach)).all(axis=1) & self.scene.part_mask
         others = [int(part) for part in np.flatnonzero(near) if part not in parts]
-        return {row.part for row in self.among(others) if self.joined(row) & set(parts)}
+        holding = (row for row in self.among(others) if row.kind != "stud")
+        return {row.part for row in holding if self.joined(row) & set(parts)}
 
     def joined(self, row: Fastener) -> frozenset[int]:
         """The parts that a fastener joins: those around its shank, and under its nut."""

@@ -20,7 +20,7 @@ TRY_SHARE = 0.05
 """One try of pushes and random trees takes at most this share of the time, at first. More finds harder ways, fewer of
 them."""
 LEAST_TRY_S = 0.25
-"""Seconds of such a try at least, where there are so many."""
+"""Seconds of such a try at least, and of one along a direction."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class _Search:
         question, target = self.question, frozenset([TARGET])
         if int(question.scene.part_mask.sum()) == len(question.wanted):
             return self._ended(True, [RemovalStep(question.wanted, alone(int(question.options["seed"])))])
-        in_place = question.straight_way(self._try_s(0), self.clock)
+        in_place = question.straight_way(LEAST_TRY_S, self.clock)
         is_held = bool(self.graph.holding(TARGET))
         if in_place is not None and not is_held:
             return self._ended(True, [RemovalStep(question.wanted, in_place)])
@@ -164,7 +164,10 @@ class _Search:
         if known is not None:
             return known
         direction = step.motion if isinstance(step.motion, tuple) else None
-        way = question.removal(step.parts, gone, direction, self._try_s(0), self.clock)
+        way = question.removal(step.parts, gone, direction, LEAST_TRY_S, self.clock)
+        if not way.found and (direction is None or not way.blocked_by):
+            # There was no time for the direction itself, or it is a bent way.
+            way = question.removal(step.parts, gone, direction, self._try_s(0), self.clock)
         if not way.found:
             # A way that was found with more parts gone holds, since it meets none of those that are there.
             held = next((way for before, way in self.ways.get(parts, []) if before <= gone), None)
@@ -185,10 +188,10 @@ class _Search:
                     self.graph.learn(node, replace(one, blockers=one.blockers | {more}))
 
     def _try_what_is_stuck(self, rounds: int) -> None:
-        """Pushes and trees, with all gone that can go, for the parts that cannot: those that block the wanted ones
-        first; longer in each round. Ends with the first that is found, for then there may be a plan."""
+        """Pushes and trees, with all gone that can go, for the parts that cannot: the wanted ones first, then
+        the small ones; longer in each round. Ends with the first that is found, for then there may be a plan."""
         gone = self.graph.most_gone()
-        stuck = [frozenset([node]) for node in self.graph.reached() if node not in gone]
+        stuck = [frozenset([node]) for node in sorted(self.graph.reached(), key=self.question.size) if node not in gone]
         worst = [] if self.last is None else [self.question.node_of(each.part) for each in self.last.blocked_by[:2]]
         pairs = [frozenset([TARGET, node]) for node in worst if node not in self.question.kept and node not in gone]
         for nodes in [*stuck, *pairs]:

@@ -78,6 +78,11 @@ class Question:
         """The parts that nodes stand for, in order of their numbers."""
         return tuple(sorted(part for node in nodes for part in (self.wanted if node == TARGET else (node,))))
 
+    def size(self, node: int) -> float:
+        """The diagonal of a part's box, metres; 0 for the wanted ones."""
+        lower, upper = self.scene.mockup.part_bounds[2 * node : 2 * node + 2] if node != TARGET else np.zeros((2, 3))
+        return float(np.linalg.norm(upper - lower))
+
     def names(self, nodes: Iterable[int]) -> str:
         """For people: the name of the first, and how many more."""
         parts = self.parts_of(nodes)
@@ -114,16 +119,19 @@ class Question:
         )
 
     def straight_way(self, seconds: float, clock: Clock) -> Removal | None:
-        """A straight way of the wanted parts with all else in place, if there is one."""
-        options = {**self.grip, **self.options, "seconds": min(seconds, clock.left)}
-        return _straight(self.scene, list(self.wanted), options, None, (clock, self.names([TARGET])))
+        """A straight way of the wanted parts with all else in place, if there is one: `removal` without searches."""
 
-    def leaves(self, node: int, part: int, direction: Direction, clock: Clock) -> bool:
-        """Whether a part would go along a direction if another one were all that is there."""
-        parts = list(self.parts_of([node]))
-        options = {**self._held(frozenset([node]), direction), **self.options, "seconds": clock.left}
-        way = _straight(self.scene.only([*parts, part]), parts, options, direction, (clock, self.names([node])))
-        return way is not None
+        def only_straight(_done: float, stage: str) -> None:
+            if stage != "straight ways":
+                raise _NotStraightError
+            clock.tell(f"{self.names([TARGET])}: {stage}")
+
+        options = {**self.grip, **self.options, "seconds": min(seconds, clock.left), "progress": only_straight}
+        try:
+            way = removal(self.scene, list(self.wanted), **options)
+        except _NotStraightError:
+            return None
+        return way if way.found else None
 
     def is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
         """Whether a way meets another part, or the wanted ones."""
@@ -133,29 +141,3 @@ class Question:
     def _held(self, nodes: frozenset[int], direction: Direction | None) -> dict[str, Any]:
         grip = self.grip if TARGET in nodes else dict.fromkeys(self.grip)
         return grip if direction is None else {**grip, "directions": [direction]}
-
-
-def _straight(
-    scene: Scene, parts: list[int], options: dict[str, Any], direction: Direction | None, told: tuple[Clock, str]
-) -> Removal | None:
-    """`removal` as long as it tries straight ways, or the one along a direction. Casts along surfaces cost most."""
-    clock, name = told
-    calls = 0
-
-    def stop_after(_done: float, stage: str) -> None:
-        nonlocal calls
-        calls += 1
-        # The first call is before the directions are known, the second before the first direction is tried.
-        if stage != "straight ways" or (direction is not None and calls > 2):
-            raise _NotStraightError
-        clock.tell(f"{name}: {stage}")
-
-    try:
-        way = removal(scene, parts, **options, progress=stop_after)
-    except _NotStraightError:
-        return None
-    if not way.found or direction is None:
-        return way if way.found else None
-    moved = way.poses[-1][:3, 3]
-    is_along = float(moved @ np.array(direction)) > (1.0 - 1e-9) * float(np.linalg.norm(moved))
-    return way if is_along else None

@@ -30,7 +30,7 @@ class Exit:
     blockers: frozenset[int]
     """Parts that are in the way: they go before, or along."""
     fasteners: frozenset[int] = frozenset()
-    """Fasteners that join the part to another: they go before where they can."""
+    """Fasteners that join the part to another: they go before, or along where the part blocks them."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,9 @@ class Graph(Protocol):
 
     def is_known(self, node: int) -> bool:
         """Whether they are known already."""
+
+    def holding(self, node: int) -> frozenset[int]:
+        """The fasteners that join a part to others: found in less time."""
 
 
 def shortest_sequence(
@@ -118,9 +121,10 @@ def _pending(target: int, chosen: Mapping[int, Exit]) -> list[int]:
 
 
 def _least_cost(part: int, chosen: Mapping[int, Exit], graph: Graph) -> float:
-    """A part is a step more, unless it and one that is chosen block each other along the same motion."""
+    """A part is a step more, and so is each fastener that holds it, unless it and one that is chosen block each other
+    along the same motion."""
     if not graph.is_known(part):
-        return UNSEEN_COST
+        return UNSEEN_COST + len(graph.holding(part) - chosen.keys())
     along = any(
         other in chosen and part in chosen[other].blockers and _in_common([one, chosen[other]])
         for one in graph.exits(part)
@@ -130,16 +134,10 @@ def _least_cost(part: int, chosen: Mapping[int, Exit], graph: Graph) -> float:
 
 
 def _can_go(groups: Sequence[Sequence[int]], chosen: Mapping[int, Exit], node_count: int) -> bool:
-    """Whether each component has one motion, no fastener that should have gone before, and is not all there is."""
+    """Whether the parts of each component have a motion in common, and the last is not all that is left."""
     if len(groups[-1]) > 1 and len(chosen) >= node_count:
         return False
-    for group in groups:
-        inside = frozenset(group)
-        if not _in_common([chosen[part] for part in group]):
-            return False
-        if any(chosen[part].fasteners & inside for part in group):
-            return False
-    return True
+    return all(_in_common([chosen[part] for part in group]) for group in groups)
 
 
 def _steps(chosen: Mapping[int, Exit]) -> list[SequenceStep]:
