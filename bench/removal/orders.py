@@ -61,13 +61,15 @@ def exhaustive(made: Assembly) -> int | None:
             return cost
         if cost > best[there]:
             continue
-        if there == {made.wanted}:
-            return cost + 1
         free: list[frozenset[int]] = []
         loose = sorted(there - made.keep)
         for size in range(1, len(loose) + 1):
             for parts in map(frozenset, itertools.combinations(loose, size)):
-                if parts == there or any(smaller < parts for smaller in free) or not is_free(parts, there):
+                if (
+                    (parts == there and len(parts) > 1)
+                    or any(smaller < parts for smaller in free)
+                    or not is_free(parts, there)
+                ):
                     continue
                 free.append(parts)
                 is_bolt = len(parts) == 1 and next(iter(parts)) in made.bolts
