@@ -56,10 +56,10 @@ class BlockingGraph:
         self.question, self.clock = question, clock
         self.joints = Joints(question.scene)
         allow = question.options["allow"]
-        given = list(allow) if isinstance(allow, (list, tuple)) else [allow]
+        given = allow if isinstance(allow, list) else [allow]
         names = [each for each in given if isinstance(each, (str, Part)) and each != "start"]
         self.allowed = frozenset(question.scene.mockup.parts.select(names).tolist() if names else [])
-        self.overlap = max((float(each) for each in given if isinstance(each, (int, float))), default=0.0)
+        self.overlap = max((float(each) for each in given if isinstance(each, (int, float, np.number))), default=0.0)
         self._exits: dict[int, list[Exit]] = {}
         self._left: dict[int, Iterator[Exit]] = {}
         self._holding: dict[int, frozenset[int]] = {}
@@ -77,12 +77,10 @@ class BlockingGraph:
                 self.clock.tell(f"what blocks {self.question.names([node])}")
                 holding = self.holding(node)
                 self._left[node] = self._found(_Mover(self, node, frozenset(self.question.parts_of(holding))), holding)
-        found = self._exits[node]
         left = self._left.get(node, iter(()))
-        while not any(not one.blockers for one in found) and (one := next(left, None)) is not None:
-            found = undominated([*found, one])
-        self._exits[node] = found
-        return found
+        while all(one.blockers for one in self._exits[node]) and (more := next(left, None)) is not None:
+            self._exits[node] = undominated([*self._exits[node], more])
+        return self._exits[node]
 
     def _found(self, mover: _Mover, holding: frozenset[int]) -> Iterator[Exit]:
         fewest = MOST_BLOCKERS

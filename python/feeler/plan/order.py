@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy.typing as npt
 
 from feeler.errors import OptionError
 from feeler.mockup import Tool
-from feeler.parts import PartsLike
+from feeler.parts import Part, PartsLike
 from feeler.plan.blocking import BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
 from feeler.plan.removal import Allow, Progress, Removal, alone
@@ -91,6 +91,10 @@ def removal_order(
     """
     if not seconds > 0.0:
         raise OptionError(f"seconds is {seconds}: give the time there is, more than 0")
+    if progress is not None and not callable(progress):
+        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
+    if isinstance(allow, Iterable) and not isinstance(allow, (str, bytes, Part)):
+        allow = list(allow)
     wanted = tuple(int(each) for each in scene.mockup.parts.select(part))
     kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist()).difference(wanted)
     question = Question(
