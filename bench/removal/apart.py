@@ -48,7 +48,7 @@ def main() -> None:
     for number in range(99):
         before = len(gone)
         limit = ROUND_S[min(number, len(ROUND_S) - 1)]
-        for part in by_size:
+        for part in by_size:  # the cases last: casts of them take long
             left = options.seconds - (time.perf_counter() - begin)
             if left <= 0.0 or len(gone) >= mockup.part_count - 1:
                 break
