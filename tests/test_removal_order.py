@@ -133,6 +133,19 @@ def test_bolts_go_before_what_they_join(orders: Any, wanted: int) -> None:
     assert order.parts[-1] == wanted and len(order) == 6
 
 
+def test_interlocked_halves_leave_their_tray_together(orders: Any) -> None:
+    assemblies = importlib.import_module("removal.assemblies")
+    made = assemblies.Assembly("halves", np.full((12, 8, 5), assemblies.EMPTY), 1e-4)
+    made.fill(2, slice(0, 12), slice(0, 8), slice(0, 5))
+    # Each has a tongue under the other one.
+    made.fill(0, slice(1, 6), slice(1, 7), slice(1, 5))
+    made.fill(1, slice(6, 11), slice(1, 7), slice(1, 5))
+    made.fill(0, slice(6, 9), slice(1, 3), slice(1, 2))
+    made.fill(1, slice(3, 6), slice(4, 6), slice(1, 2))
+    order = feeler.removal_order(feeler.Scene(made.mockup(), threads=1), 0, seconds=20.0, threads=1, keep=2)
+    assert [step.parts for step in order] == [(0, 1)] and order.found and not orders.faults(made, order)
+
+
 def test_what_is_kept_stays(orders: Any) -> None:
     made = plates_under_bolts(orders)
     scene = feeler.Scene(made.mockup(), threads=1)
