@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import importlib
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,6 +69,101 @@ def closed_box() -> feeler.Mockup:
     return mockup_of(
         {"inner": cube((0.3125, 0.3125, 0.3125), 0.125), "outer": joined(box((0, 0, 0), (1, 1, 1)), hollow)}
     )
+
+
+def test_all_the_time_is_used_before_it_gives_up() -> None:
+    told: list[tuple[float, str]] = []
+    order = feeler.removal_order(
+        *(feeler.Scene(closed_box(), threads=1), "inner"),
+        seconds=1.0,
+        threads=1,
+        keep="outer",
+        progress=lambda done, what: told.append((done, what)),
+    )
+    assert not order.found and order.seconds >= 1.0
+    shares = [done for done, _ in told]
+    assert shares == sorted(shares) and 0.0 <= shares[0] < 0.5 < shares[-1] <= 1.0
+    assert any("inner" in what for _, what in told)
+
+
+def test_an_interrupt_ends_it(chest: feeler.Scene) -> None:
+    def interrupt(_done: float, what: str) -> None:
+        if "what blocks" in what:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        feeler.removal_order(chest, "thing", threads=1, keep="chest", progress=interrupt)
+
+
+@pytest.fixture(scope="module")
+def orders() -> Any:
+    pytest.importorskip("manifold3d")
+    return importlib.import_module("removal.orders")
+
+
+@pytest.mark.parametrize("seed", range(7))
+def test_orders_of_random_assemblies_are_valid_and_short(orders: Any, seed: int) -> None:
+    answer = orders.answer(seed, 20.0)  # one of each kind; all of these come apart
+    assert answer.order.found and not answer.faults and answer.is_short
+
+
+def plates_under_bolts(orders: Any) -> Any:
+    """A base, a cover on it, and four bolts, one of them under a hood."""
+    assemblies = importlib.import_module("removal.assemblies")
+    made = assemblies.Assembly("cover", np.full((11, 11, 9), assemblies.EMPTY), 1e-4)
+    made.fill(0, slice(0, 11), slice(0, 11), slice(0, 3))
+    made.fill(1, slice(0, 11), slice(0, 11), slice(3, 4))
+    for part, (x, y) in enumerate([(2, 2), (2, 8), (8, 2), (8, 8)], start=2):
+        made.fill(part, x, y, slice(1, 4))
+        made.fill(part, slice(x - 1, x + 2), slice(y - 1, y + 2), slice(4, 6))
+        made.bolts[part] = (4, 3)
+    inside = made.cubes[1:4, 1:4, 4:7].copy()
+    made.fill(6, slice(0, 5), slice(0, 5), slice(4, 8))
+    made.cubes[1:4, 1:4, 4:7] = inside
+    return made
+
+
+@pytest.mark.parametrize("wanted", [0, 1])
+def test_bolts_go_before_what_they_join(orders: Any, wanted: int) -> None:
+    made = plates_under_bolts(orders)
+    made.wanted = wanted
+    order = feeler.removal_order(feeler.Scene(made.mockup(), threads=1), wanted, seconds=20.0, threads=1)
+    assert order.found and not orders.faults(made, order)
+    assert set(order.parts[:-1]) == {2, 3, 4, 5, 6} and order.parts.index(6) < order.parts.index(2)
+    assert order.parts[-1] == wanted and len(order) == 6
+
+
+def test_interlocked_halves_leave_their_tray_together(orders: Any) -> None:
+    assemblies = importlib.import_module("removal.assemblies")
+    made = assemblies.Assembly("halves", np.full((12, 8, 5), assemblies.EMPTY), 1e-4)
+    made.fill(2, slice(0, 12), slice(0, 8), slice(0, 5))
+    # Each has a tongue under the other one.
+    made.fill(0, slice(1, 6), slice(1, 7), slice(1, 5))
+    made.fill(1, slice(6, 11), slice(1, 7), slice(1, 5))
+    made.fill(0, slice(6, 9), slice(1, 3), slice(1, 2))
+    made.fill(1, slice(3, 6), slice(4, 6), slice(1, 2))
+    order = feeler.removal_order(feeler.Scene(made.mockup(), threads=1), 0, seconds=20.0, threads=1, keep=2)
+    assert [step.parts for step in order] == [(0, 1)] and order.found and not orders.faults(made, order)
+
+
+def test_what_is_kept_stays(orders: Any) -> None:
+    made = plates_under_bolts(orders)
+    scene = feeler.Scene(made.mockup(), threads=1)
+    order = feeler.removal_order(scene, 1, seconds=20.0, threads=1, keep=[0, 3])
+    # The bolt that stays is in the way up: the cover is held.
+    assert not {0, 3} & set(order.parts)
+
+
+def test_the_judge_sees_what_is_wrong(orders: Any) -> None:
+    made = plates_under_bolts(orders)
+    made.wanted = 1
+    order = feeler.removal_order(feeler.Scene(made.mockup(), threads=1), 1, seconds=20.0, threads=1)
+    backwards = feeler.RemovalOrder(True, order.steps[::-1], 0.0)
+    assert any("is in part" in fault for fault in orders.faults(made, backwards))
+    assert "the wanted part is still there" in orders.faults(made, feeler.RemovalOrder(True, order.steps[:-1], 0.0))
+    assert orders.exhaustive(made) == orders.cost_of(made, order) == 6
+    standing = feeler.RemovalOrder(True, order.steps[-1:], 0.0)
+    assert orders.cost_of(made, standing) == 1 + 4 * orders.STANDING_COST
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan")])

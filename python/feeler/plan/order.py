@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
-import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
 from feeler.mockup import Tool
 from feeler.parts import Part, PartsLike
-from feeler.plan.removal import Allow, Progress, Removal, alone, removal
+from feeler.plan.blocking import BlockingGraph
+from feeler.plan.question import TARGET, Clock, Question
+from feeler.plan.removal import Allow, Progress, Removal, alone
+from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
 from feeler.scene import Scene
 
-TRY_SHARE = 0.1
-"""One try to find a way takes at most so much of all the time: blockers of blockers want theirs."""
+TRY_SHARE = 0.05
+"""One try of pushes and random trees takes at most this share of the time, at first. More finds harder ways, fewer of
+them."""
 LEAST_TRY_S = 0.25
-MOST_DEEP = 8
-"""Blockers of blockers of ...: how long such a chain may be."""
+"""Seconds of such a try at least, and of one along a direction."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class RemovalOrder:
     """Which parts go, in order, the wanted ones last.
 
     - `found`: whether the wanted parts come out by these steps. That they do not is no proof that they cannot.
-    - `steps`: `RemovalStep`s in order. Where none was found: those that were, and the try of the wanted parts.
+    - `steps`: `RemovalStep`s in order. Where none was found: the best try of the wanted parts alone.
     - `seconds`: what it took.
     """
 
@@ -74,151 +74,150 @@ def removal_order(
     progress: Progress | None = None,
     keep: PartsLike | None = None,
 ) -> RemovalOrder:
-    """Which parts have to go before these come out, and the way of each.
+    """Which parts have to go before these come out, in the fewest steps, and the way of each.
 
-    Arguments as of `feeler.removal`; `part` comes out together, with the tool; what goes before it goes without. Parts
-    that blocked the most tries are left out first, until there is a way; of these only those stay on the list that
-    this way meets, each with a way of its own, found in the same manner. So the list is short, with no promise that it
-    is the shortest. `seconds` is for all of it; `keep` are parts that must not go, as `Parts.select` takes them.
+    Arguments as of `feeler.removal`; `part` comes out together, with the tool; what goes before it goes without.
 
-    Raises what `feeler.removal` raises; Ctrl-C ends it.
+    - Parts that block each other go together, in one step, where none of them comes out alone.
+    - Fasteners go before the parts that they join (`find_fasteners`), unless they are kept or do not come out.
+    - `keep`: parts that never go, as `Parts.select` takes them.
+    - `seconds`: for all of it. The search ends earlier only where it found an order.
+    - `progress`: called with the share of the time, 0 to 1, and what is being tried.
+
+    The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
+    random trees as well; so is `part` before it is said that others have to go.
+
+    Raises what `feeler.removal` raises; Ctrl-C ends it with `KeyboardInterrupt`.
     """
     if not seconds > 0.0:
         raise OptionError(f"seconds is {seconds}: give the time there is, more than 0")
+    if progress is not None and not callable(progress):
+        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
+    if isinstance(allow, Iterable) and not isinstance(allow, (str, bytes, Part)):
+        allow = list(allow)
     wanted = tuple(int(each) for each in scene.mockup.parts.select(part))
-    kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
-    search = _Search(scene, seconds, progress, allow, {"clearance": clearance, "seed": seed, "threads": threads})
-    own = {"tool": tool, "start": start, "directions": directions}
-    out = search.take_out(wanted, frozenset(), kept.union(wanted), own, 0)
-    return RemovalOrder(out.found, tuple(out.steps), time.monotonic() - search.begun)
-
-
-@dataclass
-class _Out:
-    """What it takes to take parts out; where that failed, the last step is the best try."""
-
-    found: bool
-    steps: list[RemovalStep]
-
-    @property
-    def gone(self) -> frozenset[int]:
-        return frozenset(part for step in self.steps for part in step.parts)
+    kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist()).difference(wanted)
+    question = Question(
+        scene,
+        wanted,
+        kept,
+        {"tool": tool, "start": start, "directions": directions},
+        {"allow": allow, "clearance": clearance, "seed": seed, "threads": threads},
+    )
+    return _Search(question, Clock(seconds, progress)).order()
 
 
 class _Search:
-    def __init__(
-        self, scene: Scene, seconds: float, progress: Progress | None, allow: Allow, options: dict[str, Any]
-    ) -> None:
-        self.scene, self.seconds, self.progress, self.options = scene, seconds, progress, options
-        given = [] if allow is None else [allow] if isinstance(allow, (str, float, int, Part)) else [*allow]
-        self.allow: list[str | float | Part] = given
-        self.begun = time.monotonic()
+    """Plans by what blocks what along straight motions; checks each step; tries bent ways for what is left."""
+
+    def __init__(self, question: Question, clock: Clock) -> None:
+        self.question, self.clock = question, clock
+        self.graph = BlockingGraph(question, clock)
+        self.ways: dict[tuple[int, ...], list[tuple[frozenset[int], Removal]]] = {}
         self.tries = 0
+        self.last: Removal | None = None
 
-    def take_out(
-        self, parts: tuple[int, ...], gone: frozenset[int], fixed: frozenset[int], own: dict[str, Any], deep: int
-    ) -> _Out:
-        """Takes parts out of the scene without those that are gone; what is fixed may not go before them."""
-        first = self._try(parts, gone, own)
-        if first.found:
-            return _Out(True, [RemovalStep(parts, first)])
-        failed = _Out(False, [RemovalStep(parts, first)])
-        if deep == MOST_DEEP:
-            return failed
-        while True:
-            relaxed = self._without_blockers(parts, gone, fixed, own, first)
-            if relaxed is None:
-                return failed
-            way, through = relaxed
-            needed, way = self._needed(parts, gone, through, way, own)
-            before = self._all_out(needed, gone, fixed | frozenset(parts), deep)
-            if before.found:
-                return self._last(parts, gone, before, way, own)
-            # What cannot go itself is no longer looked at: another way round is needed.
-            fixed |= frozenset(needed) - before.gone
-            if self._is_over():
-                return failed
+    def order(self) -> RemovalOrder:
+        """The order; where there is none, the best try of the wanted parts."""
+        question, target = self.question, frozenset([TARGET])
+        if int(question.scene.part_mask.sum()) == len(question.wanted):
+            return self._ended(True, [RemovalStep(question.wanted, alone(int(question.options["seed"])))])
+        in_place = question.straight_way(LEAST_TRY_S, self.clock)
+        is_held = bool(self.graph.holding(TARGET))
+        if in_place is not None and not is_held:
+            return self._ended(True, [RemovalStep(question.wanted, in_place)])
+        plan = self._plan()
+        if (plan is None or len(plan) > 1) and not is_held and self._try_bent(target, frozenset(), self._try_s(0)):
+            plan = self._plan()
+        rounds = 0
+        while self.clock.goes_on():
+            steps = None if plan is None else self._checked(plan)
+            if steps is not None:
+                return self._ended(True, steps)
+            if plan is None:
+                self._try_what_is_stuck(rounds)
+                rounds += 1
+            plan = self._plan()
+        last = self.last or question.removal(target, frozenset(), None, LEAST_TRY_S, self.clock)
+        return self._ended(False, [RemovalStep(question.wanted, last)])
 
-    def _without_blockers(
-        self, parts: tuple[int, ...], gone: frozenset[int], fixed: frozenset[int], own: dict[str, Any], first: Removal
-    ) -> tuple[Removal, list[int]] | None:
-        """A way through some blockers, and these; the worst first, twice as many each time."""
-        through: list[int] = []
-        tried, most = first, 1
-        while not self._is_over():
-            worst = [int(each.part) for each in tried.blocked_by]
-            more = [each for each in worst if each not in fixed and each not in through][:most]
-            if not more:
-                return None
-            through += more
-            tried = self._try(parts, gone, own, through=through)
-            if tried.found:
-                return tried, through
-            most *= 2
-        return None
+    def _ended(self, found: bool, steps: list[RemovalStep]) -> RemovalOrder:
+        return RemovalOrder(found, tuple(steps), self.clock.spent)
 
-    def _needed(
-        self, parts: tuple[int, ...], gone: frozenset[int], through: Sequence[int], way: Removal, own: dict[str, Any]
-    ) -> tuple[list[int], Removal]:
-        """Of the parts that it may go through those that the way meets, less those without which there is a way too."""
-        needed = [each for each in through if self._is_met(parts, each, way, own)]
-        for each in list(reversed(needed)):
-            if len(needed) == 1 or self._is_over():
-                break
-            rest = [other for other in needed if other != each]
-            tried = self._try(parts, gone, own, through=rest)
-            if tried.found:
-                needed, way = rest, tried
-        return needed, way
+    def _plan(self) -> list[SequenceStep] | None:
+        return shortest_sequence(TARGET, self.graph, self.question.node_count, self.clock.goes_on)
 
-    def _is_met(self, parts: tuple[int, ...], other: int, way: Removal, own: dict[str, Any]) -> bool:
-        moving = Tool.of_parts(self.scene.mockup, list(parts))
-        if own["tool"] is not None:
-            place = np.eye(4) if own["start"] is None else own["start"]
-            moving = Tool.assembly({"parts": moving, "tool": (own["tool"], place)})
-        return not self.scene.only([other]).check_path(moving, way.poses, touching="free").free
-
-    def _all_out(self, needed: Sequence[int], gone: frozenset[int], fixed: frozenset[int], deep: int) -> _Out:
-        """Each of them out, in the order in which they can go."""
+    def _checked(self, plan: list[SequenceStep]) -> list[RemovalStep] | None:
+        """The steps with their ways. Where one has none, the graph learns what blocks it, and there are no steps."""
         steps: list[RemovalStep] = []
-        pending = list(needed)
-        away = gone
-        free: dict[str, Any] = {"tool": None, "start": None, "directions": None}
-        while pending:
-            for each in pending:
-                if self._is_over():
-                    return _Out(False, steps)
-                out = self.take_out((each,), away, fixed | {each}, free, deep + 1)
-                if out.found:
-                    steps += out.steps
-                    away |= out.gone
-                    pending = [other for other in pending if other not in away]
-                    break
-            else:
-                return _Out(False, steps)
-        return _Out(True, steps)
+        gone: frozenset[int] = frozenset()
+        for step in plan:
+            way = self._way(step, gone)
+            if way is None:
+                return None
+            steps.append(RemovalStep(self.question.parts_of(step.parts), way))
+            gone |= step.parts
+        return steps
 
-    def _last(
-        self, parts: tuple[int, ...], gone: frozenset[int], before: _Out, way: Removal, own: dict[str, Any]
-    ) -> _Out:
-        """The parts after what blocked them. The way that is known holds, since what it met is gone; a new one may be
-        shorter, and its clearance is to all that is left."""
-        again = self._try(parts, gone | before.gone, own)
-        return _Out(True, [*before.steps, RemovalStep(parts, again if again.found else way)])
+    def _way(self, step: SequenceStep, gone: frozenset[int]) -> Removal | None:
+        question = self.question
+        parts = question.parts_of(step.parts)
+        if int(question.scene.part_mask.sum()) == len(parts) + len(question.parts_of(gone)):
+            return alone(int(question.options["seed"]))
+        known = next((way for before, way in self.ways.get(parts, []) if before == gone), None)
+        if known is not None:
+            return known
+        direction = step.motion if isinstance(step.motion, tuple) else None
+        way = question.removal(step.parts, gone, direction, LEAST_TRY_S, self.clock)
+        if not way.found and (direction is None or not way.blocked_by):
+            # There was no time for the direction itself, or it is a bent way.
+            way = question.removal(step.parts, gone, direction, self._try_s(0), self.clock)
+        if not way.found:
+            # A way that was found with more parts gone holds, since it meets none of those that are there.
+            held = next((way for before, way in self.ways.get(parts, []) if before <= gone), None)
+            if held is None:
+                self._learn_blockers(step, gone, way)
+                return None
+            way = held
+        self.ways.setdefault(parts, []).append((gone, way))
+        return way
 
-    def _try(
-        self, parts: tuple[int, ...], gone: frozenset[int], own: dict[str, Any], through: Sequence[int] = ()
-    ) -> Removal:
-        left = self.seconds - (time.monotonic() - self.begun)
-        budget = max(LEAST_TRY_S, min(left, TRY_SHARE * self.seconds))
+    def _learn_blockers(self, step: SequenceStep, gone: frozenset[int], tried: Removal) -> None:
+        """A step that is not free has more blockers than casts along it told."""
+        worst = (self.question.node_of(each.part) for each in tried.blocked_by)
+        more = next((node for node in worst if node not in step.parts), None)
+        for node in step.parts:
+            for one in self.graph.forget(node, step.motion):
+                if more is not None and more not in self.question.kept:
+                    self.graph.learn(node, replace(one, blockers=one.blockers | {more}))
+
+    def _try_what_is_stuck(self, rounds: int) -> None:
+        """Pushes and trees, with all gone that can go, for the parts that cannot: the wanted ones first, then
+        the small ones; longer in each round. Ends with the first that is found, for then there may be a plan."""
+        gone = self.graph.most_gone()
+        stuck = [frozenset([node]) for node in sorted(self.graph.reached(), key=self.question.size) if node not in gone]
+        worst = [] if self.last is None else [self.question.node_of(each.part) for each in self.last.blocked_by[:2]]
+        pairs = [frozenset([TARGET, node]) for node in worst if node not in self.question.kept and node not in gone]
+        for nodes in [*stuck, *pairs]:
+            if not self.clock.goes_on() or self._try_bent(nodes, gone, self._try_s(rounds)):
+                return
+
+    def _try_bent(self, nodes: frozenset[int], gone: frozenset[int], seconds: float) -> bool:
+        """Whether there is any way with some parts gone; the graph learns it, with those of them that it meets."""
+        question = self.question
+        if len(nodes) + len(gone) >= question.node_count:
+            return False
+        way = question.removal(nodes, gone, None, seconds, self.clock, seed=self.tries)
         self.tries += 1
-        if self.progress is not None:
-            self.progress(min(1.0, 1.0 - left / self.seconds), f"try {self.tries}, {len(gone)} parts gone")
-        scene = self.scene.without(sorted(gone)) if gone else self.scene
-        if int(scene.part_mask.sum()) == len(parts):
-            return alone(int(self.options["seed"]))
-        allow = [*self.allow, *(scene.mockup.parts[part] for part in through)]
-        return removal(scene, list(parts), allow=allow, seconds=budget, **own, **self.options)
+        if nodes == {TARGET}:
+            self.last = way
+        if not way.found:
+            return False
+        met = frozenset(node for node in gone if question.is_met(nodes, node, way))
+        self.ways.setdefault(question.parts_of(nodes), []).append((met, way))
+        for node in nodes:
+            self.graph.learn(node, Exit((self.tries,), met | nodes - {node}, self.graph.holding(node)))
+        return True
 
-    def _is_over(self) -> bool:
-        return time.monotonic() - self.begun >= self.seconds
+    def _try_s(self, rounds: int) -> float:
+        return max(LEAST_TRY_S, TRY_SHARE * self.clock.seconds) * 2.0**rounds

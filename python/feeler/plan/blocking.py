@@ -1,0 +1,324 @@
+"""Which parts block which along which straight motions: the arcs of a directional blocking graph, found when asked for.
+
+Wilson and Latombe, "Geometric reasoning about mechanical assembly", Artificial Intelligence 71, 1994. The directions of
+a part come from its contacts, from the axes of fasteners and from the world. Parts that casts meet block it; so do
+those that it is in at the start, where it goes deeper. `removal` checks each step later, by its own rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mockup import Tool
+from feeler.parts import Part
+from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
+from feeler.plan.question import TARGET, Clock, Direction, Question
+from feeler.plan.sequence import Exit, undominated
+from feeler.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+TOUCH_M = 1e-6
+"""Parts nearer than this at the start are in contact, as for `removal`."""
+NEAR_SHARE = 1e-3
+"""Surfaces within this share of the size of a part suggest directions. More finds the walls of looser fits."""
+OPPOSED = 1e-3
+"""A touching plane blocks directions that go against it by more than this cosine."""
+MOST_NORMALS, MOST_DIRECTIONS = 8, 18
+"""Contact normals, and directions, of a part. More finds motions that only crowded parts have, and takes longer."""
+MOST_BLOCKERS = 24
+"""A direction that more parts block is left out: there are shorter ways, or none."""
+FEW_BLOCKERS = 4
+"""A direction with more than so many blockers more than the best one, and twice as many, is left out."""
+DEEPER_M, DEEPER_SHARE = 1e-5, 0.07
+"""Parts in each other at the start may be so much deeper on the way, as for `removal`."""
+DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2.0, 3.0)
+"""Where their depth is measured, in sizes of the moving part. A step that goes too deep between is found out later."""
+SAME_COSINE = 1.0 - 1e-8
+"""Directions nearer to each other are one: 0.1 mrad."""
+
+SHANK_PLAY = 1.12
+"""A fastener joins the parts that its shank, this much wider, meets. Holes are up to a tenth wider than their bolts."""
+UNDER_NUT = 0.15
+"""How far below a nut, in diameters, is the part that it bears on."""
+_SIDES = 16
+
+
+class BlockingGraph:
+    """The exits of each part of a scene, and of the wanted ones (`TARGET`), looked for when they are asked for."""
+
+    def __init__(self, question: Question, clock: Clock) -> None:
+        self.question, self.clock = question, clock
+        self.joints = Joints(question.scene)
+        allow = question.options["allow"]
+        given = allow if isinstance(allow, list) else [allow]
+        names = [each for each in given if isinstance(each, (str, Part)) and each != "start"]
+        self.allowed = frozenset(question.scene.mockup.parts.select(names).tolist() if names else [])
+        self.overlap = max((float(each) for each in given if isinstance(each, (int, float, np.number))), default=0.0)
+        self._exits: dict[int, list[Exit]] = {}
+        self._left: dict[int, Iterator[Exit]] = {}
+        self._holding: dict[int, frozenset[int]] = {}
+
+    def is_known(self, node: int) -> bool:
+        """Whether the exits of a part were looked for."""
+        return node in self._exits
+
+    def exits(self, node: int) -> list[Exit]:
+        """What blocks a part along each of its directions; those along which no kept part does. Where nothing blocks
+        one, the others wait until that one is forgotten."""
+        if node not in self._exits:
+            self._exits[node] = []
+            if node not in self.question.kept:
+                self.clock.tell(f"what blocks {self.question.names([node])}")
+                holding = self.holding(node)
+                self._left[node] = self._found(_Mover(self, node, frozenset(self.question.parts_of(holding))), holding)
+        left = self._left.get(node, iter(()))
+        while all(one.blockers for one in self._exits[node]) and (more := next(left, None)) is not None:
+            self._exits[node] = undominated([*self._exits[node], more])
+        return self._exits[node]
+
+    def _found(self, mover: _Mover, holding: frozenset[int]) -> Iterator[Exit]:
+        fewest = MOST_BLOCKERS
+        for direction in mover.directions():
+            if not self.clock.goes_on():
+                return
+            least = set(map(self.question.node_of, mover.opposed(direction)))
+            if any(one.blockers < least for one in self._exits[mover.node]):
+                continue
+            blockers = mover.blockers(direction, min(MOST_BLOCKERS, 2 * fewest + FEW_BLOCKERS))
+            if blockers is not None:
+                fewest = min(fewest, len(blockers))
+                yield Exit((direction,), frozenset(map(self.question.node_of, blockers)), holding)
+
+    def holding(self, node: int) -> frozenset[int]:
+        """The fasteners that join a part to others, and may go."""
+        if node not in self._holding:
+            fasteners = self.joints.of(self.question.parts_of([node]))
+            self._holding[node] = frozenset(map(self.question.node_of, fasteners)) - self.question.kept - {node}
+        return self._holding[node]
+
+    def learn(self, node: int, exit_: Exit) -> None:
+        """Adds an exit that was found by other means."""
+        self._exits[node] = undominated([*self.exits(node), exit_])
+
+    def forget(self, node: int, motion: Hashable) -> list[Exit]:
+        """Leaves out a motion that turned out to be blocked: what was thought to block it."""
+        known = [Exit((motion,), one.blockers, one.fasteners) for one in self.exits(node) if motion in one.motions]
+        left = [replace(one, motions=tuple(m for m in one.motions if m != motion)) for one in self.exits(node)]
+        self._exits[node] = [one for one in left if one.motions]
+        return known
+
+    def reached(self) -> list[int]:
+        """The wanted parts, those that block them, those that block these, and so on, as far as known."""
+        found = [TARGET]
+        for node in found:
+            for one in self._exits.get(node, []):
+                found += sorted((one.blockers | one.fasteners) - set(found) - self.question.kept)
+        return found
+
+    def most_gone(self) -> frozenset[int]:
+        """All that is known to come out, alone or together along one motion, with the wanted parts in place."""
+        gone: set[int] = set()
+        motions = {motion for exits in self._exits.values() for one in exits for motion in one.motions}
+        while True:
+            before = len(gone)
+            for motion in motions:
+                needs = {
+                    node: one.blockers
+                    for node, exits in self._exits.items()
+                    for one in exits
+                    if motion in one.motions and node != TARGET and node not in gone
+                }
+                while blocked := [node for node, blockers in needs.items() if blockers - gone - needs.keys()]:
+                    for node in blocked:
+                        del needs[node]
+                gone |= needs.keys()
+            if len(gone) == before:
+                return frozenset(gone)
+
+
+class _Mover:
+    """A part, or the wanted ones with what grips them, among all other parts of the scene."""
+
+    def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int]) -> None:
+        self.graph, self.question, self.node = graph, graph.question, node
+        # Parts that go before it, or may be met.
+        self.passed = graph.allowed | before
+        self.parts = self.question.parts_of([node])
+        self.tool = self.question.moving([node])
+        self.rest = self.question.scene.without(list(self.parts))
+        self.size = float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
+        touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
+        self.contacts = self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
+        is_touching = np.abs(self.contacts.gaps) <= TOUCH_M
+        flush = set(self.contacts.parts[is_touching].tolist())
+        deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
+        met = {int(part) for part in touching.parts}
+        # Casts tell of parts that touch, measured depths of those that are in each other.
+        self.seats = sorted((met - flush | deep) - self.passed)
+
+    def directions(self) -> Iterator[Direction]:
+        """Those given; contact normals, the axes of fasteners and of the world, and what is along two contacts; both
+        ways. Those that the fewest touching parts oppose come first."""
+        normals: list[Floats] = []
+        for normal in self.contacts.normals:
+            if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
+                normals.append(normal)
+        normals = normals[:MOST_NORMALS]
+        axes = [fastener.axis for fastener in self.graph.joints.among(self.parts)]
+        across = [np.cross(one, other) for one, other in combinations(normals, 2)]
+        asked = self.question.grip["directions"] if self.node == TARGET else None
+        given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
+        lines = [*np.eye(3), *axes, *(line for line in across if np.linalg.norm(line) > 0.1), *normals]
+        all_: list[Direction] = []
+        for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
+            unit = line / np.linalg.norm(line)
+            unit[np.abs(unit) < 1e-9] = 0.0
+            if all(float(unit @ np.array(other)) < SAME_COSINE for other in all_):
+                all_.append(tuple((np.round(unit, 9) + 0.0).tolist()))
+        chosen = all_[:MOST_DIRECTIONS]
+        return iter(sorted(chosen, key=lambda direction: len(self.opposed(direction))))
+
+    def opposed(self, direction: Direction) -> set[int]:
+        """Touching parts with a contact plane against a direction. What is deeper has no such plane to go by."""
+        against = self.contacts.normals @ np.array(direction) < -OPPOSED
+        touching = np.abs(self.contacts.gaps) <= TOUCH_M
+        return set(self.contacts.parts[against & touching].tolist()) - self.passed
+
+    def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
+        """All other parts that block it along a direction; `None` where a kept part does, more than `most`, or the time
+        is up."""
+        kept = self.question.kept
+        found = self.opposed(direction)
+        if not found & kept:
+            found |= self._deeper(direction, set(self.seats) - found)
+        passed = {*found, *self.seats, *self.passed}
+        pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
+        while not found & kept and len(found) <= most and self.graph.clock.goes_on():
+            ignore = [("*", sorted(passed))] if passed else None
+            # What is met farther on is looked for from where the last one was.
+            hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
+            if hit is None:
+                return frozenset(found)
+            passed.add(hit.part)
+            pose = hit.pose
+            if not self.graph.overlap or self._deeper(direction, {hit.part}):
+                found.add(hit.part)
+        return None
+
+    def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
+        """Those of the parts that it goes deeper into along a direction than it is at the start, by samples."""
+        left = sorted(parts)
+        found: set[int] = set()
+        way = self._way_out(direction)
+        at_start = self._depths(left, np.eye(4)) if left else {}
+        for share in DEPTH_SHARES:
+            if not left or share * self.size > way:
+                break
+            depths = self._depths(left, self._moved(direction, share * self.size))
+            limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * at_start.get(part, 0.0) for part in left}
+            found |= {part for part in left if depths.get(part, 0.0) > max(limits[part], self.graph.overlap)}
+            left = [part for part in left if part not in found]
+        return found
+
+    def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
+        depths = self.rest.only(parts).depth(self.tool, pose)
+        found: dict[int, float] = {}
+        for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
+            found[part] = max(depth, found.get(part, 0.0))
+        return found
+
+    def _moved(self, direction: Direction, by: float) -> Floats:
+        pose = np.eye(4)
+        pose[:3, 3] = by * np.array(direction)
+        return pose
+
+    def _way_out(self, direction: Direction) -> float:
+        """How far along a direction the box of the tool leaves the box of all else, metres."""
+        boxes = self.question.scene.mockup.part_bounds.reshape(-1, 2, 3)[self.rest.part_mask]
+        lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        low, high = self.tool.bounds
+        along = np.array(direction)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            leave = np.where(along > 0, (upper - low) / along, np.where(along < 0, (lower - high) / along, np.inf))
+        return max(0.0, float(leave.min())) + TOUCH_M
+
+
+class Joints:
+    """The fasteners of a scene and the parts that each joins, looked at where they are asked for."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
+        self._seen: set[int] = set()
+        self._rows: dict[int, Fastener] = {}
+        self._joined: dict[int, frozenset[int]] = {}
+
+    def among(self, parts: Iterable[int]) -> list[Fastener]:
+        """Those parts that are fasteners."""
+        new = sorted(set(parts) - self._seen)
+        if new:
+            self._seen.update(new)
+            rows = find_fasteners(self.scene, parts=new)
+            self._rows.update((row.part, row) for row in rows if row.confidence >= NAMED)
+        return [self._rows[part] for part in parts if part in self._rows]
+
+    def of(self, parts: tuple[int, ...]) -> set[int]:
+        """The fasteners that join one of these parts; none where these are fasteners themselves. Studs stay: it is
+        their nuts that are undone."""
+        if self.among(parts):
+            return set()
+        bounds = self._bounds
+        lower, upper = bounds[list(parts), 0].min(axis=0), bounds[list(parts), 1].max(axis=0)
+        reach = 0.1 * (upper - lower).max()
+        near = ((bounds[:, 0] <= upper + reach) & (bounds[:, 1] >= lower - reach)).all(axis=1) & self.scene.part_mask
+        others = [int(part) for part in np.flatnonzero(near) if part not in parts]
+        holding = (row for row in self.among(others) if row.kind != "stud")
+        return {row.part for row in holding if self.joined(row) & set(parts)}
+
+    def joined(self, row: Fastener) -> frozenset[int]:
+        """The parts that a fastener joins: those around its shank, and under its nut."""
+        known = self._joined.get(row.part)
+        if known is None:
+            rest = self.scene.without([row.part])
+            shank = _shank(row, self._bounds[row.part])
+            met = {int(part) for part in rest.collide(shank, row.frame).parts}
+            met |= {int(part) for part in rest.containment(shank, row.frame).containing}
+            known = self._joined[row.part] = frozenset(met - {each.part for each in self.among(sorted(met))})
+        return known
+
+
+def _shank(row: Fastener, bounds: Floats) -> Tool:
+    """What meets the parts that a fastener joins, as a prism in its frame."""
+    size = row.size if np.isfinite(row.size) else float(np.median(bounds[1] - bounds[0]))
+    length = row.length if np.isfinite(row.length) else float(np.linalg.norm(bounds[1] - bounds[0]))
+    if row.kind == "nut":
+        radius = 0.5 * (row.across_flats if np.isfinite(row.across_flats) else 1.6 * size)
+        top, bottom = -0.5 * length, -length - UNDER_NUT * size
+    else:
+        head = row.head_height if np.isfinite(row.head_height) else 0.0
+        radius, top, bottom = 0.5 * SHANK_PLAY * size, -head, -head - length
+    turn = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
+    ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn)])
+    corners = np.vstack(
+        [
+            np.column_stack([ring, np.full(_SIDES, top)]),
+            np.column_stack([ring, np.full(_SIDES, bottom)]),
+            [[0.0, 0.0, top], [0.0, 0.0, bottom]],
+        ]
+    )
+    faces = []
+    for i in range(_SIDES):
+        j = (i + 1) % _SIDES
+        faces += [
+            [i, i + _SIDES, j],
+            [j, i + _SIDES, j + _SIDES],
+            [i, j, 2 * _SIDES],
+            [j + _SIDES, i + _SIDES, 2 * _SIDES + 1],
+        ]
+    return Tool(corners, faces, name="shank")

@@ -1,0 +1,143 @@
+"""What is asked of a removal order, in numbers of parts, and the time that there is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from feeler.errors import FeelerError
+from feeler.mockup import Tool
+from feeler.plan.removal import Progress, Removal, removal
+from feeler.scene import Scene
+
+TARGET = -1
+"""Stands for the wanted parts, which come out together, among the numbers of all other parts."""
+LEAST_S = 1e-3
+"""Seconds of a removal that is asked for when the time is up."""
+
+Direction = tuple[float, float, float]
+
+
+class _NotStraightError(FeelerError):
+    """Raised to end a removal that goes on to ways that were not asked for."""
+
+
+class Clock:
+    """The time that there is, and what is told of it."""
+
+    def __init__(self, seconds: float, progress: Progress | None = None) -> None:
+        self.seconds, self.progress = seconds, progress
+        self._begun = time.monotonic()
+
+    @property
+    def spent(self) -> float:
+        """Seconds since it began."""
+        return time.monotonic() - self._begun
+
+    @property
+    def left(self) -> float:
+        """Seconds, at least `LEAST_S`."""
+        return max(LEAST_S, self.seconds - self.spent)
+
+    def goes_on(self) -> bool:
+        """Whether there is time left."""
+        return self.spent < self.seconds
+
+    def tell(self, what: str) -> None:
+        """Reports the share of the time and what is being tried."""
+        if self.progress is not None:
+            self.progress(min(1.0, self.spent / self.seconds), what)
+
+
+@dataclass(frozen=True)
+class Question:
+    """Which parts are to come out of which scene, how, and what may not go before them."""
+
+    scene: Scene
+    wanted: tuple[int, ...]
+    kept: frozenset[int]
+    grip: dict[str, Any]
+    """`tool`, `start` and `directions` of the wanted parts."""
+    options: dict[str, Any]
+    """`allow`, `clearance`, `seed` and `threads` of each removal."""
+
+    @property
+    def node_count(self) -> int:
+        """All parts that are there, the wanted ones counted as one."""
+        return int(self.scene.part_mask.sum()) - len(self.wanted) + 1
+
+    def node_of(self, part: int) -> int:
+        """The part itself, or `TARGET` for one that is wanted."""
+        return TARGET if part in self.wanted else part
+
+    def parts_of(self, nodes: Iterable[int]) -> tuple[int, ...]:
+        """The parts that nodes stand for, in order of their numbers."""
+        return tuple(sorted(part for node in nodes for part in (self.wanted if node == TARGET else (node,))))
+
+    def size(self, node: int) -> float:
+        """The diagonal of a part's box, metres; 0 for the wanted ones."""
+        lower, upper = self.scene.mockup.part_bounds[2 * node : 2 * node + 2] if node != TARGET else np.zeros((2, 3))
+        return float(np.linalg.norm(upper - lower))
+
+    def names(self, nodes: Iterable[int]) -> str:
+        """For people: the name of the first, and how many more."""
+        parts = self.parts_of(nodes)
+        more = f" and {len(parts) - 1} more" if len(parts) > 1 else ""
+        return f"{self.scene.mockup.part_names[parts[0]]}{more}"
+
+    def moving(self, nodes: Iterable[int]) -> Tool:
+        """The parts as one tool, the wanted ones with what grips them."""
+        nodes = frozenset(nodes)
+        own = Tool.of_parts(self.scene.mockup, list(self.parts_of(nodes)))
+        if TARGET not in nodes or self.grip["tool"] is None:
+            return own
+        place = np.eye(4) if self.grip["start"] is None else self.grip["start"]
+        return Tool.assembly({"parts": own, "tool": (self.grip["tool"], place)})
+
+    def removal(
+        self,
+        nodes: frozenset[int],
+        gone: frozenset[int],
+        direction: Direction | None,
+        seconds: float,
+        clock: Clock,
+        seed: int = 0,
+    ) -> Removal:
+        """A removal with some parts gone; along a direction first. `seed` is added to that of the options."""
+        name, after = self.names(nodes), f", {len(gone)} gone" if gone else ""
+        return removal(
+            self.scene.without(list(self.parts_of(gone))) if gone else self.scene,
+            list(self.parts_of(nodes)),
+            **self._held(nodes, direction),
+            **{**self.options, "seed": self.options["seed"] + seed},
+            seconds=min(seconds, clock.left),
+            progress=lambda _done, stage: clock.tell(f"{name}{after}: {stage}"),
+        )
+
+    def straight_way(self, seconds: float, clock: Clock) -> Removal | None:
+        """A straight way of the wanted parts with all else in place, if there is one: `removal` without searches."""
+
+        def only_straight(_done: float, stage: str) -> None:
+            if stage != "straight ways":
+                raise _NotStraightError
+            clock.tell(f"{self.names([TARGET])}: {stage}")
+
+        options = {**self.grip, **self.options, "seconds": min(seconds, clock.left), "progress": only_straight}
+        try:
+            way = removal(self.scene, list(self.wanted), **options)
+        except _NotStraightError:
+            return None
+        return way if way.found else None
+
+    def is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
+        """Whether a way meets another part, or the wanted ones."""
+        there = self.scene.only(list(self.parts_of([other])))
+        return not there.check_path(self.moving(nodes), way.poses, touching="free").free
+
+    def _held(self, nodes: frozenset[int], direction: Direction | None) -> dict[str, Any]:
+        grip = self.grip if TARGET in nodes else dict.fromkeys(self.grip)
+        return grip if direction is None else {**grip, "directions": [direction]}
