@@ -171,7 +171,7 @@ impl Environment {
         let single = way.first().filter(|_| way.len() == 1).map(|pose| [*pose, *pose]);
         for leg in way.windows(2).chain(single.iter().map(|leg| &leg[..])) {
             for (_, scene) in self.scenes() {
-                least = least_distance(scene, tool, &Motion::new(tool, &leg[0], &leg[1]), least)?;
+                least = least_distance(scene, tool, &Motion::new(tool, &leg[0], &leg[1]), least, &|| true)?;
             }
         }
         Ok(least)
@@ -222,10 +222,19 @@ impl Numbers {
 /// The least distance of a scene from a tool that moves, if it is less than `least`, metres; refined to a share of the tool's length.
 ///
 /// Conservative advancement: while the tool moves by less than the current distance minus the least so far, the least cannot change.
-pub fn least_distance(scene: &Scene, tool: &Tool, motion: &Motion, mut least: f64) -> Result<f64> {
+pub fn least_distance(
+    scene: &Scene,
+    tool: &Tool,
+    motion: &Motion,
+    mut least: f64,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<f64> {
     let (long, size) = (motion.longest_way(), length(&tool.mesh().bounds().extent()));
     let mut time = 0.0;
     while let Some(gap) = scene.closest(tool, &motion.at(time), least + long * (1.0 - time))? {
+        if !goes_on() {
+            return Err(feeler_core::Error::Cancelled.into());
+        }
         let beyond = gap.distance - least;
         least = least.min(gap.distance);
         if time >= 1.0 || least == 0.0 {

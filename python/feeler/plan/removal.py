@@ -70,8 +70,9 @@ class Removal:
     """How far it turns in all, radians."""
     clearance: float
     """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/64 of the
-    size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found. Pairs that
-    are together at the start are left out until they part, and parts that may be met all along."""
+    size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found or time was
+    up before it was known. Pairs that are together at the start are left out until they part, and parts that may be
+    met all along."""
     free: bool
     """Whether each leg was verified by casts with the same allowances, as `check_path` does; so is each way found."""
     certificate: Certificate

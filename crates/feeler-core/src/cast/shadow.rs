@@ -20,8 +20,8 @@ const LEAST_CURVE: f64 = 1.0 / 64.0;
 /// So often at most.
 const MOST_BISECTIONS: u32 = 8;
 
-/// Shadows in a leaf of a tree.
-const LEAF: usize = 4;
+/// Shadows in a leaf of a tree. More: fewer boxes, and more pairs that are tried one by one.
+const LEAF: usize = 1;
 
 type Flat = [f64; 2];
 
@@ -274,14 +274,15 @@ impl Shadow {
     /// Whether a line along an edge of this one holds the other, higher by `shift`, apart; or one along the axes.
     fn is_apart(&self, other: &Shadow, shift: f64) -> bool {
         let [a, b, c] = &self.corners;
-        let edges = [[a, b], [b, c], [c, a]].map(|[p, q]| [p[1] - q[1], q[0] - p[0]]);
-        edges.iter().chain([[1.0, 0.0], [0.0, 1.0]].iter()).any(|n| {
-            let beyond = |shadow: &Shadow| n[0].abs() * shadow.beyond[0] + n[1].abs() * shadow.beyond[1];
-            let ([low, high], [from, to]) = (range(&self.corners, n), range(&other.corners, n));
-            let slack = (beyond(self) + beyond(other)) * (1.0 + ARC_ROUNDING);
+        let beyond = [self.beyond[0] + other.beyond[0], self.beyond[1] + other.beyond[1]];
+        let parts = |n: Flat| {
+            let ([low, high], [from, to]) = (range(&self.corners, &n), range(&other.corners, &n));
+            let slack = (n[0].abs() * beyond[0] + n[1].abs() * beyond[1]) * (1.0 + ARC_ROUNDING);
             let shift = n[1] * shift;
             from + shift > high + slack || to + shift < low - slack
-        })
+        };
+        let across = |p: &Flat, q: &Flat| [p[1] - q[1], q[0] - p[0]];
+        parts(across(a, b)) || parts(across(b, c)) || parts(across(c, a)) || parts([1.0, 0.0]) || parts([0.0, 1.0])
     }
 }
 
@@ -390,8 +391,9 @@ impl Bounds {
 }
 
 fn range(corners: &[Flat; 3], n: &Flat) -> [f64; 2] {
-    let heights = corners.map(|c| n[0] * c[0] + n[1] * c[1]);
-    [heights[0].min(heights[1]).min(heights[2]), heights[0].max(heights[1]).max(heights[2])]
+    let height = |c: &Flat| n[0] * c[0] + n[1] * c[1];
+    let (p, q, r) = (height(&corners[0]), height(&corners[1]), height(&corners[2]));
+    [p.min(q).min(r), p.max(q).max(r)]
 }
 
 fn middle_and_half(values: &[f64; 3]) -> [f64; 2] {

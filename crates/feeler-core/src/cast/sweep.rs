@@ -52,12 +52,12 @@ const SHADOWS_AFTER: usize = 4096;
 const SHADOWS_LATER: usize = 4;
 
 /// Pairs that were followed for each triangle nearby; else there are too many to cast shadows.
-const PAIRS_A_SHADOW: usize = 4;
+const PAIRS_A_SHADOW: usize = 2;
 
 /// Tests of boxes, and pairs that are left, for each shadow at most.
-const TESTS_A_SHADOW: usize = 256;
+const TESTS_A_SHADOW: usize = 512;
 /// See above.
-const LEFT_A_SHADOW: usize = 16;
+const LEFT_A_SHADOW: usize = 32;
 
 /// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
 const CUTS_IN_CONTACT: u32 = 2;

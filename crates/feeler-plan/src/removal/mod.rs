@@ -77,7 +77,8 @@ pub struct Removal {
     pub path_length: f64,
     /// How far the tool turns in all, radians.
     pub rotation: f64,
-    /// The least distance along the way of what is not seated, metres; infinite where nothing is there.
+    /// The least distance along the way of what is not seated, metres; infinite where nothing is there, NaN where time was up before it was
+    /// known.
     pub clearance: f64,
     /// What stopped it, the worst first.
     pub blockers: Vec<Blocker>,
@@ -109,20 +110,20 @@ pub fn removal(
     let surroundings = Surroundings::new(environment, tool.clone(), *own_parts, start, allowed, *clearance)?;
     let mut tally = Tally::default();
     if let Some(way) = verified(&surroundings, Vec::new(), has_time, &mut tally)? {
-        return told(&surroundings, Ok((Method::Out, (way, vec![*start]))), &tally);
+        return told(&surroundings, Ok((Method::Out, (way, vec![*start]))), &tally, has_time);
     }
     for [_, part] in surroundings.refused() {
         tally.note(*part, 0.0, start);
     }
     if !surroundings.refused().is_empty() {
-        return told(&surroundings, Err(false), &tally);
+        return told(&surroundings, Err(false), &tally, has_time);
     }
     let first: Vec<Point> = task.directions.iter().filter_map(unit).collect();
     let (others, walls) = directions(&surroundings)?;
     let straight = within(straight_way(&surroundings, (&first, &others, &walls), has_time, &mut tally), has_time)?;
     if let Some(way) = straight.flatten() {
         let ends = as_poses(&surroundings, &way.legs, has_time, &mut tally)?.unwrap_or_default();
-        return told(&surroundings, Ok((Method::Straight, (way, ends))), &tally);
+        return told(&surroundings, Ok((Method::Straight, (way, ends))), &tally, has_time);
     }
     let mut pushes = Pushes::new(&surroundings, &first, &others, has_time);
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
@@ -152,7 +153,7 @@ pub fn removal(
     let found = within(search(), has_time)?.flatten();
     tally.add(&pushes.tally);
     trees.iter().for_each(|tree| tally.add(&tree.tally));
-    told(&surroundings, found.ok_or(true), &tally)
+    told(&surroundings, found.ok_or(true), &tally, has_time)
 }
 
 /// What came of work that ends with a request to stop where there is no more time; `None` if it did.
@@ -215,6 +216,9 @@ fn short_way(
         Ok(poses.map(|poses| (way, poses)))
     };
     let as_found = told(legs.clone())?;
+    if legs.len() < 2 {
+        return Ok((as_found, tally.casts));
+    }
     let mut own = Tally::default();
     let short = within(shortened(surroundings, legs, seed, has_time, &mut own).and_then(&mut told), has_time)?;
     Ok((short.flatten().or(as_found), tally.casts + own.casts))
@@ -239,13 +243,19 @@ fn check(task: &RemovalTask) -> Result<()> {
 }
 
 /// What there is to say of a way; or, where there is none, whether time was up.
-fn told(surroundings: &Surroundings, found: std::result::Result<Found, bool>, tally: &Tally) -> Result<Removal> {
+fn told(
+    surroundings: &Surroundings,
+    found: std::result::Result<Found, bool>,
+    tally: &Tally,
+    has_time: HasTime<'_>,
+) -> Result<Removal> {
     let is_out_of_time = matches!(found, Err(true));
     let (method, legs, poses, clearance) = match found {
         Err(_) => (None, Vec::new(), vec![*surroundings.start()], f64::INFINITY),
         Ok((method, (Verified { legs, spans }, poses))) => {
-            let least = |least, span| surroundings.least_distance(span, least);
-            (Some(method), legs, poses, spans.iter().try_fold(f64::INFINITY, least)?)
+            let least = |least, span| surroundings.least_distance(span, least, has_time);
+            let clearance = within(spans.iter().try_fold(f64::INFINITY, least).map_err(Error::from), has_time)?;
+            (Some(method), legs, poses, clearance.unwrap_or(f64::NAN))
         }
     };
     let (mut path_length, mut rotation) = (0.0, 0.0);

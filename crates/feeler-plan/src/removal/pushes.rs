@@ -363,13 +363,26 @@ impl<'a> Pushes<'a> {
         Ok(())
     }
 
-    /// Along a thread: its pitch is known only about, so that a screw ends at a flank. Then it goes on from the middle of the play.
+    /// Along a thread. Its pitch is known only about: it is measured over a turn, after which facets are where they were, between the middles
+    /// of the play. Where a screw ends at a flank all the same it goes on from the middle.
     fn thread(&mut self, at: usize, axis: &Axis, angle: f64) -> Result<()> {
-        let Node { mut pose, mut seated, .. } = self.nodes[at].clone();
-        let (mut motions, mut left) = (Vec::new(), angle);
+        let Node { pose, seated, .. } = self.nodes[at].clone();
+        let tool = self.around.tool().clone();
+        let screw = |left: f64, pitch: f64| Screw::new(&axis.along, &axis.point, left, pitch);
+        let begin = self.middle_of_play(&seated, &pose, axis)?;
+        let turn = angle.signum() * angle.abs().min(std::f64::consts::TAU);
+        let (kept, parted, _) = self.walk(at, &seated, &Motion::screw(&tool, &begin, &screw(turn, axis.pitch)?)?)?;
+        let Some(kept) = kept.filter(|kept| kept.angle() > self.level * LEAST_TURN) else { return Ok(()) };
+        let middle = self.middle_of_play(&parted, kept.end(), axis)?;
+        let off = dot(&sub(middle.translation(), kept.end().translation()), &axis.along);
+        let pitch = axis.pitch + off * std::f64::consts::TAU / (angle.signum() * kept.angle());
+        let mut motions = Vec::new();
+        if begin != pose {
+            motions.push(Motion::new(&tool, &pose, &begin));
+        }
+        let (mut pose, mut seated, mut left) = (begin, seated, angle);
         for _ in 0..MOST_THREADED {
-            let screw = Screw::new(&axis.along, &axis.point, left, axis.pitch)?;
-            let motion = Motion::screw(self.around.tool(), &pose, &screw)?;
+            let motion = Motion::screw(&tool, &pose, &screw(left, pitch)?)?;
             let (kept, parted, is_free) = self.walk(at, &seated, &motion)?;
             let Some(kept) = kept.filter(|kept| is_free || kept.angle() > self.level * LEAST_TURN) else { break };
             (pose, seated, left) = (*kept.end(), parted, left - left.signum() * kept.angle());
@@ -377,23 +390,30 @@ impl<'a> Pushes<'a> {
             if is_free {
                 break;
             }
-            let mut play = [0.0; 2];
-            for (sense, play) in [1.0, -1.0].into_iter().zip(&mut play) {
-                let far = 0.25 * axis.pitch.abs();
-                let end = self.around.moved(&pose, &axis.along, sense * far)?;
-                let walk = self.around.walk(&seated, (&pose, &end), Care::search(&[], self.has_time))?;
-                self.tally.walked(self.around, &walk);
-                self.work += WORK_OF_A_CAST * walk.casts;
-                *play = walk.fraction * far;
-            }
-            let middle = self.around.moved(&pose, &axis.along, 0.5 * (play[0] - play[1]))?;
-            motions.push(Motion::new(self.around.tool(), &pose, &middle));
+            let middle = self.middle_of_play(&seated, &pose, axis)?;
+            motions.push(Motion::new(&tool, &pose, &middle));
             pose = middle;
         }
-        if !motions.is_empty() {
+        if motions.iter().any(|motion| motion.angle() > 0.0) {
             self.push((pose, seated), at, motions);
         }
         Ok(())
+    }
+
+    /// The middle of what a pose may move along an axis, at most a quarter of the pitch to each side.
+    fn middle_of_play(&mut self, seated: &Arc<Seated>, pose: &Pose, axis: &Axis) -> Result<Pose> {
+        let far = 0.25 * axis.pitch.abs();
+        let mut play = [0.0; 2];
+        for (sense, play) in [1.0, -1.0].into_iter().zip(&mut play) {
+            let end = self.around.moved(pose, &axis.along, sense * far)?;
+            let walk = self.around.walk(seated, (pose, &end), Care::search(&[], self.has_time))?;
+            self.tally.walked(self.around, &walk);
+            self.work += WORK_OF_A_CAST * walk.casts;
+            *play = walk.fraction * far;
+        }
+        let by = 0.5 * (play[0] - play[1]);
+        let is_there = by.abs() < SLIDE_SKIN * self.around.size();
+        Ok(if is_there { *pose } else { self.around.moved(pose, &axis.along, by)? })
     }
 
     fn begin_scan(&mut self, node: usize, motion: Motion) {

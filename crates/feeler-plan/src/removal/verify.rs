@@ -1,9 +1,10 @@
 //! Whether a way is free, leg by leg, with the same allowances and finer steps.
 
+use feeler_core::geometry::vectors::{cross, length, sub};
 use feeler_core::{Leg, Motion, Pose};
 
 use crate::blocked::Tally;
-use crate::constants::PIECES;
+use crate::constants::{PIECES, SAME_MOTION};
 use crate::error::Result;
 use feeler_world::{Care, Span, Surroundings};
 
@@ -48,6 +49,7 @@ pub fn verified(
 }
 
 /// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, few first, until that is free, too.
+/// Where the middle of the tool's box is on the axis of each screw, it is the same motion.
 pub fn as_poses(
     around: &Surroundings,
     legs: &[Leg],
@@ -55,11 +57,18 @@ pub fn as_poses(
     tally: &mut Tally,
 ) -> Result<Option<Vec<Pose>>> {
     let motions = Motion::of_legs(around.tool(), around.start(), legs)?;
-    let has_screws = legs.iter().any(|leg| matches!(leg, Leg::Screw(_)));
+    let is_same = |motion: &Motion| match motion.leg() {
+        Leg::To(_) => true,
+        Leg::Screw(screw) => {
+            let middle = motion.at(0.0).apply(around.middle());
+            length(&cross(&sub(&middle, screw.point()), screw.axis())) <= SAME_MOTION * around.size()
+        }
+    };
+    let are_same = motions.iter().all(is_same);
     for pieces in PIECES {
         let poses: Vec<Pose> = motions.iter().flat_map(|motion| cut(motion, pieces)).collect();
         let is_free = |tally| verified(around, poses.iter().copied().map(Leg::To).collect(), has_time, tally);
-        if !has_screws || is_free(tally)?.is_some() {
+        if are_same || is_free(tally)?.is_some() {
             return Ok(Some([&[*around.start()], &poses[..]].concat()));
         }
     }
