@@ -44,14 +44,14 @@ pub struct Surroundings {
 impl Surroundings {
     /// Of a tool at its start, among bodies without it. Tool parts from `own_parts` on are what grips, and may meet nothing there.
     ///
-    /// Errors: what grips meets something at the start.
+    /// Errors: what grips meets something at the start; where `goes_on` says so, a request to stop.
     pub fn new(
         environment: Environment,
         tool: Arc<Tool>,
         own_parts: u32,
         start: &Pose,
-        allowed: &Allowed,
-        clearance: f64,
+        (allowed, clearance): (&Allowed, f64),
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Surroundings> {
         let mut around = Surroundings::without_seats(environment, tool);
         (around.start, around.overlap, around.clearance) = (*start, allowed.overlap, clearance);
@@ -59,7 +59,8 @@ impl Surroundings {
             let scene = body.solver.scene();
             makings.always.clone_from(&allowed.parts);
             let asked = makings.seated(&[]).ordinary;
-            let found = find_seats((&asked, asked.scene()), &around.tool, own_parts, start, allowed, clearance)?;
+            let found =
+                find_seats((&asked, asked.scene()), &around.tool, own_parts, start, (allowed, clearance), goes_on)?;
             if !found.seats.is_empty() {
                 let mut neighbours: Vec<u32> = found.seats.iter().map(|seat| seat.part).collect();
                 neighbours.sort_unstable();
@@ -76,7 +77,7 @@ impl Surroundings {
     /// Of a tool at a pose: all that it meets there is a seat.
     pub fn around(bodies: Vec<Body>, tool: Arc<Tool>, start: &Pose) -> Result<Surroundings> {
         let (parts, allowed) = (tool.parts() as u32, Allowed { start: true, ..Allowed::default() });
-        Surroundings::new(Environment { bodies }, tool, parts, start, &allowed, 0.0)
+        Surroundings::new(Environment { bodies }, tool, parts, start, (&allowed, 0.0), &|| true)
     }
 
     /// Of a tool that is nowhere yet.

@@ -88,6 +88,23 @@ pub struct Removal {
     pub is_out_of_time: bool,
 }
 
+impl Removal {
+    /// Where there was no time to try anything.
+    fn untried(start: &Pose) -> Removal {
+        Removal {
+            method: None,
+            legs: Vec::new(),
+            poses: vec![*start],
+            path_length: 0.0,
+            rotation: 0.0,
+            clearance: f64::INFINITY,
+            blockers: Vec::new(),
+            casts: 0,
+            is_out_of_time: true,
+        }
+    }
+}
+
 /// Takes a tool out of the scene that a solver is of, in parallel on the current rayon pool.
 ///
 /// `progress` stops it; `has_time` says whether to go on: where it ends, a way that is found is given as it is, without shortcuts. Errors: numbers that cannot be,
@@ -107,7 +124,9 @@ pub fn removal(
     let RemovalTask { tool, own_parts, start, allowed, clearance, .. } = task;
     let mockup = Body { solver: solver.with_scene(solver.scene().clone()), part: None };
     let environment = Environment { bodies: vec![mockup] };
-    let surroundings = Surroundings::new(environment, tool.clone(), *own_parts, start, allowed, *clearance)?;
+    let what = (allowed, *clearance);
+    let found = Surroundings::new(environment, tool.clone(), *own_parts, start, what, has_time).map_err(Error::from);
+    let Some(surroundings) = within(found, has_time)? else { return Ok(Removal::untried(start)) };
     let mut tally = Tally::default();
     if let Some(way) = verified(&surroundings, Vec::new(), has_time, &mut tally)? {
         return told(&surroundings, Ok((Method::Out, (way, vec![*start]))), &tally, has_time);

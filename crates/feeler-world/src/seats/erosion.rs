@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
-use feeler_core::{weld_vertices, Point, Pose, Tool};
+use feeler_core::{weld_vertices, Aabb, Point, Pose, Tool};
 
 use crate::constants::{
     EROSION_SHARE, EROSION_STEP, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ADDED, MOST_EROSIONS,
@@ -30,7 +30,7 @@ pub struct Eroded {
 /// Makes eroded parts of a tool.
 pub struct Erosion<'a> {
     tool: &'a Tool,
-    corners: BTreeMap<u32, Corners>,
+    corners: BTreeMap<u32, Arc<Corners>>,
     /// Of parts all of whose surfaces move by the same: these several neighbours ask for.
     made: BTreeMap<(u32, u64), Arc<Tool>>,
 }
@@ -40,11 +40,11 @@ impl<'a> Erosion<'a> {
         Erosion { tool, corners: BTreeMap::new(), made: BTreeMap::new() }
     }
 
-    /// The part eroded just enough to be free at `start`, by at least `least` metres. `solver`: of the neighbour alone. `size`: the tool's
-    /// diagonal, metres. `None`: the part is deeper than a fit.
+    /// The part eroded just enough to be free at `start`, by at least `least` metres. `solver`: of the neighbour alone, and its number.
+    /// `size`: the tool's diagonal, metres. `None`: the part is deeper than a fit.
     pub fn free_part(
         &mut self,
-        solver: &ContactSolver,
+        (solver, neighbour): (&ContactSolver, u32),
         part: u32,
         start: &Pose,
         least: f64,
@@ -52,17 +52,37 @@ impl<'a> Erosion<'a> {
     ) -> Result<Option<Eroded>> {
         let most = least.max(FIT_DEPTH * size);
         let first = least.max(0.5 * FLUSH_PLAY);
-        let surfaces = self.corners_of(part).surfaces;
+        let corners = self.corners_of(part).clone();
+        let (surfaces, scene) = (corners.surfaces, solver.scene());
+        // What is farther from its neighbour's box than corners move does not meet it: tries take what is near alone. What is inside what is
+        // asked of the whole.
+        let own = &scene.mockup().part_bounds()[neighbour as usize];
+        let mut nearby: BTreeMap<u64, Vec<[u32; 3]>> = BTreeMap::new();
+        let mut near = |by: &[f64]| {
+            let most = by.iter().fold(first, |most, by| most.max(by.abs()));
+            let far =
+                LONGEST_MITRE * EROSION_STEP.powf((most / first).log(EROSION_STEP).ceil()) * first + SEAT_TOLERANCE;
+            let reach = Aabb { lower: own.lower.map(|x| x - far), upper: own.upper.map(|x| x + far) };
+            nearby.entry(far.to_bits()).or_insert_with(|| corners.near(start, &reach)).clone()
+        };
         // Of an open surface nobody knows which side is out.
         let signs = if self.tool.adjacency().is_open(part) { &[1.0, -1.0][..] } else { &[1.0] };
         for sign in signs {
             let inwards = |by: &[f64]| by.iter().map(|by| sign * by).collect::<Vec<f64>>();
-            let mut is_free = |by: &[f64]| Ok(solver.is_free(&*self.by(part, &inwards(by))?, start));
-            if is_free(&vec![first; surfaces])? {
+            let mut is_clear = |by: &[f64]| -> Result<bool> {
+                let near = near(by);
+                if near.is_empty() {
+                    return Ok(true);
+                }
+                let tool = corners.moved(self.tool, &near, &inwards(by))?;
+                Ok(!scene.is_colliding(&tool, start))
+            };
+            let alike = vec![first; surfaces];
+            if is_clear(&alike)? && solver.is_free(&*self.by(part, &inwards(&alike))?, start) {
                 let play = if least == 0.0 { FLUSH_PLAY } else { least + SEAT_TOLERANCE };
                 return Ok(Some(Eroded { tool: self.by(part, &vec![sign * play; surfaces])?, depth: least }));
             }
-            let Some((low, high)) = depths(surfaces, first, most, &mut is_free)? else { continue };
+            let Some((low, high)) = depths(surfaces, first, most, &mut is_clear)? else { continue };
             // No deeper than it was by more than the play, where the depth is known so well.
             let play = |(low, high): (&f64, &f64)| match *low < *high {
                 true => (high + FLUSH_PLAY).max(low + SEAT_TOLERANCE),
@@ -74,16 +94,19 @@ impl<'a> Erosion<'a> {
             // Triangles of a flat face whose corners are almost in a line can fold over by the way: then all surfaces move alike, or less.
             let most = by.iter().copied().fold(0.0, f64::max);
             for by in [by, vec![most; surfaces], vec![depth + FLUSH_PLAY; surfaces], vec![depth; surfaces], high] {
-                if is_free(&by)? {
-                    return Ok(Some(Eroded { tool: self.by(part, &inwards(&by))?, depth }));
+                if is_clear(&by)? {
+                    let tool = self.by(part, &inwards(&by))?;
+                    if solver.is_free(&tool, start) {
+                        return Ok(Some(Eroded { tool, depth }));
+                    }
                 }
             }
         }
         Ok(None)
     }
 
-    fn corners_of(&mut self, part: u32) -> &Corners {
-        self.corners.entry(part).or_insert_with(|| Corners::new(self.tool, part))
+    fn corners_of(&mut self, part: u32) -> &Arc<Corners> {
+        self.corners.entry(part).or_insert_with(|| Arc::new(Corners::new(self.tool, part)))
     }
 
     /// The part with each surface eroded by a distance, metres.
@@ -94,7 +117,8 @@ impl<'a> Erosion<'a> {
             return Ok(made.clone());
         }
         let tool = self.tool;
-        let made = Arc::new(self.corners_of(part).moved(tool, by)?);
+        let corners = self.corners_of(part);
+        let made = Arc::new(corners.moved(tool, &corners.faces, by)?);
         if let Some(key) = key {
             self.made.insert(key, made.clone());
         }
@@ -198,24 +222,39 @@ impl Corners {
         Corners { places, faces, surfaces, normals }
     }
 
-    /// The part with each surface moved inwards by so much, metres.
-    fn moved(&self, tool: &Tool, by: &[f64]) -> Result<Tool> {
+    /// The faces in a box (world) at a pose, and those beside them.
+    fn near(&self, pose: &Pose, bounds: &Aabb) -> Vec<[u32; 3]> {
+        let places: Vec<Point> = self.places.iter().map(|p| pose.apply(p)).collect();
+        let is_in = |face: &&[u32; 3]| Aabb::of_triangle(&face.map(|v| places[v as usize])).is_overlapping(bounds);
+        let mut has = vec![false; places.len()];
+        self.faces.iter().filter(is_in).flatten().for_each(|v| has[*v as usize] = true);
+        self.faces.iter().filter(|face| face.iter().any(|v| has[*v as usize])).copied().collect()
+    }
+
+    /// Some faces of the part with each surface moved inwards by so much, metres.
+    fn moved(&self, tool: &Tool, faces: &[[u32; 3]], by: &[f64]) -> Result<Tool> {
         let farther = |of: &[u32]| {
             of.iter().map(|s| by[*s as usize]).fold(0.0, |most: f64, by| if by.abs() > most.abs() { by } else { most })
         };
-        let vertices = self.places.iter().zip(&self.normals).map(|(p, normals)| {
-            let faces: Vec<(Point, f64)> = normals.iter().map(|(normal, of)| (*normal, farther(of))).collect();
-            sub(p, &mitre(&faces))
-        });
-        let vertices: Vec<Point> = vertices.collect();
-        let faces = self.unfolded(&vertices);
+        let mut number = vec![u32::MAX; self.places.len()];
+        let (mut moved, mut vertices) = (self.places.clone(), Vec::new());
+        for v in faces.as_flattened() {
+            let at = *v as usize;
+            if number[at] == u32::MAX {
+                number[at] = vertices.len() as u32;
+                let ways: Vec<(Point, f64)> = self.normals[at].iter().map(|(n, of)| (*n, farther(of))).collect();
+                moved[at] = sub(&self.places[at], &mitre(&ways));
+                vertices.push(moved[at]);
+            }
+        }
+        let faces = self.unfolded(faces, &moved).into_iter().map(|face| face.map(|v| number[v as usize])).collect();
         Ok(Tool::new(vertices, faces)?.with_pivot(*tool.pivot()))
     }
 
-    /// The faces for moved corners. A triangle whose corners are almost in a line folds over where the middle one moves past the line: it
+    /// Faces for moved corners. A triangle whose corners are almost in a line folds over where the middle one moves past the line: it
     /// and the one beside its longest edge get the other diagonal.
-    fn unfolded(&self, moved: &[Point]) -> Vec<[u32; 3]> {
-        let mut faces = self.faces.clone();
+    fn unfolded(&self, faces: &[[u32; 3]], moved: &[Point]) -> Vec<[u32; 3]> {
+        let mut faces = faces.to_vec();
         let normal = |face: &[u32; 3], places: &[Point]| {
             let [a, b, c] = face.map(|v| places[v as usize]);
             cross(&sub(&b, &a), &sub(&c, &a))
@@ -281,7 +320,7 @@ mod tests {
             let (vertices, faces) = box_mesh([0.3, 0.0, -0.1], [0.03, 0.04, 0.05], cells);
             let tool = Tool::new(vertices, faces).unwrap();
             let corners = Corners::new(&tool, 0);
-            let smaller = corners.moved(&tool, &vec![0.001; corners.surfaces]).unwrap();
+            let smaller = corners.moved(&tool, &corners.faces, &vec![0.001; corners.surfaces]).unwrap();
             let off = sub(&sub(&extent(&tool), &extent(&smaller)), &[0.002; 3]);
             assert!(length(&off) < 1e-11, "{off:?}");
             assert_eq!(smaller.pivot(), tool.pivot());
@@ -293,7 +332,7 @@ mod tests {
         let (vertices, faces) = cylinder(0.01, 0.05, 24, 3);
         let tool = Tool::new(vertices, faces).unwrap();
         let corners = Corners::new(&tool, 0);
-        let smaller = corners.moved(&tool, &vec![0.0005; corners.surfaces]).unwrap();
+        let smaller = corners.moved(&tool, &corners.faces, &vec![0.0005; corners.surfaces]).unwrap();
         for t in smaller.mesh().queried() {
             let [a, b, c] = smaller.mesh().triangle(t);
             let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a))).unwrap();
@@ -312,7 +351,7 @@ mod tests {
         let corners = Corners::new(&tool, 0);
         assert_eq!(corners.surfaces, 6);
         let by: Vec<f64> = (1..=6).map(|n| 1e-4 * f64::from(n)).collect();
-        let smaller = corners.moved(&tool, &by).unwrap();
+        let smaller = corners.moved(&tool, &corners.faces, &by).unwrap();
         let off = sub(&extent(&tool), &extent(&smaller));
         assert!((off.iter().sum::<f64>() - 21e-4).abs() < 1e-10, "{off:?}");
     }
@@ -333,7 +372,7 @@ mod tests {
         let tool = Tool::new(vertices, faces).unwrap();
         let corners = Corners::new(&tool, 0);
         let by: Vec<f64> = (0..corners.surfaces).map(|s| if s == 0 { 1e-6 } else { 1e-4 + 1e-5 * s as f64 }).collect();
-        let smaller = corners.moved(&tool, &by).unwrap();
+        let smaller = corners.moved(&tool, &corners.faces, &by).unwrap();
         for t in smaller.mesh().queried() {
             let [a, b, c] = smaller.mesh().triangle(t);
             let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a))).unwrap();

@@ -128,14 +128,14 @@ impl Regions {
 /// Finds the seats of one body at `start`. `solver` and `scene` leave out the parts that are always allowed. Tool parts from `own_parts` on
 /// are grippers.
 ///
-/// Errors: a gripper in contact.
+/// Errors: a gripper in contact; where `goes_on` says so, a request to stop.
 pub fn find_seats(
     (solver, scene): (&ContactSolver, &Scene),
     tool: &Tool,
     own_parts: u32,
     start: &Pose,
-    allowed: &Allowed,
-    clearance: f64,
+    (allowed, clearance): (&Allowed, f64),
+    goes_on: &dyn Fn() -> bool,
 ) -> Result<Start> {
     let mut nearest: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     let mut met: Vec<[u32; 2]> = Vec::new();
@@ -149,6 +149,9 @@ pub fn find_seats(
     let size = length(&tool.mesh().bounds().extent());
     let (mut found, mut erosion) = (Start::default(), Erosion::new(tool));
     for (pair, distance) in nearest {
+        if !goes_on() {
+            return Err(feeler_core::Error::Cancelled.into());
+        }
         let [tool_part, part] = pair;
         let meets = distance <= TOUCH;
         if meets && tool_part >= own_parts {
@@ -158,7 +161,7 @@ pub fn find_seats(
         let (mut kind, mut depth) = (SeatKind::Near, 0.0);
         if meets {
             let alone = solver.with_scene(Arc::new(scene.of_one_part(part)));
-            smaller = erosion.free_part(&alone, tool_part, start, allowed.overlap, size)?;
+            smaller = erosion.free_part((&alone, part), tool_part, start, allowed.overlap, size)?;
             (kind, depth) = match &smaller {
                 Some(eroded) if eroded.depth == 0.0 => (SeatKind::Flush, 0.0),
                 Some(eroded) => (SeatKind::Fit, eroded.depth),
