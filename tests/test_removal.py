@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import feeler
+from feeler.plan.removal import RemovalInterrupted
 
 Floats = npt.NDArray[np.float64]
 Mesh = tuple[Floats, npt.NDArray[np.int64]]
@@ -105,7 +106,7 @@ def test_the_same_on_any_number_of_threads(duct: feeler.Scene, found: feeler.Rem
 def test_a_closed_box_ends_in_time_and_is_named() -> None:
     closed = scene_of(**DUCT, lid=LID)
     asked: list[str] = []
-    answer = feeler.removal(closed, "cube", seconds=0.5, progress=lambda _, stage: asked.append(stage))
+    answer = feeler.removal(closed, "cube", seconds=1.5, progress=lambda _, stage: asked.append(stage))
     assert not answer.found and not answer.free and answer.is_out_of_time
     assert np.isnan(answer.clearance) and (answer.poses == np.eye(4)).all()
     names = [blocker.path for blocker in answer.blocked_by]
@@ -129,7 +130,7 @@ def test_what_may_meet() -> None:
         strip=box([-0.01, -0.005, 0.02], [0.01, 0.005, 0.03]),
     )
     up = [0.0, 0.0, 1.0]
-    assert feeler.removal(scene, "plug", seconds=0.2).found
+    assert feeler.removal(scene, "plug", seconds=20.0).found
     for names in (["left", "right", "gasket", "strip"], "*"):
         assert feeler.removal(scene, "plug", allow=names, directions=up).certificate.method == "straight"
     # Sideways, or down through the gasket, since the strip is in the way and is not named.
@@ -232,13 +233,24 @@ def test_more_that_cannot_be_asked(duct: feeler.Scene) -> None:
 
 def test_progress_may_stop_it() -> None:
     closed = scene_of(**DUCT, lid=LID)
+    told: list[tuple[float, str]] = []
 
-    def stop(_: float, stage: str) -> None:
-        if stage == "pushes":
+    def stop(share: float, stage: str) -> None:
+        told.append((share, stage))
+        if stage == "pushes and random trees":
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(RemovalInterrupted) as stopped:
         feeler.removal(closed, "cube", seconds=1000, progress=stop)
+    until_then = stopped.value.removal
+    assert not until_then.found and "lid" in [each.path for each in until_then.blocked_by]
+    assert [stage for _, stage in told if stage == "straight ways"] and told == sorted(told, key=lambda each: each[0])
+
+    def fail(_: float, stage: str) -> None:
+        raise ValueError(stage)
+
+    with pytest.raises(ValueError, match="straight ways"):
+        feeler.removal(closed, "cube", seconds=1000, progress=fail)
 
 
 # --- the sample gearbox, whose ways are known ------------------------------------------------------------------------
@@ -276,7 +288,7 @@ def test_what_the_truth_takes_out_first_is_in_the_way(gearbox: Any, path: str, h
     step = gearbox.step(path)
     out = [each for each in gearbox.out(step) if each != holds]
     pull = step.legs[-1].axis
-    found = feeler.removal(gearbox.scene.without(out), list(step.parts), directions=[pull], seconds=1.5, threads=1)
+    found = feeler.removal(gearbox.scene.without(out), list(step.parts), directions=[pull], seconds=4.0, threads=1)
     assert not found.found and holds in [each.path for each in found.blocked_by]
 
 

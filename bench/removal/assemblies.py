@@ -10,12 +10,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
 
-import manifold3d
 import numpy as np
 import numpy.typing as npt
 
 import feeler
+
+manifold3d = import_module("manifold3d")  # an extra, without type information
 
 CUBE_M = 0.004
 PLAYS_M = (0.0, 2e-5, 1e-4)
@@ -124,7 +127,7 @@ class Assembly:
         return arrays(rod.translate((x, y, low)) + cap.translate((x, y, bearing)))
 
 
-def arrays(solid: manifold3d.Manifold) -> tuple[Floats, Ints]:
+def arrays(solid: Any) -> tuple[Floats, Ints]:
     """Corners and triangles."""
     mesh = solid.to_mesh64()
     return np.asarray(mesh.vert_properties)[:, :3].copy(), np.asarray(mesh.tri_verts).astype(np.int64)

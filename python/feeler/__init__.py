@@ -44,6 +44,7 @@ from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.plan.blocked import Blocker
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.plan.insertion import insertion
 from feeler.plan.legs import RemovalLeg
 from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
 from feeler.plan.reaching import Access, Reach, access
@@ -116,6 +117,7 @@ __all__ = [
     "from_trimesh",
     "from_urdf",
     "haptics",
+    "insertion",
     "load_clashes",
     "load_mockup",
     "load_tool",

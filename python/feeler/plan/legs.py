@@ -59,10 +59,13 @@ class RemovalLeg:
         }
 
 
-def legs_of(answer: dict[str, Any], middle: npt.NDArray[np.float64]) -> tuple[RemovalLeg, ...]:
-    """The legs that the core found. middle: of the box of what moves, where it is."""
+def legs_of(
+    answer: dict[str, Any], middle: npt.NDArray[np.float64], lies: npt.NDArray[np.float64]
+) -> tuple[RemovalLeg, ...]:
+    """The legs that the core found. middle: of the box of what moves, in its place; lies: its motion until the way
+    begins."""
     legs: list[RemovalLeg] = []
-    before = middle
+    before = lies[:3, :3] @ middle + lies[:3, 3]
     ends = answer["leg_ends"]
     rows = zip(answer["leg_screws"], ends, answer["leg_lengths"].tolist(), answer["leg_angles"].tolist(), strict=True)
     for screw, pose, length, angle in rows:

@@ -84,8 +84,8 @@ class Removal:
 
     @property
     def path(self) -> list[npt.NDArray[np.float64] | Screw]:
-        """The legs as `Scene.check_path` takes them: the identity, then a pose or a screw for each leg."""
-        return [np.eye(4), *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
+        """The legs as `Scene.check_path` takes them: the pose where it begins, then a pose or a screw for each leg."""
+        return [self.poses[0], *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
 
     def __repr__(self) -> str:
         if self.found:
@@ -144,6 +144,38 @@ def removal(
     `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or
     tool.
     """
+    return way_from(
+        np.eye(4),
+        scene,
+        parts,
+        tool=tool,
+        start=start,
+        allow=allow,
+        directions=directions,
+        clearance=clearance,
+        seconds=seconds,
+        seed=seed,
+        threads=threads,
+        progress=progress,
+    )
+
+
+def way_from(
+    lies: npt.NDArray[np.float64],
+    scene: Scene,
+    parts: PartsLike,
+    *,
+    tool: Tool | None,
+    start: npt.ArrayLike | None,
+    allow: Allow,
+    directions: npt.ArrayLike | None,
+    clearance: float,
+    seconds: float,
+    seed: int,
+    threads: int | None,
+    progress: Progress | None,
+) -> Removal:
+    """`removal` of parts that lie elsewhere: `lies` `(4, 4)` is their motion until there, where the way begins."""
     begin = time.perf_counter()
     chosen, rest = _chosen(scene, parts)
     mockup = scene.mockup
@@ -155,7 +187,7 @@ def removal(
     answer = _core.removal(
         rest,
         moving,
-        np.eye(4),
+        lies,
         own_parts=own.part_count,
         allow_start=allowed.start,
         allow_overlap=allowed.overlap,
@@ -180,7 +212,7 @@ def removal(
     )
     answered = Removal(
         found=found,
-        legs=legs_of(answer, moving.bounds.mean(axis=0)),
+        legs=legs_of(answer, moving.bounds.mean(axis=0), lies),
         poses=answer["poses"],
         path_length=answer["path_length"],
         rotation=answer["rotation"],

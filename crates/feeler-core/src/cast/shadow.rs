@@ -20,9 +20,6 @@ const LEAST_CURVE: f64 = 1.0 / 64.0;
 /// So often at most.
 const MOST_BISECTIONS: u32 = 8;
 
-/// Shadows in a leaf of a tree. More: fewer boxes, and more pairs that are tried one by one.
-const LEAF: usize = 1;
-
 type Flat = [f64; 2];
 
 /// On what shadows fall.
@@ -229,13 +226,9 @@ impl Screen {
             }
             match (own.children, other.children) {
                 (None, None) => {
-                    for shadow in &of_tool.shadows[own.from..own.to] {
-                        for with in &of_mockup.shadows[other.from..other.to] {
-                            tests = tests.saturating_sub(1);
-                            if !self.are_apart(shadow, with, shift) && !offer(shadow.number, with.number) {
-                                return false;
-                            }
-                        }
+                    let (shadow, with) = (&of_tool.shadows[own.from], &of_mockup.shadows[other.from]);
+                    if !self.are_apart(shadow, with, shift) && !offer(shadow.number, with.number) {
+                        return false;
                     }
                 }
                 (Some(children), None) => stack.extend(children.map(|child| (child, b, shift))),
@@ -332,7 +325,7 @@ fn build(shadows: &mut [Shadow], (from, to): (usize, usize), nodes: &mut Vec<Nod
     let bounds = Bounds::of(own);
     let number = nodes.len();
     nodes.push(Node { bounds, from, to, children: None });
-    if to - from > LEAF {
+    if to - from > 1 {
         let middle = (to - from) / 2;
         let along = if bounds.half[0] >= bounds.half[1] { bounds.axis } else { [-bounds.axis[1], bounds.axis[0]] };
         let key = |shadow: &Shadow| {

@@ -1,0 +1,89 @@
+"""Ways into a place: that of a removal turned round, also from where the parts lie."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from shapes import box, mockup_of
+
+import feeler
+
+Floats = npt.NDArray[np.float64]
+
+# A pocket that is open above, with a peg in it, and a tray beside it, which is open above too.
+POCKET = {
+    "floor": box([-0.03, -0.03, -0.01], [0.03, 0.03, 0.0]),
+    "left": box([-0.03, -0.03, 0.0], [-0.011, 0.03, 0.05]),
+    "right": box([0.011, -0.03, 0.0], [0.03, 0.03, 0.05]),
+    "front": box([-0.011, -0.03, 0.0], [0.011, -0.011, 0.05]),
+    "back": box([-0.011, 0.011, 0.0], [0.011, 0.03, 0.05]),
+}
+TRAY = {
+    "tray": box([0.1, -0.03, -0.01], [0.2, 0.03, 0.0]),
+    "wall": box([0.1, -0.03, 0.0], [0.11, 0.03, 0.03]),
+}
+PEG = box([-0.01, -0.01, 0.001], [0.01, 0.01, 0.04])
+
+
+def scene_of(**more: object) -> feeler.Scene:
+    return feeler.Scene(mockup_of({"peg": PEG, **POCKET, **TRAY, **more}))
+
+
+def lying() -> Floats:
+    """In the tray, on its side."""
+    pose = np.eye(4)
+    pose[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    pose[:3, 3] = [0.15, 0.02, 0.011]
+    return pose
+
+
+def check(scene: feeler.Scene, found: feeler.Removal) -> None:
+    """It is free by casts along its legs and along its poses, and leads to the place."""
+    tool, rest = feeler.Tool.of_parts(scene.mockup, "peg"), scene.without("peg")
+    np.testing.assert_allclose(found.poses[-1], np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(found.legs[-1].pose, np.eye(4), atol=1e-12)
+    assert rest.check_path(tool, found.path, touching="free").free
+    assert rest.check_path(tool, found.poses, touching="free").free
+    assert sum(leg.path_length for leg in found.legs) == pytest.approx(found.path_length)
+
+
+def test_a_peg_goes_down_into_its_pocket() -> None:
+    scene = scene_of()
+    out, found = feeler.removal(scene, "peg"), feeler.insertion(scene, "peg")
+    assert found.found and found.free
+    np.testing.assert_array_equal(found.poses, out.poses[::-1])
+    assert [str(leg) for leg in found.legs] == [str(leg).replace("+z", "-z") for leg in out.legs]
+    check(scene, found)
+
+
+@pytest.mark.parametrize("options", [{}, {"clearance": 0.0005}])
+def test_a_peg_goes_from_a_tray_into_its_pocket(options: dict[str, float]) -> None:
+    scene = scene_of()
+    found = feeler.insertion(scene, "peg", start=lying(), seconds=60.0, **options)  # type: ignore[arg-type]
+    assert found.found and len(found.legs) >= 3
+    np.testing.assert_allclose(found.poses[0], lying(), atol=1e-12)
+    assert found.rotation == pytest.approx(np.pi / 2, abs=0.2)
+    check(scene, found)
+
+
+def test_a_lid_on_either_end_is_told() -> None:
+    lid = box([-0.03, -0.03, 0.05], [0.03, 0.03, 0.06])
+    closed = feeler.insertion(scene_of(lid=lid), "peg", start=lying(), seconds=2.0)
+    assert not closed.found and "lid" in [each.path for each in closed.blocked_by]
+    # The tray as a closed box.
+    shell = {
+        "sides": box([0.19, -0.03, 0.0], [0.2, 0.03, 0.03]),
+        "near": box([0.11, -0.03, 0.0], [0.19, -0.025, 0.03]),
+        "far": box([0.11, 0.025, 0.0], [0.19, 0.03, 0.03]),
+        "cover": box([0.1, -0.03, 0.03], [0.2, 0.03, 0.04]),
+    }
+    shut = feeler.insertion(scene_of(**shell), "peg", start=lying(), seconds=2.0)
+    assert not shut.found and shut.legs == () and "cover" in [each.path for each in shut.blocked_by]
+    np.testing.assert_allclose(shut.poses, lying()[None], atol=1e-12)
+
+
+@pytest.mark.parametrize("start", [np.diag([2.0, 1, 1, 1]), np.eye(3), np.zeros((2, 4, 4)), np.full((4, 4), np.nan)])
+def test_a_start_that_is_no_pose_is_an_error(start: Floats) -> None:
+    with pytest.raises(feeler.PoseError):
+        feeler.insertion(scene_of(), "peg", start=start)
