@@ -123,6 +123,7 @@ def removed() -> dict[str, list[Any]]:
     return {
         "Removal": [straight, stopped, within],
         "RemovalBlocker": list(stopped.blocked_by),
+        "RemovalLeg": list(straight.legs),
         "Certificate": [straight.certificate],
         "RemovalOrder": [order],
         "RemovalStep": list(order),
