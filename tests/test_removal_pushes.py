@@ -184,6 +184,19 @@ def test_a_key_is_turned_and_pulled_by_exact_legs() -> None:
     assert not rest.check_path(tool, [np.eye(4), half, out], touching="free").free
 
 
+def test_legs_are_said_as_a_person_says_them() -> None:
+    def leg(screw: feeler.Screw | None, length: float, angle: float, direction: tuple[float, float, float]) -> str:
+        return str(feeler.RemovalLeg(screw, np.eye(4), length, np.radians(angle), direction))
+
+    thread = feeler.Screw((0, 0, 1), (0, 0, 0), np.radians(-900), -0.002)
+    assert leg(thread, 0.005, 900, (0, 0, -1)) == "screw 2.5 turns about -z, 5 mm along it"
+    assert leg(feeler.Screw((1, 0, 0), (0, 0, 0), 1.5), 0.1, 85.9, (1, 0, 0)) == "turn 85.9 degrees about +x"
+    assert leg(None, 0.042, 0, (0, -1, 0)) == "move 42 mm along -y"
+    assert leg(None, 1.5, 0, (0.6, 0.8, 0)) == "move 1.5 m along (0.60, 0.80, 0.00)"
+    assert leg(None, 2e-6, 12, (0.6, 0.8, 0)) == "move 2 um and turn 12 degrees"
+    assert leg(None, 1e-19, 12, (0, 0, 0)) == "turn 12 degrees in place"
+
+
 @pytest.mark.parametrize("leg", [{}, {"screw": {"axis": [0, 0, 1]}}, "to", {"from": 1}])
 def test_what_is_no_leg_is_said(leg: object) -> None:
     with pytest.raises(ValueError, match="a leg is"):

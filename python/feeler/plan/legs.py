@@ -13,6 +13,8 @@ from feeler._core import Screw
 
 STRAIGHT_RAD = 1e-6
 """A leg that turns by less is straight."""
+STILL_M = 1e-9
+"""A leg whose middle moves by less is a turn in place."""
 AXIS_SHARE = 0.999
 """What is as near to an axis of the world as this cosine is called by its name."""
 _UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"))
@@ -42,6 +44,8 @@ class RemovalLeg:
             return f"turn {math.degrees(self.rotation):.3g} degrees about {along}"
         if self.rotation <= STRAIGHT_RAD:
             return f"move {_length(self.path_length)} along {along}"
+        if self.path_length <= STILL_M:
+            return f"turn {math.degrees(self.rotation):.3g} degrees in place"
         return f"move {_length(self.path_length)} and turn {math.degrees(self.rotation):.3g} degrees"
 
     def as_json(self) -> dict[str, Any]:
