@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import subprocess
 import sys
 from functools import lru_cache
@@ -348,6 +349,34 @@ def test_truth_as_json() -> None:
     assert set(held) == {field.name for field in dataclasses.fields(truth)}
     assert len(held["fits"]) == len(truth.fits)
     assert held["steps"][0]["legs"][0]["kind"] in ("pull", "turn", "screw")
+
+
+BYTES_OF_TRUTH = """
+import hashlib, sys, numpy, feeler
+rng = numpy.random.default_rng(1)
+print(hashlib.sha256((rng.normal(size=(300, 300)) @ rng.normal(size=(300, 300))).tobytes()).hexdigest())
+for seed in (6, 13, 18):
+    text = feeler.sample_truth("gearbox", 45_000, seed, faults=["blocked_bolt", "duplicate"]).to_json()
+    mockup = feeler.sample("gearbox", 45_000, seed, faults=["blocked_bolt", "duplicate"])
+    print(hashlib.sha256(text.encode() + mockup.vertices.tobytes() + mockup.faces.tobytes()).hexdigest())
+"""
+"""Prints what tells the kernels of BLAS apart, and then what they must not change."""
+
+
+def test_truth_has_the_same_bytes_on_all_processors() -> None:
+    """Whatever the kernels of BLAS: those of older processors have no fused sums."""
+
+    def told(kernels: str) -> list[str]:
+        env = {**os.environ, "OPENBLAS_CORETYPE": kernels}
+        done = subprocess.run(
+            [sys.executable, "-c", BYTES_OF_TRUTH], env=env, capture_output=True, text=True, check=True
+        )
+        return done.stdout.split()
+
+    (kernels, *own), *others = [told(name) for name in ("", "Haswell", "Nehalem")]
+    if all(other[0] == kernels for other in others):
+        pytest.skip("this BLAS has one set of kernels")
+    assert len(own) == 3 and all(other[1:] == own for other in others)
 
 
 def test_unknown_paths_are_refused_with_near_names() -> None:

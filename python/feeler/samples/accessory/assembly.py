@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
+import math
 import zlib
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..mesh import VERTEX_GRID_M, Floats, Mesh, turned
+from ..mesh import VERTEX_GRID_M, Floats, Mesh, times, turned
 from .bodies import bent
 from .fits import METRIC, Bearing
 from .solid import Cut, Solid
@@ -186,7 +187,7 @@ class Assembly:
         place = np.eye(4) if pose is None else pose
         if spin:
             share = (zlib.crc32(path.encode()) ^ self.seed) % 9973 / 9973.0
-            place = place @ turned("z", 2.0 * np.pi * share)
+            place = times(place, turned("z", 2.0 * np.pi * share))
         self.parts[path] = Part(path, make, args, place, material)
         return path
 
@@ -387,5 +388,6 @@ def screw(axis: Vector, point: Vector, distance: float, pitch: float) -> Leg:
 
 
 def _unit(axis: Vector) -> tuple[float, float, float]:
-    x, y, z = (np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)).tolist()
-    return (x, y, z)
+    x, y, z = map(float, axis)
+    length = math.sqrt(x * x + y * y + z * z)
+    return (x / length, y / length, z / length)

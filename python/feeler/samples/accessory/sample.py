@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...errors import OptionError
-from ..mesh import Floats, Mesh, MeshParts, snapped
+from ..mesh import Floats, Mesh, MeshParts, snapped, times
 from . import assembly
 from .assembly import MATERIALS, Assembly, Part
 from .build import build
@@ -117,7 +117,7 @@ def placed_mesh(asm: Assembly, part: Part) -> Mesh:
 
 
 def _placed(part: Part, mesh: Mesh) -> Mesh:
-    vertices = (mesh.vertices @ (part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
+    vertices = (times(mesh.vertices, part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
     faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
     return Mesh(snapped(vertices), faces)
 
@@ -167,7 +167,7 @@ def gearbox_truth(triangles: int, seed: int, faults: tuple[str, ...]) -> Truth:
 def volume(mesh: Mesh) -> float:
     """Of a closed mesh."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+    return float((a * np.cross(b, c)).sum() / 6.0)
 
 
 def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
