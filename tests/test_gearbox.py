@@ -488,6 +488,22 @@ def test_steps_and_swings_know_the_faults(seed: int, names: tuple[str, ...]) -> 
     assert not judge.wrong_steps(seed, [names])
 
 
+def test_faults_name_all_that_they_change() -> None:
+    """Parts that are added, or drawn otherwise or elsewhere; and tools go where the heads are."""
+    clean = judge.eased(0)
+    for name in FAULTS:
+        faulty = judge.eased(0, faults=(name,))
+        (fault,) = faulty.truth.faults
+        new = judge.changed(faulty, clean)
+        assert new <= {*fault.parts, *fault.moved} and new >= set(fault.moved), name
+        tops = {f.path: f for f in faulty.truth.fasteners}
+        for before in clean.truth.fasteners:
+            shift = np.subtract(tops[before.path].top_m, before.top_m) @ before.axis
+            heads = [(drawn.meshes[before.path].vertices @ before.axis).max() for drawn in (clean, faulty)]
+            if name != "wrong_unit":
+                assert shift == pytest.approx(heads[1] - heads[0], abs=1e-6), (name, before.path)
+
+
 def test_what_a_fault_blocks() -> None:
     """The step in whose way it is and all that need it; nothing else."""
     truth = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["no_way_out", "duplicate"])

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..mesh import VERTEX_GRID_M, Floats, Mesh, times, turned
+from ..mesh import VERTEX_GRID_M, Floats, Mesh, at, times, turned
 from .bodies import bent
 from .fits import METRIC, Bearing
 from .solid import Cut, Solid
@@ -148,6 +148,7 @@ class Planted:
     expects: str
     value: float
     says: str
+    moved: Sequence[str] = ()
 
 
 @dataclass
@@ -316,6 +317,13 @@ class Assembly:
     ) -> None:
         """Names a fastener."""
         self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds), swing))
+
+    def lift(self, path: str, height: float) -> None:
+        """Moves a part, and where its tool goes, along its z axis; its steps keep their axes."""
+        self.parts[path].pose = times(self.parts[path].pose, at(z=height))
+        for fastener in self.fasteners:
+            if fastener.path == path:
+                fastener.frame = times(fastener.frame, at(z=height))
 
     def swings(self, path: str, most: float) -> None:
         """The tool of a fastener turns no farther than this, radians: a fault is in its way."""

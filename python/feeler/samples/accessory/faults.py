@@ -89,7 +89,7 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     corners = ((-9.0, -9.0), (reach, -9.0), (reach, 9.0), (-9.0, 9.0))
     pose = frame(face[:3, 3], face[:3, 2], way)
     asm.add(path, "aluminium", plate, corners, 3.0, 3.0, ((0.0, 0.0, 6.6),), pose=pose)
-    asm.parts[plug].pose = times(face, at(z=3.0))
+    asm.lift(plug, 3.0)
     del asm.fits[(plug, cover) if plug < cover else (cover, plug)]
     asm.fit(plug, cover, "thread as cylinders", lines.CORE - lines.THREAD, lines.CORE)
     asm.fit(plug, path, "clearance", 0.6, 6.6)
@@ -100,7 +100,7 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
     room = float(times(face[:3, 3] - top, face[:3, 2]))
     says = f"a guard stands {room:.1f} mm over the bolt's head"
-    return Planted("blocked_bolt", [bolt, path], "no tool access", room * MM, says)
+    return Planted("blocked_bolt", [bolt, path], "no tool access", room * MM, says, [plug])
 
 
 def _no_way_out(asm: Assembly) -> Planted:

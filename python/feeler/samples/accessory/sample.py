@@ -237,7 +237,7 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         for j in asm.joints
     )
     fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
-    faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says) for f in asm.planted)
+    faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says, many(f.moved)) for f in asm.planted)
     return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)
 
 

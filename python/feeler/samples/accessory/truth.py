@@ -161,6 +161,9 @@ class Fault:
     ("mirrored")."""
     says: str
     """In words."""
+    moved: tuple[str, ...] = ()
+    """Paths of parts beside these that sit elsewhere with the fault; nothing is wrong with them. The guard of
+    "blocked_bolt" is held by a plug, which it lifts by its own thickness."""
 
 
 @dataclass(frozen=True)
