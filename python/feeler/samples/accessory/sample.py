@@ -131,7 +131,7 @@ def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Ass
         asm.planted = plant(asm, faults)
         return asm
 
-    level = int(np.interp(np.log(triangles), np.log(list(COUNTS.values())), list(COUNTS)))
+    level = int(np.interp(np.log(max(triangles, 1)), np.log(list(COUNTS.values())), list(COUNTS)))
     while level < max(COUNTS) and made(level + 1).triangle_count <= triangles:
         level += 1
     while level > 0 and made(level).triangle_count > triangles:
