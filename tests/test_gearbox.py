@@ -387,6 +387,37 @@ def test_unknown_paths_are_refused_with_near_names() -> None:
             ask("gearbox/oil_filter/bowel")
 
 
+def test_what_is_no_path_or_step_is_refused() -> None:
+    truth, other = drawn().truth, feeler.sample_truth("gearbox", LEAST, seed=1)
+    cover: Any = "gearbox/covers/main_front/cover"
+    for wrong in (None, 5, b"gearbox", [cover], truth.steps[0]):
+        for ask in (truth.way, truth.holds, lambda path: truth.fit(path, cover), lambda path: truth.fit(cover, path)):
+            with pytest.raises(feeler.OptionError, match="give the path of a part"):
+                ask(wrong)
+    for step in (None, cover, 3):
+        with pytest.raises(feeler.OptionError, match="give one of the truth's `steps`"):
+            truth.needed(step)
+    with pytest.raises(feeler.OptionError, match="none of this truth"):
+        truth.needed(other.way("gearbox/oil_filter/bowl")[-1])
+    way = truth.way("gearbox/oil_filter/head")
+    assert truth.needed(way[-1]) == way[:-1] and len(way) > 1
+
+
+def test_names_of_faults_in_any_collection() -> None:
+    """A set has no order of its own: the order is that of FAULTS, whatever the hashes of texts in this run."""
+    names = ["pipe_clash", "too_near", "inside"]
+    for faults in (tuple(names), np.array(names), iter(names), dict.fromkeys(names), set(names), frozenset(names)):
+        assert [fault.name for fault in feeler.sample_truth("gearbox", LEAST + 4_000, faults=faults).faults] == names
+    mockup = feeler.sample("gearbox", LEAST + 4_000, faults=np.array(names[:1]))
+    assert "gearbox/bracket/pipe_support" in mockup.part_paths
+    assert feeler.sample("carcass", 10_000, faults=np.array([])).triangle_count
+    for wrong in ("pipe_clash", b"pipe_clash", 5, None, [1], np.array([1.0]), np.array("pipe_clash"), [["inside"]]):
+        with pytest.raises(feeler.OptionError, match="give a list of names"):
+            feeler.sample_truth("gearbox", LEAST + 4_000, faults=wrong)
+    with pytest.raises(feeler.OptionError, match="no faults to plant"):
+        feeler.sample("engine", 20_000, faults=np.array(names))
+
+
 def test_arrays_and_truth_are_built_once(monkeypatch: pytest.MonkeyPatch) -> None:
     mockup = feeler.sample("gearbox", 41_000, seed=6)
     monkeypatch.setattr("feeler.samples.accessory.sample.Drawn", None)  # another one would fail
