@@ -155,10 +155,10 @@ class Fault:
     """"clash", "too near", "no tool access", "no way out", "no hole", "duplicate", "inside", "floating", "mirrored" or
     "unit"."""
     value: float
-    """What a check measures, as exactly as the chords allow. In metres: how deep the two are in each other ("clash" and
-    "no hole"), the gap between them ("too near", "no tool access", "duplicate", "inside"), the gap to the next part
-    ("floating"), or by how much the way is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1
-    ("mirrored")."""
+    """By design; what a check measures differs by the chords of the two, at most `chord_m` (a pipe is a polygon, and so
+    less deep in its support). In metres: how deep the two are in each other ("clash" and "no hole"), the gap between
+    them ("too near", "no tool access", "duplicate", "inside"), the gap to the next part ("floating"), or by how much
+    the way is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1 ("mirrored")."""
     says: str
     """In words."""
     moved: tuple[str, ...] = ()
@@ -173,7 +173,8 @@ class Truth:
     seed: int
     """As given to `feeler.sample`."""
     chord_m: float
-    """No curved face is farther than this from the surface that it stands for."""
+    """The largest distance from an arc to its chords. Faces that are curved both ways, as those of balls and of the
+    bends of hoses, have the errors of two arcs: they are up to twice this from the surface that they stand for."""
     bodies: tuple[Body, ...]
     """One for each part, in the order of the mock-up's parts."""
     fits: tuple[Fit, ...]
