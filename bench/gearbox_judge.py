@@ -29,7 +29,7 @@ from feeler.samples.accessory.faults import plant
 from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
-from feeler.samples.accessory.truth import STOP_RAD
+from feeler.samples.accessory.truth import STOP_RAD, steps_before
 from feeler.samples.mesh import Mesh
 
 manifold3d = import_module("manifold3d")  # an extra, without type information
@@ -304,7 +304,7 @@ class Ways:
         `against`: the other parts to check, where not all.
         """
         out, pose = set[str](), dict[str, Floats]()
-        for earlier in self.truth.needed(step):
+        for earlier in steps_before(self.truth.steps, step):
             if earlier.removes:
                 out |= set(earlier.parts)
             for leg in earlier.legs:
@@ -409,7 +409,7 @@ class Ways:
         found = []
         for unit in dict.fromkeys(units[path] for path in step.after if path in units):
             without = dataclasses.replace(step, after=tuple(path for path in step.after if path not in unit))
-            if any(set(unit) & set(earlier.parts) for earlier in self.truth.needed(without)):
+            if any(set(unit) & set(earlier.parts) for earlier in steps_before(self.truth.steps, without)):
                 continue
             if any(frozenset(pair) in self.kinds for pair in itertools.product(step.parts, unit)):
                 continue
@@ -444,7 +444,7 @@ class Ways:
     def in_the_way(self, fastener: Fastener, step: Step | None = None) -> list[str]:
         """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
         step = step or next(step for step in self.truth.steps if fastener.path in step.parts)
-        out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
+        out = {path for earlier in steps_before(self.truth.steps, step) if earlier.removes for path in earlier.parts}
         radius, length = tool_of(fastener)
         z = np.array(fastener.axis)
         x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
@@ -471,7 +471,7 @@ class Ways:
         Counter-clockwise, which loosens, after what goes before is out. What the fastener holds does not turn.
         """
         step = step or next(step for step in self.truth.steps if fastener.path in step.parts)
-        out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
+        out = {path for earlier in steps_before(self.truth.steps, step) if earlier.removes for path in earlier.parts}
         z, top = np.array(fastener.axis), np.array(fastener.top_m)
         arms = self.drawn.meshes[fastener.path].vertices - top
         arms -= np.outer(arms @ z, z)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import subprocess
 import sys
 from functools import lru_cache
@@ -350,12 +351,71 @@ def test_truth_as_json() -> None:
     assert held["steps"][0]["legs"][0]["kind"] in ("pull", "turn", "screw")
 
 
+BYTES_OF_TRUTH = """
+import hashlib, sys, numpy, feeler
+rng = numpy.random.default_rng(1)
+print(hashlib.sha256((rng.normal(size=(300, 300)) @ rng.normal(size=(300, 300))).tobytes()).hexdigest())
+for seed in (6, 13, 18):
+    text = feeler.sample_truth("gearbox", 45_000, seed, faults=["blocked_bolt", "duplicate"]).to_json()
+    mockup = feeler.sample("gearbox", 45_000, seed, faults=["blocked_bolt", "duplicate"])
+    print(hashlib.sha256(text.encode() + mockup.vertices.tobytes() + mockup.faces.tobytes()).hexdigest())
+"""
+"""Prints what tells the kernels of BLAS apart, and then what they must not change."""
+
+
+def test_truth_has_the_same_bytes_on_all_processors() -> None:
+    """Whatever the kernels of BLAS: those of older processors have no fused sums."""
+
+    def told(kernels: str) -> list[str]:
+        env = {**os.environ, "OPENBLAS_CORETYPE": kernels}
+        done = subprocess.run(
+            [sys.executable, "-c", BYTES_OF_TRUTH], env=env, capture_output=True, text=True, check=True
+        )
+        return done.stdout.split()
+
+    (kernels, *own), *others = [told(name) for name in ("", "Haswell", "Nehalem")]
+    if all(other[0] == kernels for other in others):
+        pytest.skip("this BLAS has one set of kernels")
+    assert len(own) == 3 and all(other[1:] == own for other in others)
+
+
 def test_unknown_paths_are_refused_with_near_names() -> None:
     truth = drawn().truth
     cover = "gearbox/covers/main_front/cover"
     for ask in (truth.way, truth.holds, lambda path: truth.fit(path, cover), lambda path: truth.fit(cover, path)):
         with pytest.raises(feeler.OptionError, match="'gearbox/oil_filter/bowl'"):
             ask("gearbox/oil_filter/bowel")
+
+
+def test_what_is_no_path_or_step_is_refused() -> None:
+    truth, other = drawn().truth, feeler.sample_truth("gearbox", LEAST, seed=1)
+    cover: Any = "gearbox/covers/main_front/cover"
+    for wrong in (None, 5, b"gearbox", [cover], truth.steps[0]):
+        for ask in (truth.way, truth.holds, lambda path: truth.fit(path, cover), lambda path: truth.fit(cover, path)):
+            with pytest.raises(feeler.OptionError, match="give the path of a part"):
+                ask(wrong)
+    for step in (None, cover, 3):
+        with pytest.raises(feeler.OptionError, match="give one of the truth's `steps`"):
+            truth.needed(step)
+    with pytest.raises(feeler.OptionError, match="none of this truth"):
+        truth.needed(other.way("gearbox/oil_filter/bowl")[-1])
+    way = truth.way("gearbox/oil_filter/head")
+    assert truth.needed(way[-1]) == way[:-1] and len(way) > 1
+
+
+def test_names_of_faults_in_any_collection() -> None:
+    """A set has no order of its own: the order is that of FAULTS, whatever the hashes of texts in this run."""
+    names = ["pipe_clash", "too_near", "inside"]
+    for faults in (tuple(names), np.array(names), iter(names), dict.fromkeys(names), set(names), frozenset(names)):
+        assert [fault.name for fault in feeler.sample_truth("gearbox", LEAST + 4_000, faults=faults).faults] == names
+    mockup = feeler.sample("gearbox", LEAST + 4_000, faults=np.array(names[:1]))
+    assert "gearbox/bracket/pipe_support" in mockup.part_paths
+    assert feeler.sample("carcass", 10_000, faults=np.array([])).triangle_count
+    for wrong in ("pipe_clash", b"pipe_clash", 5, None, [1], np.array([1.0]), np.array("pipe_clash"), [["inside"]]):
+        with pytest.raises(feeler.OptionError, match="give a list of names"):
+            feeler.sample_truth("gearbox", LEAST + 4_000, faults=wrong)
+    with pytest.raises(feeler.OptionError, match="no faults to plant"):
+        feeler.sample("engine", 20_000, faults=np.array(names))
 
 
 def test_arrays_and_truth_are_built_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -457,6 +517,22 @@ def test_the_bowl_that_does_not_come_out() -> None:
 def test_steps_and_swings_know_the_faults(seed: int, names: tuple[str, ...]) -> None:
     """A step is blocked if and only if it says so; `python bench/gearbox_judge.py` asks for each fault."""
     assert not judge.wrong_steps(seed, [names])
+
+
+def test_faults_name_all_that_they_change() -> None:
+    """Parts that are added, or drawn otherwise or elsewhere; and tools go where the heads are."""
+    clean = judge.eased(0)
+    for name in FAULTS:
+        faulty = judge.eased(0, faults=(name,))
+        (fault,) = faulty.truth.faults
+        new = judge.changed(faulty, clean)
+        assert new <= {*fault.parts, *fault.moved} and new >= set(fault.moved), name
+        tops = {f.path: f for f in faulty.truth.fasteners}
+        for before in clean.truth.fasteners:
+            shift = np.subtract(tops[before.path].top_m, before.top_m) @ before.axis
+            heads = [(drawn.meshes[before.path].vertices @ before.axis).max() for drawn in (clean, faulty)]
+            if name != "wrong_unit":
+                assert shift == pytest.approx(heads[1] - heads[0], abs=1e-6), (name, before.path)
 
 
 def test_what_a_fault_blocks() -> None:

@@ -94,8 +94,16 @@ def test_the_gearbox_has_the_same_bytes_everywhere(triangles):
 
 
 def test_a_gearbox_of_too_few_triangles():
+    """The least number depends on the seed, and is enough."""
+    for triangles in (-5, 0, 1, 10_000, 39_000):
+        with pytest.raises(feeler.OptionError, match=f"triangles is {triangles}; .* at least 39[0-9]{{3}}") as told:
+            feeler.sample("gearbox", triangles, seed=2)
+    least = int(str(told.value).split("at least ")[1].split()[0])
+    assert feeler.sample("gearbox", least, seed=2).triangle_count == least
     with pytest.raises(feeler.OptionError, match="at least"):
-        feeler.sample("gearbox", 10_000)
+        feeler.sample("gearbox", least - 1, seed=2)
+    with pytest.raises(feeler.OptionError, match="from about 40000 to 4000000"):
+        feeler.sample("gearbox", 5_000_000)
 
 
 def test_engine_at_a_million():

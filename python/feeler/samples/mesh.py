@@ -74,6 +74,26 @@ def snapped(vertices: Floats) -> Floats:
     return vertices
 
 
+def times(first: npt.ArrayLike, *factors: npt.ArrayLike) -> Floats:
+    """The product of matrices and vectors, as `@` gives it, by plain products and sums from the left.
+
+    Of it the last bits are the same on all processors; those of `@` depend on the kernels that BLAS has for one.
+    """
+    out = np.asarray(first, dtype=np.float64)
+    for factor in factors:
+        a, b = out, np.asarray(factor, dtype=np.float64)
+        rows = [b[k] if b.ndim == 1 else b[..., k, :] for k in range(a.shape[-1])]
+        if a.ndim > 1 and b.ndim > 1:
+            a, rows = a[..., None], [row[..., None, :] for row in rows]
+            terms = [a[..., k, :] * row for k, row in enumerate(rows)]
+        else:
+            terms = [a[..., k] * row for k, row in enumerate(rows)]
+        out = np.asarray(terms[0])
+        for term in terms[1:]:
+            out = out + term
+    return np.asarray(out)
+
+
 def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Floats:
     """The pose that only shifts, (4, 4)."""
     pose = np.eye(4)

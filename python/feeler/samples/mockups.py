@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Set
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def sample(
     triangles: int = 1_600_000,
     seed: int = 0,
     *,
-    faults: Sequence[str] = (),
+    faults: Iterable[str] = (),
     progress: Progress | None = None,
 ) -> Mockup:
     """A built-in mock-up: CAD-like, made of hundreds to thousands of named parts.
@@ -45,7 +45,7 @@ def sample(
     `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
     from about 40 thousand to 4 million); the result has within 10 % (mostly 1 %) of it, never more. The number of parts
     grows with its square root, but for the gearbox. `seed`: another arrangement of pipes, cables, boxes; of the gearbox
-    other teeth and places. `faults`: planted in the gearbox, by the names in `feeler.samples.FAULTS`.
+    other teeth and places. `faults`: planted in the gearbox, names of `feeler.samples.FAULTS`.
     `progress(fraction, stage)` is called now and then.
 
     Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. The sample "gearbox" stands by
@@ -87,7 +87,7 @@ def sample_names() -> tuple[str, ...]:
 
 
 def sample_truth(
-    name: str, triangles: int = 1_600_000, seed: int = 0, *, faults: Sequence[str] = ()
+    name: str, triangles: int = 1_600_000, seed: int = 0, *, faults: Iterable[str] = ()
 ) -> accessory.Truth:
     """What is true of the sample "gearbox" with the same arguments: fits, ways out, tools, joints, masses, faults.
 
@@ -106,14 +106,15 @@ def sample_parts(
     triangles: int = 1_600_000,
     seed: int = 0,
     *,
-    faults: Sequence[str] = (),
+    faults: Iterable[str] = (),
     progress: Progress | None = None,
 ) -> MeshParts:
     """What `sample` makes, as plain arrays; see there."""
     wanted, number = _checked(name, triangles, seed)
+    names = _names(faults)
     if name == GEARBOX:
-        return accessory.gearbox_parts(wanted, number, _names(faults), progress)
-    if faults:
+        return accessory.gearbox_parts(wanted, number, names, progress)
+    if names:
         raise OptionError(f"the sample {name!r} has no faults to plant; the one that has them is {GEARBOX!r}")
     make, reference = _MAKERS[name]
     richness = (wanted / reference) ** 0.5
@@ -132,8 +133,9 @@ def _checked(name: str, triangles: object, seed: object) -> tuple[int, int]:
         raise OptionError(f"no sample mock-up is called {name!r}; choose one of {', '.join(sample_names())}")
     wanted = _whole(triangles, "triangles")
     most = MOST_BY_NAME.get(name, MOST_TRIANGLES)
-    if not LEAST_TRIANGLES <= wanted <= most:
-        raise OptionError(f"triangles is {triangles}; the sample {name!r} has from {LEAST_TRIANGLES} to {most}")
+    if wanted > most or (wanted < LEAST_TRIANGLES and name != GEARBOX):  # the gearbox knows its own least number
+        least = "about 40000" if name == GEARBOX else LEAST_TRIANGLES
+        raise OptionError(f"triangles is {triangles}; the sample {name!r} has from {least} to {most}")
     number = _whole(seed, "seed")
     if number < 0:
         raise OptionError(f"seed is {seed}; give a whole number from 0")
@@ -208,7 +210,15 @@ _MAKERS: dict[str, tuple[Callable[[Plan, Amount], None], float]] = {
 
 
 def _names(faults: object) -> tuple[str, ...]:
-    """The names of faults. Raises `OptionError` for anything but a list of texts."""
-    if isinstance(faults, (list, tuple, set, frozenset)) and all(isinstance(fault, str) for fault in faults):
-        return tuple(faults)
+    """The names of faults, in the order given; those of a set in the order of `FAULTS`, the same in each run.
+
+    Raises `OptionError` for anything but texts.
+    """
+    if isinstance(faults, Iterable) and not isinstance(faults, (str, bytes)) and getattr(faults, "ndim", 1) == 1:
+        names = list(faults)
+        if all(isinstance(name, str) for name in names):
+            known = list(accessory.FAULTS)
+            if isinstance(faults, Set):
+                names.sort(key=lambda name: (known.index(name) if name in known else len(known), name))
+            return tuple(map(str, names))
     raise OptionError(f"faults is {faults!r}: give a list of names, of {', '.join(accessory.FAULTS)}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import Floats, at, turned
+from ..mesh import Floats, at, times, turned
 from . import standard, train
 from .assembly import pull, screw, turn
 from .bodies import GASKET_ROOM, Blind, flanged, gasket, outline_of
@@ -72,7 +72,7 @@ def input_drive(shop: Workshop) -> None:
     group = "input_drive"
     base = side_frame(shop, "top", 0.0, APEX_Z)
     top = float(base[1, 3])
-    pose = base @ at(z=GASKET)
+    pose = times(base, at(z=GASKET))
     apex = frame((0.0, 0.0, APEX_Z), Y, (0.0, 0.0, -1.0))
     zero = top + GASKET  # the cartridge's own z is y less this
     shape = (100.0, 62.0, 8.0)
@@ -116,7 +116,7 @@ def input_drive(shop: Workshop) -> None:
     asm.flush(cartridge, seal, rear)
     asm.fit(cartridge, rear, "H7/g6", gap, 26.0)
     ring = shop.o_ring(
-        f"{group}/o_ring", ring_radius(out), RING, pose @ at(z=-4.3), cartridge, rear, play("H7/g6", 52.0)
+        f"{group}/o_ring", ring_radius(out), RING, times(pose, at(z=-4.3)), cartridge, rear, play("H7/g6", 52.0)
     )
     journal = 8.5 + deviation("k6", 17.0) / 2.0
     _thick, groove, wide, _ = CIRCLIPS[17]
@@ -142,7 +142,7 @@ def input_drive(shop: Workshop) -> None:
     )
     unit = [cartridge, ring, shaft]
     for name, y, flip in (("lower", 52.0, np.pi), ("upper", 76.0, 0.0)):
-        parts = shop.bearing(f"{group}/{name}_bearing", "6203", frame((0.0, y, APEX_Z), Y) @ turned("x", flip))
+        parts = shop.bearing(f"{group}/{name}_bearing", "6203", times(frame((0.0, y, APEX_Z), Y), turned("x", flip)))
         asm.fit(parts[0], shaft, "nominal/k6", play("nominal/k6", 17.0), 8.5)
         asm.fit(parts[1], cartridge, "H7/nominal", play("H7/nominal", 40.0), 20.0)
         asm.flush(parts[1], cartridge)
@@ -175,7 +175,9 @@ def input_drive(shop: Workshop) -> None:
     asm.fit(lip, shaft, "seal lip", -0.2, 8.0)
     bolts = []
     for k, (x, y) in enumerate(INPUT_BOLTS):
-        bolts += shop.bolt(group, f"bolt_{k + 1}", 6, pose @ at(x, y, 9.0), [cartridge, seal], rear, 9.0 + GASKET, 8.0)
+        bolts += shop.bolt(
+            group, f"bolt_{k + 1}", 6, times(pose, at(x, y, 9.0)), [cartridge, seal], rear, 9.0 + GASKET, 8.0
+        )
     asm.step([*unit, sleeve, clip, lip], pull(Y, AWAY), after=bolts)
     rings = {f"{group}/{name}_bearing": BEARINGS["6203"] for name in ("lower", "upper")}
     asm.bear("pinion_shaft", [shaft, sleeve, clip], Y, (0.0, 0.0, APEX_Z), rings)
@@ -209,7 +211,7 @@ def accessory(
     asm, cut = shop.asm, shop.cut
     holder = OUT + half.name
     base = shop.pad(s, half)
-    pose = base @ at(z=GASKET)
+    pose = times(base, at(z=GASKET))
     size, places = shop.pad_holes(s, half)
     m = METRIC[size]
     down, ring, section = shop.spigot(s)
@@ -236,14 +238,14 @@ def accessory(
     asm.fit(body, holder, "H7/g6", play("H7/g6", 2.0 * opening(s)), opening(s))
     asm.flush(body, seal, holder)
     gap = play("H7/g6", 2.0 * opening(s))
-    o_ring = shop.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), body, holder, gap)
+    o_ring = shop.o_ring(f"{group}/o_ring", ring, section, times(pose, at(z=-2.9)), body, holder, gap)
     # the drive shaft reaches from the spline's floor into the body
     end = shop.shaft_end(s, half)
     start = end - half.sign * (spline.length - 1.0)
     length = abs(half.z(half.pad) + half.sign * (GASKET + 14.0) - start)
     drive = asm.add(
         f"{group}/drive_shaft", "steel", train.quill, spline, bore + deviation("g6", 16.0) / 2.0, length,
-        pose=at(s.x, s.y, start) @ turned("x", 0.0 if half is REAR else np.pi) @ turned("z", s.turn * half.sign),
+        pose=times(at(s.x, s.y, start), turned("x", 0.0 if half is REAR else np.pi), turned("z", s.turn * half.sign)),
     )  # fmt: skip
     shaft = f"{TRAIN}{s.name}_shaft/shaft"
     asm.fit(drive, shaft, "spline", train.SPLINE_PLAY)
@@ -252,10 +254,10 @@ def accessory(
     fasteners: list[str] = []
     for k, (x, y) in enumerate(places):
         if studs:
-            fasteners += shop.stud(group, k + 1, size, base @ at(x, y), held, holder, GASKET + thick, 11.0)[1:]
+            fasteners += shop.stud(group, k + 1, size, times(base, at(x, y)), held, holder, GASKET + thick, 11.0)[1:]
         else:
             fasteners += shop.bolt(
-                group, f"bolt_{k + 1}", size, pose @ at(x, y, thick), held, holder, GASKET + thick, 11.0
+                group, f"bolt_{k + 1}", size, times(pose, at(x, y, thick)), held, holder, GASKET + thick, 11.0
             )
     asm.step([body, o_ring], pull(pose[:3, 2], AWAY), after=fasteners)
     asm.step(seal, pull(pose[:3, 2], AWAY), after=[body])
@@ -271,7 +273,7 @@ def fuel_pump(shop: Workshop) -> Floats:
     blinds = tuple((float(x), float(y), tapped(cut, 4, 8.0)) for x, y in screws)
     up = ((19.2, 10.0), (18.4, 11.0), (18.4, 22.0), (17.0, 23.0), (17.0, 26.0), (18.4, 27.0), (18.4, 45.0))
     body = accessory(shop, s, REAR, group, "painted aluminium", up, blinds, studs=True)
-    face = shop.pad(s, REAR) @ at(z=GASKET + 45.0)
+    face = times(shop.pad(s, REAR), at(z=GASKET + 45.0))
     holes = tuple((float(x), float(y), METRIC[4].through / 2.0 + cut.ease) for x, y in screws)
     cover = asm.add(
         f"{group}/end_cover",
@@ -293,7 +295,7 @@ def fuel_pump(shop: Workshop) -> Floats:
             group,
             f"cover_screw_{k + 1}",
             4,
-            face @ at(x, y, 7.0),
+            times(face, at(x, y, 7.0)),
             [cover],
             body,
             7.0,
@@ -303,7 +305,7 @@ def fuel_pump(shop: Workshop) -> Floats:
         )
     asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1"])
     asm.wait(body, cover)
-    return face @ at(z=17.0)
+    return times(face, at(z=17.0))
 
 
 def starter(shop: Workshop) -> None:
@@ -317,10 +319,10 @@ def starter(shop: Workshop) -> None:
     body = accessory(
         shop, s, REAR, "starter", "black aluminium", tuple(up), ((0.0, 0.0, tapped(shop.cut, 8, 14.0)),), studs=True
     )
-    face = shop.pad(s, REAR) @ at(z=GASKET + 80.0)
+    face = times(shop.pad(s, REAR), at(z=GASKET + 80.0))
     m = METRIC[8]
     stud = asm.add("starter/terminal_stud", "copper", standard.stud, 8, -12.0, 14.0, pose=face, spin=True)
-    nut = asm.add("starter/terminal_nut", "copper", standard.nut, 8, pose=face @ at(z=m.thick), spin=True)
+    nut = asm.add("starter/terminal_nut", "copper", standard.nut, 8, pose=times(face, at(z=m.thick)), spin=True)
     ring = asm.add("starter/terminal_washer", "copper", standard.washer, 8, pose=face, spin=True)
     thread = -(m.size - m.core) / 2.0
     asm.fit(stud, body, "thread as cylinders", thread, m.core / 2.0)
@@ -332,7 +334,7 @@ def starter(shop: Workshop) -> None:
     asm.step(nut, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY))
     asm.step(ring, pull(axis, AWAY), after=[nut])
     asm.step(stud, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY), after=[nut])
-    asm.fasten(nut, "nut", "socket", m.flats, face @ at(z=m.thick + m.nut), [ring])
+    asm.fasten(nut, "nut", "socket", m.flats, times(face, at(z=m.thick + m.nut)), [ring])
 
 
 def generator(shop: Workshop) -> Floats:
@@ -351,7 +353,7 @@ def generator(shop: Workshop) -> Floats:
         (7.0, 66.0),
     )
     accessory(shop, s, FRONT, "generator", "painted aluminium", up, studs=False)
-    return shop.pad(s, FRONT) @ at(z=GASKET + 66.0)
+    return times(shop.pad(s, FRONT), at(z=GASKET + 66.0))
 
 
 # --- the filter -------------------------------------------------------------------------------------------------------
@@ -452,7 +454,7 @@ def filter_bowl(cut: Cut) -> Solid:
 def filter_ports(shop: Workshop) -> tuple[Floats, Floats]:
     """The frames of the filter's two ports, which look down."""
     base = side_frame(shop, "bottom", FILTER_X, FILTER_Z)
-    first, second = (base @ at(x, y, GASKET + 14.0) for x, y in FILTER_PORTS)
+    first, second = (times(base, at(x, y, GASKET + 14.0)) for x, y in FILTER_PORTS)
     return first, second
 
 
@@ -462,7 +464,7 @@ def oil_filter(shop: Workshop) -> None:
     group = "oil_filter"
     rear = OUT + REAR.name
     base = side_frame(shop, "bottom", FILTER_X, FILTER_Z)
-    pose = base @ at(z=GASKET)
+    pose = times(base, at(z=GASKET))
     m = METRIC[6]
     head = asm.add(f"{group}/head", "cast aluminium", filter_head, pose=pose)
     seal = asm.add(
@@ -478,7 +480,7 @@ def oil_filter(shop: Workshop) -> None:
     asm.flush(head, seal, rear)
     bowl = asm.add(f"{group}/bowl", "painted aluminium", filter_bowl, pose=pose)
     asm.fit(bowl, head, "bayonet", 0.1, THROAT)
-    ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, pose @ at(z=25.2), bowl, head)
+    ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, times(pose, at(z=25.2)), bowl, head)
     element = asm.add(
         f"{group}/element", "filter paper", standard.ring_of,
         ((7.0, 26.0), (13.8, 26.0), (13.8, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
@@ -494,7 +496,7 @@ def oil_filter(shop: Workshop) -> None:
             group,
             f"bolt_{k + 1}",
             6,
-            pose @ at(x, y, 14.0),
+            times(pose, at(x, y, 14.0)),
             [head, seal],
             rear,
             14.0 + GASKET,
@@ -517,7 +519,7 @@ def drain_plug(shop: Workshop) -> None:
     asm = shop.asm
     base = side_frame(shop, "bottom", PLUG_X, PLUG_Z)
     rear = OUT + REAR.name
-    plug = asm.add("housing/drain_plug", "zinc-plated steel", standard.threaded_plug, pose=base @ at(z=1.5))
+    plug = asm.add("housing/drain_plug", "zinc-plated steel", standard.threaded_plug, pose=times(base, at(z=1.5)))
     ring = asm.add("housing/drain_washer", "copper", standard.seal_washer, 14.4, 20.0, 1.5, pose=base, spin=True)
     asm.flush(plug, ring, rear)
     asm.fit(plug, ring, "clearance", 0.2, 7.2)
@@ -525,4 +527,4 @@ def drain_plug(shop: Workshop) -> None:
     down = base[:3, 2]
     asm.step(plug, screw(down, base[:3, 3], 13.0, standard.PLUG_PITCH), pull(down, 60.0), door_open=True)
     asm.step(ring, pull(down, 60.0), after=[plug], door_open=True)
-    asm.fasten(plug, "bolt", "socket", standard.PLUG_FLATS, base @ at(z=10.5), [ring])
+    asm.fasten(plug, "bolt", "socket", standard.PLUG_FLATS, times(base, at(z=10.5)), [ring])

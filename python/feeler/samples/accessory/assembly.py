@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
+import math
 import zlib
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..mesh import VERTEX_GRID_M, Floats, Mesh, turned
+from ..mesh import VERTEX_GRID_M, Floats, Mesh, at, times, turned
 from .bodies import bent
 from .fits import METRIC, Bearing
 from .solid import Cut, Solid
@@ -147,6 +148,7 @@ class Planted:
     expects: str
     value: float
     says: str
+    moved: Sequence[str] = ()
 
 
 @dataclass
@@ -186,7 +188,7 @@ class Assembly:
         place = np.eye(4) if pose is None else pose
         if spin:
             share = (zlib.crc32(path.encode()) ^ self.seed) % 9973 / 9973.0
-            place = place @ turned("z", 2.0 * np.pi * share)
+            place = times(place, turned("z", 2.0 * np.pi * share))
         self.parts[path] = Part(path, make, args, place, material)
         return path
 
@@ -316,6 +318,13 @@ class Assembly:
         """Names a fastener."""
         self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds), swing))
 
+    def lift(self, path: str, height: float) -> None:
+        """Moves a part, and where its tool goes, along its z axis; its steps keep their axes."""
+        self.parts[path].pose = times(self.parts[path].pose, at(z=height))
+        for fastener in self.fasteners:
+            if fastener.path == path:
+                fastener.frame = times(fastener.frame, at(z=height))
+
     def swings(self, path: str, most: float) -> None:
         """The tool of a fastener turns no farther than this, radians: a fault is in its way."""
         for fastener in self.fasteners:
@@ -387,5 +396,6 @@ def screw(axis: Vector, point: Vector, distance: float, pitch: float) -> Leg:
 
 
 def _unit(axis: Vector) -> tuple[float, float, float]:
-    x, y, z = (np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)).tolist()
-    return (x, y, z)
+    x, y, z = map(float, axis)
+    length = math.sqrt(x * x + y * y + z * z)
+    return (x / length, y / length, z / length)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh import Floats, Ints
+from ..mesh import Floats, Ints, times
 from ..shapes import Path, sweep
 from .polygon import offset, rectangle, rounded
 from .solid import Cut, Row, Solid
@@ -125,7 +125,7 @@ def extruded(
     for drill in drills:
         start = points[drill.side]
         way = points[(drill.side + 1) % len(points)] - start
-        way = way / np.sqrt(way @ way)
+        way = way / np.sqrt(times(way, way))
         pose = np.eye(4)
         pose[:3, 0], pose[:3, 2] = (*way, 0.0), (way[1], -way[0], 0.0)
         pose[:3, 1] = np.cross(pose[:3, 2], pose[:3, 0])
@@ -188,9 +188,9 @@ def bent(cut: Cut, corners: Floats, radius: float, tube: float) -> Path:
     ways = legs / np.sqrt((legs * legs).sum(axis=1))[:, None]
     tangents.append(ways[:1])
     for corner, u, v in zip(corners[1:-1], ways, ways[1:], strict=False):
-        turn = float(np.arccos(np.clip(u @ v, -1.0, 1.0)))
-        inward = v - u * (u @ v)
-        inward /= np.sqrt(inward @ inward)
+        turn = float(np.arccos(np.clip(times(u, v), -1.0, 1.0)))
+        inward = v - u * times(u, v)
+        inward /= np.sqrt(times(inward, inward))
         angle = np.linspace(0.0, turn, cut.arc(radius + tube, turn, 2) + 1)[:, None]
         points.append(
             corner - u * radius * np.tan(turn / 2.0) + radius * (np.sin(angle) * u + (1.0 - np.cos(angle)) * inward)

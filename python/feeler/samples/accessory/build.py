@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..mesh import at
+from ..mesh import at, times
 from . import accessories, lines, stand
 from .accessories import port
 from .assembly import Assembly
@@ -42,14 +42,14 @@ def build(cut: Cut, seed: int) -> Assembly:
             r = s.pad - (16.0 if s.pad > 30.0 else 12.0)
             place = lines.OIL_PORT if name == "main_rear" else (0.0, 0.0)
             covers[name] = shop.cover(s, half, name, ((r, 6.0), (r - 1.0, 13.0)), ((*place, port(cut)),))
-            face = shop.pad(s, half) @ at(z=13.0)
+            face = times(shop.pad(s, half), at(z=13.0))
             if name in ("main_front", "fuel_pump_front", "breather_front"):
                 sensor = lines.speed_sensor(shop, s.name, covers[name], face)
                 asm.wait(covers[name], sensor)
-                sources.append((f"{s.name}_sensor", face @ at(z=20.0), sensor))
+                sources.append((f"{s.name}_sensor", times(face, at(z=20.0)), sensor))
             elif name == "idler_front":
                 asm.wait(covers[name], lines.blank(shop, covers[name], face))
-    faces = {name: shop.pad(plan.station(name), REAR) @ at(z=13.0) for name in ("main", "idler", "breather")}
+    faces = {name: times(shop.pad(plan.station(name), REAR), at(z=13.0)) for name in ("main", "idler", "breather")}
     lines.line(
         shop,
         "lines/vent_hose",
@@ -71,7 +71,7 @@ def build(cut: Cut, seed: int) -> Assembly:
         "lines/oil_pipe",
         "stainless steel",
         [
-            (faces["main"] @ at(*lines.OIL_PORT), covers["main_rear"], "straight"),
+            (times(faces["main"], at(*lines.OIL_PORT)), covers["main_rear"], "straight"),
             (ports[1], "oil_filter/head", "elbow"),
         ],
         lines.OIL_LEVEL,

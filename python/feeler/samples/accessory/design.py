@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..mesh import Floats, at, turned
+from ..mesh import Floats, at, times, turned
 from . import standard, train
 from .assembly import Assembly, Vector, pull, screw
 from .bodies import GASKET_ROOM, Blind, flanged, gasket
@@ -49,7 +49,7 @@ def frame(origin: Vector, z: Vector, x: Vector | None = None) -> Floats:
     z_axis = np.asarray(z, dtype=np.float64)
     hint = np.asarray(x if x is not None else (X if abs(z_axis[0]) < 0.9 else Y), dtype=np.float64)
     y_axis = np.cross(z_axis, hint)
-    y_axis /= np.sqrt(y_axis @ y_axis)
+    y_axis /= np.sqrt(times(y_axis, y_axis))
     pose = np.eye(4)
     pose[:3, :] = np.stack([np.cross(y_axis, z_axis), y_axis, z_axis, np.asarray(origin, dtype=np.float64)], axis=1)
     return pose
@@ -91,7 +91,7 @@ class Workshop:
         length = max(n for n in (8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60) if n - grip - thick <= deep - 1.0)
         make = standard.hex_bolt if head == "bolt" else standard.cap_screw
         path = asm.add(
-            f"{group}/{name}", "zinc-plated steel", make, size, float(length), pose=seat @ at(z=thick), spin=True
+            f"{group}/{name}", "zinc-plated steel", make, size, float(length), pose=times(seat, at(z=thick)), spin=True
         )
         axis = seat[:3, 2]
         engaged = length - grip - thick
@@ -112,7 +112,9 @@ class Workshop:
             path, screw(axis, seat[:3, 3], engaged + 1.0, m.pitch), pull(axis, away), after=after, door_open=door_open
         )
         tall, tool, flats = (m.head, "socket", m.flats) if head == "bolt" else (m.size, "hex key", m.socket)
-        asm.fasten(path, "bolt" if head == "bolt" else "screw", tool, flats, seat @ at(z=thick + tall), list(stack))
+        asm.fasten(
+            path, "bolt" if head == "bolt" else "screw", tool, flats, times(seat, at(z=thick + tall)), list(stack)
+        )
         return out
 
     def stud(
@@ -132,10 +134,10 @@ class Workshop:
         low = -(deep - 2.0)
         high = grip + m.thick + m.nut + 2.0 * m.pitch
         stud = asm.add(f"{group}/stud_{number}", "steel", standard.stud, size, low, high, pose=face, spin=True)
-        top = face @ at(z=grip)
+        top = times(face, at(z=grip))
         washer = asm.add(f"{group}/washer_{number}", "zinc-plated steel", standard.washer, size, pose=top, spin=True)
         nut = asm.add(
-            f"{group}/nut_{number}", "zinc-plated steel", standard.nut, size, pose=top @ at(z=m.thick), spin=True
+            f"{group}/nut_{number}", "zinc-plated steel", standard.nut, size, pose=times(top, at(z=m.thick)), spin=True
         )
         thread = -(m.size - m.core) / 2.0
         asm.fit(stud, into, "thread as cylinders", thread, m.core / 2.0)
@@ -147,7 +149,7 @@ class Workshop:
         asm.step(nut, screw(axis, face[:3, 3], m.nut + 3.0 * m.pitch, m.pitch), pull(axis, AWAY))
         asm.step(washer, pull(axis, AWAY), after=[nut])
         asm.step(stud, screw(axis, face[:3, 3], -low + 1.0, m.pitch), pull(axis, AWAY), after=[nut])
-        asm.fasten(nut, "nut", "socket", m.flats, top @ at(z=m.thick + m.nut), list(stack))
+        asm.fasten(nut, "nut", "socket", m.flats, times(top, at(z=m.thick + m.nut)), list(stack))
         return [stud, washer, nut]
 
     def passes(self, bolt: str, part: str, size: int) -> None:
@@ -164,12 +166,12 @@ class Workshop:
         inner = asm.add(f"{group}/inner_ring", "hardened steel", standard.inner_ring, name, pose=pose, spin=True)
         outer = asm.add(f"{group}/outer_ring", "hardened steel", standard.outer_ring, name, pose=pose, spin=True)
         start = float(asm.rng(group).uniform(0.0, 2.0 * np.pi / b.balls))
-        cage = asm.add(f"{group}/cage", "polyamide", standard.cage, name, pose=pose @ turned("z", start))
+        cage = asm.add(f"{group}/cage", "polyamide", standard.cage, name, pose=times(pose, turned("z", start)))
         balls = []
         sag = standard.raceway_sag(self.cut, name)
         for k in range(b.balls):
             angle = start + 2.0 * np.pi * k / b.balls
-            place = pose @ turned("z", angle) @ at(x=b.pitch) @ turned("y", 0.7 + k) @ turned("x", 0.4 * k)
+            place = times(pose, turned("z", angle), at(x=b.pitch), turned("y", 0.7 + k), turned("x", 0.4 * k))
             ball = asm.add(f"{group}/ball_{k + 1}", "hardened steel", standard.ball, b.ball, pose=place)
             for ring in (inner, outer):
                 asm.fit(ball, ring, "ball in raceway", 0.0, chords=sag)
@@ -222,7 +224,7 @@ class Workshop:
                 standard.hex_bolt,
                 6,
                 length,
-                pose=low @ at(z=m.thick),
+                pose=times(low, at(z=m.thick)),
                 spin=True,
             )
             washers = [
@@ -230,7 +232,7 @@ class Workshop:
                 for side, pose in (("bolt", low), ("nut", high))
             ]
             nut = asm.add(
-                f"{group}/nut_{k + 1}", "zinc-plated steel", standard.nut, 6, pose=high @ at(z=m.thick), spin=True
+                f"{group}/nut_{k + 1}", "zinc-plated steel", standard.nut, 6, pose=times(high, at(z=m.thick)), spin=True
             )
             for part in (front, seal, rear):
                 self.passes(bolt, part, 6)
@@ -244,8 +246,8 @@ class Workshop:
             asm.step(bolt, pull((0.0, 0.0, -1.0), AWAY), after=[nut])
             asm.step(washers[0], pull((0.0, 0.0, -1.0), AWAY), after=[bolt])
             holds = [front, seal, rear]
-            asm.fasten(bolt, "bolt", "socket", m.flats, low @ at(z=m.thick + m.head), holds)
-            asm.fasten(nut, "nut", "socket", m.flats, high @ at(z=m.thick + m.nut), holds)
+            asm.fasten(bolt, "bolt", "socket", m.flats, times(low, at(z=m.thick + m.head)), holds)
+            asm.fasten(nut, "nut", "socket", m.flats, times(high, at(z=m.thick + m.nut)), holds)
         needs = [OUT + "split_bolts/bolt_*", OUT + "split_bolts/washer_*", "covers/*_front/cover", "generator/gasket"]
         asm.step(unit, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=needs)
         asm.step(seal, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=[front])
@@ -255,7 +257,7 @@ class Workshop:
         asm, b = self.asm, s.bearing
         group = f"{TRAIN}{s.name}_shaft"
         front, rear = OUT + FRONT.name, OUT + REAR.name
-        pose = at(s.x, s.y) @ turned("z", s.turn)
+        pose = times(at(s.x, s.y), turned("z", s.turn))
         main = s.name == "main"
         low = FRONT.z(FRONT.lip)
         shoulder = low + b.width
@@ -313,7 +315,7 @@ class Workshop:
             "hardened steel",
             standard.circlip,
             s.seat,
-            pose=pose @ turned("z", 2.5) @ at(z=-half - thick),
+            pose=times(pose, turned("z", 2.5), at(z=-half - thick)),
         )
         asm.flush(clip, shaft)
         asm.flush(clip, gear)
@@ -325,7 +327,7 @@ class Workshop:
             parts = self.bearing(
                 f"{group}/{name}_bearing",
                 b.name,
-                at(s.x, s.y, z) if name == "front" else at(s.x, s.y, z) @ turned("x", np.pi),
+                at(s.x, s.y, z) if name == "front" else times(at(s.x, s.y, z), turned("x", np.pi)),
             )
             asm.fit(parts[0], shaft, "nominal/k6", play("nominal/k6", b.bore), b.bore / 2.0)
             asm.flush(parts[0], shaft)
@@ -360,7 +362,7 @@ class Workshop:
         """A key of 10 mm, centred at z."""
         _, _, deep = KEYS[size]
         key = self.asm.add(
-            path, "steel", standard.key, size, 10.0, pose=pose @ at(y=size / 2.0 - deep + train.KEY_PLAY, z=z)
+            path, "steel", standard.key, size, 10.0, pose=times(pose, at(y=size / 2.0 - deep + train.KEY_PLAY, z=z))
         )
         self.asm.fit(key, shaft, "key in keyway", train.KEY_PLAY)
         self.asm.fit(key, hub, "key in keyway", 2.0 * train.KEY_PLAY)
@@ -377,7 +379,7 @@ class Workshop:
         asm.fit(wheel, shaft, "H7/g6", play("H7/g6", 25.0), (25.0 + deviation("H7", 25.0)) / 2.0)
         key = self.key(f"{group}/bevel_key", 25, back + 8.5, np.eye(4), shaft, wheel)
         clip = asm.add(
-            f"{group}/bevel_circlip", "hardened steel", standard.circlip, 25, pose=at(z=face) @ turned("z", -1.0)
+            f"{group}/bevel_circlip", "hardened steel", standard.circlip, 25, pose=times(at(z=face), turned("z", -1.0))
         )
         asm.flush(wheel, shaft)
         asm.flush(clip, wheel)
@@ -413,7 +415,7 @@ class Workshop:
                 size, places = self.pad_holes(s, half)
                 pose = self.pad(s, half)
                 for x, y in places:
-                    px, py, _ = (pose @ [x, y, 0.0, 1.0])[:3].tolist()
+                    px, py, _ = times(pose, [x, y, 0.0, 1.0])[:3].tolist()
                     out[half.name].append(FaceHole(px, py, tapped(self.cut, size, 11.0)))
         return out
 
@@ -448,10 +450,10 @@ class Workshop:
         asm.fit(path, holder, "H7/g6", play("H7/g6", 2.0 * opening(s)), opening(s))
         asm.flush(path, holder)
         gap = play("H7/g6", 2.0 * opening(s))
-        seal = self.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), path, holder, gap)
+        seal = self.o_ring(f"{group}/o_ring", ring, section, times(pose, at(z=-2.9)), path, holder, gap)
         bolts = []
         for k, (x, y) in enumerate(places):
-            bolts += self.bolt(group, f"bolt_{k + 1}", size, pose @ at(x, y, thick), [path], holder, thick, 11.0)
+            bolts += self.bolt(group, f"bolt_{k + 1}", size, times(pose, at(x, y, thick)), [path], holder, thick, 11.0)
         asm.step([path, seal], pull(pose[:3, 2], AWAY), after=bolts)
         return path
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import OptionError
-from ..mesh import Floats, Mesh, at
+from ..mesh import Floats, Mesh, at, times
 from . import lines, standard
 from .assembly import Assembly, Planted
 from .bodies import extruded, plate
@@ -83,13 +83,13 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     bolt, plug, cover = "covers/idler_front/bolt_1", "covers/idler_front/blanking_plug", "covers/idler_front/cover"
     face, head = asm.parts[plug].pose, asm.parts[bolt].pose[:3, 3]
     way = head - face[:3, 3]
-    way = way - face[:3, 2] * (way @ face[:3, 2])
-    reach = float(np.sqrt(way @ way)) + 7.0
+    way = way - face[:3, 2] * times(way, face[:3, 2])
+    reach = float(np.sqrt(times(way, way))) + 7.0
     path = "covers/idler_front/guard"
     corners = ((-9.0, -9.0), (reach, -9.0), (reach, 9.0), (-9.0, 9.0))
     pose = frame(face[:3, 3], face[:3, 2], way)
     asm.add(path, "aluminium", plate, corners, 3.0, 3.0, ((0.0, 0.0, 6.6),), pose=pose)
-    asm.parts[plug].pose = face @ at(z=3.0)
+    asm.lift(plug, 3.0)
     del asm.fits[(plug, cover) if plug < cover else (cover, plug)]
     asm.fit(plug, cover, "thread as cylinders", lines.CORE - lines.THREAD, lines.CORE)
     asm.fit(plug, path, "clearance", 0.6, 6.6)
@@ -98,9 +98,9 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.swings(bolt, 0.0)
     asm.swings("harness/breather_sensor", GUARDED_SWINGS["breather_sensor"])
     top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
-    room = float((face[:3, 3] - top) @ face[:3, 2])
+    room = float(times(face[:3, 3] - top, face[:3, 2]))
     says = f"a guard stands {room:.1f} mm over the bolt's head"
-    return Planted("blocked_bolt", [bolt, path], "no tool access", room * MM, says)
+    return Planted("blocked_bolt", [bolt, path], "no tool access", room * MM, says, [plug])
 
 
 def _no_way_out(asm: Assembly) -> Planted:
@@ -167,7 +167,7 @@ def _floating(asm: Assembly) -> Planted:
 
 def _mirrored(asm: Assembly) -> Planted:
     path, case = "housing/drain_plug", "housing/rear_case"
-    asm.parts[path].pose = asm.parts[path].pose @ np.diag([1.0, -1.0, 1.0, 1.0])
+    asm.parts[path].pose = times(asm.parts[path].pose, np.diag([1.0, -1.0, 1.0, 1.0]))
     del asm.fits[(path, case) if path < case else (case, path)]
     asm.block("mirrored", path)
     return Planted("mirrored", [path, case], "mirrored", -1.0, "the drain plug is mirrored: a left-handed thread")
@@ -195,7 +195,7 @@ def block_ring(asm: Assembly, path: str, meshes: dict[str, Mesh]) -> None:
             for leg in step.legs:  # what has been turned moves on as it is then
                 angle = leg.angle * leg.axis[2]
                 spun = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-                corners = np.concatenate([corners, (corners - leg.point[:2]) @ spun + leg.point[:2]])
+                corners = np.concatenate([corners, times(corners - leg.point[:2], spun) + leg.point[:2]])
             if len(corners) and _meets_ring(corners - centre, *edges):
                 step.blocked_by.append("wrong_unit")
                 break
@@ -235,7 +235,7 @@ def _meets_ring(shapes: Floats, outer: Floats, inner: Floats) -> bool:
         """Of each side of polygons (..., k, 2), which points (..., m, 2) are beyond it: (..., k, m)."""
         side = np.roll(polygon, -1, axis=-2) - polygon
         normal = np.stack([side[..., 1], -side[..., 0]], axis=-1)
-        return np.asarray(normal @ np.swapaxes(points, -1, -2) > (normal * polygon).sum(axis=-1)[..., None])
+        return np.asarray(times(normal, np.swapaxes(points, -1, -2)) > (normal * polygon).sum(axis=-1)[..., None])
 
     ahead = np.roll(shapes, -1, axis=1)
     area = (shapes[:, :, 0] * ahead[:, :, 1] - shapes[:, :, 1] * ahead[:, :, 0]).sum(axis=1)

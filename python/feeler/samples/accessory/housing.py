@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh import Floats, Ints
+from ..mesh import Floats, Ints, times
 from .bodies import GASKET_ROOM, TRIM
 from .fits import METRIC, deviation
 from .layout import FLANGE, FLANGE_THICK, WALL, Half, Layout, Station, outline, side_segments
@@ -104,7 +104,7 @@ def case(
 
     def round_holes(places: Sequence[tuple[float, float]], rows: Sequence[Row]) -> list[tuple[Ints, Ints]]:
         n = cut.circle(rows[0][0])
-        return [solid.turned(rows, n, pose @ _at(x, y)) for x, y in places]
+        return [solid.turned(rows, n, times(pose, _at(x, y))) for x, y in places]
 
     # the split face and the flange
     plain = outline(cut, base, WALL + FLANGE)
@@ -113,7 +113,7 @@ def case(
         rings = [(plain, 0.0), (plain, FLANGE_THICK - 1.0), (inner, FLANGE_THICK)]
     else:
         rings = [(plain, 0.0), (plain, FLANGE_THICK)]
-    rim, lip = solid.tube(_at_heights(rings) @ pose[:3, :3].T + pose[:3, 3])
+    rim, lip = solid.tube(times(_at_heights(rings), pose[:3, :3].T) + pose[:3, 3])
     cavity, floor = solid.outline(outline(cut, base, 0.0), (0.0, half.floor), pose)
     core = tapped(cut, 6, 1.0)[-2][0]
     bolts = []
@@ -159,19 +159,19 @@ def case(
     rings = [(pads, half.outer), (pads, half.pad - edge)]
     if edge:
         rings.append((offset(pads, -edge), half.pad))
-    low, high = solid.tube(_at_heights(rings) @ pose[:3, :3].T + pose[:3, 3])
+    low, high = solid.tube(times(_at_heights(rings), pose[:3, :3].T) + pose[:3, 3])
     # the seats of the bearings
     bosses, mouths = [], []
     for s in plan.stations:
         seat = (s.bearing.outside + deviation("H7", s.bearing.outside)) / 2.0 + cut.ease
         out = seat + 6.0
         rows = cut.sharp([(out + 1.5, half.floor), (out, half.floor - 2.5), (out, half.boss)], 2.5)
-        foot, rim = solid.turned(rows, cut.circle(out), pose @ _at(s.x, s.y))
+        foot, rim = solid.turned(rows, cut.circle(out), times(pose, _at(s.x, s.y)))
         rows = [(seat + 0.6, half.boss), (seat, half.boss + 0.6)] if fine else [(seat, half.boss)]
         wide = opening(s) + deviation("H7", 2.0 * opening(s)) / 2.0 + cut.ease
         rows += [(seat, half.lip), (wide, half.lip), (wide, half.pad - edge)]
         rows += [(wide + edge, half.pad)] if fine else []
-        start, end = solid.turned(rows, cut.circle(seat), pose @ _at(s.x, s.y))
+        start, end = solid.turned(rows, cut.circle(seat), times(pose, _at(s.x, s.y)))
         solid.face(rim, start)
         bosses.append(foot)
         mouths.append(end)
@@ -179,9 +179,9 @@ def case(
     beside: list[Ints] = []
     for x, y, drilled, outer in holes:
         face = half.outer if outer else half.pad
-        mouth = solid.turned([(r, face - depth) for r, depth in drilled], cut.circle(drilled[0][0]), pose @ _at(x, y))[
-            0
-        ]
+        mouth = solid.turned(
+            [(r, face - depth) for r, depth in drilled], cut.circle(drilled[0][0]), times(pose, _at(x, y))
+        )[0]
         (beside if outer else mouths).append(mouth)
     solid.face(top, low, *beside)
     solid.face(high, *mouths)

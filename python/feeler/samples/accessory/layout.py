@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..gears import mate_turn
-from ..mesh import Floats
+from ..mesh import Floats, times
 from .fits import BEARINGS, Bearing
 from .polygon import along, offset, support
 from .solid import Cut
@@ -98,7 +98,9 @@ class Layout:
         normal = {"top": (0.0, 1.0), "left": (-1.0, 0.0), "bottom": (0.0, -1.0), "right": (1.0, 0.0)}[name]
         corners = offset(self.base, WALL)
         ahead = np.roll(corners, -1, axis=0)
-        number = int(np.argmax(((ahead - corners) / np.hypot(*(ahead - corners).T)[:, None]) @ [-normal[1], normal[0]]))
+        number = int(
+            np.argmax(times((ahead - corners) / np.hypot(*(ahead - corners).T)[:, None], [-normal[1], normal[0]]))
+        )
         return number, (corners[number] + ahead[number]) / 2.0, np.array(normal)
 
     def flat(self, name: str) -> Floats:
@@ -180,9 +182,9 @@ def _drawn(vary: bool, rng: np.random.Generator, bolts: int) -> Layout:
         length = float(np.hypot(*(b - a)))
         way = (b - a) / length
         found = sorted(
-            float((p - (a + b) / 2.0) @ way)
+            float(times(p - (a + b) / 2.0, way))
             for p in spots
-            if abs(float((p - a) @ [way[1], -way[0]]) - WALL - FLANGE / 2.0 - 0.5) < 0.5
+            if abs(float(times(p - a, [way[1], -way[0]])) - WALL - FLANGE / 2.0 - 0.5) < 0.5
         )
         for low, high in pairwise(found):
             if abs((low + high) / 2.0) < length / 2.0 - CORNER:
@@ -221,7 +223,7 @@ def outline(
     for k in range(count):
         back, here, on = moved[k - 1], moved[k], moved[(k + 1) % count]
         u, v = (back - here) / np.hypot(*(back - here)), (on - here) / np.hypot(*(on - here))
-        turn = float(np.arccos(np.clip(-u @ v, -1.0, 1.0)))
+        turn = float(np.arccos(np.clip(times(-u, v), -1.0, 1.0)))
         pieces = cut.arc(CORNER + WALL + FLANGE, turn, 2)
         reach = radius * np.tan(turn / 2.0)
         centre = here + u * reach + radius * np.array([u[1], -u[0]])
@@ -246,7 +248,7 @@ def side_segments(cut: Cut, corners: Floats, ribs: tuple[tuple[int, float], ...]
     for k in range(count):
         back, here, on = corners[k - 1], corners[k], corners[(k + 1) % count]
         u, v = (back - here) / np.hypot(*(back - here)), (on - here) / np.hypot(*(on - here))
-        turn = float(np.arccos(np.clip(-u @ v, -1.0, 1.0)))
+        turn = float(np.arccos(np.clip(times(-u, v), -1.0, 1.0)))
         at += cut.arc(CORNER + WALL + FLANGE, turn, 2)
         found.append(at)
         at += 1 + 4 * sum(side == k for side, _ in ribs)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..mesh import Floats, at
+from ..mesh import Floats, at, times
 from .accessories import PORT_CORE, PORT_THREAD, port
 from .assembly import Vector, pull, screw
 from .bodies import Drill, bent, extruded, flanged, plate, swept
@@ -108,7 +108,7 @@ def elbow(cut: Cut, reach: float) -> Solid:
 
 def elbow_end(place: Floats) -> Floats:
     """The middle (3,) of the flat face of an elbow in a port that looks down; the elbow leads to +z."""
-    return np.asarray((place @ [0.0, 0.0, 18.0, 1.0])[:3] + np.array([0.0, 0.0, REACH]))
+    return np.asarray(times(place, [0.0, 0.0, 18.0, 1.0])[:3] + np.array([0.0, 0.0, REACH]))
 
 
 def union_nut(cut: Cut) -> Solid:
@@ -166,9 +166,9 @@ def line(
         asm.flush(fitting, holder)
         nut = asm.add(f"{group}/union_nut_{k + 1}", "stainless steel", union_nut, pose=base, spin=True)
         asm.fit(nut, fitting, "thread as cylinders", NUT_CORE - NOSE, NUT_CORE)
-        ends.append((base @ [0.0, 0.0, NOSE_END, 1.0])[:3])
+        ends.append(times(base, [0.0, 0.0, NOSE_END, 1.0])[:3])
         nuts.append(nut)
-        asm.fasten(nut, "nut", "open-end wrench", 17.0, base @ at(z=NUT_HIGH), [f"{group}/{kind}"], swing_of(nut))
+        asm.fasten(nut, "nut", "open-end wrench", 17.0, times(base, at(z=NUT_HIGH)), [f"{group}/{kind}"], swing_of(nut))
     a, b = ends
     corners = (a, np.array([a[0], a[1], level]), np.array([b[0], b[1], level]), b)
     asm.lines.append((f"{group}/{kind}", np.array(corners), PIPE, BEND))
@@ -189,11 +189,11 @@ def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: 
     ears = ((-9.0, -9.0), (9.0, -9.0), (9.0, 20.0), (-9.0, 20.0))
     corners = ears if side > 0.0 else tuple((x, -y) for x, y in ears[::-1])
     holes = ((0.0, 0.0, 6.1), (0.0, 13.0 * side, METRIC[5].through / 2.0 + cut.ease))
-    base = pose @ at(z=ELBOW_COLLAR)
+    base = times(pose, at(z=ELBOW_COLLAR))
     plate_path = asm.add(f"{group}/elbow_clamp", "zinc-plated steel", plate, corners, 4.0, 3.0, holes, pose=base)
     asm.flush(plate_path, fitting)
     asm.fit(plate_path, fitting, "clearance", 0.5, 6.1)
-    seat = base @ at(0.0, 13.0 * side, 3.0)
+    seat = times(base, at(0.0, 13.0 * side, 3.0))
     bolts = shop.bolt(
         group, "clamp_screw", 5, seat, [plate_path], holder, 3.0 + ELBOW_COLLAR, 8.0, head="screw", door_open=True
     )
@@ -223,7 +223,7 @@ def oil_run(plan: Layout, filter_port: Vector) -> tuple[Floats, Floats, Floats]:
     main = plan.station("main")
     a = np.array([main.x + OIL_PORT[0], main.y + OIL_PORT[1], OIL_LEVEL])
     b = np.array([filter_port[0], filter_port[1], OIL_LEVEL])
-    way = (b - a) / np.sqrt((b - a) @ (b - a))
+    way = (b - a) / np.sqrt(times(b - a, b - a))
     aside = np.cross([0.0, 0.0, 1.0], way) * CLIP_ASIDE
     pads = np.array([s.centre for s in plan.stations]), np.array([s.pad for s in plan.stations])
 
@@ -339,7 +339,7 @@ def speed_sensor(shop: Workshop, name: str, cover: str, face: Floats) -> str:
     asm.step(
         path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY), after=[f"harness/{name}_sensor_plug"]
     )
-    asm.fasten(path, "bolt", "open-end wrench", 17.0, face @ at(z=8.0), [path], swing_of(path))
+    asm.fasten(path, "bolt", "open-end wrench", 17.0, times(face, at(z=8.0)), [path], swing_of(path))
     return path
 
 
@@ -350,7 +350,7 @@ def blank(shop: Workshop, cover: str, face: Floats) -> str:
     asm.fit(path, cover, "thread as cylinders", CORE - THREAD, CORE)
     asm.flush(path, cover)
     asm.step(path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY))
-    asm.fasten(path, "bolt", "socket", 15.0, face @ at(z=7.0), [path])
+    asm.fasten(path, "bolt", "socket", 15.0, times(face, at(z=7.0)), [path])
     return path
 
 
@@ -375,7 +375,7 @@ def harness(shop: Workshop, sources: Sequence[tuple[str, Floats, str]], sockets:
         for end, pose, part in (("", source, owner), ("_box", socket, box)):
             piece = asm.add(f"harness/{name}{end}_plug", "anodised aluminium", plug, pose=pose, spin=True)
             asm.fit(piece, part, "plug on receptacle", PLUG_BORE - NOSE, PLUG_BORE)
-            ends.append((pose @ [0.0, 0.0, 12.3, 1.0])[:3])
+            ends.append(times(pose, [0.0, 0.0, 12.3, 1.0])[:3])
             unit.append(piece)
         level = min(float(e[2]) for e in ends) - 46.0 - 9.0 * k
         a, b = ends
@@ -423,7 +423,7 @@ def junction_box(shop: Workshop, beam: str, face: Floats, count: int) -> list[tu
             "harness",
             f"box_screw_{k + 1}",
             4,
-            face @ at(x, y, 16.0),
+            times(face, at(x, y, 16.0)),
             [box],
             beam,
             16.0,
@@ -434,10 +434,10 @@ def junction_box(shop: Workshop, beam: str, face: Floats, count: int) -> list[tu
     asm.step(box, pull((0.0, 0.0, -1.0), AWAY), after=[*bolts, "harness/receptacle_*"])
     sockets = []
     for k, (x, y) in enumerate(places):
-        pose = face @ at(x, y, 16.0)
+        pose = times(face, at(x, y, 16.0))
         part = asm.add(f"harness/receptacle_{k + 1}", "aluminium", sensor, pose=pose, spin=True)
         asm.fit(part, box, "thread as cylinders", CORE - THREAD, CORE)
         asm.flush(part, box)
         asm.step(part, screw(face[:3, 2], pose[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY), after=["harness/*_plug"])
-        sockets.append((pose @ at(z=20.0), part))
+        sockets.append((times(pose, at(z=20.0)), part))
     return sockets

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..mesh import Floats, Ints
+from ..mesh import Floats, Ints, times
 
 MARGIN_MM = 1.5e-3
 """No triangle is lower or nearer to a corner of another one, where that can be: three steps of the vertex grid."""
@@ -67,7 +67,7 @@ def _seen(points: Floats, walk: list[int], edges: Ints, start: int) -> int | Non
             _cross(v - u, p - u) * _cross(v - u, q - u) <= 0.0
         )
         way = q - p
-        share = np.clip(((everywhere - p) @ way) / (way @ way), 0.0, 1.0)[:, None]
+        share = np.clip(times(everywhere - p, way) / times(way, way), 0.0, 1.0)[:, None]
         near = (((everywhere - p - share * way) ** 2).sum(axis=1) < MARGIN_MM**2).sum() > 2  # both ends are
         if not crosses.any() and not near:
             return int(place)
@@ -140,7 +140,7 @@ def rounded(corners: Floats, radius: float, pieces: Sequence[int] | int) -> Floa
     for k, corner in enumerate(corners):
         back, on = corners[k - 1] - corner, corners[(k + 1) % len(corners)] - corner
         u, v = back / np.hypot(*back), on / np.hypot(*on)
-        turn = float(np.arctan2(_cross(-u, v), -u @ v))  # positive to the left
+        turn = float(np.arctan2(_cross(-u, v), times(-u, v)))  # positive to the left
         reach = radius * np.tan(abs(turn) / 2.0)
         centre = corner + u * reach + np.sign(turn) * radius * np.array([u[1], -u[0]])
         start = float(np.arctan2(*(corner + u * reach - centre)[::-1]))
@@ -167,7 +167,7 @@ def meeting(normal_a: Floats, height_a: Floats, normal_b: Floats, height_b: Floa
 
 def support(normals: Floats, centres: Floats, radii: Floats) -> Floats:
     """The convex polygon (k, 2) with sides of the given normals (k, 2) that holds all circles and touches some."""
-    height = (normals @ centres.T + radii).max(axis=1)
+    height = (times(normals, centres.T) + radii).max(axis=1)
     return meeting(np.roll(normals, 1, axis=0), np.roll(height, 1), normals, height)
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...errors import OptionError
-from ..mesh import Floats, Mesh, MeshParts, snapped
+from ..mesh import Floats, Mesh, MeshParts, snapped, times
 from . import assembly
 from .assembly import MATERIALS, Assembly, Part
 from .build import build
@@ -117,7 +117,7 @@ def placed_mesh(asm: Assembly, part: Part) -> Mesh:
 
 
 def _placed(part: Part, mesh: Mesh) -> Mesh:
-    vertices = (mesh.vertices @ (part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
+    vertices = (times(mesh.vertices, part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
     faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
     return Mesh(snapped(vertices), faces)
 
@@ -131,7 +131,7 @@ def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Ass
         asm.planted = plant(asm, faults)
         return asm
 
-    level = int(np.interp(np.log(triangles), np.log(list(COUNTS.values())), list(COUNTS)))
+    level = int(np.interp(np.log(max(triangles, 1)), np.log(list(COUNTS.values())), list(COUNTS)))
     while level < max(COUNTS) and made(level + 1).triangle_count <= triangles:
         level += 1
     while level > 0 and made(level).triangle_count > triangles:
@@ -167,7 +167,7 @@ def gearbox_truth(triangles: int, seed: int, faults: tuple[str, ...]) -> Truth:
 def volume(mesh: Mesh) -> float:
     """Of a closed mesh."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+    return float((a * np.cross(b, c)).sum() / 6.0)
 
 
 def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
@@ -237,7 +237,7 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         for j in asm.joints
     )
     fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
-    faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says) for f in asm.planted)
+    faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says, many(f.moved)) for f in asm.planted)
     return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import Floats, Ints, Mesh
+from ..mesh import Floats, Ints, Mesh, times
 from ..tessellation import stitch, strip
 from .polygon import triangulated
 
@@ -200,14 +200,14 @@ class Solid:
             renumbered[used] = np.arange(len(used))
             points, faces = points[used], renumbered[faces]
         a, b, c = (points[faces[:, k]] for k in range(3))
-        if float(np.einsum("ij,ij->", a, np.cross(b, c))) < 0.0:
+        if float((a * np.cross(b, c)).sum()) < 0.0:
             faces = faces[:, ::-1]
         return Mesh(points, faces)
 
 
 def placed(points: Floats, pose: Floats | None) -> Floats:
     """Points (..., 3) at a pose (4, 4)."""
-    return points if pose is None else points @ pose[:3, :3].T + pose[:3, 3]
+    return points if pose is None else times(points, pose[:3, :3].T) + pose[:3, 3]
 
 
 def _edges(loop: Ints) -> Ints:
@@ -239,7 +239,7 @@ def _grid(rows: Ints, skip: frozenset[int]) -> Patch:
 
 def _stitched(points: Floats, a: Ints, b: Ints, pose: Floats | None) -> Patch:
     centre, across = (np.zeros(3), np.eye(3)[:, :2]) if pose is None else (pose[:3, 3], pose[:3, :2])
-    angles = [np.round(np.arctan2(*((points[loop] - centre) @ across).T[::-1]), DECIMALS) for loop in (a, b)]
+    angles = [np.round(np.arctan2(*(times(points[loop] - centre, across)).T[::-1]), DECIMALS) for loop in (a, b)]
     on_low, on_high = stitch(angles[0], angles[1])
     faces = np.concatenate(
         [
@@ -259,7 +259,7 @@ def _face(points: Floats, outer: Ints, holes: list[Ints]) -> Patch:
     normal = _newell(points[outer])
     axis = int(np.argmax(np.abs(normal)))
     keep = [(axis + 1) % 3, (axis + 2) % 3] if normal[axis] > 0.0 else [(axis + 2) % 3, (axis + 1) % 3]
-    loops = [outer, *(hole[::-1] if float(_newell(points[hole]) @ normal) > 0.0 else hole for hole in holes)]
+    loops = [outer, *(hole[::-1] if float(times(_newell(points[hole]), normal)) > 0.0 else hole for hole in holes)]
     corners = [np.round(points[loop][:, keep], DECIMALS) for loop in loops]
     faces = strip(len(outer)) if not holes and _convex(corners[0]) else triangulated(corners)
     return np.concatenate(loops)[faces], np.concatenate([_edges(loop) for loop in loops])

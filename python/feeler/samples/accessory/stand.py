@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import Floats, at
+from ..mesh import Floats, at, times
 from . import standard
 from .assembly import pull, turn
 from .bodies import Drill, extruded, flanged, plate
@@ -145,7 +145,7 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
             f"bracket/{side}_bush",
             "copper",
             bushing,
-            pose=at(start, middle, MOUNT_Z) @ frame((0.0, 0.0, 0.0), X),
+            pose=times(at(start, middle, MOUNT_Z), frame((0.0, 0.0, 0.0), X)),
             spin=True,
         )
         asm.fit(bush, hanger, "H7/p6", play("H7/p6", 32.0), 16.0)
@@ -226,13 +226,21 @@ def mount(shop: Workshop, s: Stand, side: str, sign: float) -> None:
     bolts = []
     for k, (x, y) in enumerate(MOUNT_BOLTS):
         bolts += shop.bolt(
-            group, f"bolt_{k + 1}", 6, base @ at(x, y, 10.0), [path], rear, 10.0, 8.0, after=[f"bracket/{side}_hanger"]
+            group,
+            f"bolt_{k + 1}",
+            6,
+            times(base, at(x, y, 10.0)),
+            [path],
+            rear,
+            10.0,
+            8.0,
+            after=[f"bracket/{side}_hanger"],
         )
     asm.step(path, pull(base[:3, 2], AWAY), after=bolts)
-    face = base @ at(z=36.5)
+    face = times(base, at(z=36.5))
     disc = asm.add(f"{group}/retainer", "zinc-plated steel", standard.seal_washer, 9.0, 40.0, 3.0, pose=face, spin=True)
     asm.flush(disc, path)
-    bolt = shop.bolt(group, "retainer_bolt", 8, face @ at(z=3.0), [disc], path, 3.0, 18.0)
+    bolt = shop.bolt(group, "retainer_bolt", 8, times(face, at(z=3.0)), [disc], path, 3.0, 18.0)
     asm.step(disc, pull(base[:3, 2], AWAY), after=bolt)
 
 

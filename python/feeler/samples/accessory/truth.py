@@ -155,12 +155,15 @@ class Fault:
     """"clash", "too near", "no tool access", "no way out", "no hole", "duplicate", "inside", "floating", "mirrored" or
     "unit"."""
     value: float
-    """What a check measures, as exactly as the chords allow. In metres: how deep the two are in each other ("clash" and
-    "no hole"), the gap between them ("too near", "no tool access", "duplicate", "inside"), the gap to the next part
-    ("floating"), or by how much the way is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1
-    ("mirrored")."""
+    """By design; what a check measures differs by the chords of the two, at most `chord_m` (a pipe is a polygon, and so
+    less deep in its support). In metres: how deep the two are in each other ("clash" and "no hole"), the gap between
+    them ("too near", "no tool access", "duplicate", "inside"), the gap to the next part ("floating"), or by how much
+    the way is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1 ("mirrored")."""
     says: str
     """In words."""
+    moved: tuple[str, ...] = ()
+    """Paths of parts beside these that sit elsewhere with the fault; nothing is wrong with them. The guard of
+    "blocked_bolt" is held by a plug, which it lifts by its own thickness."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,8 @@ class Truth:
     seed: int
     """As given to `feeler.sample`."""
     chord_m: float
-    """No curved face is farther than this from the surface that it stands for."""
+    """The largest distance from an arc to its chords. Faces that are curved both ways, as those of balls and of the
+    bends of hoses, have the errors of two arcs: they are up to twice this from the surface that they stand for."""
     bodies: tuple[Body, ...]
     """One for each part, in the order of the mock-up's parts."""
     fits: tuple[Fit, ...]
@@ -201,6 +205,8 @@ class Truth:
         return () if last is None else (*self.needed(last), last)
 
     def _known(self, path: str) -> str:
+        if not isinstance(path, str):
+            raise OptionError(f"path is {path!r}; give the path of a part as text, such as {self.bodies[0].path!r}")
         paths = [body.path for body in self.bodies]
         if path not in paths:
             alike = difflib.get_close_matches(path, paths, 3, 0.6)
@@ -209,18 +215,29 @@ class Truth:
         return path
 
     def needed(self, step: Step) -> tuple[Step, ...]:
-        """The steps, in order, that have to come before a step."""
-        wanted = set(step.after)
-        loose = set(step.parts) if step.removes else set()
-        chosen = []
-        before = self.steps[: self.steps.index(step)] if step in self.steps else self.steps
-        for earlier in reversed(before):
-            if wanted & set(earlier.parts) or (loose & set(earlier.parts) and not earlier.removes):
-                chosen.append(earlier)
-                wanted |= set(earlier.after)
-                loose |= set(earlier.parts) if earlier.removes else set()
-        return tuple(reversed(chosen))
+        """The steps, in order, that have to come before a step. Raises OptionError for a step of another truth."""
+        if not isinstance(step, Step):
+            raise OptionError(f"step is {step!r}; give one of the truth's `steps`, as `way(path)` does too")
+        if step not in self.steps:
+            raise OptionError(
+                f"the step of {', '.join(map(repr, step.parts[:1]))} is none of this truth; "
+                "give one of its own `steps`: other seeds, triangles and faults have others"
+            )
+        return steps_before(self.steps, step)
 
     def to_json(self) -> str:
         """All of it as JSON."""
         return json.dumps(asdict(self), indent=1)
+
+
+def steps_before(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:
+    """The steps, in order, that have to come before a step; all may, where it is not one of them."""
+    wanted = set(step.after)
+    loose = set(step.parts) if step.removes else set()
+    chosen = []
+    for earlier in reversed(steps[: steps.index(step)] if step in steps else steps):
+        if wanted & set(earlier.parts) or (loose & set(earlier.parts) and not earlier.removes):
+            chosen.append(earlier)
+            wanted |= set(earlier.after)
+            loose |= set(earlier.parts) if earlier.removes else set()
+    return tuple(reversed(chosen))
