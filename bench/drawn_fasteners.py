@@ -35,7 +35,7 @@ SOCKETS = {3: 2.5, 4: 3, 5: 4, 6: 5, 8: 6, 10: 8, 12: 10, 16: 14, 20: 17, 24: 19
 
 @dataclass(frozen=True)
 class Drawn:
-    """A solid, mm, its tool from +z, and what it is; kind None: no fastener."""
+    """A solid in millimetres, whose tool comes from +z, and its right answer. `kind` None: it is not a fastener."""
 
     solid: Any
     kind: str | None = None
@@ -162,7 +162,7 @@ class Draughtsman:
         return Solid.cylinder(0.45 * d, d / 2.0, wide, self.n) + rim, wide, high
 
     def recess(self, drive: str, top: float, wide: float) -> tuple[Any, float]:
-        """What is cut out of a head that ends at `top`, and its width across flats."""
+        """The recess to cut out of a head that ends at height `top` (mm), and the width across its flats (mm)."""
         deep = 0.35 * self.size
         if drive == "slot":
             width = 0.25 * self.size
@@ -329,7 +329,7 @@ class Draughtsman:
         cut = prism(regular(4, 0.25 * d).rotate(360 * self.turn), -0.45 * d, 1.0)
         return Drawn(rod(d / 2.0, -0.9 * d, 0.0, self.n) - cut, "screw", "square socket", 0.5 * d, d, 0.0)
 
-    # What is no fastener.
+    # Shapes that are not fasteners.
 
     def socket_tool(self) -> Drawn:
         d = self.size
@@ -511,7 +511,7 @@ def drawn(shape: str, seed: int) -> tuple[Drawn, feeler.Mockup, Floats]:
 
 
 def fault_of(made: Drawn, pose: Floats, found: feeler.Fasteners) -> str:
-    """What is wrong with what was found for a shape; empty: nothing."""
+    """The errors in the answer for a shape; empty if it is right."""
     if made.kind is None:
         return f"found as {found[0].kind}: {found[0].because}" if len(found) else ""
     if not len(found):

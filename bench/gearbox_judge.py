@@ -337,12 +337,13 @@ class Ways:
         return found
 
     def latched(self, joint: Joint, path: str) -> Floats:
-        """Where a part is when a joint may move, (4, 4): what it needs is at its limit."""
+        """The pose (4, 4) of a part while a joint moves: joints that have to be open first are at their limits."""
         needed = (self.joints[name] for name in joint.needs)
         return next((joint_pose(j, j.high or 0.0) for j in needed if path in j.parts), np.eye(4))
 
     def stopped_at(self, joint: Joint, angle: float) -> list[tuple[str, str]]:
-        """Collisions with a joint at an angle, what it needs at its limit, and what follows it turned with it."""
+        """Collisions with a joint at an angle (radians). Joints that it needs are at their limits; those that
+        follow it turn with it."""
         poses: dict[str, Floats] = {}
         turned = {joint.name: angle}
         for path in (path for name in joint.needs for path in self.joints[name].parts):

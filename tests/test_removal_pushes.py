@@ -177,6 +177,11 @@ def test_a_key_is_turned_and_pulled_by_exact_legs() -> None:
     path = path_of_json(saved)
     assert path[1] == turn.screw and len(path) == len(found.path)
     assert rest.check_path(tool, path, touching="free").free
+    # The way in is the same, turned round.
+    into = feeler.insertion(scene, "part", seconds=60.0, threads=1)
+    assert into.legs[-1].screw == turn.screw.reversed()
+    np.testing.assert_allclose(into.legs[-1].screw.at(into.legs[-2].pose), np.eye(4), atol=1e-12)
+    assert rest.check_path(tool, into.path, touching="free").free
     # Turned by half of it, it does not come out.
     half = feeler.Screw(turn.screw.axis, turn.screw.point, 0.5 * turn.screw.angle)
     out = half.at(np.eye(4))

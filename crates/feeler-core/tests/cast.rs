@@ -7,7 +7,8 @@ use std::sync::Arc;
 use common::*;
 use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use feeler_core::{
-    cast_all_pairs, collide_all_pairs, Cast, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions, Storage, Tool,
+    cast_all_pairs, collide_all_pairs, Cast, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions, Screw, Storage,
+    Tool, Touching,
 };
 
 const TOLERANCE: f64 = 1e-6;
@@ -397,4 +398,27 @@ fn directions_that_hold_apart_tell_in_the_time_alone() {
         *(if expected.is_some() { &mut hits } else { &mut free }) += 1;
     }
     assert!(hits > 50 && free > 50, "{hits} {free}");
+}
+
+/// A peg of many facets in a bore of many others follows thousands of pairs, and then asks for shadows.
+#[test]
+fn a_peg_stops_at_the_bottom_of_a_tight_bore() {
+    let (vertices, faces) = feeler_shapes::cylinder(0.0101, 0.1, 100, 16);
+    let mockup = Arc::new(Mockup::new(vertices, faces, vec![], 1).unwrap());
+    let (vertices, faces) = feeler_shapes::cylinder(0.01, 0.03, 96, 8);
+    let tool = Tool::new(vertices, faces).unwrap();
+    let scene = scene_of(&mockup, Storage::Blocks);
+    let axis = [1.0, 0.0, 0.0];
+    let far = Pose::IDENTITY.translated(&[0.1, 0.0, 0.0]).unwrap();
+    let screw = Screw::new(&axis, &[0.0; 3], 20.0, 0.1 * std::f64::consts::TAU / 20.0).unwrap();
+    for motion in [Motion::new(&tool, &Pose::IDENTITY, &far), Motion::screw(&tool, &Pose::IDENTITY, &screw).unwrap()] {
+        // 35 mm to the end of the bore, of 100.
+        let hit = scene.cast_along(&tool, &motion, TOLERANCE, Touching::Ends).unwrap().unwrap();
+        assert!(hit.fraction <= 0.35 && hit.fraction > 0.35 - 20.0 * TOLERANCE, "{}", hit.fraction);
+    }
+    let turn = Screw::new(&axis, &[0.0; 3], 50.0, 0.0).unwrap();
+    let motion = Motion::screw(&tool, &Pose::IDENTITY, &turn).unwrap();
+    for touching in [Touching::Ends, Touching::Free] {
+        assert!(scene.cast_along(&tool, &motion, TOLERANCE, touching).unwrap().is_none());
+    }
 }

@@ -130,10 +130,11 @@ pub(super) fn first_impact(
     index: &Index,
     tool: &Tool,
     motion: &Motion,
-    How { tolerance, touching, directions, goes_on }: How<'_>,
+    how: How<'_>,
     scratch: &mut SweepMemory,
     collide: &mut CollideScratch,
 ) -> Result<Option<Impact>> {
+    let How { tolerance, touching, directions, goes_on } = how;
     let selection = index.selection();
     let few = FEW_PAIRS.max(tool.clusters().len()) * if directions.is_empty() { 1 } else { TIMES_BESIDE };
     // Shorter than this a window is no use: all it holds is within the tolerance.
@@ -155,21 +156,9 @@ pub(super) fn first_impact(
             let left = pairs_in_shadow((index, tool, motion), from, spent, goes_on, &mut scratch.store);
             if let Some(mut left) = left.filter(|left| left.is_empty() || touching == Touching::Ends) {
                 let window = motion.window(tool, from, 1.0);
-                let mut chase = Chase {
-                    index,
-                    tool,
-                    motion,
-                    tolerance,
-                    touching,
-                    directions: &[],
-                    goes_on,
-                    is_stopped: false,
-                    from,
-                    best: None,
-                    until: 1.0,
-                    before: &before,
-                    after: &mut after,
-                };
+                let how = How { directions: &[], ..how };
+                let span = (from, 1.0);
+                let mut chase = Chase::new((index, tool, motion), how, span, &before, &mut after);
                 chase.follow(&mut left, &window);
                 return if chase.is_stopped { Err(Error::Cancelled) } else { Ok(chase.best) };
             }
@@ -179,21 +168,7 @@ pub(super) fn first_impact(
         let fine = cuts.saturating_sub(coarse);
         let limit = (few << fine).max(TIMES_STILL * still);
         let may_cut = fine < MOST_CUTS && share > shortest;
-        let mut chase = Chase {
-            index,
-            tool,
-            motion,
-            tolerance,
-            touching,
-            directions,
-            goes_on,
-            is_stopped: false,
-            from,
-            best: None,
-            until: to,
-            before: &before,
-            after: &mut after,
-        };
+        let mut chase = Chase::new((index, tool, motion), how, (from, to), &before, &mut after);
         let sweep = |to: f64| Sweep {
             mesh: index.mockup().mesh(),
             tool,
@@ -368,10 +343,8 @@ struct Chase<'a> {
     index: &'a Index,
     tool: &'a Tool,
     motion: &'a Motion,
-    tolerance: f64,
-    touching: Touching,
-    directions: &'a [Point],
-    goes_on: &'a dyn Fn() -> bool,
+    how: How<'a>,
+    /// By a request.
     is_stopped: bool,
     from: f64,
     until: f64,
@@ -382,19 +355,30 @@ struct Chase<'a> {
     after: &'a mut Vec<(u64, Point)>,
 }
 
-impl Chase<'_> {
+impl<'a> Chase<'a> {
+    /// From a time until another.
+    fn new(
+        (index, tool, motion): (&'a Index, &'a Tool, &'a Motion),
+        how: How<'a>,
+        (from, until): (f64, f64),
+        before: &'a [(u64, Point)],
+        after: &'a mut Vec<(u64, Point)>,
+    ) -> Chase<'a> {
+        Chase { index, tool, motion, how, is_stopped: false, from, until, best: None, before, after }
+    }
+
     /// Follows each pair once, and empties the list.
     fn follow(&mut self, pairs: &mut Vec<u64>, window: &Window) {
         pairs.sort_unstable();
         pairs.dedup();
         let pose = &window.poses[0];
-        let mut held_apart = HeldApart::new(self.directions, self.tolerance);
+        let mut held_apart = HeldApart::new(self.how.directions, self.how.tolerance);
         let mockup = self.index.mockup();
         let mesh = mockup.mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
         let mut at = 0;
         for (number, &pair) in pairs.iter().enumerate() {
-            if number % PAIRS_BETWEEN == PAIRS_BETWEEN - 1 && !(self.goes_on)() {
+            if number % PAIRS_BETWEEN == PAIRS_BETWEEN - 1 && !(self.how.goes_on)() {
                 self.is_stopped = true;
                 break;
             }
@@ -410,8 +394,8 @@ impl Chase<'_> {
                 continue;
             }
             let tool_triangle = self.tool.ids()[slot as usize];
-            let time = if self.touching == Touching::Ends {
-                moving.first_impact(&q, self.from, self.until, pose, self.tolerance)
+            let time = if self.how.touching == Touching::Ends {
+                moving.first_impact(&q, self.from, self.until, pose, self.how.tolerance)
             } else {
                 let of_tool = self.tool.adjacency().outward[tool_triangle as usize];
                 let senses = [of_tool, mockup.adjacency().outward[triangle as usize]];
@@ -421,7 +405,7 @@ impl Chase<'_> {
                     at += 1;
                 }
                 let held = self.before.get(at).filter(|(other, _)| *other == pair).map(|(_, normal)| *normal);
-                match moving.slide(&q, senses, span, pose, held, self.tolerance) {
+                match moving.slide(&q, senses, span, pose, held, self.how.tolerance) {
                     Slide::Blocked(time) => Some(time),
                     Slide::Free(normal) => {
                         self.after.extend(normal.map(|normal| (pair, normal)));
