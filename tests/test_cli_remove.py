@@ -85,7 +85,7 @@ def test_a_part_that_does_not(chest: Path, tmp_path: Path) -> None:
     glb = tmp_path / "try.glb"
     words = ("--part", "*lower", "--seconds", 1, "--threads", 1, "--glb", glb)
     text = run(chest, *words, status=1).stdout
-    assert "No way out was found; that is no proof that there is none" in text
+    assert "No path was found; that is no proof that there is none" in text
     assert "What blocked it" in text and "lid" in text
     length = int.from_bytes(glb.read_bytes()[12:16], "little")
     film = json.loads(glb.read_bytes()[20 : 20 + length])
@@ -136,3 +136,40 @@ def test_an_order(chest: Path) -> None:
 )
 def test_bad_words_are_told(chest: Path, words: tuple[object, ...], said: str) -> None:
     assert said in run(chest, *words, status=2).stderr
+
+
+def test_a_path_in_is_told_and_written(chest: Path, tmp_path: Path) -> None:
+    here, way = tmp_path / "here.json", tmp_path / "way.json"
+    lies = np.eye(4)
+    lies[:3, 3] = [1.0, 0.0, -0.25]
+    here.write_text(json.dumps(lies.tolist()))
+    text = run(chest, "--part", "upper", "--insert", "--from", here, "--way", way).stdout
+    assert "It goes in:" in text
+    np.testing.assert_allclose(json.loads(way.read_text())["poses"][0], lies)
+    np.testing.assert_allclose(json.loads(way.read_text())["poses"][-1], np.eye(4))
+    facts = json.loads(run(chest, "--part", "upper", "--insert", "--goal", here, "--json").stdout)
+    np.testing.assert_allclose(facts["parts"][0]["steps"][0]["poses"][-1], lies)
+    for words, said in (
+        (["--goal", here], "--goal is for --insert"),
+        (["--insert", "--each"], "--insert is for one path"),
+        (["--insert", "--from", tmp_path / "none.json"], "none.json"),
+    ):
+        assert said in run(chest, "--part", "upper", *words, status=2).stderr
+
+
+def test_what_holds_a_part_is_told(tmp_path: Path) -> None:
+    shell = {
+        f"shell/{'xyz'[axis]}{side}": box(
+            [-0.02 if a != axis else (0.0101 if side else -0.02) for a in range(3)],
+            [0.02 if a != axis else (0.02 if side else -0.0101) for a in range(3)],
+        )
+        for axis in range(3)
+        for side in (0, 1)
+    }
+    path = tmp_path / "shell.glb"
+    write_glb(path, mockup_of({"core": box((-0.01, -0.01, -0.01), (0.01, 0.01, 0.01)), **shell}))
+    text = run(path, "--part", "core", status=1).stdout
+    assert "It is held by" in text and "and 3 other parts" in text and "can move farther than" in text
+    step = json.loads(run(path, "--part", "core", "--json", status=1).stdout)["parts"][0]["steps"][0]
+    assert {each["path"].rpartition("/")[2] for each in step["held_by"]} == {"x0", "x1", "y0", "y1", "z0", "z1"}
+    assert 1e-4 <= step["play_m"] < 1e-3

@@ -87,3 +87,43 @@ def test_a_lid_on_either_end_is_told() -> None:
 def test_a_start_that_is_no_pose_is_an_error(start: Floats) -> None:
     with pytest.raises(feeler.PoseError):
         feeler.insertion(scene_of(), "peg", start=start)
+
+
+def test_a_goal_beside_the_place_is_reached() -> None:
+    scene = scene_of()
+    goal = lying()
+    found = feeler.insertion(scene, "peg", start=np.eye(4), goal=goal, seconds=60.0)
+    assert found.found
+    np.testing.assert_allclose(found.poses[0], np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(found.poses[-1], goal, atol=1e-12)
+    tool, rest = feeler.Tool.of_parts(scene.mockup, "peg"), scene.without("peg")
+    assert rest.check_path(tool, found.path, touching="free").free
+    # From outside.
+    alone = feeler.insertion(scene, "peg", goal=goal)
+    assert alone.found
+    np.testing.assert_allclose(alone.poses[-1], goal, atol=1e-12)
+    assert rest.check_path(tool, alone.path, touching="free").free
+
+
+def test_a_hand_that_holds_the_part_comes_along() -> None:
+    scene = scene_of()
+    # A plate on the peg, wider than the pocket: it stays above it, and leaves the tray only with the peg upright.
+    hand = feeler.Tool(*box([-0.02, -0.02, 0.0], [0.02, 0.02, 0.01]))
+    grip = np.eye(4)
+    grip[2, 3] = 0.055
+    found = feeler.insertion(scene, "peg", tool=hand, grip=grip)
+    assert found.found
+    held = feeler.Tool.assembly({"peg": feeler.Tool.of_parts(scene.mockup, "peg"), "hand": (hand, grip)})
+    assert scene.without("peg").check_path(held, found.path, touching="free").free
+    low = np.eye(4)
+    low[2, 3] = 0.045
+    with pytest.raises(feeler.PoseError, match="meets"):
+        feeler.insertion(scene, "peg", tool=hand, grip=low)
+    with pytest.raises(feeler.OptionError, match="no tool"):
+        feeler.insertion(scene, "peg", grip=grip)
+    # Where the tray is in the way of the hand, and not of the peg.
+    in_tray = lying()
+    in_tray[1, 3] = 0.05
+    with pytest.raises(feeler.PoseError, match="tray"):
+        feeler.insertion(scene, "peg", goal=in_tray, tool=hand, grip=grip)
+    assert feeler.insertion(scene, "peg", goal=in_tray).found

@@ -307,3 +307,29 @@ def test_a_bowl_turns_out_of_its_bayonet_and_not_through_a_guard(gearbox: Any, f
     assert first_met(gearbox, out, way) is None
     assert first_met(gearbox, [], way) == "gearbox/door/panel", "the door is shut"
     assert first_met(faulty_gearbox, out, way) == "gearbox/bracket/filter_guard"
+
+
+def test_what_its_neighbours_leave_no_way_is_held_by_them(duct: feeler.Scene) -> None:
+    core = {"core": box([-0.01] * 3, [0.01] * 3)}
+    walls = {
+        f"{'xyz'[axis]}{side}": box(
+            [-0.02 if a != axis else (0.0101 if side else -0.02) for a in range(3)],
+            [0.02 if a != axis else (0.02 if side else -0.0101) for a in range(3)],
+        )
+        for axis in range(3)
+        for side in (0, 1)
+    }
+    held = feeler.removal(scene_of(**core, **walls), "core", seconds=60.0)
+    assert not held.found and not held.is_out_of_time and held.seconds < 30.0
+    assert {part.path for part in held.held_by} == set(walls)
+    assert 0.0001 <= held.play < 0.001
+    assert "held by x0" in repr(held)
+    assert pickle.loads(pickle.dumps(held)).held_by == held.held_by
+    # Without one of them, with it allowed, and where nobody can say, nothing holds it.
+    for name in walls:
+        rest = {other: mesh for other, mesh in walls.items() if other != name}
+        free = feeler.removal(scene_of(**core, **rest), "core")
+        assert free.found and free.held_by == () and np.isnan(free.play)
+        assert feeler.removal(scene_of(**core, **walls), "core", allow=["start", name]).found
+    stuck = feeler.removal(scene_of(**DUCT, lid=LID), "cube", seconds=0.5)
+    assert not stuck.found and stuck.held_by == () and np.isnan(stuck.play)

@@ -13,7 +13,8 @@ from shapes import at, box, cube, inverted, joined, mockup_of, open_chest
 
 import feeler
 from feeler.errors import OptionError
-from feeler.plan.as_glb import in_steps, moments
+from feeler.io.film import moments
+from feeler.plan.as_glb import in_steps
 
 # A chest, a lid that lies inside the rim of it, a cover on the rim, and a thing in the chest; metres.
 CHEST = {
@@ -193,7 +194,16 @@ def test_a_film_turns_as_the_way_does() -> None:
     middles = way[:, :3, :3] @ middle + way[:, :3, 3]
     steps = np.diff(middles, axis=0)
     np.testing.assert_allclose(steps, np.broadcast_to(steps[0], steps.shape), atol=1e-12)
-    times = moments(way)
-    assert times[0] == 0.0 and (np.diff(times) > 0.0).all()
-    # Of a way that leads nowhere the moments differ, too.
-    assert (np.diff(moments(np.tile(np.eye(4), (3, 1, 1)))) > 0.0).all()
+    # The farthest corner moves at one speed, also where it mostly turns.
+    bounds = np.array([[-1.0, -0.2, 0.0], [3.0, 0.3, 0.1]])
+    turning = np.concatenate([way, np.stack([way[-1] @ at(degrees=5 * k) for k in range(1, 9)])])
+    times = moments(turning, bounds)
+    corners = np.array([[x, y, z, 1.0] for x in bounds[:, 0] for y in bounds[:, 1] for z in bounds[:, 2]])
+    places = (turning @ corners.T)[:, :3]
+    speeds = np.linalg.norm(np.diff(places, axis=0), axis=1).max(axis=1) / np.diff(times)
+    np.testing.assert_allclose(speeds, speeds[0], rtol=1e-9)
+    assert times[0] == 0.0
+    # Poses that are the same have moments of their own.
+    still = np.concatenate([turning[:3], turning[2:]])
+    assert (np.diff(moments(still, bounds)) > 0.0).all()
+    assert (np.diff(moments(np.tile(np.eye(4), (3, 1, 1)), bounds)) > 0.0).all()

@@ -19,6 +19,7 @@ from feeler._core_results import (
     Packed,
     PackedPiece,
     Rays,
+    RemovalAnswer,
     Screw,
     SectionOutline,
 )
@@ -54,6 +55,7 @@ __all__ = [
     "PiecePredictor",
     "Predictor",
     "Rays",
+    "RemovalAnswer",
     "Scene",
     "Screw",
     "SectionOutline",
@@ -531,12 +533,8 @@ def removal(
     seed: int,
     threads: int | None = None,
     progress: _Progress | None = None,
-) -> dict[str, Any]:
-    """A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up.
-
-    `method`, `poses` `(n, 4, 4)`, `path_length`, `rotation`, `clearance`, `casts`, `is_out_of_time`; a row a part that
-    stopped it: `blockers` its index, `blocker_counts`, `blocker_reaches`, `blocker_poses` `(k, 4, 4)`.
-    """
+) -> RemovalAnswer:
+    """A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up."""
 
 def clash(
     scene: Scene,

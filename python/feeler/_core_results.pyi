@@ -311,6 +311,65 @@ class ClashRows:
         """Whether it was stopped."""
 
 @final
+class RemovalAnswer:
+    """What `_core.removal` found; `feeler.Removal` is made of it."""
+
+    @property
+    def method(self) -> str:
+        """How the way was found; "none": it was not."""
+    @property
+    def leg_screws(self) -> list[Screw | None]:
+        """By leg: the screw, or None of a leg to a pose."""
+    @property
+    def leg_ends(self) -> npt.NDArray[np.float64]:
+        """`(legs, 4, 4)`: the motion of the parts at the end of each leg."""
+    @property
+    def leg_lengths(self) -> npt.NDArray[np.float64]:
+        """`(legs,)`: how far the middle of the box goes, metres."""
+    @property
+    def leg_angles(self) -> npt.NDArray[np.float64]:
+        """`(legs,)`: radians."""
+    @property
+    def poses(self) -> npt.NDArray[np.float64]:
+        """`(n, 4, 4)`: the same way as poses."""
+    @property
+    def path_length(self) -> float:
+        """Metres."""
+    @property
+    def rotation(self) -> float:
+        """Radians."""
+    @property
+    def clearance(self) -> float:
+        """Metres; NaN where time was up before it was known."""
+    @property
+    def casts(self) -> int:
+        """Motions that were followed."""
+    @property
+    def is_out_of_time(self) -> bool:
+        """Whether time was up before all was tried."""
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+    @property
+    def blockers(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: parts that stopped it."""
+    @property
+    def blocker_counts(self) -> npt.NDArray[np.uint64]:
+        """`(k,)`: tries that each stopped."""
+    @property
+    def blocker_reaches(self) -> npt.NDArray[np.float64]:
+        """`(k,)`: how far the best of them got, metres."""
+    @property
+    def blocker_poses(self) -> npt.NDArray[np.float64]:
+        """`(k, 4, 4)`: where it was stopped."""
+    @property
+    def holders(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: parts that are shown to hold it; none where that is not shown."""
+    @property
+    def play(self) -> float:
+        """No point can move farther, metres; NaN where that is not shown."""
+
+@final
 class Cast:
     """The first impact of a tool on its way between two poses."""
 

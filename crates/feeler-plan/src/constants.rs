@@ -19,6 +19,21 @@ pub const OPPOSING_SHARE: f64 = 1e-3;
 /// Most directions tried.
 pub const MOST_DIRECTIONS: usize = 96;
 
+// Held parts.
+
+/// Triangles that are nearer than this to each other, in lengths of the part, may hold it; first the near ones alone. More and larger: parts
+/// with more play are shown to be held, and it takes longer.
+pub const HELD_WITHIN: [f64; 3] = [2e-3, 1.2e-2, 5e-2];
+
+/// The least of them, metres: the play of what fits is up to a third of it.
+pub const LEAST_HELD_WITHIN: f64 = 3e-5;
+
+/// Of more pairs of triangles nothing is shown: the programs would take longer than most ways out.
+pub const MOST_HELD_PAIRS: usize = 20_000;
+
+/// Times that bounds of the play are widened. More: parts with more play are shown to be held.
+pub const MOST_WIDENED: usize = 6;
+
 // Pushes.
 
 /// Most axes along which a part is pushed from a pose. More: more of what is along none of the first; fewer: sooner through all.

@@ -7,6 +7,7 @@ mod blocked;
 mod constants;
 mod eigen;
 mod error;
+mod linear_program;
 mod random;
 mod removal;
 mod swept;
@@ -14,7 +15,7 @@ mod swept;
 pub use blocked::Blocker;
 pub use error::{Error, Result};
 pub use feeler_world::Allowed;
-pub use removal::{removal, Method, Removal, RemovalTask};
+pub use removal::{removal, Held, Method, Removal, RemovalTask};
 pub use swept::sweep::{swept, Swept};
 
 #[cfg(doctest)]

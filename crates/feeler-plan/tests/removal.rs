@@ -253,6 +253,58 @@ fn in_a_closed_box_it_ends_in_time_and_says_what_is_in_the_way() {
     assert!(gap.distance < 2e-6, "{gap:?}");
 }
 
+/// A block of 40 x 24 x 10 mm with so much play to each of some walls: the lower and the upper one along x, then y, then z.
+fn boxed(play: f64, walls: &[usize]) -> Assembly {
+    let half = [0.02, 0.012, 0.005];
+    let wall = |side: usize| {
+        let (axis, sense) = (side / 2, if side % 2 == 0 { -1.0 } else { 1.0 });
+        let bound = |end: f64| -> Point {
+            std::array::from_fn(|a| if a == axis { sense * (half[a] + play) } else { end * (half[a] + 0.004) })
+        };
+        let (mut lower, mut upper) = (bound(-1.0), bound(1.0));
+        if sense < 0.0 { lower[axis] -= 0.004 } else { upper[axis] += 0.004 }
+        block(lower, upper)
+    };
+    let parts = [block(half.map(|x| -x), half)].into_iter().chain(walls.iter().map(|side| wall(*side)));
+    Assembly::new(parts.collect())
+}
+
+#[test]
+fn what_has_nowhere_to_go_is_shown_to_be_held_by_what_holds_it() {
+    for play in [0.0, 2e-6, 1e-4, 2e-4] {
+        let found = boxed(play, &[0, 1, 2, 3, 4, 5]).remove(0, |_| ());
+        let held = found.held.unwrap_or_else(|| panic!("six walls, play {play}"));
+        assert_eq!((found.method, held.parts), (None, vec![1, 2, 3, 4, 5, 6]), "play {play}");
+        // What its corner may move with the play to each wall, and with the turn that this leaves.
+        assert!(held.play >= play * 3.0_f64.sqrt() && held.play < 3e-5 + 12.0 * play, "play {play}: {}", held.play);
+        let pressed = boxed(-2e-5, &[0, 1, 2, 3, 4, 5]).remove(0, |_| ());
+        assert!(pressed.held.is_some(), "pressed in");
+    }
+}
+
+#[test]
+fn what_has_a_way_is_not_shown_to_be_held() {
+    for open in 0..6 {
+        let walls: Vec<usize> = (0..6).filter(|side| *side != open).collect();
+        for play in [0.0, 1e-4, -2e-5] {
+            let found = boxed(play, &walls).remove(0, |task| task.directions.push([0.3, 0.2, 0.1]));
+            assert!(found.held.is_none() && found.method.is_some(), "without wall {open}: {found:?}");
+        }
+    }
+    // Two walls instead of one, with a gap between them: over the gap nothing holds.
+    let around = duct(true).remove(0, |_| ());
+    assert!(around.held.is_none() && around.method.is_some());
+}
+
+#[test]
+fn what_may_be_met_holds_nothing() {
+    let assembly = boxed(1e-4, &[0, 1, 2, 3, 4, 5]);
+    let found = assembly.remove(0, |task| task.allowed.parts = vec![3]);
+    assert!(found.held.is_none() && found.method.is_some(), "{found:?}");
+    let overlapping = assembly.remove(0, |task| task.allowed.overlap = 0.005);
+    assert!(overlapping.held.is_none());
+}
+
 #[test]
 fn a_way_keeps_its_clearance() {
     let assembly = duct(true);

@@ -84,7 +84,7 @@ mod _core {
     #[pymodule_export]
     use super::rays::{Rays, SectionOutline};
     #[pymodule_export]
-    use super::removal::removal;
+    use super::removal::{removal, RemovalAnswer};
     #[pymodule_export]
     use super::restore::restore;
     #[pymodule_export]

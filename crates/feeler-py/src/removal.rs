@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use feeler_core as core;
 use feeler_plan::{Allowed, Error, Method, Removal, RemovalTask};
 use numpy::ndarray::Array3;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::PyList;
 
 use crate::arguments::{PoseArgument, ToolArgument};
 use crate::errors::{raise, to_py};
@@ -36,42 +36,67 @@ fn poses(poses: &[core::Pose]) -> Array3<f64> {
     Array3::from_shape_fn((poses.len(), 4, 4), |(n, i, j)| matrices[n][i][j])
 }
 
-/// What was found, as arrays and numbers by name.
-fn as_dict(py: Python<'_>, task: &RemovalTask, found: &Removal) -> PyResult<Py<PyDict>> {
-    let dict = PyDict::new(py);
-    let method = match found.method {
-        None => "none".to_string(),
-        Some(Method::Out) => "out".to_string(),
-        Some(Method::Straight) => "straight".to_string(),
-        Some(Method::Pushes) => "pushes".to_string(),
-        Some(Method::Tree(number)) => format!("tree {number}"),
-    };
-    dict.set_item("method", method)?;
-    let motions = core::Motion::of_legs(&task.tool, &task.start, &found.legs).map_err(to_py)?;
-    let screws = found.legs.iter().map(|leg| match leg {
-        core::Leg::To(_) => None,
-        core::Leg::Screw(core) => Some(Screw { core: *core }),
-    });
-    let ends: Vec<core::Pose> = motions.iter().map(|motion| *motion.end()).collect();
-    dict.set_item("leg_screws", screws.collect::<Vec<_>>())?;
-    dict.set_item("leg_ends", poses(&ends).into_pyarray(py))?;
-    dict.set_item(
-        "leg_lengths",
-        PyArray1::from_iter(py, motions.iter().map(|motion| motion.way_of_pivot(&task.tool))),
-    )?;
-    dict.set_item("leg_angles", PyArray1::from_iter(py, motions.iter().map(core::Motion::angle)))?;
-    dict.set_item("poses", poses(&found.poses).into_pyarray(py))?;
-    dict.set_item("path_length", found.path_length)?;
-    dict.set_item("rotation", found.rotation)?;
-    dict.set_item("clearance", found.clearance)?;
-    dict.set_item("casts", found.casts)?;
-    dict.set_item("is_out_of_time", found.is_out_of_time)?;
-    dict.set_item("blockers", PyArray1::from_iter(py, found.blockers.iter().map(|b| b.part)))?;
-    dict.set_item("blocker_counts", PyArray1::from_iter(py, found.blockers.iter().map(|b| b.count)))?;
-    dict.set_item("blocker_reaches", PyArray1::from_iter(py, found.blockers.iter().map(|b| b.reach)))?;
-    let stopped: Vec<core::Pose> = found.blockers.iter().map(|b| b.pose).collect();
-    dict.set_item("blocker_poses", poses(&stopped).into_pyarray(py))?;
-    Ok(dict.unbind())
+/// What was found, as arrays and numbers; `feeler.Removal` is made of it.
+#[pyclass(frozen, get_all, module = "feeler._core")]
+pub struct RemovalAnswer {
+    method: String,
+    leg_screws: Py<PyList>,
+    leg_ends: Py<PyArray3<f64>>,
+    leg_lengths: Py<PyArray1<f64>>,
+    leg_angles: Py<PyArray1<f64>>,
+    poses: Py<PyArray3<f64>>,
+    path_length: f64,
+    rotation: f64,
+    clearance: f64,
+    casts: u64,
+    is_out_of_time: bool,
+    is_interrupted: bool,
+    blockers: Py<PyArray1<u32>>,
+    blocker_counts: Py<PyArray1<u64>>,
+    blocker_reaches: Py<PyArray1<f64>>,
+    blocker_poses: Py<PyArray3<f64>>,
+    holders: Py<PyArray1<u32>>,
+    play: f64,
+}
+
+impl RemovalAnswer {
+    fn new(py: Python<'_>, task: &RemovalTask, found: &Removal, is_interrupted: bool) -> PyResult<RemovalAnswer> {
+        let method = match found.method {
+            None => "none".to_string(),
+            Some(Method::Out) => "out".to_string(),
+            Some(Method::Straight) => "straight".to_string(),
+            Some(Method::Pushes) => "pushes".to_string(),
+            Some(Method::Tree(number)) => format!("tree {number}"),
+        };
+        let motions = core::Motion::of_legs(&task.tool, &task.start, &found.legs).map_err(to_py)?;
+        let screws = found.legs.iter().map(|leg| match leg {
+            core::Leg::To(_) => None,
+            core::Leg::Screw(core) => Some(Screw { core: *core }),
+        });
+        let ends: Vec<core::Pose> = motions.iter().map(|motion| *motion.end()).collect();
+        let lengths = motions.iter().map(|motion| motion.way_of_pivot(&task.tool));
+        let stopped: Vec<core::Pose> = found.blockers.iter().map(|b| b.pose).collect();
+        Ok(RemovalAnswer {
+            method,
+            leg_screws: PyList::new(py, screws.collect::<Vec<_>>())?.unbind(),
+            leg_ends: poses(&ends).into_pyarray(py).unbind(),
+            leg_lengths: PyArray1::from_iter(py, lengths).unbind(),
+            leg_angles: PyArray1::from_iter(py, motions.iter().map(core::Motion::angle)).unbind(),
+            poses: poses(&found.poses).into_pyarray(py).unbind(),
+            path_length: found.path_length,
+            rotation: found.rotation,
+            clearance: found.clearance,
+            casts: found.casts,
+            is_out_of_time: found.is_out_of_time,
+            is_interrupted,
+            blockers: PyArray1::from_iter(py, found.blockers.iter().map(|b| b.part)).unbind(),
+            blocker_counts: PyArray1::from_iter(py, found.blockers.iter().map(|b| b.count)).unbind(),
+            blocker_reaches: PyArray1::from_iter(py, found.blockers.iter().map(|b| b.reach)).unbind(),
+            blocker_poses: poses(&stopped).into_pyarray(py).unbind(),
+            holders: PyArray1::from_iter(py, found.held.iter().flat_map(|held| held.parts.iter().copied())).unbind(),
+            play: found.held.as_ref().map_or(f64::NAN, |held| held.play),
+        })
+    }
 }
 
 /// The time that there is, told as a share of it done, with what is being tried.
@@ -137,7 +162,7 @@ pub fn removal(
     seed: u64,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Py<PyDict>> {
+) -> PyResult<RemovalAnswer> {
     let task = RemovalTask {
         tool: Arc::clone(tool.core()),
         own_parts,
@@ -158,7 +183,5 @@ pub fn removal(
             .watch(pool, || feeler_plan::removal(&solver, &task, &|_, stage| clock.begins(stage), &|| clock.has_time()))
     });
     let is_interrupted = reporter.finish_interrupted()?;
-    let found = as_dict(py, &task, &found?.map_err(plan_to_py)?)?;
-    found.bind(py).set_item("is_interrupted", is_interrupted)?;
-    Ok(found)
+    RemovalAnswer::new(py, &task, &found?.map_err(plan_to_py)?, is_interrupted)
 }

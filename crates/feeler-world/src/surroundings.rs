@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_contacts::{ContactSolver, Manifold, Manifolds};
 use feeler_core::geometry::vectors::{length, scaled, sub};
-use feeler_core::{Aabb, Closest, Point, Pose, Tool};
+use feeler_core::{Aabb, Closest, Point, Pose, Scene, Tool};
 
 use crate::constants::{EXIT_MARGIN, STEPS_A_LENGTH};
 use crate::environment::{id_in_body, Body, Environment, Pair};
@@ -244,6 +244,15 @@ impl Surroundings {
             }
         }
         Ok(least)
+    }
+
+    /// What may not collide: by body, the scene that is asked and what moves in it; all that is not seated, and the eroded parts.
+    pub fn asked<'a>(&'a self, seated: &'a Seated) -> impl Iterator<Item = (usize, &'a Scene, &'a Tool)> {
+        seated.bodies.iter().enumerate().flat_map(|(body, asked)| {
+            let smaller = asked.smaller.iter().map(|part| (&part.solver, &part.tool));
+            let all = [(&asked.ordinary, &self.tool)].into_iter().chain(smaller);
+            all.map(move |(solver, tool)| (body, solver.scene().as_ref(), tool.as_ref()))
+        })
     }
 
     /// Whether any surface that is not seated, or any eroded part, is in collision, exactly. Sunk parts are not looked at.

@@ -30,6 +30,7 @@ from feeler.cli.inputs import (
     Without,
     poses_of_options,
     read_mockup,
+    read_poses,
     read_tool,
 )
 from feeler.errors import OptionError
@@ -47,6 +48,7 @@ feeler remove engine.step --part "*fuel pump*" --hand sample:hand --at 0.8,0.1,0
 feeler remove engine.step --part "*bolt*" --each --csv bolts.csv
 feeler remove engine.step --part "*pump*" --order --keep "*casing*" --seconds 120 --json
 feeler remove sample:gearbox --part gearbox/bracket/left_mount/retainer --order
+feeler remove engine.step --part "*fuel pump*" --insert --from bench.json --glb in.glb
 feeler remove engine.step --part "*pump*" --way out.npy && feeler path engine.step --part "*pump*" --poses out.npy
 """
 )
@@ -69,6 +71,16 @@ def remove(
     ] = False,
     keep: Annotated[
         list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must not go (several).")
+    ] = None,
+    insert: Annotated[
+        bool, typer.Option("--insert", help="The path into its place instead, from outside or --from FILE.")
+    ] = False,
+    from_: Annotated[
+        Path | None,
+        typer.Option("--from", help="With --insert: its motion from its place to where it is now, a 4 by 4 matrix."),
+    ] = None,
+    goal: Annotated[
+        Path | None, typer.Option(help="With --insert: its motion from its place to where it shall be, likewise.")
     ] = None,
     hand: Annotated[
         str | None,
@@ -107,14 +119,15 @@ def remove(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Finds a way out for parts of a mock-up: straight where one leads out, else around what is in the way.
+    """Finds a path for parts out of a mock-up, or into it: straight if possible, else around the neighbours.
 
-    A way that is told was checked as `feeler path` checks. Where none was found it is said what blocked the tries;
-    this is no proof that there is none.
+    Every path was checked as `feeler path` checks. If none was found, feeler lists the parts that blocked the tries.
+    That is no proof that there is none, unless it says which parts hold it.
     Exit status: 0 all come out, 1 some do not, 2 bad input. Ctrl-C leaves what was found until then, and ends with 130.
     """
     targets = {"csv": csv, "way": way, "glb": glb}
     _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
+    ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
     options: dict[str, Any] = {
         "allow": _allow(allow),
@@ -132,7 +145,7 @@ def remove(
     with bar("indexing") as progress:
         scene = feeler.Scene(world, threads=threads, progress=progress)
     scene = Choice(None, without, only).scene_of(scene) if without or only else scene
-    asked = _Asked(scene, held, start[0], keep, options)
+    asked = _Asked(scene, held, start[0], keep, options, ends)
     chosen = world.parts.select(part)
     if each:
         answers, is_interrupted = _each(asked, chosen.tolist())
@@ -155,7 +168,7 @@ def remove(
             }
         )
     else:
-        _print(world, answers, written)
+        _print(world, answers, written, ends_out=ends is None)
     if is_interrupted:
         fail("interrupted: what was found until then is told")
         raise typer.Exit(INTERRUPTED)
@@ -189,6 +202,8 @@ class _Asked:
     start: npt.NDArray[np.float64]
     keep: list[str] | None
     options: dict[str, Any]
+    ends: dict[str, Any] | None
+    """Of a path in: where it begins and ends; None of one out."""
 
     def answer(self, parts: npt.NDArray[np.uint32], order: bool) -> _Answer:
         """One question."""
@@ -196,7 +211,11 @@ class _Asked:
         name = mockup.part_paths[int(parts[0])] if len(parts) == 1 else count(len(parts), "part")
         gone = tuple(parts.tolist())
         grip: dict[str, Any] = {"tool": self.hand, "start": None if self.hand is None else self.start}
-        with bar(f"taking out {name}") as progress:
+        with bar(f"{'taking out' if self.ends is None else 'bringing in'} {name}") as progress:
+            if self.ends is not None:
+                hand: dict[str, Any] = {"tool": self.hand, "grip": grip["start"]}
+                found_in = feeler.insertion(self.scene, parts, **self.ends, **hand, **self.options, progress=progress)
+                return _Answer(gone, found_in.found, (feeler.RemovalStep(gone, found_in),))
             if order:
                 found = feeler.removal_order(
                     self.scene, parts, **grip, **self.options, progress=progress, keep=self.keep
@@ -255,6 +274,24 @@ def _check(
         raise OptionError("--keep says which parts must not go before the wanted ones: it is for --order")
     if hand is None and (hand_unit is not None or any(given is not None for given in place)):
         raise OptionError("--at, --rotate, --pose and --hand-unit are for --hand: there is none")
+
+
+def _ends(insert: bool, files: dict[str, Path | None], is_other: bool, snap: bool) -> dict[str, Any] | None:
+    """Where a path in begins and ends, as `feeler.insertion` takes it."""
+    given = {option: file for option, file in files.items() if file is not None}
+    if not insert:
+        if given:
+            raise OptionError(f"{next(iter(given))} is for --insert: give it, too")
+        return None
+    if is_other:
+        raise OptionError("--insert is for one path: it goes without --each and --order")
+    poses: dict[str, Any] = {}
+    for option, file in given.items():
+        read = read_poses(file, snap)
+        if len(read) > 1:
+            raise OptionError(f"{option} {file} has {len(read)} poses: one is needed")
+        poses["start" if option == "--from" else "goal"] = read[0]
+    return poses
 
 
 def _allow(given: list[str] | None) -> list[str | float]:
@@ -330,6 +367,8 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
         "blocked_by": [
             {"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in one.blocked_by
         ],
+        "held_by": [{"part": part.index, "path": part.path} for part in one.held_by],
+        "play_m": one.play,
         "certificate": dataclasses.asdict(one.certificate),
         "seconds": one.seconds,
     }
@@ -391,7 +430,7 @@ def _said(one: feeler.Removal) -> str:
     return ", then ".join(legs) if legs else "it is out already"
 
 
-def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str]) -> None:
+def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str], ends_out: bool) -> None:
     from feeler.cli import outputs
 
     out = outputs.console()
@@ -404,9 +443,16 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
     elif answers[0].found:
         before = len(answers[0].steps) - 1
         after = f" after {count(before, 'other step')}" if before else ""
-        out.print(f"[bold green]It comes out[/bold green]{after}: {_said(answers[0].last)}")
+        goes = "It comes out" if ends_out else "It goes in"
+        out.print(f"[bold green]{goes}[/bold green]{after}: {_said(answers[0].last)}")
+    elif answers[0].last.held_by:
+        names = ", ".join(part.path for part in answers[0].last.held_by[:_SHOWN_BLOCKERS])
+        more = len(answers[0].last.held_by) - _SHOWN_BLOCKERS
+        names += f" and {count(more, 'other part')}" if more > 0 else ""
+        play = outputs.length(answers[0].last.play)
+        outputs.print_finding(out, f"it is held by {names}: no point of it can move farther than {play}")
     else:
-        outputs.print_finding(out, "no way out was found; that is no proof that there is none")
+        outputs.print_finding(out, "no path was found; that is no proof that there is none")
     out.print()
     outputs.print_table(
         out,
@@ -422,7 +468,7 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
         ],
         more=len(steps) - (_SHOWN if not whole else 2 * _SHOWN),
     )
-    if not whole and not answers[0].found:
+    if not whole and not answers[0].found and not answers[0].last.held_by:
         blocked = answers[0].last.blocked_by
         outputs.print_table(
             out,

@@ -1,4 +1,4 @@
-"""What films of moving parts share: how long a way takes, and which parts are shown beside those that move."""
+"""What films of moving parts share: the timing of a way, and the parts that are shown beside those that move."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ CONTEXT_M = 0.1
 """A film shows the parts that move, and those whose boxes are so near to where they begin."""
 PAUSE_S = 0.5
 """Between two ways."""
+STILL_S = 0.02
+"""From a pose to one that is the same."""
 _M_PER_S, _LEAST_S, _MOST_S = 0.25, 1.0, 20.0
 
 
@@ -25,6 +27,24 @@ def way_length(way: Sequence[FloatArray] | FloatArray) -> float:
 def seconds_of(length: float) -> float:
     """How long a film shows a way of so many metres."""
     return min(_MOST_S, max(_LEAST_S, length / _M_PER_S))
+
+
+def moments(poses: FloatArray, bounds: FloatArray) -> FloatArray:
+    """When a film is at each pose `(n, 4, 4)`, seconds from 0 on, so that the farthest corner of the box `bounds`
+    `(2, 3)` of the moving parts, in the frame of the poses, moves at one speed. Two poses are never at one moment."""
+    places = corners_of(bounds) @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=1)
+    gone = np.concatenate([[0.0], np.cumsum(lengths)])
+    if gone[-1] == 0.0:
+        return np.arange(len(poses), dtype=np.float64)
+    # A pose that moves nothing gets a moment of its own: a frame of a slow film.
+    moved = seconds_of(float(gone[-1])) * gone / gone[-1]
+    return np.asarray(moved + STILL_S * np.cumsum(np.concatenate([[0.0], lengths == 0.0])), dtype=np.float64)
+
+
+def corners_of(bounds: FloatArray) -> FloatArray:
+    """The corners `(8, 3)` of a box `(2, 3)`."""
+    return np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 def with_neighbours(mockup: Mockup, moving: Sequence[int], absent: Sequence[int] = ()) -> list[int]:

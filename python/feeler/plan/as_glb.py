@@ -12,14 +12,12 @@ import numpy as np
 from feeler.io.atomic import atomic_file
 from feeler.io.body import LIGHT_GREY, RED, STEEL_BLUE, FloatArray, body_of
 from feeler.io.export import Motion, animated_glb
-from feeler.io.film import PAUSE_S, seconds_of, with_neighbours
+from feeler.io.film import PAUSE_S, moments, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.plan.order import RemovalStep
 from feeler.plan.removal import Removal
 from feeler.poses import between, rotation_vector
 
-TURN_M_PER_RAD = 0.1
-"""A turn by a radian takes as long as so many metres."""
 STEP_RAD = 0.1
 """A film turns by no more from pose to pose: of 0.1 rad, what lies between is off by a 1/800 of the radius."""
 MOST_BLOCKERS = 20
@@ -57,8 +55,9 @@ def write_removal_glb(
     now = 0.0
     for number, step in enumerate(steps):
         held_here = tool if number == len(steps) - 1 else None
-        poses = in_steps(shown_way(step.removal), middle_of(mockup, step.parts, held_here, start))
-        times = now + moments(poses)
+        bounds = bounds_of(mockup, step.parts, held_here, start)
+        poses = in_steps(shown_way(step.removal), bounds.mean(axis=0))
+        times = now + moments(poses, bounds)
         together = [place[part] for part in step.parts] + (held if number == len(steps) - 1 else [])
         # Before its turn a part rests, and after it.
         whole = np.concatenate([[0.0], times]) if now > 0.0 else times
@@ -78,13 +77,13 @@ def shown_way(removal: Removal) -> FloatArray:
     return np.stack([np.eye(4), max(removal.blocked_by, key=lambda each: each.reach).pose])
 
 
-def middle_of(mockup: Mockup, parts: Sequence[int], tool: Tool | None, start: FloatArray | None) -> FloatArray:
-    """The middle of the box of what moves, which goes straight from pose to pose."""
+def bounds_of(mockup: Mockup, parts: Sequence[int], tool: Tool | None, start: FloatArray | None) -> FloatArray:
+    """The box `(2, 3)` of the moving parts; its middle goes straight from pose to pose."""
     moving = Tool.of_parts(mockup, list(parts))
     if tool is not None:
         moving = Tool.assembly({"parts": moving, "tool": (tool, np.eye(4) if start is None else start)})
-    middle: FloatArray = moving.bounds.mean(axis=0)
-    return middle
+    bounds: FloatArray = moving.bounds
+    return bounds
 
 
 def in_steps(poses: FloatArray, middle: FloatArray) -> FloatArray:
@@ -95,18 +94,3 @@ def in_steps(poses: FloatArray, middle: FloatArray) -> FloatArray:
         steps = max(1, math.ceil(angle / STEP_RAD))
         way += [between(before, after, middle, step / steps) for step in range(1, steps + 1)]
     return np.stack(way)
-
-
-def moments(poses: FloatArray) -> FloatArray:
-    """When a film is at each pose `(n, 4, 4)`, seconds from 0 on: at an even pace, turns counted in."""
-    steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
-    turns = poses[1:, :3, :3] @ np.swapaxes(poses[:-1, :3, :3], 1, 2)
-    angles = np.arccos(np.clip(0.5 * (np.trace(turns, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
-    lengths = steps + TURN_M_PER_RAD * angles
-    gone = np.concatenate([[0.0], np.cumsum(lengths)])
-    if gone[-1] == 0.0:
-        return np.arange(len(poses), dtype=np.float64)
-    # Two poses are never shown at one moment.
-    shares = gone / gone[-1]
-    even = np.arange(len(poses)) / max(len(poses) - 1, 1)
-    return np.asarray(seconds_of(float(gone[-1])) * (0.99 * shares + 0.01 * even), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""`feeler.insertion`: the way of parts into their place."""
+"""`feeler.insertion`: the path of parts into their place, or to another."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.errors import PoseError
+from feeler.errors import OptionError
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.legs import RemovalLeg
-from feeler.plan.removal import Allow, Progress, Removal, way_from
-from feeler.poses import nearest_rigid, rotation_vector
+from feeler.plan.removal import Allow, Progress, Removal, rigid_pose, way_from
+from feeler.poses import rotation_vector
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -28,6 +28,9 @@ def insertion(
     scene: Scene,
     parts: PartsLike,
     start: npt.ArrayLike | None = None,
+    goal: npt.ArrayLike | None = None,
+    tool: Tool | None = None,
+    grip: npt.ArrayLike | None = None,
     allow: Allow = "start",
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,
@@ -36,42 +39,48 @@ def insertion(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Removal:
-    """A way by which parts come into their place in the mock-up of a scene: that of a removal, turned round.
+    """A path by which parts come into their place in the mock-up of a scene, or to another place.
 
     - `scene`, `parts`: with the parts in their places, as `feeler.removal` takes them.
-    - `start`: `(4, 4)`, where they lie now: their motion in the world from their place until there. The way begins
-      there: out of what is around them, around all that is there, and in. Without it the way begins outside.
-    - all else: as `feeler.removal`; `directions` lead out of the place.
+    - `start`: `(4, 4)`, where the parts are now: their motion in the world from their place until there. The path
+      begins there: out of the neighbours, around the mock-up, and in. Without it the path begins outside.
+    - `goal`: `(4, 4)`, where they shall be, as a motion from their place. Default: their place, the identity.
+    - `tool`, `grip`: a hand or tool that holds the parts and moves with them; its pose `world_from_tool` when the parts
+      are in their place, by default the identity. It must be free at `start` and `goal`.
+    - all else: as `feeler.removal`; `directions` lead out of the goal.
 
-    The answer is a `Removal` whose legs and poses lead from where the parts lie to the identity. Where no way was found
-    it tells what was in the way, of the place if that was it, else of where they lie.
+    The answer is a `Removal` whose legs and poses lead from `start` to `goal`. If no path was found, it lists the parts
+    in the way at the goal if the parts could not leave it, else those at the start.
 
-    Raises what `feeler.removal` raises, and `PoseError` for a `start` that is not rigid.
+    Raises what `feeler.removal` raises, and `PoseError` for a `start` or `goal` that is not rigid.
     """
     begin = time.perf_counter()
-    lies = np.eye(4) if start is None else np.asarray(start, dtype=np.float64)
-    if lies.shape != (4, 4):
-        raise PoseError(f"start has shape {lies.shape}: one pose (4, 4) is needed")
-    nearest_rigid(lies)  # An error where it is not rigid; its numbers are used as they are.
+    end = np.eye(4) if goal is None else rigid_pose(goal, "goal")
+    lies = None if start is None else rigid_pose(start, "start")
+    if tool is None and grip is not None:
+        raise OptionError("grip is the pose of a tool that holds the parts, but there is no tool: give one")
     options: dict[str, Any] = {
-        "tool": None,
-        "start": None,
+        "tool": tool,
+        "start": grip,
         "allow": allow,
         "clearance": clearance,
         "seed": seed,
         "threads": threads,
         "progress": progress,
     }
-    out = way_from(np.eye(4), scene, parts, directions=directions, seconds=seconds, **options)
-    if start is None or not out.found:
+    out = way_from(end, scene, parts, directions=directions, seconds=seconds, **options)
+    if lies is None or not out.found:
         return replace(turned_round(out), seconds=time.perf_counter() - begin)
     left = max(seconds - (time.perf_counter() - begin), 1e-3)
     away = way_from(lies, scene, parts, directions=None, seconds=left, **options)
-    link = _link(scene, parts, away.poses[-1], out.poses[-1], clearance) if away.found else None
+    moving = Tool.of_parts(scene.mockup, scene.mockup.parts.select(parts))
+    if tool is not None:
+        moving = Tool.assembly({"parts": moving, "tool": (tool, np.eye(4) if grip is None else grip)})
+    link = _link(scene, parts, moving, away.poses[-1], out.poses[-1], clearance) if away.found else None
     if link is None:
         return replace(away, found=False, legs=(), poses=lies[None], free=False, seconds=time.perf_counter() - begin)
     back = turned_round(out)
-    middle = Tool.of_parts(scene.mockup, scene.mockup.parts.select(parts)).bounds.mean(axis=0)
+    middle = moving.bounds.mean(axis=0)
     legs = (*away.legs, *(_straight(a, b, middle) for a, b in itertools.pairwise(link)), *back.legs)
     return replace(
         back,
@@ -104,11 +113,10 @@ def turned_round(way: Removal) -> Removal:
     return replace(way, legs=tuple(reversed(legs)), poses=way.poses[::-1].copy())
 
 
-def _link(scene: Scene, parts: PartsLike, first: Floats, last: Floats, clearance: float) -> Floats | None:
+def _link(scene: Scene, parts: PartsLike, moving: Tool, first: Floats, last: Floats, clearance: float) -> Floats | None:
     """Poses from one to another, both outside of the box of all there is: straight, where no clearance is asked for, or
     around it; None: none of the tries was free."""
-    chosen = scene.mockup.parts.select(parts)
-    moving, rest = Tool.of_parts(scene.mockup, chosen), scene.without(chosen)
+    rest = scene.without(scene.mockup.parts.select(parts))
     bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)[rest.part_mask]
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
     far = ROOM * float(np.linalg.norm(high - low) + np.linalg.norm(moving.bounds[1] - moving.bounds[0]))

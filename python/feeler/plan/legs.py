@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler import _core
 from feeler._core import Screw
 
 STRAIGHT_RAD = 1e-6
@@ -64,14 +65,14 @@ class RemovalLeg:
 
 
 def legs_of(
-    answer: dict[str, Any], middle: npt.NDArray[np.float64], lies: npt.NDArray[np.float64]
+    answer: _core.RemovalAnswer, middle: npt.NDArray[np.float64], lies: npt.NDArray[np.float64]
 ) -> tuple[RemovalLeg, ...]:
     """The legs that the core found. middle: of the box of what moves, in its place; lies: its motion until the way
     begins."""
     legs: list[RemovalLeg] = []
     before = lies[:3, :3] @ middle + lies[:3, 3]
-    ends = answer["leg_ends"]
-    rows = zip(answer["leg_screws"], ends, answer["leg_lengths"].tolist(), answer["leg_angles"].tolist(), strict=True)
+    lengths, angles = answer.leg_lengths.tolist(), answer.leg_angles.tolist()
+    rows = zip(answer.leg_screws, answer.leg_ends, lengths, angles, strict=True)
     for screw, pose, length, angle in rows:
         here = pose[:3, :3] @ middle + pose[:3, 3]
         if screw is None:

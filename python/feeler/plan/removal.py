@@ -19,6 +19,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
+from feeler.poses import nearest_rigid
 from feeler.scene import Scene
 
 Progress = Callable[[float, str], object]
@@ -55,7 +56,7 @@ class Certificate:
 
 @dataclass(frozen=True, eq=False)
 class Removal:
-    """A way of parts out of a mock-up; or what was in the way, which does not say that there is none."""
+    """A way of parts out of a mock-up, or the parts in the way. Only `held_by` shows that there is no way."""
 
     found: bool
     legs: tuple[RemovalLeg, ...]
@@ -78,6 +79,11 @@ class Removal:
     certificate: Certificate
     blocked_by: tuple[RemovalBlocker, ...]
     """The parts that stopped a try, the one that stopped most first; also where a way was found."""
+    held_by: tuple[Part, ...]
+    """The parts that are shown to hold it, so that no way leads out while they stay. Empty where that was not shown,
+    which does not say that there is a way."""
+    play: float
+    """Where it is held: no point of it can move farther than this, metres. Else NaN."""
     is_out_of_time: bool
     """Whether `seconds` were over before all was tried."""
     seconds: float
@@ -90,6 +96,8 @@ class Removal:
     def __repr__(self) -> str:
         if self.found:
             how = f"{len(self.legs)} legs, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
+        elif self.held_by:
+            how = "held by " + ", ".join(part.path for part in self.held_by[:3])
         else:
             how = "not found, blocked by " + (", ".join(b.path for b in self.blocked_by[:3]) or "nothing")
         return f"Removal({how}; {self.certificate.method}, {self.certificate.casts} casts, {self.seconds:.3g} s)"
@@ -181,7 +189,7 @@ def way_from(
     mockup = scene.mockup
     own = Tool.of_parts(mockup, chosen)
     allowed = _Allowed.of(allow, mockup)
-    moving = own if tool is None else _gripped(own, tool, start, rest, allowed)
+    moving = own if tool is None else _gripped(own, tool, start, lies, rest, allowed)
     if tool is None and start is not None:
         raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
     answer = _core.removal(
@@ -199,12 +207,12 @@ def way_from(
         threads=None if threads is None else _whole("threads", threads, 1, 1024),
         progress=_checked(progress),
     )
-    found = answer["method"] != "none"
+    found = answer.method != "none"
     rows = zip(
-        answer["blockers"].tolist(),
-        answer["blocker_counts"].tolist(),
-        answer["blocker_reaches"].tolist(),
-        answer["blocker_poses"],
+        answer.blockers.tolist(),
+        answer.blocker_counts.tolist(),
+        answer.blocker_reaches.tolist(),
+        answer.blocker_poses,
         strict=True,
     )
     blockers = (
@@ -213,25 +221,36 @@ def way_from(
     answered = Removal(
         found=found,
         legs=legs_of(answer, moving.bounds.mean(axis=0), lies),
-        poses=answer["poses"],
-        path_length=answer["path_length"],
-        rotation=answer["rotation"],
-        clearance=answer["clearance"] if found else math.nan,
+        poses=answer.poses,
+        path_length=answer.path_length,
+        rotation=answer.rotation,
+        clearance=answer.clearance if found else math.nan,
         free=found,
-        certificate=Certificate(int(seed), answer["method"], answer["casts"], _VERSIONS),
+        certificate=Certificate(int(seed), answer.method, answer.casts, _VERSIONS),
         blocked_by=tuple(blockers),
-        is_out_of_time=answer["is_out_of_time"],
+        held_by=tuple(mockup.parts[part] for part in answer.holders.tolist()),
+        play=answer.play,
+        is_out_of_time=answer.is_out_of_time,
         seconds=time.perf_counter() - begin,
     )
-    if answer["is_interrupted"]:
+    if answer.is_interrupted:
         raise RemovalInterrupted(answered)
     return answered
+
+
+def rigid_pose(pose: npt.ArrayLike, name: str) -> npt.NDArray[np.float64]:
+    """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, under the name of its argument."""
+    given = np.asarray(pose, dtype=np.float64)
+    if given.shape != (4, 4):
+        raise PoseError(f"{name} has shape {given.shape}: one pose (4, 4) is needed")
+    nearest_rigid(given)
+    return given
 
 
 def alone(seed: int) -> Removal:
     """Of parts that are all there is: they are out."""
     certificate = Certificate(seed, "out", 0, _VERSIONS)
-    return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), False, 0.0)
+    return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), (), math.nan, False, 0.0)
 
 
 def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
@@ -276,16 +295,22 @@ class _Allowed:
         return cls(_START in names, overlap, parts)
 
 
-def _gripped(own: Tool, tool: object, start: npt.ArrayLike | None, rest: Scene, allowed: _Allowed) -> Tool:
-    """The parts with what grips them."""
+def _gripped(
+    own: Tool,
+    tool: object,
+    start: npt.ArrayLike | None,
+    lies: npt.NDArray[np.float64],
+    rest: Scene,
+    allowed: _Allowed,
+) -> Tool:
+    """The parts with the tool that grips them, free where they lie."""
     if not isinstance(tool, Tool):
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
-    place = np.eye(4) if start is None else start
+    place = np.eye(4) if start is None else rigid_pose(start, "start")
     ignore = [("*", allowed.parts)] if allowed.parts else None
-    hit = rest.collide(tool, place, ignore=ignore)
-    met = {int(part) for part in hit.parts}
+    met = {int(part) for part in rest.collide(tool, lies @ place, ignore=ignore).parts}
     if not met:
-        met = set(rest.containment(tool, place).containing.tolist()) - set(allowed.parts)
+        met = set(rest.containment(tool, lies @ place).containing.tolist()) - set(allowed.parts)
     if met:
         names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
         raise PoseError(

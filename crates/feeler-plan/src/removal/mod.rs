@@ -1,9 +1,11 @@
 //! How a part comes out of a mock-up.
 //!
-//! Straight ways first, along directions that the contacts and the shapes suggest; then pushes as a person tries them, and random trees. What is given was verified; where
-//! nothing is found it says what was in the way, and never that there is none.
+//! Straight ways first, along directions that the contacts and the shapes suggest; then pushes as a person tries them, and random trees.
+//! What is given was verified; where nothing is found it says what was in the way. That there is none is said only of parts that are shown
+//! to be held by their neighbours.
 
 mod directions;
+mod held;
 mod pushes;
 mod shape;
 mod shortcut;
@@ -21,6 +23,8 @@ use feeler_core::geometry::vectors::unit;
 use feeler_core::{Leg, Motion, Point, Pose, Progress, Tool};
 
 use self::directions::directions;
+pub use self::held::Held;
+use self::held::held;
 use self::pushes::Pushes;
 use self::shortcut::shortened;
 use self::straight::straight_way;
@@ -82,6 +86,8 @@ pub struct Removal {
     pub clearance: f64,
     /// What stopped it, the worst first.
     pub blockers: Vec<Blocker>,
+    /// What holds it, where it is shown that no way leads out.
+    pub held: Option<Held>,
     /// Casts made.
     pub casts: u64,
     /// Whether time was up before all was tried.
@@ -99,6 +105,7 @@ impl Removal {
             rotation: 0.0,
             clearance: f64::INFINITY,
             blockers: Vec::new(),
+            held: None,
             casts: 0,
             is_out_of_time: true,
         }
@@ -143,6 +150,12 @@ pub fn removal(
     if let Some(way) = straight.flatten() {
         let ends = as_poses(&surroundings, &way.legs, has_time, &mut tally)?.unwrap_or_default();
         return told(&surroundings, Ok((Method::Straight, (way, ends))), &tally, has_time);
+    }
+    if allowed.overlap == 0.0 {
+        report(0.0, "what holds it")?;
+        if let Some(held) = held(&surroundings)? {
+            return Ok(Removal { held: Some(held), ..told(&surroundings, Err(false), &tally, has_time)? });
+        }
     }
     let mut pushes = Pushes::new(&surroundings, &first, &others, has_time);
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
@@ -283,5 +296,16 @@ fn told(
         rotation += motion.angle();
     }
     let blockers = tally.blockers();
-    Ok(Removal { method, legs, poses, path_length, rotation, clearance, blockers, casts: tally.casts, is_out_of_time })
+    Ok(Removal {
+        method,
+        legs,
+        poses,
+        path_length,
+        rotation,
+        clearance,
+        blockers,
+        held: None,
+        casts: tally.casts,
+        is_out_of_time,
+    })
 }
