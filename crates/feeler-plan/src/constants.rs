@@ -112,11 +112,23 @@ pub const MOST_SAMPLES: usize = 180;
 /// How far it is pushed there, in lengths of the tool: into an opening, and not all the way.
 pub const PROBE: f64 = 0.25;
 
-/// Where on that it is looked whether it collides. More: fewer openings behind thin walls are tried in vain.
-pub const PROBED: [f64; 6] = [0.031, 0.0625, 0.125, 0.25, 0.5, 1.0];
+/// Where on that it is looked whether it collides; the last ones are beyond it, for doors that it is not at yet. More: fewer openings behind
+/// thin walls are tried in vain.
+pub const PROBED: [f64; 10] = [0.031, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0, FAR];
 
-/// Pushes are alone for as much work, in collisions: then trees grow beside them. More: later where only a tree finds a way.
+/// Where it is free nearly everywhere beside, what is free until here, too, is an opening.
+pub const FAR: f64 = 8.0;
+
+/// Pushes are alone for as much work, in collisions, but for the first rounds of the trees: then trees grow beside them. More: later where
+/// only a tree finds a way after long.
 pub const YOUNG: u64 = 15_000;
+
+/// Rounds of the trees beside young pushes, from [`FIRST_PUSHES`] on: most ways that trees find are found soon. More: pushes find theirs
+/// later.
+pub const FIRST_TREE_ROUNDS: u32 = 16;
+
+/// Pushes are alone at first for as much work, in collisions.
+pub const FIRST_PUSHES: u64 = 1_000;
 
 /// A cast counts as so many collisions.
 pub const WORK_OF_A_CAST: u64 = 16;
@@ -130,8 +142,11 @@ pub const PUSH_CASTS: u64 = 128;
 /// Pieces into which a quarter of a turn is cut where it is told by poses: few first, then more until these are free, too.
 pub const PIECES: [usize; 4] = [1, 4, 16, 64];
 
-/// A middle that is no farther than this off the axis of a screw, in lengths of the tool, is on it: rounding, and no more.
-pub const SAME_MOTION: f64 = 1e-12;
+/// Poses and a screw that differ by no more than this, metres, are one motion: a tenth of what touches.
+pub const SAME_PLACE_M: f64 = 1e-7;
+
+/// Most pieces of a quarter of a turn that are given because they are the same motion.
+pub const MOST_SAME_PIECES: usize = 128;
 
 // Trees.
 

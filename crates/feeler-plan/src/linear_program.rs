@@ -62,9 +62,10 @@ impl<'a, const N: usize> Tableau<'a, N> {
             let basic = self.basis.map(&cost);
             let prices: [f64; N] = std::array::from_fn(|j| (0..N).map(|i| basic[i] * self.inverse[i][j]).sum());
             let largest = prices.iter().fold(1.0_f64, |most, p| most.max(p.abs()));
-            let reduced = self.columns.iter().enumerate().map(|(unknown, column)| {
-                (unknown, cost(unknown) - (0..N).map(|i| prices[i] * column[i]).sum::<f64>())
-            });
+            let reduced =
+                self.columns.iter().enumerate().map(|(unknown, column)| {
+                    (unknown, cost(unknown) - (0..N).map(|i| prices[i] * column[i]).sum::<f64>())
+                });
             let mut cheaper = reduced.filter(|(_, reduced)| *reduced < -ROUNDING * largest);
             let entering = match pivot < STEEPEST_PIVOTS {
                 true => cheaper.min_by(|a, b| a.1.total_cmp(&b.1)),

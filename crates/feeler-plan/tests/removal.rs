@@ -262,7 +262,11 @@ fn boxed(play: f64, walls: &[usize]) -> Assembly {
             std::array::from_fn(|a| if a == axis { sense * (half[a] + play) } else { end * (half[a] + 0.004) })
         };
         let (mut lower, mut upper) = (bound(-1.0), bound(1.0));
-        if sense < 0.0 { lower[axis] -= 0.004 } else { upper[axis] += 0.004 }
+        if sense < 0.0 {
+            lower[axis] -= 0.004
+        } else {
+            upper[axis] += 0.004
+        }
         block(lower, upper)
     };
     let parts = [block(half.map(|x| -x), half)].into_iter().chain(walls.iter().map(|side| wall(*side)));

@@ -23,8 +23,8 @@ use feeler_core::geometry::vectors::unit;
 use feeler_core::{Leg, Motion, Point, Pose, Progress, Tool};
 
 use self::directions::directions;
-pub use self::held::Held;
 use self::held::held;
+pub use self::held::Held;
 use self::pushes::Pushes;
 use self::shortcut::shortened;
 use self::straight::straight_way;
@@ -161,14 +161,17 @@ pub fn removal(
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
     let mut trees: Vec<Tree> =
         (0..TREES).map(|tree| Tree::new(&surroundings, &directions, (task.seed, tree), has_time)).collect();
+    let mut tree_rounds = 0;
     let mut search = || loop {
-        report(0.0, if pushes.is_young() { "pushes" } else { "pushes and random trees" })?;
+        let are_alone = pushes.are_alone(tree_rounds);
+        report(0.0, if are_alone { "pushes" } else { "pushes and random trees" })?;
         if !has_time() {
             return Ok(None);
         }
-        if pushes.is_young() {
+        if are_alone {
             pushes.grow(PUSH_CASTS)?;
         } else {
+            tree_rounds += 1;
             let (by_pushes, by_trees) = rayon::join(
                 || pushes.grow(PUSH_CASTS),
                 || trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS)),

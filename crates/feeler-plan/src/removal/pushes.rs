@@ -5,6 +5,7 @@
 //! such pushes by physics; here each is a cast. Poses that differ little are one.
 
 use std::collections::BinaryHeap;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use feeler_core::geometry::twist::displacement;
@@ -17,9 +18,10 @@ use super::twists::{footholds, Axis, Footholds};
 use super::verify::HasTime;
 use crate::blocked::Tally;
 use crate::constants::{
-    DIRECTION_MARGIN, LEAST_LEVEL, LEAST_OPENING, LEAST_PUSH, LEAST_SCAN, LEAST_TURN, LITTLE_TURN, LONG_PUSH,
-    MOST_AXES, MOST_NODES, MOST_SAMPLES, MOST_THREADED, MOST_TOUCHED, MOST_TURNS_OF_A_THREAD, NEXT_LEVEL, PROBE,
-    PROBED, SAME_PLACE, SAMPLE_ANGLE, SAMPLE_STEP, SLIDE_SKIN, WORK_OF_A_CAST, YOUNG,
+    DIRECTION_MARGIN, FAR, FIRST_PUSHES, FIRST_TREE_ROUNDS, LEAST_LEVEL, LEAST_OPENING, LEAST_PUSH, LEAST_SCAN,
+    LEAST_TURN, LITTLE_TURN, LONG_PUSH, MOST_AXES, MOST_NODES, MOST_SAMPLES, MOST_THREADED, MOST_TOUCHED,
+    MOST_TURNS_OF_A_THREAD, NEXT_LEVEL, PROBE, PROBED, SAME_PLACE, SAMPLE_ANGLE, SAMPLE_STEP, SLIDE_SKIN,
+    WORK_OF_A_CAST, YOUNG,
 };
 use crate::error::Result;
 use feeler_world::{Care, Seated, Surroundings};
@@ -120,9 +122,9 @@ const PULL: u32 = 1;
 const OTHER_PULL: u32 = 2;
 const TURN: u32 = 3;
 const SCAN: u32 = 5;
-/// And for each step of depth; more for a short one, which may be play.
+/// And for each step of depth; more for a short one, which may be play, and for one along any direction.
 const DEEPER: u32 = 4;
-const SHORT: u32 = 4;
+const LATER: u32 = 4;
 
 impl<'a> Pushes<'a> {
     /// From the start. `first`: directions of the caller; `others`: along which it is pushed from there once (units, world).
@@ -166,9 +168,10 @@ impl<'a> Pushes<'a> {
         directions.0
     }
 
-    /// Whether it should be left alone for a while: what a person would find is found soon.
-    pub fn is_young(&self) -> bool {
-        self.level == 1.0 && self.work < YOUNG && !self.tasks.is_empty()
+    /// Whether trees wait, which had so many rounds: what a person would find is found soon.
+    pub fn are_alone(&self, tree_rounds: u32) -> bool {
+        let waits = if tree_rounds < FIRST_TREE_ROUNDS { FIRST_PUSHES } else { YOUNG };
+        self.level == 1.0 && self.work < waits && !self.tasks.is_empty()
     }
 
     /// Tries on for as much work as so many casts, until a way is found, nothing is left to try, or for as long as there is time.
@@ -209,13 +212,19 @@ impl<'a> Pushes<'a> {
         by.reach(0.5 * self.around.size()) < self.level * SAME_PLACE * self.around.size()
     }
 
+    /// Adds a node, unless its pose is known.
     fn push(&mut self, (pose, seated): (Pose, Arc<Seated>), parent: usize, motions: Vec<Motion>) {
+        self.push_after((pose, seated), parent, motions, false);
+    }
+
+    /// The same; `is_odd`: its motion is along nothing that the part or its contacts suggest.
+    fn push_after(&mut self, (pose, seated): (Pose, Arc<Seated>), parent: usize, motions: Vec<Motion>, is_odd: bool) {
         if self.nodes.len() >= MOST_NODES || self.nodes.iter().any(|node| self.is_same(&node.pose, &pose)) {
             return;
         }
         let moved: f64 = motions.iter().map(Motion::longest_way).sum();
-        let step = if moved > LONG_PUSH * self.around.size() { DEEPER } else { DEEPER + SHORT };
-        let depth = if self.nodes.is_empty() { 0 } else { self.nodes[parent].depth + step };
+        let later = if moved > LONG_PUSH * self.around.size() && !is_odd { 0 } else { LATER };
+        let depth = if self.nodes.is_empty() { 0 } else { self.nodes[parent].depth + DEEPER + later };
         self.nodes.push(Node { pose, seated, parent, motions, depth, directions: Vec::new(), normals: Vec::new() });
         self.add(self.nodes.len() - 1, LOOK, What::Look);
     }
@@ -325,8 +334,11 @@ impl<'a> Pushes<'a> {
             self.way = Some(way);
             return Ok(());
         }
-        self.add_scan(at, SCAN, &kept);
-        self.push(end, at, vec![kept]);
+        let is_odd = !self.nodes[at].directions.contains(direction);
+        if !is_odd {
+            self.add_scan(at, SCAN, &kept);
+        }
+        self.push_after(end, at, vec![kept], is_odd);
         Ok(())
     }
 
@@ -353,13 +365,24 @@ impl<'a> Pushes<'a> {
             return self.thread(at, axis, angle);
         }
         let Node { pose, seated, .. } = self.nodes[at].clone();
-        let screw = Screw::new(&axis.along, &axis.point, angle, 0.0)?;
-        let motion = Motion::screw(self.around.tool(), &pose, &screw)?;
-        let (kept, left, _) = self.walk(at, &seated, &motion)?;
+        let turned = |by: f64| Screw::new(&axis.along, &axis.point, by, 0.0);
+        // Squared again is where a person stops, though nothing does.
+        let quarter = angle.signum() * FRAC_PI_2;
+        let first = if angle.abs() > FRAC_PI_2 { quarter } else { angle };
+        let tool = self.around.tool().clone();
+        let (kept, left, is_free) = self.walk(at, &seated, &Motion::screw(&tool, &pose, &turned(first)?)?)?;
         let Some(kept) = kept.filter(|kept| kept.angle() > self.level * LEAST_TURN) else { return Ok(()) };
-        let end = (*kept.end(), left);
         self.add_scan(at, SCAN - 1, &kept);
-        self.push(end, at, vec![kept]);
+        let end = *kept.end();
+        self.push((end, left.clone()), at, vec![kept.clone()]);
+        if !is_free || first == angle {
+            return Ok(());
+        }
+        let (rest, left, _) = self.walk(at, &left, &Motion::screw(&tool, &end, &turned(angle - first)?)?)?;
+        let Some(rest) = rest.filter(|rest| rest.angle() > self.level * LEAST_TURN) else { return Ok(()) };
+        let whole = Motion::screw(&tool, &pose, &turned(first + angle.signum() * rest.angle())?)?;
+        self.add_scan(at, SCAN - 1, &whole);
+        self.push((*rest.end(), left), at, vec![whole]);
         Ok(())
     }
 
@@ -476,7 +499,7 @@ impl<'a> Pushes<'a> {
             let least = sorted[sorted.len() / 4];
             let mut k = 0;
             while k < free.len() {
-                let is_open = |k: &usize| free[*k] > least + LEAST_OPENING || free[*k] >= 1.0;
+                let is_open = |k: &usize| free[*k] > least + LEAST_OPENING && (least < 1.0 || free[*k] >= FAR);
                 if !is_open(&k) {
                     k += 1;
                     continue;
@@ -487,9 +510,8 @@ impl<'a> Pushes<'a> {
                 let best: Vec<usize> = (k..k + run).filter(|i| free[*i] >= most).collect();
                 let is_everywhere = run == free.len() && best.len() == run;
                 k += run;
-                if is_everywhere || least >= 1.0 {
-                    // Free nearly all along: no place is better than the ends.
-                    continue;
+                if is_everywhere {
+                    continue; // No place is better than the ends.
                 }
                 let at = best[best.len() / 2];
                 self.go_in(scan, (at + 1) as f64 / scan.samples as f64, direction)?;

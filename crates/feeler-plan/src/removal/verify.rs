@@ -1,10 +1,12 @@
 //! Whether a way is free, leg by leg, with the same allowances and finer steps.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use feeler_core::geometry::vectors::{cross, length, sub};
 use feeler_core::{Leg, Motion, Pose};
 
 use crate::blocked::Tally;
-use crate::constants::{PIECES, SAME_MOTION};
+use crate::constants::{MOST_SAME_PIECES, PIECES, SAME_PLACE_M};
 use crate::error::Result;
 use feeler_world::{Care, Span, Surroundings};
 
@@ -48,8 +50,8 @@ pub fn verified(
     Ok(Some(Verified { legs, spans }))
 }
 
-/// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, few first, until that is free, too.
-/// Where the middle of the tool's box is on the axis of each screw, it is the same motion.
+/// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, the
+/// fewest that are as free; of a thread so many that no point is off by more than [`SAME_PLACE_M`].
 pub fn as_poses(
     around: &Surroundings,
     legs: &[Leg],
@@ -57,18 +59,24 @@ pub fn as_poses(
     tally: &mut Tally,
 ) -> Result<Option<Vec<Pose>>> {
     let motions = Motion::of_legs(around.tool(), around.start(), legs)?;
-    let is_same = |motion: &Motion| match motion.leg() {
-        Leg::To(_) => true,
+    // Between two poses the middle of the tool's box goes straight, on a screw on an arc about the axis; the turns are the same.
+    let off_the_axis = |motion: &Motion| match motion.leg() {
+        Leg::To(_) => 0.0,
         Leg::Screw(screw) => {
             let middle = motion.at(0.0).apply(around.middle());
-            length(&cross(&sub(&middle, screw.point()), screw.axis())) <= SAME_MOTION * around.size()
+            length(&cross(&sub(&middle, screw.point()), screw.axis()))
         }
     };
-    let are_same = motions.iter().all(is_same);
+    let farthest = motions.iter().map(off_the_axis).fold(0.0, f64::max);
+    let same = (FRAC_PI_2 * (farthest / (8.0 * SAME_PLACE_M)).sqrt()).ceil().max(1.0) as usize;
+    // Each piece is a cast.
+    let turns: f64 = motions.iter().map(Motion::angle).sum();
     for pieces in PIECES {
+        let is_same = same <= pieces || (turns > TAU && same <= MOST_SAME_PIECES);
+        let pieces = if is_same { same } else { pieces };
         let poses: Vec<Pose> = motions.iter().flat_map(|motion| cut(motion, pieces)).collect();
         let is_free = |tally| verified(around, poses.iter().copied().map(Leg::To).collect(), has_time, tally);
-        if are_same || is_free(tally)?.is_some() {
+        if is_same || is_free(tally)?.is_some() {
             return Ok(Some([&[*around.start()], &poses[..]].concat()));
         }
     }
@@ -79,7 +87,7 @@ pub fn as_poses(
 fn cut(motion: &Motion, pieces: usize) -> Vec<Pose> {
     let quarters = match motion.leg() {
         Leg::To(_) => 0.0,
-        Leg::Screw(_) => motion.angle() / std::f64::consts::FRAC_PI_2,
+        Leg::Screw(_) => motion.angle() / FRAC_PI_2,
     };
     let cuts = ((quarters * pieces as f64).ceil() as usize).max(1);
     (1..=cuts).map(|i| motion.at(i as f64 / cuts as f64)).collect()
