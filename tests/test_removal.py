@@ -80,7 +80,8 @@ def samples(tool: feeler.Tool, poses: Floats, count: int = 300) -> Floats:
 
 
 def test_the_way_is_free_by_another_look(duct: feeler.Scene, found: feeler.Removal) -> None:
-    assert found.found and found.free and found.certificate.method == "pushes"
+    assert found.found and found.free and found.certificate.method != "straight"
+    assert found.rotation == 0.0  # none is needed
     assert (found.poses[0] == np.eye(4)).all() and len(found.poses) > 2
     cube, rest = feeler.Tool.of_parts(duct.mockup, "cube"), duct.without("cube")
     assert rest.check_path(cube, found.poses).free
@@ -182,7 +183,7 @@ def test_several_parts_move_as_one() -> None:
 def test_a_result_travels(found: feeler.Removal) -> None:
     again = pickle.loads(pickle.dumps(found))
     assert (again.poses == found.poses).all() and again.certificate == found.certificate
-    assert repr(again) == repr(found) and "pushes" in repr(found)
+    assert repr(again) == repr(found) and found.certificate.method in repr(found)
     assert [b.path for b in again.blocked_by] == [b.path for b in found.blocked_by]
 
 
@@ -237,7 +238,7 @@ def test_progress_may_stop_it() -> None:
 
     def stop(share: float, stage: str) -> None:
         told.append((share, stage))
-        if stage == "pushes and random trees":
+        if share > 3e-4:
             raise KeyboardInterrupt
 
     with pytest.raises(RemovalInterrupted) as stopped:

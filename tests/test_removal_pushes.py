@@ -150,7 +150,7 @@ def test_a_way_is_found_and_free_by_another_library(name: str) -> None:
     part, rest = ((v @ turn.T, f) for v, f in map(arrays, PUZZLES[name]))
     scene = feeler.Scene(mockup_of({"part": part, "rest": rest}))
     found = feeler.removal(scene, "part", seconds=60.0, threads=1)
-    assert found.found and found.free and found.certificate.method == "pushes"
+    assert found.found and found.free and found.certificate.method != "straight"
     moving, still, request = bvh(*part), bvh(*rest), coal.CollisionRequest()
     tool = feeler.Tool.of_parts(scene.mockup, "part")
     way = samples(tool, found.poses, 150)

@@ -196,6 +196,21 @@ pub const CUT_TRIES: u32 = 40;
 /// A shortcut saves this at least, in lengths of the tool.
 pub const LEAST_CUT: f64 = 0.01;
 
+/// Places of a way from which it is tried without more turns.
+pub const MOST_UNTURNED: usize = 8;
+
+/// How far a place between two legs is moved off what it is near, in lengths of the tool, one after the other.
+pub const PULLS: [f64; 6] = [0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125];
+
+/// Most of these moves that are followed.
+pub const MOST_PULLS: u32 = 32;
+
+/// Places of a leg at which it is looked how near it comes. More: of narrower edges it is kept off.
+pub const PULLED_SAMPLES: u32 = 12;
+
+/// How much longer a way may get by them.
+pub const LONGER_FOR_CLEARANCE: f64 = 1.05;
+
 // Swept volumes: how an error is shared out, and limits.
 
 /// Spacing of the grid, in errors. Twice what interpolation may be off ([`INTERPOLATION`]) and [`HULL_SHARE`] must be below 1.

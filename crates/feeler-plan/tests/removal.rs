@@ -300,6 +300,31 @@ fn what_has_a_way_is_not_shown_to_be_held() {
     assert!(around.held.is_none() && around.method.is_some());
 }
 
+/// A block in a slot of an L: across it has 0.4 mm to each side.
+fn corner() -> Assembly {
+    let (w, far) = (0.0054, 0.1);
+    Assembly::new(vec![
+        block([-0.005; 3], [0.005; 3]),
+        block([-0.02, -0.02, -0.02], [0.06, far, -w]),
+        block([-0.02, -0.02, w], [0.06, far, 0.02]),
+        block([-0.02, -0.02, -w], [-w, far, w]),
+        block([-w, -0.02, -w], [0.06, -w, w]),
+        block([0.04 + w, -w, -w], [0.06, far, w]),
+        block([-w, w, -w], [0.04 - w, far, w]),
+    ])
+}
+
+#[test]
+fn a_way_keeps_off_what_it_passes_and_turns_no_more_than_it_needs() {
+    for seed in 0..6 {
+        let assembly = corner();
+        let found = assembly.remove(0, |task| task.seed = seed);
+        assert_eq!(found.rotation, 0.0, "seed {seed}: {found:?}");
+        assert!(found.clearance > 5e-5, "seed {seed}: {} m of 0.4 mm, {:?}", found.clearance, found.method);
+        assert!(assembly.is_free(0, &found.poses, &[]));
+    }
+}
+
 #[test]
 fn what_may_be_met_holds_nothing() {
     let assembly = boxed(1e-4, &[0, 1, 2, 3, 4, 5]);

@@ -4,6 +4,7 @@
 //! What is given was verified; where nothing is found it says what was in the way. That there is none is said only of parts that are shown
 //! to be held by their neighbours.
 
+mod clearance;
 mod directions;
 mod held;
 mod pushes;

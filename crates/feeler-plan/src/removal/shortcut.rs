@@ -1,12 +1,15 @@
-//! A way made shorter: legs that lead nowhere are left out.
+//! A way made shorter, with fewer turns, and farther off what it passes.
 
+use feeler_core::geometry::twist::{pose_of, times};
+use feeler_core::geometry::vectors::sub;
 use feeler_core::{Leg, Motion, Pose};
 
+use super::clearance::pulled_up;
+use super::verify::HasTime;
 use crate::blocked::Tally;
-use crate::constants::{CUT_TRIES, LEAST_CUT};
+use crate::constants::{CUT_TRIES, LEAST_CUT, MOST_UNTURNED};
 use crate::error::Result;
 use crate::random::Random;
-use crate::removal::verify::HasTime;
 use feeler_world::{Care, Surroundings};
 
 /// The way with shortcuts: from each leg's begin straight to the last end that can be had, then between random places on it. What is
@@ -18,6 +21,7 @@ pub fn shortened(
     has_time: HasTime<'_>,
     tally: &mut Tally,
 ) -> Result<Vec<Leg>> {
+    let legs = unturned(around, legs, has_time, tally)?;
     let mut way = leapt(around, legs, has_time, tally)?;
     let mut random = Random::new(seed, u64::MAX);
     let mut tries = 0;
@@ -43,7 +47,35 @@ pub fn shortened(
             way = cut;
         }
     }
-    leapt(around, way, has_time, tally)
+    let way = unturned(around, leapt(around, way, has_time, tally)?, has_time, tally)?;
+    let way = pulled_up(around, way, has_time, tally)?;
+    // There is more room now.
+    unturned(around, way, has_time, tally)
+}
+
+/// The way without turns that are not needed: from the first place on from which it can be had without any more. The middle of the tool's
+/// box goes the same way. Of poses alone: a screw was found because it is needed.
+fn unturned(around: &Surroundings, way: Vec<Leg>, has_time: HasTime<'_>, tally: &mut Tally) -> Result<Vec<Leg>> {
+    let motions = Motion::of_legs(around.tool(), around.start(), &way)?;
+    if way.iter().any(|leg| matches!(leg, Leg::Screw(_))) {
+        return Ok(way);
+    }
+    for (from, motion) in motions.iter().enumerate().take(MOST_UNTURNED) {
+        if motions[from..].iter().all(|motion| motion.angle() == 0.0) {
+            break;
+        }
+        let rotation = *motion.at(0.0).rotation();
+        let mut straight = way[..from].to_vec();
+        for leg in &motions[from..] {
+            let middle = leg.end().apply(around.middle());
+            straight.push(Leg::To(pose_of(&rotation, &sub(&middle, &times(&rotation, around.middle())))?));
+        }
+        let is_out = matches!(straight.last(), Some(Leg::To(end)) if around.is_out(end));
+        if is_out && is_free(around, &straight, from, has_time, tally)? {
+            return Ok(straight);
+        }
+    }
+    Ok(way)
 }
 
 /// The motion and the time on it at a length along a way.
@@ -59,7 +91,13 @@ fn place(motions: &[Motion], at: f64) -> Option<(usize, f64)> {
 }
 
 /// Whether a way is free from a leg on; before that it is known to be.
-fn is_free(around: &Surroundings, way: &[Leg], from: usize, has_time: HasTime<'_>, tally: &mut Tally) -> Result<bool> {
+pub fn is_free(
+    around: &Surroundings,
+    way: &[Leg],
+    from: usize,
+    has_time: HasTime<'_>,
+    tally: &mut Tally,
+) -> Result<bool> {
     let mut seated = around.seated_at_start();
     // Without seats nothing depends on what was before.
     let first = if around.has_seats() { 0 } else { from };
