@@ -1,71 +1,71 @@
 """Exact collision detection of a moving tool against large digital mock-ups. SI units everywhere."""
 
-from importlib.metadata import version as _version
-from typing import TYPE_CHECKING as _TYPE_CHECKING
-from typing import Any as _Any
+import typing as _typing
 
-from feeler import haptics
-from feeler._core import (
-    Batch,
-    Cast,
-    Clearance,
-    ClearanceBatch,
-    Collision,
-    ContactPlane,
-    Contacts,
-    Containment,
-    Distance,
-    DistanceBatch,
-    Packed,
-    PackedPiece,
-    PathCheck,
-    Penetration,
-    Rays,
-    Screw,
-    SectionOutline,
-)
-from feeler.clashes import Clash, Clashes, Verdict, clash, load_clashes
-from feeler.depths import Depths
-from feeler.errors import (
-    DeviceError,
-    FeelerError,
-    LimitError,
-    LoadError,
-    MeshError,
-    MissingFileError,
-    OptionError,
-    PoseError,
-    SessionError,
-    WorkbenchError,
-)
-from feeler.ignored import IgnoredPairs
-from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
-from feeler.io import load_mockup, load_tool
-from feeler.mockup import Mockup, Tool
-from feeler.plan.blocked import Blocker
-from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
-from feeler.plan.insertion import insertion
-from feeler.plan.legs import RemovalLeg
-from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
-from feeler.plan.reaching import Access, Reach, access
-from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
-from feeler.plan.swept import swept
-from feeler.poses import nearest_rigid
-from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
-from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
-
-if _TYPE_CHECKING:
+if _typing.TYPE_CHECKING:
+    from feeler import haptics
+    from feeler._core import (
+        Batch,
+        Cast,
+        Clearance,
+        ClearanceBatch,
+        Collision,
+        ContactPlane,
+        Contacts,
+        Containment,
+        Distance,
+        DistanceBatch,
+        Packed,
+        PackedPiece,
+        PathCheck,
+        Penetration,
+        Rays,
+        Screw,
+        SectionOutline,
+    )
+    from feeler.clashes import Clash, Clashes, ClashInterrupted, Verdict, clash, load_clashes
+    from feeler.depths import Depths
+    from feeler.errors import (
+        DeviceError,
+        FeelerError,
+        LimitError,
+        LoadError,
+        MeshError,
+        MissingFileError,
+        OptionError,
+        PoseError,
+        SessionError,
+        WorkbenchError,
+        WriteError,
+    )
+    from feeler.ignored import IgnoredPairs
+    from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
+    from feeler.io import load_mockup, load_tool
+    from feeler.mockup import Mockup, Tool
+    from feeler.plan.blocked import Blocker
+    from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+    from feeler.plan.insertion import insertion
+    from feeler.plan.legs import RemovalLeg
+    from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
+    from feeler.plan.reaching import Access, AccessInterrupted, Reach, access
+    from feeler.plan.removal import Certificate, Removal, RemovalBlocker, RemovalInterrupted, removal
+    from feeler.plan.swept import swept
+    from feeler.poses import nearest_rigid
+    from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
+    from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
     from feeler.workbench.scripting import View, view
 
-__version__ = _version("feeler")
+    __version__: str
 
 __all__ = [
     "Access",
+    "AccessInterrupted",
     "Batch",
     "Blocker",
     "Cast",
     "Certificate",
     "Clash",
+    "ClashInterrupted",
     "Clashes",
     "Clearance",
     "ClearanceBatch",
@@ -98,6 +98,7 @@ __all__ = [
     "Reach",
     "Removal",
     "RemovalBlocker",
+    "RemovalInterrupted",
     "RemovalLeg",
     "RemovalOrder",
     "RemovalStep",
@@ -109,6 +110,7 @@ __all__ = [
     "Verdict",
     "View",
     "WorkbenchError",
+    "WriteError",
     "access",
     "clash",
     "find_fasteners",
@@ -134,11 +136,131 @@ __all__ = [
     "view",
 ]
 
+# Where each name is. A module is imported when one of its names is asked for: a script that only casts pays neither for
+# clash reports nor for haptics. Type checkers read the imports above, and know of no other names.
+_HOMES = {
+    "feeler._core": (
+        "Batch",
+        "Cast",
+        "Clearance",
+        "ClearanceBatch",
+        "Collision",
+        "ContactPlane",
+        "Contacts",
+        "Containment",
+        "Distance",
+        "DistanceBatch",
+        "Packed",
+        "PackedPiece",
+        "PathCheck",
+        "Penetration",
+        "Rays",
+        "Screw",
+        "SectionOutline",
+    ),
+    "feeler.clashes": (
+        "Clash",
+        "ClashInterrupted",
+        "Clashes",
+        "Verdict",
+        "clash",
+        "load_clashes",
+    ),
+    "feeler.depths": ("Depths",),
+    "feeler.errors": (
+        "DeviceError",
+        "FeelerError",
+        "LimitError",
+        "LoadError",
+        "MeshError",
+        "MissingFileError",
+        "OptionError",
+        "PoseError",
+        "SessionError",
+        "WorkbenchError",
+        "WriteError",
+    ),
+    "feeler.ignored": ("IgnoredPairs",),
+    "feeler.interchange": (
+        "from_open3d",
+        "from_pyvista",
+        "from_trimesh",
+        "from_urdf",
+    ),
+    "feeler.io": (
+        "load_mockup",
+        "load_tool",
+    ),
+    "feeler.mockup": (
+        "Mockup",
+        "Tool",
+    ),
+    "feeler.plan.blocked": ("Blocker",),
+    "feeler.plan.fasteners": (
+        "Fastener",
+        "Fasteners",
+        "find_fasteners",
+    ),
+    "feeler.plan.insertion": ("insertion",),
+    "feeler.plan.legs": ("RemovalLeg",),
+    "feeler.plan.order": (
+        "RemovalOrder",
+        "RemovalStep",
+        "removal_order",
+    ),
+    "feeler.plan.reaching": (
+        "Access",
+        "AccessInterrupted",
+        "Reach",
+        "access",
+    ),
+    "feeler.plan.removal": (
+        "Certificate",
+        "Removal",
+        "RemovalBlocker",
+        "RemovalInterrupted",
+        "removal",
+    ),
+    "feeler.plan.swept": ("swept",),
+    "feeler.poses": ("nearest_rigid",),
+    "feeler.samples": (
+        "sample",
+        "sample_path",
+        "sample_poses",
+        "sample_tool",
+        "sample_truth",
+    ),
+    "feeler.scene": (
+        "ContactTracker",
+        "PairKind",
+        "Scene",
+        "optimal_voxel_size",
+    ),
+    "feeler.workbench.scripting": (
+        "View",
+        "view",
+    ),
+}
 
-def __getattr__(name: str) -> _Any:
-    # The workbench is imported when it is asked for: scripts without a picture pay nothing for it.
-    if name in ("View", "view"):
-        from feeler.workbench import scripting
+if not _typing.TYPE_CHECKING:
 
-        return getattr(scripting, name)
-    raise AttributeError(f"module 'feeler' has no attribute {name!r}")
+    def __getattr__(name):
+        """Imports what is asked for the first time."""
+        from importlib import import_module
+
+        if name == "__version__":
+            from importlib.metadata import version
+
+            value = version("feeler")
+        elif name == "haptics":
+            return import_module("feeler.haptics")
+        else:
+            home = next((home for home, names in _HOMES.items() if name in names), None)
+            if home is None:
+                raise AttributeError(f"module 'feeler' has no attribute {name!r}")
+            value = getattr(import_module(home), name)
+        globals()[name] = value
+        return value
+
+    def __dir__():
+        return sorted({*globals(), *__all__})

@@ -1,7 +1,7 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check what they pass on to it."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Literal, final
+from typing import Any, Literal, final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -266,10 +266,23 @@ class Scene:
         touching: _Touching,
         ignore: _Ignore = None,
     ) -> Cast | None: ...
+    @overload
     def check_path(
         self,
         tool: Tool,
-        poses: npt.ArrayLike | Sequence[npt.ArrayLike | Screw],
+        poses: Sequence[npt.NDArray[Any] | Screw],
+        *,
+        tolerance: float,
+        touching: _Touching,
+        inside: bool,
+        progress: _Progress | None,
+        ignore: _Ignore = None,
+    ) -> PathCheck: ...
+    @overload
+    def check_path(
+        self,
+        tool: Tool,
+        poses: npt.ArrayLike,
         *,
         tolerance: float,
         touching: _Touching,

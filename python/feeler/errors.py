@@ -56,3 +56,7 @@ class LoadError(FeelerError, ValueError):
 
 class MissingFileError(LoadError, FileNotFoundError):
     """A file or folder does not exist, or holds no mesh file."""
+
+
+class WriteError(FeelerError, OSError):
+    """A file cannot be written: the folder is missing, not writable, or the disk is full."""

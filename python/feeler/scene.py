@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from enum import IntEnum
-from typing import Any, Literal, overload
+from typing import Any, Literal, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -280,6 +280,30 @@ class Scene(_core.Scene):
         tolerance = _real("tolerance", tolerance)
         return super().cast(tool, pose0, pose1, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
+    @overload
+    def check_path(
+        self,
+        tool: _core.Tool,
+        poses: Sequence[npt.NDArray[Any] | Screw],
+        *,
+        tolerance: float = ...,
+        touching: Literal["counts", "free"] = ...,
+        inside: bool = ...,
+        progress: Progress | None = ...,
+        ignore: Ignore = ...,
+    ) -> PathCheck: ...
+    @overload
+    def check_path(
+        self,
+        tool: _core.Tool,
+        poses: npt.ArrayLike,
+        *,
+        tolerance: float = ...,
+        touching: Literal["counts", "free"] = ...,
+        inside: bool = ...,
+        progress: Progress | None = ...,
+        ignore: Ignore = ...,
+    ) -> PathCheck: ...
     def check_path(
         self,
         tool: _core.Tool,
@@ -306,7 +330,7 @@ class Scene(_core.Scene):
         _check_progress(progress)
         return super().check_path(
             tool,
-            poses,
+            cast("npt.ArrayLike", poses),
             tolerance=_real("tolerance", tolerance),
             touching=touching,
             inside=bool(inside),

@@ -9,7 +9,8 @@ and checks every count against the size of the file before it believes it. Gener
 drop, which a tool that must find every contact cannot have. STEP is triangulated by OpenCASCADE.
 """
 
-from feeler.io.atomic import WriteError, check_target
+from feeler.errors import WriteError
+from feeler.io.atomic import check_target
 from feeler.io.body import Body, Mark, body_of, with_marks
 from feeler.io.csv_table import csv_table
 from feeler.io.export import write_glb, write_stl

@@ -9,11 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from feeler.errors import FeelerError
-
-
-class WriteError(FeelerError, OSError):
-    """A file cannot be written: the folder is missing, not writable, or the disk is full."""
+from feeler.errors import FeelerError, WriteError
 
 
 def check_target(path: str | os.PathLike[str]) -> Path:

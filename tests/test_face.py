@@ -1,0 +1,109 @@
+"""What users of `feeler` meet: names, types, errors, and what an import loads."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+import pkgutil
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import feeler
+
+ROOT = Path(__file__).resolve().parents[1]
+TYPED = ROOT / "tests" / "typed"
+
+
+@pytest.fixture(scope="module")
+def told() -> dict[str, list[tuple[int, str]]]:
+    """What mypy says of the scripts, as strict as it is: by file, lines and errors."""
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--strict",
+        "--follow-imports=silent",
+        "--config-file=",
+        "--no-error-summary",
+    ]
+    env = {**os.environ, "MYPYPATH": str(ROOT / "python")}
+    files = [str(TYPED / name) for name in ("user.py", "typos.py")]
+    out = subprocess.run([*command, *files], capture_output=True, text=True, check=False, env=env, cwd=ROOT).stdout
+    rows = re.findall(r"^(\S+?):(\d+): error: (.*)$", out, re.MULTILINE)
+    found: dict[str, list[tuple[int, str]]] = {"user.py": [], "typos.py": []}
+    for file, line, error in rows:
+        found[Path(file).name].append((int(line), error))
+    return found
+
+
+def test_a_users_script_has_types(told: dict[str, list[tuple[int, str]]]) -> None:
+    assert told["user.py"] == []
+
+
+def test_typos_are_seen(told: dict[str, list[tuple[int, str]]]) -> None:
+    lines = (TYPED / "typos.py").read_text().splitlines()
+    wrong = {number for number, line in enumerate(lines, start=1) if line.endswith("# wrong")}
+    assert {line for line, _ in told["typos.py"]} == wrong and len(wrong) > 10
+
+
+def test_the_names_are_where_the_table_says() -> None:
+    """Three lists that are one: the imports for type checkers, `__all__`, and where names are imported from."""
+    tree = ast.parse((ROOT / "python" / "feeler" / "__init__.py").read_text())
+    checked = next(node for node in tree.body if isinstance(node, ast.If))
+    imported = {
+        (alias.name, node.module)
+        for node in checked.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.name != "haptics"
+    }
+    table = {(name, home) for home, names in feeler._HOMES.items() for name in names}  # type: ignore[attr-defined]
+    assert imported == table
+    assert sorted([*(name for name, _ in table), "haptics"]) == sorted(feeler.__all__)
+    for name, home in table:
+        assert getattr(feeler, name) is getattr(importlib.import_module(home), name)
+    assert set(feeler.__all__) <= set(dir(feeler))
+    with pytest.raises(AttributeError, match="no attribute 'no_such_thing'"):
+        _ = feeler.no_such_thing  # type: ignore[attr-defined]
+
+
+INSIDE = {
+    "DamagedError",  # of a stream in a file: told as a LoadError
+    "EncryptedError",
+    "JobCancelledError",
+    "ProtocolError",
+}
+"""Exceptions that never reach a caller of a public function."""
+
+
+def test_errors_that_are_raised_can_be_imported() -> None:
+    names = set()
+    for module in pkgutil.walk_packages(feeler.__path__, "feeler."):
+        if module.name.endswith("__main__"):
+            continue
+        for name, value in vars(importlib.import_module(module.name)).items():
+            is_own = isinstance(value, type) and value.__module__.startswith("feeler.")
+            if is_own and issubclass(value, BaseException) and not name.startswith("_"):
+                names.add(name)
+    assert names - INSIDE <= set(feeler.__all__), names - INSIDE - set(feeler.__all__)
+    assert names >= INSIDE
+
+
+def modules_after(code: str) -> set[str]:
+    script = f"import sys\n{code}\nprint(*[name for name in sys.modules if name.startswith('feeler')])"
+    return set(
+        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    )
+
+
+def test_an_import_loads_only_what_is_asked_for() -> None:
+    assert modules_after("import feeler") == {"feeler"}
+    query = "import feeler; feeler.Scene, feeler.Mockup, feeler.Tool"
+    wanted = {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "poses", "scene", "travel"}
+    assert modules_after(query) == {"feeler", *(f"feeler.{name}" for name in wanted)}
+    assert "feeler.haptics.session" in modules_after("import feeler; feeler.haptics.Session")
