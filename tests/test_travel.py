@@ -33,6 +33,7 @@ STAY = {
     "Impact",
     "Predictor",
     "PiecePredictor",
+    "RemovalAnswer",
     "HapticsDevice",
     "HapticsRun",
     "Session",
@@ -238,6 +239,16 @@ def staying(name: str) -> Any:
         return _core.PiecePredictor(mock, tool)
     if name == "ClashRows":
         return _core.clash(feeler.Scene(mock), np.zeros((1, 1)), np.zeros((1, 1)))
+    if name == "RemovalAnswer":
+        lift = {
+            "allow_start": True,
+            "allow_overlap": 0.0,
+            "allow_parts": [],
+            "clearance": 0.0,
+            "seconds": 1.0,
+            "seed": 0,
+        }
+        return _core.removal(feeler.Scene(mock), tool, pose(5.0), own_parts=1, directions=np.eye(3), **lift)
     if name in ("World", "GuardedMove"):
         world = _core.World(feeler.Scene(mock), [])
         return world if name == "World" else _core.GuardedMove(world, tool, pose(5.0))
@@ -257,7 +268,7 @@ def staying(name: str) -> Any:
 @pytest.mark.parametrize("name", sorted(public_classes()))
 def test_every_public_class_travels_or_says_that_it_does_not(name: str) -> None:
     cls = public_classes()[name]
-    if issubclass(cls, FeelerError):
+    if issubclass(cls, (FeelerError, KeyboardInterrupt)):
         return  # below
     if name in STAY:
         made = staying(name)
@@ -283,6 +294,23 @@ def test_errors_travel(cls: type[FeelerError]) -> None:
         there = act(error)
         assert type(there) is cls and str(there) == str(error) and there.args == error.args, way
         assert getattr(there, "__notes__", None) == getattr(error, "__notes__", None), way
+
+
+@pytest.mark.parametrize(
+    ("cls", "holds"),
+    [
+        (feeler.ClashInterrupted, ("clashes", "Clashes")),
+        (feeler.RemovalInterrupted, ("removal", "Removal")),
+        (feeler.AccessInterrupted, ("access", "Access")),
+    ],
+)
+def test_interruptions_travel_with_what_was_found(cls: Any, holds: tuple[str, str]) -> None:
+    attribute, kind = holds
+    found = cls(SAMPLES[kind][0])
+    for act in WAYS.values():
+        there = act(found)
+        assert type(there) is cls and str(there) == str(found)
+        assert facts(getattr(there, attribute)) == facts(SAMPLES[kind][0])
 
 
 def test_a_scene_that_travelled_answers_as_before() -> None:

@@ -138,7 +138,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "blocked": {"constants"},
         "random": set(),
         "eigen": set(),
-        "removal": {"constants", "eigen", "error", "random", "blocked"},
+        "linear_program": {"random"},  # in its tests
+        "removal": {"constants", "eigen", "error", "linear_program", "random", "blocked"},
         # The volume of a motion.
         "swept": {"constants"},
     },

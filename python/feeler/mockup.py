@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -144,6 +145,8 @@ def _converted(held: object, unit: str | None, others: Mapping[str, object]) -> 
     given = [name for name, value in others.items() if value is not None]
     if given:
         raise MeshError(f"{', '.join(given)} without faces: a mesh object has its own; give vertices and faces instead")
+    if not _converters:
+        importlib.import_module("feeler.interchange")  # It registers itself, and is not loaded without need.
     return _converters[0](held, unit)
 
 

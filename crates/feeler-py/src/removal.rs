@@ -16,7 +16,7 @@ use crate::pools::{find_topology, Pool};
 use crate::reporter::Reporter;
 use crate::scene::Scene;
 use crate::screw::Screw;
-use crate::travel::rows_of;
+use crate::travel::{rows_of, stays};
 
 /// How long nothing is told of what goes on.
 const TELL_EVERY: Duration = Duration::from_millis(100);
@@ -57,6 +57,13 @@ pub struct RemovalAnswer {
     blocker_poses: Py<PyArray3<f64>>,
     holders: Py<PyArray1<u32>>,
     play: f64,
+}
+
+#[pymethods]
+impl RemovalAnswer {
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("RemovalAnswer", "pickle the feeler.Removal"))
+    }
 }
 
 impl RemovalAnswer {

@@ -6,9 +6,8 @@ use feeler_core::geometry::vectors::{add, unit};
 use feeler_core::{Leg, Motion, Pose};
 use feeler_world::{Seated, Surroundings};
 
-use super::shortcut::is_free;
 use super::twists::footholds;
-use super::verify::HasTime;
+use super::verify::{is_free, HasTime};
 use crate::blocked::Tally;
 use crate::constants::{LONGER_FOR_CLEARANCE, MOST_PULLS, PULLED_SAMPLES, PULLS};
 use crate::error::Result;

@@ -5,7 +5,7 @@ use feeler_core::geometry::vectors::sub;
 use feeler_core::{Leg, Motion, Pose};
 
 use super::clearance::pulled_up;
-use super::verify::HasTime;
+use super::verify::{is_free, HasTime};
 use crate::blocked::Tally;
 use crate::constants::{CUT_TRIES, LEAST_CUT, MOST_UNTURNED};
 use crate::error::Result;
@@ -88,28 +88,6 @@ fn place(motions: &[Motion], at: f64) -> Option<(usize, f64)> {
         left -= motion.longest_way();
     }
     None
-}
-
-/// Whether a way is free from a leg on; before that it is known to be.
-pub fn is_free(
-    around: &Surroundings,
-    way: &[Leg],
-    from: usize,
-    has_time: HasTime<'_>,
-    tally: &mut Tally,
-) -> Result<bool> {
-    let mut seated = around.seated_at_start();
-    // Without seats nothing depends on what was before.
-    let first = if around.has_seats() { 0 } else { from };
-    for motion in &Motion::of_legs(around.tool(), around.start(), way)?[first..] {
-        let walk = around.walk_along(&seated, motion, Care::search(&[], has_time), &mut |_| ())?;
-        tally.walked(around, &walk);
-        if walk.stop.is_some() {
-            return Ok(false);
-        }
-        seated = walk.seated;
-    }
-    Ok(true)
 }
 
 /// From each place where legs meet on to the last one that a free motion leads to, by halves: first the end is tried, then what is half

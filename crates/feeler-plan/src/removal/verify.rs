@@ -50,6 +50,28 @@ pub fn verified(
     Ok(Some(Verified { legs, spans }))
 }
 
+/// Whether a way is free from a leg on; before that it is known to be.
+pub fn is_free(
+    around: &Surroundings,
+    way: &[Leg],
+    from: usize,
+    has_time: HasTime<'_>,
+    tally: &mut Tally,
+) -> Result<bool> {
+    let mut seated = around.seated_at_start();
+    // Without seats nothing depends on what was before.
+    let first = if around.has_seats() { 0 } else { from };
+    for motion in &Motion::of_legs(around.tool(), around.start(), way)?[first..] {
+        let walk = around.walk_along(&seated, motion, Care::search(&[], has_time), &mut |_| ())?;
+        tally.walked(around, &walk);
+        if walk.stop.is_some() {
+            return Ok(false);
+        }
+        seated = walk.seated;
+    }
+    Ok(true)
+}
+
 /// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, the
 /// fewest that are as free; of a thread so many that no point is off by more than [`SAME_PLACE_M`].
 pub fn as_poses(
