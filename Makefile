@@ -188,17 +188,27 @@ test-page: $(NODE_MODULES) ## the workbench's page without a browser: node --tes
 test-browser: $(NODE_MODULES) ## the page's picture, sound and VR in a Chromium (FEELER_CHROMIUM=: another than /usr/bin/chromium)
 	@npm run test:browser --prefix viewer --silent
 
-.PHONY: test-python
-test-python: build ## pytest: warnings are errors, every test has a time-out
+# Two processes, by the names of the files: with `make -j2` each has a core. What is asked for by PYTEST_ARGS runs in one.
+.PHONY: test-python test-python-first test-python-second
+ifeq ($(strip $(PYTEST_ARGS)),)
+test-python: test-python-first test-python-second ## pytest: warnings are errors, every test has a time-out
+else
+test-python: build
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
+endif
+test-python-first: build ## of these the files a to g
+	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[a-g]*.py
+test-python-second: build ## and the files h to z
+	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[h-z]*.py
 
 .PHONY: exact
-exact: ## ten million hard pairs, thousands of scenes, a million casts, contacts and depths (PAIRS=, CASTS=, CONTACTS=, DEPTHS=)
+exact: build ## ten million hard pairs, thousands of scenes, a million casts, contacts and depths (PAIRS=, CASTS=, CONTACTS=, DEPTHS=)
 	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- casts --casts $(CASTS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- contacts --cases $(CONTACTS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- depths --cases $(DEPTHS)
 	@cargo test --release $(LOCKED) -p feeler-core -p feeler-contacts --test determinism
+	@FEELER_LARGE=1 $(PY) -m pytest tests/test_stores.py
 
 .PHONY: fuzz
 fuzz: build ## fuzz collisions, distances and contacts, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
@@ -254,6 +264,7 @@ lint-page: $(INSTALLED) $(NODE_MODULES) ## TypeScript (strict), Biome, and the m
 lint-rules: $(INSTALLED) ## who may import whom; file sizes, SAFETY comments, left-overs
 	$(PY) tools/check_layers.py
 	$(PY) tools/check_files.py
+	$(PY) tools/docstrings.py --check
 
 ##@ Care
 

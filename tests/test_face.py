@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 import os
 import pkgutil
 import re
 import subprocess
 import sys
+from enum import Enum
 from pathlib import Path
 
 import pytest
 
 import feeler
+from feeler import _core
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tools"))
+import docstrings  # noqa: E402
+
 TYPED = ROOT / "tests" / "typed"
 
 
@@ -92,6 +98,43 @@ def test_errors_that_are_raised_can_be_imported() -> None:
                 names.add(name)
     assert names - INSIDE <= set(feeler.__all__), names - INSIDE - set(feeler.__all__)
     assert names >= INSIDE
+
+
+def public_members() -> dict[str, object]:
+    """What a user can ask for help on: functions and classes, their methods and properties, by name."""
+    found: dict[str, object] = {}
+    for space in (feeler, feeler.haptics):
+        for name in space.__all__:
+            value = getattr(space, name)
+            if inspect.ismodule(value) or (inspect.isclass(value) and issubclass(value, BaseException)):
+                continue
+            found[f"{space.__name__}.{name}"] = value
+            if inspect.isclass(value):
+                members = {member: inspect.getattr_static(value, member) for member in dir(value)}
+                for member, each in members.items():
+                    is_member = callable(each) or inspect.isdatadescriptor(each) or inspect.ismethoddescriptor(each)
+                    if not member.startswith("_") and is_member and not isinstance(each, Enum):
+                        found[f"{space.__name__}.{name}.{member}"] = getattr(value, member)
+    return found
+
+
+def test_every_public_member_has_a_docstring() -> None:
+    members = public_members()
+    assert len(members) > 300
+    assert [name for name, value in members.items() if not inspect.getdoc(value)] == []
+
+
+def test_docstrings_of_the_core_are_those_of_its_stubs() -> None:
+    """`python tools/docstrings.py` writes them into the Rust sources."""
+    docs = docstrings.docstrings([stub.read_text() for stub in docstrings.STUBS])
+    assert len(docs) > 200
+    other = {}
+    for (owner, name), doc in docs.items():
+        of = getattr(_core, owner) if owner else _core
+        told = inspect.getdoc(of if not name else getattr(of, name))
+        if name not in ("__new__", "__len__", "__getitem__", "__iter__") and told != doc:
+            other[owner, name] = (told, doc)
+    assert other == {}
 
 
 def modules_after(code: str) -> set[str]:

@@ -193,8 +193,8 @@ class Scene:
     @property
     def part_mask(self) -> npt.NDArray[np.bool_]:
         """`(parts,)`: which parts of the mock-up are there; all but of a scene `without` some."""
-    def selected_without(self, parts: Sequence[int]) -> Selected: ...
-    def selected_only(self, parts: Sequence[int]) -> Selected: ...
+    def _selected_without(self, parts: Sequence[int]) -> Selected: ...
+    def _selected_only(self, parts: Sequence[int]) -> Selected: ...
     def collide(
         self,
         tool: Tool,
@@ -239,7 +239,7 @@ class Scene:
     def distance(
         self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, *, ignore: _Ignore = None
     ) -> Distance: ...
-    def distances(
+    def _distances(
         self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, k: int, *, ignore: _Ignore = None
     ) -> list[Distance]: ...
     def distance_batch(
@@ -455,7 +455,7 @@ class ContactTracker:
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
         """The last pose at which nothing met, `(4, 4)`."""
-    def set_last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
+    def _set_last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
         """Takes a pose for free, or forgets it."""
 
 @final
@@ -675,27 +675,27 @@ class HapticsSession:
         put_down: Sequence[tuple[int, Scene]],
     ) -> Self:
         """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
-    def begin(self, pose: npt.ArrayLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
+    def _begin(self, pose: npt.ArrayLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
         """Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out if sunk."""
-    def advance(
+    def _advance(
         self, pose: npt.ArrayLike | None, dt: float
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str]:
         """One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode."""
-    def planes(
+    def _planes(
         self,
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint64], npt.NDArray[np.bool_]]:
         """The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each holds."""
-    def swap(self, scene: Scene) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
+    def _swap(self, scene: Scene) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
         """Another scene: what the proxy meets there, as of `begin`."""
-    def take(self, parts: Sequence[int]) -> None: ...
-    def put_down(self) -> None: ...
-    def put_back(self) -> None: ...
+    def _take(self, parts: Sequence[int]) -> None: ...
+    def _put_down(self) -> None: ...
+    def _put_back(self) -> None: ...
     @property
-    def held_parts(self) -> list[int]: ...
+    def _held_parts(self) -> list[int]: ...
     @property
-    def moved_parts(self) -> npt.NDArray[np.uint32]: ...
+    def _moved_parts(self) -> npt.NDArray[np.uint32]: ...
     @property
-    def last_rounds(self) -> tuple[int, int]: ...
+    def _last_rounds(self) -> tuple[int, int]: ...
 
 @disjoint_base
 class HapticsDevice:

@@ -141,11 +141,11 @@ class Scene(_core.Scene):
         and parts keep their numbers, and every query answers as of a scene built without them. What is out already
         stays out. Raises `OptionError` for parts that are not there.
         """
-        return self._made_of(super().selected_without(self.mockup.parts.select(parts).tolist()))
+        return self._made_of(super()._selected_without(self.mockup.parts.select(parts).tolist()))
 
     def only(self, parts: PartsLike) -> Scene:
         """The scene with no parts but these (and of these none that is out already), as `without` all others."""
-        return self._made_of(super().selected_only(self.mockup.parts.select(parts).tolist()))
+        return self._made_of(super()._selected_only(self.mockup.parts.select(parts).tolist()))
 
     def _made_of(self, selected: _core.Selected) -> Scene:
         scene = _core.Scene.__new__(type(self), selected)
@@ -221,7 +221,7 @@ class Scene(_core.Scene):
             raise OptionError(f"k is {k}: ask for one part at least")
         if k == 1:
             return super().distance(tool, world_from_tool, _real("max", max), ignore=ignore)
-        return super().distances(tool, world_from_tool, _real("max", max), int(k), ignore=ignore)
+        return super()._distances(tool, world_from_tool, _real("max", max), int(k), ignore=ignore)
 
     def distance_batch(
         self,
@@ -502,7 +502,7 @@ class ContactTracker(_core.ContactTracker):
 
     @last_free.setter
     def last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
-        super().set_last_free(world_from_tool)
+        super()._set_last_free(world_from_tool)
 
 
 def optimal_voxel_size(

@@ -9,7 +9,7 @@ use pyo3::types::PyTuple;
 use crate::containment::Containment;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 
-/// The first impact of a tool on its way.
+/// The first impact of a tool on its way between two poses.
 #[pyclass(frozen, module = "feeler._core")]
 #[derive(Clone, Copy)]
 pub struct Cast {
@@ -78,46 +78,55 @@ fn casts_of((numbers, ids): (PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, u32
 
 #[pymethods]
 impl Cast {
+    /// When, as a share of the way, 0 to 1; never late.
     #[getter]
     fn fraction(&self) -> f64 {
         self.fraction
     }
 
+    /// `(4, 4)`: world_from_tool then.
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_pyarray(py)
     }
 
+    /// `(3,)`: where the mock-up is met, metres, world.
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.point.to_vec().into_pyarray(py)
     }
 
+    /// `(3,)`: unit normal of the contact, from mock-up to tool, world.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.normal.to_vec().into_pyarray(py)
     }
 
+    /// How far apart the two triangles still are at the pose, metres: at most the tolerance; 0 where they meet.
     #[getter]
     fn distance(&self) -> f64 {
         self.distance
     }
 
+    /// The tool's triangle.
     #[getter]
     fn tool_triangle(&self) -> u32 {
         self.triangles[0]
     }
 
+    /// The mock-up's triangle.
     #[getter]
     fn mockup_triangle(&self) -> u32 {
         self.triangles[1]
     }
 
+    /// Index into `mockup.parts` of the part that is met.
     #[getter]
     fn part(&self) -> u32 {
         self.parts[1]
     }
 
+    /// Index into `tool.parts` of the tool's part that meets it.
     #[getter]
     fn tool_part(&self) -> u32 {
         self.parts[0]
@@ -132,7 +141,9 @@ impl Cast {
     }
 }
 
-/// What a path meets, segment by segment.
+/// What a tool meets on a path: the first impact of each segment, from one pose to the next.
+///
+/// Its length is the number of segments, one less than poses; a path of one pose has one segment that stands still.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PathCheck {
     count: usize,
@@ -181,16 +192,19 @@ impl PathCheck {
 
 #[pymethods]
 impl PathCheck {
+    /// Whether no segment meets anything, and the tool is not inside anything at the first pose.
     #[getter]
     fn free(&self) -> bool {
         self.hits.is_empty() && !self.inside.as_ref().is_some_and(Containment::is_any)
     }
 
+    /// What is inside what at the first pose; None where that was not asked for.
     #[getter]
     fn containment(&self) -> Option<Containment> {
         self.inside.clone()
     }
 
+    /// `(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free.
     #[getter]
     fn fraction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let mut fraction = vec![f64::NAN; self.count];
@@ -198,46 +212,55 @@ impl PathCheck {
         fraction.into_pyarray(py)
     }
 
+    /// `(k,)`: the segments with an impact, ascending. The rows of what follows belong to them.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.column(py, |(segment, _)| *segment as u64)
     }
 
+    /// `(k, 4, 4)`: world_from_tool at the impact.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         Array3::from_shape_fn((self.hits.len(), 4, 4), |(n, i, j)| self.hits[n].1.pose[i][j]).into_pyarray(py)
     }
 
+    /// `(k, 3)`: as `Cast.point`.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.points_of(py, |cast| cast.point)
     }
 
+    /// `(k, 3)`: as `Cast.normal`.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.points_of(py, |cast| cast.normal)
     }
 
+    /// `(k,)`: as `Cast.tool_triangle`.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |(_, cast)| cast.triangles[0])
     }
 
+    /// `(k,)`: as `Cast.mockup_triangle`.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |(_, cast)| cast.triangles[1])
     }
 
+    /// `(k,)`: as `Cast.part`.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |(_, cast)| cast.parts[1])
     }
 
+    /// `(k,)`: as `Cast.tool_part`.
     #[getter]
     fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |(_, cast)| cast.parts[0])
     }
 
+    /// The impact of the first segment that has one: `segments[0]`.
     #[getter]
     fn first(&self) -> Option<Cast> {
         self.hits.first().map(|(_, cast)| *cast)

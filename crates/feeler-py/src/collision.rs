@@ -13,7 +13,7 @@ use crate::arrays::{codes, view, view_rows};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 
-/// The pairs of triangles that meet at one pose.
+/// The pairs of triangles that meet at one pose; false when there are none.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Collision {
     core: core::Collision,
@@ -82,38 +82,53 @@ impl Collision {
 
 #[pymethods]
 impl Collision {
+    /// `(k, 2)`: tool triangle and mock-up triangle; unique, sorted by row, read-only.
     #[getter]
     fn pairs<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: the result is frozen and owns its pairs; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
+    /// `(k,)`: a `feeler.PairKind` for each pair, read-only.
     #[getter]
     fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the pairs.
         unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
 
+    /// Triangles of the tool that meet something; unique, sorted.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(0).into_pyarray(py)
     }
 
+    /// Triangles of the mock-up that meet something; unique, sorted.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(1).into_pyarray(py)
     }
 
+    /// Indices into `mockup.parts` of the parts that are met; unique, sorted.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.part_ids(1).into_pyarray(py)
     }
 
+    /// Indices into `tool.parts` of the tool's parts that meet something; unique, sorted.
     #[getter]
     fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.part_ids(0).into_pyarray(py)
     }
 
+    /// What the query did, stage by stage.
+    ///
+    /// - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
+    /// - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
+    /// - `repeats_skipped`: pairs skipped because they had been seen.
+    /// - `box_survivors`: pairs whose triangles' boxes meet.
+    /// - `triangle_tests`: triangle tests.
+    /// - `exact_tests`: triangle tests that float64 arithmetic could not decide, so that exact arithmetic did.
+    /// - `pairs`: distinct pairs that meet.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -142,7 +157,7 @@ impl Collision {
     }
 }
 
-/// The pairs of many poses.
+/// The pairs of many poses; `batch[i]` are those of pose `i`, `(k, 2)`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Batch {
     core: core::Batch,
@@ -166,18 +181,21 @@ impl Batch {
 
 #[pymethods]
 impl Batch {
+    /// `(n + 1,)`: pose `i` has the pairs `offsets[i]:offsets[i + 1]`; read-only.
     #[getter]
     fn offsets<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: the result is frozen and owns its offsets; the array keeps it alive.
         unsafe { view(slf.as_any(), &slf.get().core.offsets) }
     }
 
+    /// `(K, 2)`: tool triangle and mock-up triangle, sorted within each pose; read-only.
     #[getter]
     fn pairs<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: as for the offsets.
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
+    /// `(K,)`: a `feeler.PairKind` for each pair, read-only.
     #[getter]
     fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the offsets.

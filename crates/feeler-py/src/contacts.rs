@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use crate::selection::Ignore;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
-/// The contact planes of a tool at a pose.
+/// Contact planes, deepest first; false when there are none. `contacts[i]` is one. All arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Contacts {
     points: Vec<[f64; 3]>,
@@ -180,83 +180,103 @@ impl Contacts {
 
 #[pymethods]
 impl Contacts {
+    /// `(k, 3)`: a point of each plane on the mock-up's surface, world, metres.
     #[getter]
     fn points<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: the result is frozen and owns its points; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), &slf.get().points) }
     }
 
+    /// `(k, 3)`: unit, from the mock-up to the tool, world.
     #[getter]
     fn normals<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: as for the points.
         unsafe { view_rows(slf.as_any(), &slf.get().normals) }
     }
 
+    /// `(k,)`: metres, ascending; negative: the tool is that deep behind the plane, or, where the two lie in each
+    /// other's hollows, what overlaps along the normal.
     #[getter]
     fn gaps<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().gaps) }
     }
 
+    /// `(k,)`: indices into `mockup.parts`.
     #[getter]
     fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().parts) }
     }
 
+    /// `(k,)`: indices into `tool.parts`.
     #[getter]
     fn tool_parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().tool_parts) }
     }
 
+    /// `(k,)`: the same for the same two surfaces of tool and mock-up at every pose, in every call, thread and run.
+    /// No two planes of one answer share one.
     #[getter]
     fn ids<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().ids) }
     }
 
+    /// `(k, 4, 3)`: the points of the tool that carry each contact, tool frame, metres, in order around the normal.
+    ///
+    /// Plane `i` has the first `footing_counts[i]`; the rest repeat the last. For turns up to one degree, holding
+    /// these points off the plane holds off it all of the tool that lies there, but for 1 % of how far the turn moves
+    /// it. Found when first asked for.
     #[getter]
     fn footing<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray3<f64>> {
         // SAFETY: as for the points; once found, footings stay where they are.
         unsafe { view_blocks(slf.as_any(), &slf.get().footings(slf.py()).points) }
     }
 
+    /// `(k,)`: 1 for a corner, 2 for an edge, 3 or 4 for what is flat or round.
     #[getter]
     fn footing_counts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the footing.
         unsafe { view(slf.as_any(), &slf.get().footings(slf.py()).counts) }
     }
 
+    /// Tool triangles behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`.
     #[getter]
     fn tool_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().triangles[0]) }
     }
 
+    /// `(k + 1,)`: into `tool_triangles`.
     #[getter]
     fn tool_offsets<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().offsets[0]) }
     }
 
+    /// Triangles of the mock-up behind the planes, as `tool_triangles`.
     #[getter]
     fn mockup_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().triangles[1]) }
     }
 
+    /// `(k + 1,)`: into `mockup_triangles`.
     #[getter]
     fn mockup_offsets<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().offsets[1]) }
     }
 
+    /// Planes beyond 32, the least deep or farthest, that were left out.
     #[getter]
     fn omitted(&self) -> usize {
         self.omitted
     }
 
+    /// Whether any triangles meet.
     #[getter]
     fn is_meeting(&self) -> bool {
         self.meeting
@@ -303,7 +323,7 @@ impl Contacts {
     }
 }
 
-/// One plane of a tool's contacts.
+/// One contact plane of `Contacts`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct ContactPlane {
     contacts: Py<Contacts>,
@@ -329,36 +349,43 @@ impl ContactPlane {
 
 #[pymethods]
 impl ContactPlane {
+    /// `(3,)`: on the mock-up's surface, world, metres.
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.contacts.get().points[self.plane].to_vec().into_pyarray(py)
     }
 
+    /// `(3,)`: unit, from the mock-up to the tool, world.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.contacts.get().normals[self.plane].to_vec().into_pyarray(py)
     }
 
+    /// Metres; negative: depth.
     #[getter]
     fn gap(&self) -> f64 {
         self.contacts.get().gaps[self.plane]
     }
 
+    /// Index into `mockup.parts`.
     #[getter]
     fn part(&self) -> u32 {
         self.contacts.get().parts[self.plane]
     }
 
+    /// Index into `tool.parts`.
     #[getter]
     fn tool_part(&self) -> u32 {
         self.contacts.get().tool_parts[self.plane]
     }
 
+    /// As in `Contacts.ids`.
     #[getter]
     fn id(&self) -> u64 {
         self.contacts.get().ids[self.plane]
     }
 
+    /// `(n, 3)`, n from 1 to 4: as in `Contacts.footing`.
     #[getter]
     fn footing<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let footing = self.contacts.get().footings(py);
@@ -366,11 +393,13 @@ impl ContactPlane {
         Array2::from_shape_fn((points.len(), 3), |(i, a)| points[i][a]).into_pyarray(py)
     }
 
+    /// `(t,)`: triangles of the tool behind it, ascending.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.triangles(0).into_pyarray(py)
     }
 
+    /// `(m,)`: triangles of the mock-up behind it, ascending.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.triangles(1).into_pyarray(py)
@@ -386,7 +415,7 @@ impl ContactPlane {
     }
 }
 
-/// A translation that frees a tool.
+/// A translation that frees the tool.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Penetration {
     translation: core::Point,
@@ -430,21 +459,26 @@ impl Penetration {
 
 #[pymethods]
 impl Penetration {
+    /// `(3,)`: metres, world; to be added to the pose's.
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.translation.to_vec().into_pyarray(py)
     }
 
+    /// Its length, metres.
     #[getter]
     fn depth(&self) -> f64 {
         self.depth
     }
 
+    /// `"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free it), or `"exact"` (the
+    /// tool meets nothing, or only touches).
     #[getter]
     fn kind(&self) -> &'static str {
         KINDS.iter().find(|(kind, _)| *kind == self.kind).map_or("estimate", |(_, name)| name)
     }
 
+    /// The contact planes at the pose.
     #[getter]
     fn contacts(&self, py: Python<'_>) -> Py<Contacts> {
         self.contacts.clone_ref(py)
@@ -491,12 +525,15 @@ impl ContactTracker {
         Ok(Contacts::new(found, (solver, tool, world_from_tool.0)))
     }
 
+    /// The last pose at which nothing met, `(4, 4)`.
     #[getter]
     fn last_free<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         let tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
         tracker.last_free().map(|pose| pose_array(py, pose))
     }
 
+    /// Takes a pose for free, or forgets it.
+    #[pyo3(name = "_set_last_free")]
     fn set_last_free(&self, world_from_tool: Option<PoseArgument>) {
         let pose = world_from_tool.map(|pose| pose.0);
         self.core.lock().unwrap_or_else(PoisonError::into_inner).set_last_free(pose);

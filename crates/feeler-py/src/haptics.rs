@@ -181,25 +181,29 @@ impl HapticsSession {
         Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
     }
 
-    /// Begins at a pose: what it meets there.
+    /// Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out if sunk.
+    #[pyo3(name = "_begin")]
     fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
         self.change(py, |session| session.start(&pose.0)).map(started)
     }
 
-    /// One step; `None`: the device told nothing that can be.
+    /// One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode.
     #[pyo3(signature = (pose, dt))]
+    #[pyo3(name = "_advance")]
     fn advance<'py>(&self, py: Python<'py>, pose: Option<PoseArgument>, dt: f64) -> PyResult<StepParts<'py>> {
         let step = py.detach(|| self.locked().as_mut().map(|session| session.step(pose.as_ref().map(|p| &p.0), dt)));
         let step = step.ok_or_else(is_away)?.map_err(haptics_to_py)?;
         Ok(parts_of(py, &step))
     }
 
-    /// The newest planes, nearest first.
+    /// The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each holds.
+    #[pyo3(name = "_planes")]
     fn planes<'py>(&self, py: Python<'py>) -> PyResult<PlaneParts<'py>> {
         self.with(|session| planes_of(py, session))
     }
 
-    /// Another scene: what the proxy meets there.
+    /// Another scene: what the proxy meets there, as of `begin`.
+    #[pyo3(name = "_swap")]
     fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Started> {
         let scene = scene.core();
         py.detach(|| find_topology(scene.mockup(), &self.tool, true))?;
@@ -207,28 +211,29 @@ impl HapticsSession {
         Ok(started(start))
     }
 
-    #[pyo3(name = "take")]
+    #[pyo3(name = "_take")]
     fn grip(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {
         self.change(py, |session| session.take(&parts))
     }
 
+    #[pyo3(name = "_put_down")]
     fn put_down(&self, py: Python<'_>) -> PyResult<()> {
         self.change(py, Session::put_down)
     }
 
-    #[pyo3(name = "put_back")]
+    #[pyo3(name = "_put_back")]
     fn put_part_back(&self, py: Python<'_>) -> PyResult<()> {
         self.change(py, Session::put_back)
     }
 
     /// The parts that are held.
-    #[getter]
+    #[getter(_held_parts)]
     fn held_parts(&self) -> PyResult<Vec<u32>> {
         self.with(|session| session.world().grips().iter().map(|grip| grip.part).collect())
     }
 
     /// Parts that were put down elsewhere, sorted.
-    #[getter]
+    #[getter(_moved_parts)]
     fn moved_parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let mut parts: Vec<u32> = self.with(|session| session.world().moved().collect())?;
         parts.sort_unstable();
@@ -236,7 +241,7 @@ impl HapticsSession {
     }
 
     /// Motions tried in the last search for contacts, and those stopped by the cast.
-    #[getter]
+    #[getter(_last_rounds)]
     fn last_rounds(&self) -> PyResult<(usize, usize)> {
         let advance = self.with(|session| session.last_advance())?;
         Ok((advance.rounds, advance.stopped))

@@ -194,8 +194,7 @@ impl HapticsRun {
         }
     }
 
-    /// Lets go of the force and ends the threads; session and device are their owners' again. What the threads died of, if they did,
-    /// and why device and contacts failed the last time. A second time: nothing.
+    /// Ends it. What the threads died of, and why device and contacts failed the last time.
     fn stop(&self, py: Python<'_>) -> PyResult<(Option<String>, Option<String>, Option<String>)> {
         self.check_process()?;
         let stopped = py.detach(|| locked(&self.runner).take().map(Runner::stop));

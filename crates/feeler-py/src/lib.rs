@@ -39,7 +39,8 @@ static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
 /// Vertices and indices into them.
 type Welded<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>);
 
-/// Distinct vertices in order of first appearance `(k, 3) float64`, and each given vertex's index among them `(n,) uint32`.
+/// Distinct vertices in order of first appearance, `(k, 3)`, and each given vertex's index among them, `(n,)`.
+///
 /// Equal means equal coordinates, with 0.0 equal to -0.0.
 #[pyfunction]
 fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> PyResult<Welded<'py>> {

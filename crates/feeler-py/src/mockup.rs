@@ -38,30 +38,34 @@ impl Mockup {
         Ok(Mockup { core: Arc::new(made) })
     }
 
+    /// `(n, 3)`, metres, read-only.
     #[getter]
     fn vertices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: the mock-up is frozen and owns its vertices; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().vertices()) }
     }
 
+    /// `(m, 3)`, read-only.
     #[getter]
     fn faces<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: as for the vertices.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().faces()) }
     }
 
+    /// `(m,)`: the part of each triangle.
     #[getter]
     fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let faces = self.core.mesh().faces().len() as u32;
         (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py)
     }
 
+    /// `(parts,)`: triangles of each part, defective ones included.
     #[getter]
     fn part_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.core.part_triangles().to_vec().into_pyarray(py)
     }
 
-    /// `(2 * parts, 3)`: lower and upper corner of each part's box.
+    /// `(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty.
     #[getter]
     fn part_bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let corners: Vec<Vec<f64>> =
@@ -69,16 +73,19 @@ impl Mockup {
         Ok(PyArray2::from_vec2(py, &corners)?)
     }
 
+    /// `(2, 3)`: lower and upper corner of the box around all queried triangles, metres.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         bounds(py, self.core.mesh())
     }
 
+    /// Triangles given, defective ones included.
     #[getter]
     fn triangle_count(&self) -> usize {
         self.core.mesh().faces().len()
     }
 
+    /// Parts, including those without triangles.
     #[getter]
     fn part_count(&self) -> usize {
         self.core.part_bounds().len()
@@ -88,7 +95,7 @@ impl Mockup {
         Packed::new(py, || self.core.pack(vertex_limit, small.as_deref()))
     }
 
-    /// Kind of defect -> (count, first ids).
+    /// Kind of defect -> count and first ids.
     #[getter]
     fn defects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         defects(py, self.core.mesh())

@@ -13,7 +13,7 @@ use crate::errors::to_py;
 use crate::pools::on_pool;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 
-/// A mesh in pieces for drawing.
+/// A mesh in pieces for drawing. Packed triangles are numbered piece by piece. Arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Packed {
     pieces: Vec<Arc<core::PackedPiece>>,
@@ -22,7 +22,7 @@ pub struct Packed {
     middle: core::Point,
 }
 
-/// One of its pieces.
+/// What is drawn at once: whole parts, or the share of a large one. Arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PackedPiece {
     core: Arc<core::PackedPiece>,
@@ -58,23 +58,27 @@ impl Packed {
 
 #[pymethods]
 impl Packed {
+    /// Large parts first, small ones last.
     #[getter]
     fn pieces(&self) -> Vec<PackedPiece> {
         self.pieces.iter().map(|piece| PackedPiece { core: Arc::clone(piece) }).collect()
     }
 
+    /// `(m,)`: the triangle of the mesh that each packed one is.
     #[getter]
     fn order<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: the result is frozen and owns its order; the array keeps it alive.
         unsafe { view(slf.as_any(), &slf.get().order) }
     }
 
+    /// `(triangles of the mesh,)`: the packed one of each; 2**32 - 1 for defects, which are not drawn.
     #[getter]
     fn places<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the order.
         unsafe { view(slf.as_any(), &slf.get().places) }
     }
 
+    /// `(3,)`: what positions are relative to, in the mesh's frame, metres: the middle of its box.
     #[getter]
     fn middle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.middle.to_vec().into_pyarray(py)
@@ -119,12 +123,14 @@ impl PackedPiece {
 
 #[pymethods]
 impl PackedPiece {
+    /// `(v, 3)`: metres, from `Packed.middle`; of one part no two are the same, but where the part is cut.
     #[getter]
     fn positions<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f32>> {
         // SAFETY: the piece is frozen and holds its positions; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), &slf.get().core.positions) }
     }
 
+    /// `(v,)`: the part of each vertex; uint32 where the mesh has more than 65,535 parts, else uint16.
     #[getter]
     fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyAny> {
         match &slf.get().core.parts {
@@ -135,22 +141,26 @@ impl PackedPiece {
         }
     }
 
+    /// `(t, 3)`: triangles, as places among the positions, wound as given.
     #[getter]
     fn indices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u16>> {
         // SAFETY: as for the positions.
         unsafe { view_rows(slf.as_any(), &slf.get().core.indices) }
     }
 
+    /// Whether it has parts that were called small.
     #[getter]
     fn is_small(&self) -> bool {
         self.core.is_small
     }
 
+    /// The number of its first triangle among the packed ones.
     #[getter]
     fn first(&self) -> u32 {
         self.core.first
     }
 
+    /// `(2, 3)`: lower and upper corner of the box around its triangles as given, in the mesh's frame, metres.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let b = [self.core.bounds.lower, self.core.bounds.upper];

@@ -9,7 +9,9 @@ use crate::mockup::Mockup;
 use crate::pools::on_pool;
 use crate::travel::stays;
 
-/// Predicts queries of a tool in a mock-up.
+/// The predicted work and time of queries, on average over places of the tool on the mock-up's surface.
+///
+/// `constants`: what a query, a tool triangle, a voxel, a list entry, a pair and a triangle test cost, seconds each.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Predictor {
     core: core::Predictor,
@@ -45,22 +47,26 @@ impl Predictor {
         Ok(Predictor { core: made.ok_or_else(too_large_or_small)? })
     }
 
+    /// Tool triangles placed, voxels visited, list entries read, distinct pairs, triangle tests of a query.
     fn work(&self, voxel_size: f64) -> PyResult<(f64, f64, f64, f64, f64)> {
         check(voxel_size)?;
         let work = self.core.work(voxel_size);
         Ok((work.tool_triangles, work.voxels, work.entries, work.pairs, work.tests))
     }
 
+    /// The time of a query.
     fn seconds(&self, voxel_size: f64, constants: Constants) -> PyResult<f64> {
         check(voxel_size)?;
         Ok(self.core.work(voxel_size).seconds(&constants_of(constants)))
     }
 
+    /// What the store will take.
     fn bytes(&self, voxel_size: f64) -> PyResult<f64> {
         check(voxel_size)?;
         Ok(self.core.bytes(voxel_size))
     }
 
+    /// The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes.
     fn optimal_size(&self, py: Python<'_>, constants: Constants, memory_limit: u64) -> PyResult<f64> {
         py.detach(|| on_pool(None, || self.core.optimal_size(&constants_of(constants), memory_limit)))
     }
@@ -77,7 +83,7 @@ fn check(value: f64) -> PyResult<()> {
     Err(to_py(core::Error::VoxelSize { value }))
 }
 
-/// Predicts how queries of a tool depend on the piece size of blocks.
+/// How the work of queries of a tool depends on the piece size of blocks.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PiecePredictor {
     core: core::PiecePredictor,
@@ -92,13 +98,14 @@ impl PiecePredictor {
         Ok(PiecePredictor { core: made.ok_or_else(too_large_or_small)? })
     }
 
-    /// The work at a piece size, in units of no meaning, and the pieces.
+    /// The work that depends on the piece size, of which only ratios mean something, and the number of pieces.
     fn work(&self, piece_size: f64) -> PyResult<(f64, f64)> {
         check(piece_size)?;
         let work = self.core.work(piece_size);
         Ok((work.cost(), work.pieces))
     }
 
+    /// The piece size (metres) with the least work, within three pieces a triangle and the memory for building.
     fn optimal_size(&self, py: Python<'_>, memory_limit: u64) -> PyResult<f64> {
         py.detach(|| on_pool(None, || self.core.optimal_size(memory_limit)))
     }

@@ -44,7 +44,9 @@ fn gaps_of(ids: &PyReadonlyArray2<'_, u32>, numbers: &PyReadonlyArray2<'_, f64>)
     Ok(ids.iter().zip(&numbers).map(gap).collect())
 }
 
-/// The minimum distance at one pose, or that of a part.
+/// The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
+///
+/// When nothing lies within `max`, `value` is infinite and all else is None.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Distance {
     gap: Option<core::Gap>,
@@ -67,36 +69,43 @@ impl Distance {
 
 #[pymethods]
 impl Distance {
+    /// Metres; 0 if and only if triangles meet, infinite when nothing lies within `max`.
     #[getter]
     fn value(&self) -> f64 {
         self.gap.map_or(f64::INFINITY, |gap| gap.distance)
     }
 
+    /// `(3,)`: the point of the tool that is closest, world, metres.
     #[getter]
     fn point_on_tool<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.gap.map(|gap| gap.on_tool.to_vec().into_pyarray(py))
     }
 
+    /// `(3,)`: the point of the mock-up that is closest, world, metres; where they meet, the same point.
     #[getter]
     fn point_on_mockup<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.gap.map(|gap| gap.on_mockup.to_vec().into_pyarray(py))
     }
 
+    /// The tool's triangle that the point lies on.
     #[getter]
     fn tool_triangle(&self) -> Option<u32> {
         self.gap.map(|gap| gap.tool_triangle)
     }
 
+    /// The mock-up's triangle that the point lies on.
     #[getter]
     fn mockup_triangle(&self) -> Option<u32> {
         self.gap.map(|gap| gap.mockup_triangle)
     }
 
+    /// The index into `mockup.parts` of that triangle's part.
     #[getter]
     fn part(&self) -> Option<u32> {
         self.gap.map(|gap| gap.part)
     }
 
+    /// The index into `tool.parts` of the tool's part that the point lies on.
     #[getter]
     fn tool_part(&self) -> Option<u32> {
         self.gap.map(|gap| gap.tool_part)
@@ -114,7 +123,9 @@ impl Distance {
     }
 }
 
-/// The minimum distance at each of many poses.
+/// The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
+///
+/// Where nothing lies within `max`, the value is infinite, points are NaN and ids -1.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct DistanceBatch {
     gaps: Vec<Option<core::Gap>>,
@@ -142,37 +153,44 @@ impl DistanceBatch {
 
 #[pymethods]
 impl DistanceBatch {
+    /// `(n,)`: metres; 0 where they meet.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let values: Vec<f64> = self.gaps.iter().map(|gap| gap.map_or(f64::INFINITY, |gap| gap.distance)).collect();
         values.into_pyarray(py)
     }
 
+    /// `(n, 3)`: world, metres.
     #[getter]
     fn points_on_tool<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.gaps.iter().map(|gap| gap.map_or([f64::NAN; 3], |gap| gap.on_tool)))
     }
 
+    /// `(n, 3)`: world, metres.
     #[getter]
     fn points_on_mockup<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.gaps.iter().map(|gap| gap.map_or([f64::NAN; 3], |gap| gap.on_mockup)))
     }
 
+    /// `(n,)`: the tool's triangle that the point lies on.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |gap| gap.tool_triangle)
     }
 
+    /// `(n,)`: the mock-up's triangle that the point lies on.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |gap| gap.mockup_triangle)
     }
 
+    /// `(n,)`: indices into `mockup.parts`.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |gap| gap.part)
     }
 
+    /// `(n,)`: indices into `tool.parts`.
     #[getter]
     fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |gap| gap.tool_part)
@@ -198,7 +216,7 @@ impl DistanceBatch {
     }
 }
 
-/// What is near at one pose: a row a part, or a row a pair of triangles.
+/// What is near at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Clearance {
     gaps: Vec<core::Gap>,
@@ -221,36 +239,43 @@ impl Clearance {
 
 #[pymethods]
 impl Clearance {
+    /// `(k,)`: indices into `mockup.parts`.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.ids(py, |gap| gap.part)
     }
 
+    /// `(k,)`: indices into `tool.parts`.
     #[getter]
     fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.ids(py, |gap| gap.tool_part)
     }
 
+    /// `(k,)`: metres, ascending; 0 where they meet.
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.gaps.iter().map(|gap| gap.distance).collect::<Vec<f64>>().into_pyarray(py)
     }
 
+    /// `(k, 3)`: the closest point of the tool, world, metres.
     #[getter]
     fn points_on_tool<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.gaps.iter().map(|gap| gap.on_tool))
     }
 
+    /// `(k, 3)`: the closest point of the part or triangle, world, metres.
     #[getter]
     fn points_on_mockup<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.gaps.iter().map(|gap| gap.on_mockup))
     }
 
+    /// `(k,)`: the tool's triangle that the point lies on.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.ids(py, |gap| gap.tool_triangle)
     }
 
+    /// `(k,)`: the mock-up's triangle that the point lies on.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.ids(py, |gap| gap.mockup_triangle)
@@ -272,7 +297,7 @@ impl Clearance {
     }
 }
 
-/// What is near at each of many poses.
+/// What is near at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct ClearanceBatch {
     offsets: Vec<u64>,
@@ -295,41 +320,49 @@ impl ClearanceBatch {
 
 #[pymethods]
 impl ClearanceBatch {
+    /// `(n + 1,)`: where the rows of each pose begin.
     #[getter]
     fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.offsets.clone().into_pyarray(py)
     }
 
+    /// `(K,)`: as of `Clearance`, and so are the others.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.all.parts(py)
     }
 
+    /// `(K,)`: parts of the tool.
     #[getter]
     fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.all.tool_parts(py)
     }
 
+    /// `(K,)`: metres.
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.all.distances(py)
     }
 
+    /// `(K, 3)`: world, metres.
     #[getter]
     fn points_on_tool<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.all.points_on_tool(py)
     }
 
+    /// `(K, 3)`: world, metres.
     #[getter]
     fn points_on_mockup<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.all.points_on_mockup(py)
     }
 
+    /// `(K,)`: triangles of the tool.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.all.tool_triangles(py)
     }
 
+    /// `(K,)`: triangles of the mock-up.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.all.mockup_triangles(py)

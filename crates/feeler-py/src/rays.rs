@@ -45,27 +45,33 @@ impl Rays {
 
 #[pymethods]
 impl Rays {
+    /// `(n,)`: from the origin, metres; infinite where nothing is met.
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let distances: Vec<f64> = self.hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance)).collect();
         distances.into_pyarray(py)
     }
 
+    /// `(n, 3)`: where, world, metres; NaN where nothing is met.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.hits.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point)))
     }
 
+    /// `(n, 3)`: the triangle's, unit, world, turned against the ray; as the triangle is wound where the ray lies in
+    /// its plane; NaN where nothing is met.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.hits.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.normal)))
     }
 
+    /// `(n,)`: -1 where nothing is met.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |hit| hit.triangle)
     }
 
+    /// `(n,)`: indices into `mockup.parts`; -1 where nothing is met.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |hit| hit.part)
@@ -92,7 +98,7 @@ impl Rays {
     }
 }
 
-/// What a plane cuts.
+/// The segments of all triangles that a plane cuts, sorted by triangle. Arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct SectionOutline {
     segments: Vec<[core::Point; 2]>,
@@ -122,18 +128,22 @@ impl SectionOutline {
 
 #[pymethods]
 impl SectionOutline {
+    /// `(k, 2, 3)`: both ends, world, metres. Seen from where the plane's normal points to, the body is on the left
+    /// where triangles are wound outwards. Segments of triangles that share an edge share its point to the last bit.
     #[getter]
     fn segments<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray3<f64>> {
         // SAFETY: the outline is frozen and owns its segments; the array keeps it alive.
         unsafe { view_blocks(slf.as_any(), &slf.get().segments) }
     }
 
+    /// `(k,)`: the triangle that each is of; ascending.
     #[getter]
     fn triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the segments.
         unsafe { view(slf.as_any(), &slf.get().triangles) }
     }
 
+    /// `(k,)`: indices into `mockup.parts`.
     #[getter]
     fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the segments.

@@ -36,26 +36,44 @@ fn poses(poses: &[core::Pose]) -> Array3<f64> {
     Array3::from_shape_fn((poses.len(), 4, 4), |(n, i, j)| matrices[n][i][j])
 }
 
-/// What was found, as arrays and numbers; `feeler.Removal` is made of it.
+/// What `_core.removal` found; `feeler.Removal` is made of it.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct RemovalAnswer {
+    /// How the way was found; "none": it was not.
     method: String,
+    /// By leg: the screw, or None of a leg to a pose.
     leg_screws: Py<PyList>,
+    /// `(legs, 4, 4)`: the motion of the parts at the end of each leg.
     leg_ends: Py<PyArray3<f64>>,
+    /// `(legs,)`: how far the middle of the box goes, metres.
     leg_lengths: Py<PyArray1<f64>>,
+    /// `(legs,)`: radians.
     leg_angles: Py<PyArray1<f64>>,
+    /// `(n, 4, 4)`: the same way as poses.
     poses: Py<PyArray3<f64>>,
+    /// Metres.
     path_length: f64,
+    /// Radians.
     rotation: f64,
+    /// Metres; NaN where time was up before it was known.
     clearance: f64,
+    /// Motions that were followed.
     casts: u64,
+    /// Whether time was up before all was tried.
     is_out_of_time: bool,
+    /// Whether Ctrl-C ended it.
     is_interrupted: bool,
+    /// `(k,)`: parts that stopped it.
     blockers: Py<PyArray1<u32>>,
+    /// `(k,)`: tries that each stopped.
     blocker_counts: Py<PyArray1<u64>>,
+    /// `(k,)`: how far the best of them got, metres.
     blocker_reaches: Py<PyArray1<f64>>,
+    /// `(k, 4, 4)`: where it was stopped.
     blocker_poses: Py<PyArray3<f64>>,
+    /// `(k,)`: parts that are shown to hold it; none where that is not shown.
     holders: Py<PyArray1<u32>>,
+    /// No point can move farther, metres; NaN where that is not shown.
     play: f64,
 }
 
@@ -148,8 +166,7 @@ impl Clock<'_> {
     }
 }
 
-/// Takes a tool out of a scene, in parallel on `threads` threads (`None`: those of the scene). The tool's first `own_parts` parts are
-/// of the mock-up, the others grip them.
+/// A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up.
 #[pyfunction]
 #[pyo3(signature = (scene, tool, start, *, own_parts, allow_start, allow_overlap, allow_parts, directions, clearance, seconds, seed,
                     threads = None, progress = None))]

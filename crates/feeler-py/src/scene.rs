@@ -128,21 +128,25 @@ impl Scene {
         Ok(Scene { solver: Arc::new(ContactSolver::new(Arc::clone(&core))), core, mockup, pool })
     }
 
+    /// The mock-up.
     #[getter]
     pub(crate) fn mockup(&self, py: Python<'_>) -> Py<Mockup> {
         self.mockup.clone_ref(py)
     }
 
+    /// Edge of the voxels, or the piece size of blocks, metres.
     #[getter]
     fn voxel_size(&self) -> f64 {
         self.core.voxel_size()
     }
 
+    /// `"blocks"`, `"dense"` or `"hashed"`.
     #[getter]
     fn storage(&self) -> &'static str {
         self.core.storage().name()
     }
 
+    /// The hashing level; 0 unless hashed.
     #[getter]
     fn hashing(&self) -> f64 {
         match self.core.storage() {
@@ -151,28 +155,35 @@ impl Scene {
         }
     }
 
+    /// The instruction set of its queries: `"avx512"`, `"avx2"` or `"portable"`.
     #[getter]
     fn simd(&self) -> &'static str {
         self.core.lanes().name()
     }
 
     /// The scene without parts, and with no parts but these, by number: an argument for `Scene`.
+    #[pyo3(name = "_selected_without")]
     fn selected_without(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<Selected> {
         let core = py.detach(|| self.core.without(&parts));
         self.selected(py, core)
     }
 
+    #[pyo3(name = "_selected_only")]
     fn selected_only(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<Selected> {
         let core = py.detach(|| self.core.only(&parts));
         self.selected(py, core)
     }
 
+    /// `(parts,)`: which parts of the mock-up are there; all but of a scene `without` some.
     #[getter]
     fn part_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let parts = self.core.mockup().part_bounds().len() as u32;
         (0..parts).map(|part| self.core.has_part(part)).collect::<Vec<bool>>().into_pyarray(py)
     }
 
+    /// Bytes by structure, and their `"total"`: all that stays in memory for the index.
+    ///
+    /// `"triangles"` and `"parts"` are the mock-up's own arrays, which the index reads and does not copy.
     fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         let mut total = 0;
@@ -189,6 +200,10 @@ impl Scene {
         py.detach(|| self.core.validate()).map_err(|why| raise("FeelerError", why))
     }
 
+    /// Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
+    ///
+    /// The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
+    /// it brings. Raises `PoseError` for a pose that is not rigid.
     #[pyo3(signature = (tool, world_from_tool, *, repeat_filter = Switch(true), box_filter = Switch(true), ignore = None),
            text_signature = "($self, tool, world_from_tool, *, repeat_filter=True, box_filter=True, ignore=None)")]
     fn collide(
@@ -207,6 +222,12 @@ impl Scene {
         Ok(Collision::new(collision, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
+    /// Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
+    ///
+    /// With `touching="free"`, whether one body enters the other: surfaces may lie on each other, and a pin be seated
+    /// without play. Pairs that cross enter; what is coplanar or touches is told by exact sides, for which it is found
+    /// once how both meshes hang together. Sheets have no inside: what touches
+    /// one from both sides goes through it. What meets at corners of triangles of both alone is taken to touch.
     #[pyo3(signature = (tool, world_from_tool, *, touching = Touching(core::Touching::Ends), ignore = None),
            text_signature = "($self, tool, world_from_tool, *, touching='counts', ignore=None)")]
     fn is_colliding(
@@ -228,6 +249,7 @@ impl Scene {
         })
     }
 
+    /// Whether, with the tool at a pose `(4, 4)`, nothing meets and nothing is inside: see `containment`.
     #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
     fn is_free(
         &self,
@@ -244,6 +266,10 @@ impl Scene {
         })
     }
 
+    /// Which closed parts the tool is inside of, and which parts are inside the tool, at a pose `(4, 4)`.
+    ///
+    /// Exact, by winding numbers, for each connected surface by itself: of a part of several solids some may hold the
+    /// tool, and a hollow holds nothing. A surface that crosses a part is not inside it; one that touches it may be.
     #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
     fn containment(
         &self,
@@ -385,6 +411,7 @@ impl Scene {
     }
 
     #[pyo3(signature = (tool, world_from_tool, max, k, *, ignore = None))]
+    #[pyo3(name = "_distances")]
     fn distances(
         &self,
         py: Python<'_>,

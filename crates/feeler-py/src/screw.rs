@@ -9,7 +9,11 @@ use crate::arguments::{PoseArgument, PosesArgument};
 use crate::arrays::pose_array;
 use crate::errors::{raise, to_py};
 
-/// A turn about an axis in the world with an advance along it.
+/// A turn about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
+///
+/// `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
+/// most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
+/// left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or too large.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Screw {
     pub core: core::Screw,
@@ -46,35 +50,42 @@ impl Screw {
         Ok(Screw { core: core::Screw::new(&axis, &point, angle, pitch).map_err(to_py)? })
     }
 
+    /// Unit, world.
     #[getter]
     fn axis(&self) -> (f64, f64, f64) {
         (*self.core.axis()).into()
     }
 
+    /// On the axis, metres, world.
     #[getter]
     fn point(&self) -> (f64, f64, f64) {
         (*self.core.point()).into()
     }
 
+    /// Radians.
     #[getter]
     fn angle(&self) -> f64 {
         self.core.angle()
     }
 
+    /// Metres along the axis for a whole turn.
     #[getter]
     fn pitch(&self) -> f64 {
         self.core.pitch()
     }
 
+    /// Metres along the axis for the whole angle.
     #[getter]
     fn advance(&self) -> f64 {
         self.core.advance()
     }
 
+    /// The way back.
     fn reversed(&self) -> Screw {
         Screw { core: self.core.reversed() }
     }
 
+    /// `(4, 4)`: what has a pose is there after a share of the screw, 0 to 1. Raises `PoseError`.
     #[pyo3(signature = (pose, fraction = 1.0))]
     fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(pose_array(py, &self.core.at(&pose.0, fraction).map_err(to_py)?))

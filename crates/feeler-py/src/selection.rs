@@ -61,7 +61,7 @@ pub fn ignored_of(
     ))
 }
 
-/// A scene made of another: what `Scene.__new__` is given then.
+/// What a scene is made of that shares another's index.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Selected {
     pub core: Arc<core::Scene>,

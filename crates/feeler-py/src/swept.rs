@@ -15,7 +15,9 @@ use crate::reporter::Reporter;
 /// Vertices `(n, 3) float64`, faces `(m, 3) uint32`.
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 
-/// The closed mesh around what a tool sweeps on its way, on `threads` threads (`None`: those of the process).
+/// The closed mesh around what a tool sweeps: vertices `(n, 3)`, metres, world, and faces `(m, 3)`, wound outwards.
+///
+/// Raises `PoseError`, `OptionError` for an error that is no positive length, `LimitError` for one that is too small.
 #[pyfunction]
 #[pyo3(signature = (tool, poses, error, *, threads = None, memory_limit = u64::MAX, progress = None))]
 pub fn swept<'py>(

@@ -39,29 +39,34 @@ impl Tool {
         Ok(Tool { core: Arc::new(tool) })
     }
 
+    /// `(n, 3)`, metres, read-only.
     #[getter]
     fn vertices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: the tool is frozen and owns its vertices; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().vertices()) }
     }
 
+    /// `(m, 3)`, read-only.
     #[getter]
     fn faces<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: as for the vertices.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().faces()) }
     }
 
+    /// `(m,)`: the part of each triangle.
     #[getter]
     fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let faces = self.core.mesh().faces().len() as u32;
         (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py)
     }
 
+    /// Parts, including those without triangles.
     #[getter]
     fn part_count(&self) -> usize {
         self.core.parts()
     }
 
+    /// `(parts,)`: triangles of each part, defective ones included.
     #[getter]
     fn part_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let mut counts = vec![0u32; self.core.parts()];
@@ -70,7 +75,7 @@ impl Tool {
         counts.into_pyarray(py)
     }
 
-    /// `(2 * parts, 3)`: lower and upper corner of each part's box.
+    /// `(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty.
     #[getter]
     fn part_bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let mut bounds = vec![core::Aabb::EMPTY; self.core.parts()];
@@ -82,11 +87,13 @@ impl Tool {
         Ok(PyArray2::from_vec2(py, &corners)?)
     }
 
+    /// `(2, 3)`: lower and upper corner of the box around all queried triangles, tool frame, metres.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         bounds(py, self.core.mesh())
     }
 
+    /// Triangles given, defective ones included.
     #[getter]
     fn triangle_count(&self) -> usize {
         self.core.mesh().faces().len()
@@ -96,7 +103,7 @@ impl Tool {
         Packed::new(py, || self.core.pack(vertex_limit, small.as_deref()))
     }
 
-    /// Kind of defect -> (count, first ids).
+    /// Kind of defect -> count and first ids.
     #[getter]
     fn defects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         defects(py, self.core.mesh())

@@ -35,7 +35,7 @@ fn world_to_py(error: world::Error) -> PyErr {
     }
 }
 
-/// A scene, and parts of its mock-up that lie elsewhere.
+/// A scene, and parts of its mock-up that lie elsewhere, asked as one, in the mock-up's numbers.
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct World {
     environment: world::Environment,
@@ -61,6 +61,7 @@ impl World {
 
 #[pymethods]
 impl World {
+    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with its scene, where it lies.
     #[new]
     fn new(py: Python<'_>, scene: PyRef<'_, Scene>, put_down: Vec<(u32, PyRef<'_, Scene>)>) -> PyResult<World> {
         let put_down: Vec<_> =
@@ -70,13 +71,14 @@ impl World {
         Ok(World { environment: made.map_err(world_to_py)?, mockup })
     }
 
+    /// Every pair of triangles that meets.
     fn collide(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> Collision {
         let tool = Arc::clone(tool.core());
         let found = py.detach(|| self.environment.collide(&tool, &world_from_tool.0));
         Collision::new(found, self.mockup.clone_ref(py), tool)
     }
 
-    /// Pairs of triangles that are known, as `collide` gives them.
+    /// Pairs `(k, 2)` of tool and mock-up triangles that are known, and their kinds, as `collide` gives them.
     fn collision_of(
         &self,
         py: Python<'_>,
@@ -95,11 +97,13 @@ impl World {
         Ok(Collision::new(known, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
+    /// Whether anything meets.
     fn is_colliding(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> bool {
         let tool = tool.core();
         py.detach(|| self.environment.is_colliding(tool, &world_from_tool.0))
     }
 
+    /// The first impact on the way from one pose to another, as of `Scene.cast`; None if the way is free.
     fn cast(
         &self,
         py: Python<'_>,
@@ -113,6 +117,7 @@ impl World {
         Ok(found.map(|(hit, part)| Impact { core: world::Impact::new(&hit, part) }))
     }
 
+    /// The least distance; infinite where nothing is as near as `max`.
     fn distance(
         &self,
         py: Python<'_>,
@@ -125,6 +130,7 @@ impl World {
         Ok(Distance::new(found.map_err(world_to_py)?))
     }
 
+    /// The parts that are near, nearest first.
     fn clearance(
         &self,
         py: Python<'_>,
@@ -137,6 +143,7 @@ impl World {
         Ok(Clearance::new(found.map_err(world_to_py)?))
     }
 
+    /// The contact planes, deepest first.
     #[pyo3(signature = (tool, world_from_tool, margin, reference = None))]
     fn contacts(
         &self,
@@ -153,6 +160,7 @@ impl World {
         Ok(Contacts::with_footings(found, tool, &footings))
     }
 
+    /// The shortest translation found that frees the tool from the body it is deepest in; None: it is in nothing.
     fn penetration(
         &self,
         py: Python<'_>,
@@ -165,6 +173,7 @@ impl World {
         found.map(|(found, footings)| Penetration::with_footings(py, found, tool, &footings)).transpose()
     }
 
+    /// Whether the tool is inside something, or something inside it.
     fn is_containing(
         &self,
         py: Python<'_>,
@@ -175,6 +184,7 @@ impl World {
         self.asked(py, tool, |all| Ok(all.is_containing(tool, &world_from_tool.0)))
     }
 
+    /// The pairs of a tool's and a mock-up's part that are together, and so are seats: unique, sorted.
     fn seated_parts<'py>(
         &self,
         py: Python<'py>,
@@ -186,6 +196,7 @@ impl World {
         Ok(pairs.into_iter().map(<(u32, u32)>::from).collect())
     }
 
+    /// The least distance on a way through poses `(n, 4, 4)`, `max` where it is not less; without pairs of parts.
     fn least_distance(
         &self,
         py: Python<'_>,
@@ -199,6 +210,7 @@ impl World {
         least.map_err(world_to_py)
     }
 
+    /// The parts of some triangles of the mock-up.
     fn part_of<'py>(&self, py: Python<'py>, triangles: PyReadonlyArray1<'py, u32>) -> Bound<'py, PyArray1<u32>> {
         let mockup = &self.mockup.get().core;
         let parts: Vec<u32> = triangles.as_array().iter().map(|triangle| mockup.part_of_face(*triangle)).collect();
@@ -210,7 +222,7 @@ impl World {
     }
 }
 
-/// The contact that ends a guarded move.
+/// What stops a tool: the free share of its way, point and unit normal `(3,)` (mock-up to tool), world; the part.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Impact {
     core: world::Impact,
@@ -252,7 +264,7 @@ impl Impact {
     }
 }
 
-/// A tool that contact stops.
+/// A tool that contact stops. What it meets where it begins is a seat: it may slide along that and part from it.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct GuardedMove {
     core: Mutex<world::GuardedMove>,
@@ -281,10 +293,14 @@ impl GuardedMove {
         Ok(GuardedMove { core: Mutex::new(begun?.map_err(world_to_py)?) })
     }
 
+    /// What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres).
     fn seats(&self) -> Vec<(u32, u32, &'static str, f64)> {
         self.lock().seats().iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth)).collect()
     }
 
+    /// From a pose towards another, as far as that is free: the pose `(4, 4)`, and what stopped the tool.
+    ///
+    /// `tolerance`: of the casts. `off`: how far before an impact it stops, along its way. Metres.
     #[allow(clippy::type_complexity, reason = "a tuple of two")]
     fn go<'py>(
         &self,

@@ -108,7 +108,7 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
         gone = [each.table[rows] for each, rows in zip(known, left, strict=True)]
         earlier = joined(gone, [table.keys for table in gone], None, "resolved")
     now.marks.replace(marks)
-    now.set_earlier(earlier)
+    now._set_earlier(earlier)
     found = {name: now.where(status=name) for name in ("new", "active", "reviewed", "approved")}
     return Changes(**found, resolved=earlier.where(status="resolved"), parts=known[0].match())
 

@@ -59,7 +59,7 @@ def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes
     before = [clashes.ids[row] for row in kept[order].tolist()]
     marks = {now: clashes.marks.of(then) for now, then in zip(made.ids, before, strict=True)}
     made.marks.replace(marks)
-    made.set_earlier(clashes.earlier())
+    made._set_earlier(clashes.earlier())
     return made
 
 

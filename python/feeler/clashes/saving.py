@@ -168,7 +168,7 @@ def load_clashes(path: str | os.PathLike[str]) -> Clashes:
     reader = _Reader(file)
     found = reader.table(data, "clashes")
     if data.get("earlier"):
-        found.set_earlier(reader.table(data, "earlier"))
+        found._set_earlier(reader.table(data, "earlier"))
     return found
 
 

@@ -480,7 +480,7 @@ class Clashes(Sequence[Clash]):
         """Findings of the previous check that `diff` did not find again: resolved, unless this check is partial."""
         return self._earlier if self._earlier is not None else self[:0]
 
-    def set_earlier(self, earlier: Clashes) -> None:
+    def _set_earlier(self, earlier: Clashes) -> None:
         """Sets `earlier()`."""
         self._earlier = earlier
 
@@ -516,7 +516,7 @@ def _restored(
 ) -> Clashes:
     found = Clashes(Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial, shapes=shapes)
     if earlier is not None:
-        found.set_earlier(earlier)
+        found._set_earlier(earlier)
     return found
 
 

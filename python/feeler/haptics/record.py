@@ -74,7 +74,7 @@ class Recorder:
             return
         session._recorder = None
         mockup, tool = session.scene.mockup, session.tool
-        lying = {part: scene.mockup for part, scene in session._put_down.items()}
+        lying = {part: scene.mockup for part, scene in session._lying.items()}
         head = {
             "format": FORMAT,
             "options": session._options,

@@ -119,7 +119,7 @@ class Session(Runs):
     tool: Tool
     coupling: Coupling
     _options: dict[str, Any]
-    _put_down: dict[int, Scene]
+    _lying: dict[int, Scene]
     _recorder: Recorder | None
 
     def __new__(
@@ -156,7 +156,7 @@ class Session(Runs):
         shading = options["shading"]
         self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, shading, rate, lying)
         self.scene, self.tool, self.coupling = scene, tool, coupling
-        self._options, self._put_down, self._recorder = options, dict(lying), None
+        self._options, self._lying, self._recorder = options, dict(lying), None
         return self
 
     def start(self, pose: npt.ArrayLike) -> Start:
@@ -167,7 +167,7 @@ class Session(Runs):
         no pose.
         """
         pose = np.array(pose, dtype=np.float64)
-        started = super().begin(pose) if self._run is None else self._run.begin(pose)
+        started = super()._begin(pose) if self._run is None else self._run.begin(pose)
         if self._recorder:
             self._recorder.start(pose)
         return _start_of(started)
@@ -182,8 +182,8 @@ class Session(Runs):
         if pose.shape != (4, 4):
             raise PoseError(f"a pose has shape {pose.shape}: (4, 4) is needed")
         dt = float(dt)
-        proxy, force, torque, age, mode = super().advance(pose if _is_rigid(pose) else None, dt)
-        numbers, parts, ids, is_holding = super().planes()
+        proxy, force, torque, age, mode = super()._advance(pose if _is_rigid(pose) else None, dt)
+        numbers, parts, ids, is_holding = super()._planes()
         planes = Planes(numbers[:, :3], numbers[:, 3:6], numbers[:, 6], parts, ids, is_holding)
         step = Step(proxy, force, torque, planes, age, mode)
         if self._recorder:
@@ -202,7 +202,7 @@ class Session(Runs):
         if not chosen or len(set(chosen)) < len(chosen):
             raise OptionError(f"{parts!r} names {'a part twice' if chosen else 'no part'}: give each once")
         if self._run is None:
-            super().take(chosen)
+            super()._take(chosen)
         else:
             self._run.take(chosen)
             self._held = tuple(chosen)
@@ -217,9 +217,9 @@ class Session(Runs):
         """
         run = self._run
         if put_back:
-            super().put_back() if run is None else run.put_back()
+            super()._put_back() if run is None else run.put_back()
         else:
-            super().put_down() if run is None else run.put_down()
+            super()._put_down() if run is None else run.put_down()
         self._held = ()
         if self._recorder:
             self._recorder.release(put_back)
@@ -227,7 +227,7 @@ class Session(Runs):
     @property
     def gripped(self) -> tuple[int, ...]:
         """The parts that are held, by their indices in `mockup.parts`."""
-        return tuple(super().held_parts) if self._run is None else self._held
+        return tuple(super()._held_parts) if self._run is None else self._held
 
     def set_scene(self, scene: Scene) -> Start:
         """Puts another scene in the place of the present one; while the session runs, between two ticks.
@@ -240,7 +240,7 @@ class Session(Runs):
             raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
         if self._recorder:
             raise SessionError("a record is of one scene: close it first")
-        started = super().swap(scene) if self._run is None else self._run.set_scene(scene)
+        started = super()._swap(scene) if self._run is None else self._run.set_scene(scene)
         self.scene, self._held = scene, ()
         return _start_of(started)
 
