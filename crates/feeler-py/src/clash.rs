@@ -106,6 +106,7 @@ impl ClashRows {
         self.column(py, |row| row.triangles)
     }
 
+    /// `(n, 2, 3)`: lower and upper corner of the box around where they meet, metres; else around the points.
     #[getter(r#box)]
     fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         let side = |row: &contacts::Clash, i: usize| if i == 0 { row.bounds.lower } else { row.bounds.upper };
