@@ -8,8 +8,9 @@ from typing import Any
 
 HEAD = """# Real models
 
-feeler on CAD models by others: loading, indexing, and queries beside Coal, judged by exact arithmetic. `bench/real_data.py`
-writes this page. The models are not in the repository; their [sources and licences](#sources-and-licences) are at the end.
+feeler on CAD models by others: loading, indexing, and queries beside Coal, judged by exact arithmetic.
+`bench/real_data.py` writes this page. The models are not in the repository; their
+[sources and licences](#sources-and-licences) are at the end.
 
 """
 
@@ -47,9 +48,9 @@ def _files(result: dict[str, Any]) -> list[str]:
     heads = ("file", "MB", "triangles", "parts", "extent, m", "load, s", "outcome")
     return [
         "## Files\n",
-        "Packed files are unpacked before the clock starts; an archive of several files is one mock-up. Extents are those "
-        "of the file; without a unit, numbers are millimetres. Triangles with defects are kept and counted; those of zero "
-        "area, with a non-finite vertex or a wrong index are not queried.\n",
+        "Packed files are unpacked before the clock starts; an archive of several files is one mock-up. Extents are "
+        "those of the file; without a unit, numbers are millimetres. Triangles with defects are kept and counted; "
+        "those of zero area, with a non-finite vertex or a wrong index are not queried.\n",
         *_table(heads, rows, "lrrrlrl"),
     ]
 

@@ -1,4 +1,4 @@
-"""Puts the figures of the studies into docs/voxel-size-figures.md, between its markers, and two plots into docs/voxel-size/.
+"""Puts the figures of the studies into docs/voxel-size-figures.md, and two plots into docs/voxel-size/.
 
 python tools/study_docs.py [STUDY_FOLDER]     feeler-study, as `make study` leaves it
 """
