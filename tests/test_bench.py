@@ -265,7 +265,7 @@ def test_what_is_no_record_is_refused(bench: SimpleNamespace, tmp_path: Path, te
 
 def test_the_readme_explains_every_column(root: Path, bench: SimpleNamespace) -> None:
     page = (root / "bench" / "README.md").read_text(encoding="utf-8")
-    table = page.partition("| column | is |")[2].partition("\n\n")[0]
+    table = page.partition("| column | meaning |")[2].partition("\n\n")[0]
     ranged = bench.record.STAGES[1:-2]  # `voxels_visited` ... `exact_tests`
     assert [name for name in bench.record.COLUMNS if name not in ranged and f"`{name}`" not in table] == []
 
