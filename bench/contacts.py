@@ -321,7 +321,7 @@ def time_table(triangles: int, count: int) -> str:
     lines += [
         "",
         f"Microseconds over {count} nominal poses of `engine` with {mockup.triangle_count:,} triangles, best of three "
-        f"rounds, one core of {machine()['cpu']}; what the first call finds of the surfaces: "
+        f"rounds, one core of {machine()['cpu']}; topology and convex bodies of the first call: "
         f"{memory['adjacency'] / mockup.triangle_count:.0f} bytes a triangle, "
         f"{first:.2f} s on all cores.",
     ]
