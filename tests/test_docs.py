@@ -86,6 +86,8 @@ def run_command(words: list[str], folder: Path) -> None:
         assert all(re.search(rf"^{target}:", makefile, re.M) for target in targets), f"no such target: {words}"
     elif words[0].endswith("python"):
         assert (ROOT / words[1]).is_file(), f"no such script: {words[1]}"
+    elif words[0] == ".":
+        assert words[1].startswith(".venv/"), "make builds .venv"
     elif words[:2] == ["pip", "install"]:
         extras = re.findall(r"\[(\w+)\]", words[2])
         known = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
