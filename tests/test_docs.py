@@ -73,10 +73,11 @@ def sample_files(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run_command(words: list[str], folder: Path) -> None:
     """One line of a block of `sh`. Exit status 1 is an answer ("it collides"), 2 is bad input."""
+    if os.name == "nt" and words[1] in ("view", "replay"):  # a signal of POSIX ends the one, the other needs its record
+        return
     if words[:2] == ["feeler", "view"]:
-        if os.name != "nt":  # signals of POSIX
-            with viewed(folder, *words[2:]) as (url, _), Page(url) as page:
-                document_when(page, lambda document: document["mockup"])
+        with viewed(folder, *words[2:]) as (url, _), Page(url) as page:
+            document_when(page, lambda document: document["mockup"])
     elif words[0] == "feeler":
         result = CliRunner().invoke(app, words[1:])
         assert result.exit_code in (0, 1), f"{shlex.join(words)}\n{result.output}\n{result.exception!r}"
