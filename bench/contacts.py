@@ -2,7 +2,7 @@
 `penetration` finds.
 
     python bench/contacts.py                      print the tables
-    python bench/contacts.py --write              and put them into docs/contacts.md, between its markers
+    python bench/contacts.py --write              and put them into docs/contacts-figures.md, between its markers
     python bench/contacts.py --quick              small meshes, a small engine
 
 Four contacts whose depth is known: a box, a ball and a rod pressed into a plate, and a gear tooth wedged in its slot.
@@ -30,7 +30,7 @@ from host import machine
 import feeler
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "contacts.md"
+PAGE = ROOT / "docs" / "contacts-figures.md"
 DEPTHS = ("<!-- depths: bench/contacts.py -->", "<!-- end of depths -->")
 TIMES = ("<!-- times: bench/contacts.py -->", "<!-- end of times -->")
 WAYS = ("<!-- ways: bench/contacts.py -->", "<!-- end of ways -->")
@@ -321,7 +321,7 @@ def time_table(triangles: int, count: int) -> str:
     lines += [
         "",
         f"Microseconds over {count} nominal poses of `engine` with {mockup.triangle_count:,} triangles, best of three "
-        f"rounds, one core of {machine()['cpu']}; what the first call finds of the surfaces: "
+        f"rounds, one core of {machine()['cpu']}; topology and convex bodies of the first call: "
         f"{memory['adjacency'] / mockup.triangle_count:.0f} bytes a triangle, "
         f"{first:.2f} s on all cores.",
     ]
@@ -359,7 +359,7 @@ def put(text: str, markers: tuple[str, str], table: str) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--write", action="store_true", help="put the tables into docs/contacts.md")
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/contacts-figures.md")
     parser.add_argument("--quick", action="store_true", help="small meshes, a small engine")
     parser.add_argument("--only", choices=("depths", "times", "ways"), help="one of the tables")
     options = parser.parse_args(arguments)

@@ -25,6 +25,7 @@ MARKERS = ("<!-- figures: make figures -->", "<!-- end of figures -->")
 NAMES = {"feeler": "feeler", "coal": "Coal", "fcl": "FCL", "embree": "Embree", "parry": "parry3d"}
 LEAST_WIDTH = 200  # in a narrower terminal lines fold, but no figure is cut off
 SHOWN = 1_600_000  # triangles asked; without such a mock-up, the largest
+SHOWN_KIND = "nominal"  # poses in README.md
 
 # What `hit.stats` counts, in words.
 STAGE_NAMES = {
@@ -61,11 +62,11 @@ def page(records: Sequence[Sequence[Row]]) -> str:
     tables = [machines(records), scorecard(records), *queries(first), *of_one(first)]
     head = (
         "# Figures\n\n"
-        "Made by `make figures` from `bench/records/*.csv`; not edited by hand. How it is timed, and what each column "
-        "of a record means: [bench/README.md](../bench/README.md). How it works, and where it falls short: "
-        "[performance.md](performance.md).\n\n"
-        "Microseconds a pose are wall clock, one core, called from Python: median (p95) over poses, each the least of "
-        f"its rounds. All after the first two tables is of {first[0]['machine']}."
+        "Speed of feeler beside other libraries. `make figures` makes this page from `bench/records/*.csv`. "
+        "[bench/README.md](../bench/README.md) explains the timing and the columns of a record, "
+        "[performance.md](performance.md) how feeler works and where it falls short.\n\n"
+        "Microseconds per pose are wall-clock times on one core, called from Python: median (p95) over poses, each the "
+        f"minimum of its rounds. All tables after the first two are from {first[0]['machine']}."
     )
     return "\n\n".join([head, *(table.markdown() for table in tables)]) + "\n"
 
@@ -103,7 +104,7 @@ def machines(records: Sequence[Sequence[Row]]) -> Table:
         engines = ", ".join(f"{NAMES[name]} {version}" for name, version in versions.items())
         when = dates[0] if len(dates) == 1 else f"{dates[0]} to {dates[-1]}"
         lines.append([rows[0]["machine"], str(rows[0]["cores"]), when, ", ".join(commits), engines])
-    note = "Columns: kind of machine, its cores, and what its cells were measured with."
+    note = "Columns: kind of machine, its cores, and the versions that its cells were measured with."
     return Table("Machines", ["machine", "cores", "measured", "commit", "engines"], 5, lines, note)
 
 
@@ -148,8 +149,8 @@ def queries(rows: Sequence[Row]) -> list[Table]:
 
 
 QUERY_NOTE = (
-    "Times faster: than the best of the others by median (by p95); missed: less than was aimed at. Nominal: 1 to 5 % "
-    "of the tool's triangles collide; near: among the parts, nothing collides; deep: more. distance: the least; "
+    "Times faster: than the fastest other library by median (by p95); missed: below the goal. Nominal: 1 to 5 % of the "
+    "tool's triangles collide; near: among the parts, without a collision; deep: more collide. distance: the minimum; "
     "cast: the first impact within 20 mm; contacts: planes within 2 mm."
 )
 
@@ -171,9 +172,9 @@ def builds(rows: Sequence[Row]) -> Table | None:
         lines.append(line)
     heads = ["triangles", "engine", "one core, s", "all cores, s", "bytes a triangle", "process grew", "at most"]
     note = (
-        "Bytes as each engine counts its own: feeler with the mock-up's arrays, Coal, Embree and parry3d with their "
-        "copy of them; FCL does not tell. Process grew: by a build on one core, bytes a triangle, and at most "
-        "meanwhile; feeler's mock-up was there before."
+        "Bytes as each engine reports them: feeler with the mock-up's arrays, Coal, Embree and parry3d with their "
+        "copy; FCL reports none. Process grew: bytes per triangle after a build on one core, and at most during it; "
+        "feeler's mock-up existed before."
     )
     return Table("Builds", heads, 2, lines, note) if lines else None
 
@@ -196,8 +197,8 @@ def agreement(rows: Sequence[Row]) -> Table | None:
         counts = [sum(row[name] for row in own) for name in ("agreed", "peer_wrong", "feeler_wrong", "unjudged")]
         lines.append([query, NAMES.get(engine, engine), *(f"{count:,}" for count in counts)])
     note = (
-        "collide: pairs; the differing ones are judged in exact arithmetic, at most 20,000 of a cell. Others: poses; a "
-        "distance is the same within 1e-9 m, a cast (where nothing is judged) within 1 % of the way."
+        "collide: pairs; differing ones are judged in exact arithmetic, at most 20,000 per cell. Others: poses; "
+        "distances agree within 1e-9 m, casts (not judged) within 1 % of the motion."
     )
     heads = ["query", "peer", "agreed", "peer wrong", "feeler wrong", "unjudged"]
     return Table("Answers that differ", heads, 2, sorted(lines), note) if lines else None
@@ -236,9 +237,8 @@ def limit(rows: Sequence[Row]) -> Table | None:
     heads = ["tool", "pose", "lines, at least", "memory, µs", "lanes, µs", "limit, µs", "measured, µs"]
     heads += ["asked again, µs", "times the limit"]
     note = (
-        "`python bench/limit.py`: what the lines of memory that a `collide` must read, and the vector instructions "
-        "that it must do, take at this core's best rates; the limit is the larger. Measured: less what a Python "
-        "call costs."
+        "`python bench/limit.py`: the time for the cache lines that a `collide` must read, and for its vector "
+        "instructions, at this core's best rates; the limit is the larger. Measured: without the cost of a Python call."
     )
     return Table("The machine's limit", heads, 2, lines, note) if lines else None
 
@@ -258,31 +258,31 @@ def levels(rows: Sequence[Row]) -> Table | None:
 
 
 def readme(rows: Sequence[Row]) -> str:
-    """The table of one mock-up, and what it was measured with."""
+    """The table of one mock-up at nominal poses, and what it was measured with."""
     cells = _at_shown_size(_of(rows, "cell"))
-    measured = [(feeler, peers) for feeler, peers in goals.cells(cells) if feeler["query"] == "collide"]
+    measured = [
+        (feeler, peers)
+        for feeler, peers in goals.cells(cells)
+        if (feeler["query"], feeler["kind"]) == ("collide", SHOWN_KIND)
+    ]
     rounds = [row["rounds"] for feeler, peers in measured for row in (feeler, *peers)]
-    least, most = min(rounds), max(rounds)
+    least, most = min(rounds, default=0), max(rounds, default=0)
+    poses = measured[0][0]["poses"] if measured else 0
     lines = [
-        f"The sample `engine` with {cells[0]['triangles']:,} triangles in {cells[0]['parts']:,} parts; all colliding",
-        f"pairs of a pose, one core, microseconds, median (p95) over {measured[0][0]['poses']} poses, each the least "
-        f"of {least if least == most else f'{least} to {most}'} rounds:",
+        f"All colliding pairs of a pose in the sample `engine` ({cells[0]['triangles']:,} triangles, "
+        f"{cells[0]['parts']:,} parts).",
+        f"Microseconds on one core: median (95th percentile) over {poses} poses, each the minimum of "
+        f"{least if least == most else f'{least} to {most}'} runs.",
         "",
-        "| tool | triangles | pose | pairs | feeler | best of the others | times faster |",
-        "|---|---:|---|---:|---:|---:|---:|",
+        "| tool | triangles | colliding pairs | feeler | fastest other library | ratio |",
+        "|---|---:|---:|---:|---:|---:|",
     ]
     for feeler, peers in measured:
-        row = [
-            feeler["tool"],
-            f"{feeler['tool_triangles']:,}",
-            feeler["kind"],
-            f"{feeler['pairs']:,.0f}",
-            _whole(feeler),
-        ]
+        row = [feeler["tool"], f"{feeler['tool_triangles']:,}", f"{feeler['pairs']:,.0f}", _whole(feeler)]
         if best := goals.against_best(peers):
             peer = next(peer for peer in peers if peer["engine"] == best.peer)
             row += [f"{NAMES[best.peer]} {_whole(peer)}", f"{best.median:.1f} ({best.p95:.1f})"]
-        lines.append("| " + " | ".join([*row, *["–"] * (7 - len(row))]) + " |")
+        lines.append("| " + " | ".join([*row, *["–"] * (6 - len(row))]) + " |")
     return "\n".join([*lines, "", *_readme_notes(rows, cells)])
 
 
@@ -291,7 +291,7 @@ def _readme_notes(rows: Sequence[Row], cells: Sequence[Row]) -> Iterable[str]:
     if ours := built.pop("feeler", None):
         said = [
             f"Index built in {ours['all_cores_s']:.2f} s on {ours['cores']} cores ({ours['one_core_s']:.2f} s on one), "
-            f"{ours['bytes'] / ours['triangles']:.0f} bytes a triangle with the triangles themselves"
+            f"{ours['bytes'] / ours['triangles']:.0f} bytes per triangle including the triangles"
         ]
         for name, row in built.items():
             each = f" and {row['bytes'] / row['triangles']:.0f} bytes" if row["bytes"] else ""
@@ -302,17 +302,13 @@ def _readme_notes(rows: Sequence[Row], cells: Sequence[Row]) -> Iterable[str]:
     ]
     if found := [best for _, peers in any_contact if (best := goals.against_best(peers))]:
         means = [goals.geometric_mean(getattr(best, measure) for best in found) for measure in goals.MEASURES]
-        faster = f"{means[0]:.1f} ({means[1]:.1f}) times faster than the best of the others, geometric mean"
+        faster = f"{means[0]:.1f} ({means[1]:.1f}) times faster than the fastest other library, geometric mean"
         yield f"`is_colliding`: {faster}."
-    yield "Nominal: 1 to 5 % of the tool's triangles collide; near: among the parts, nothing collides; deep: more."
     versions = {row["engine"]: row["version"] for row in cells if row["engine"] != "feeler"}
     if versions:
         others = ", ".join(f"{NAMES[name]} {version}" for name, version in versions.items())
-        yield (
-            f"The others: {others}, each set up for speed, same poses, same run, the best in each row by its median "
-            "(p95 ratio: the best by p95)."
-        )
-    yield f"{rows[0]['machine']}; every cell, goal and machine: [docs/figures.md](docs/figures.md)."
+        yield f"Compared: {others}, each configured for speed, on the same poses in the same run."
+    yield f"{rows[0]['machine']}. All cells, goals and machines: [docs/figures.md](docs/figures.md)."
 
 
 def _of(rows: Sequence[Row], what: str) -> list[Row]:

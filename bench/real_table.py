@@ -8,8 +8,9 @@ from typing import Any
 
 HEAD = """# Real models
 
-Written by `bench/real_data.py`; not edited by hand. The models are other people's and are not in the repository: where
-they are from and under which licence is at the end.
+feeler on CAD models by others: loading, indexing, and queries beside Coal, judged by exact arithmetic.
+`bench/real_data.py` writes this page. The models are not in the repository; their
+[sources and licences](#sources-and-licences) are at the end.
 
 """
 
@@ -46,10 +47,10 @@ def _files(result: dict[str, Any]) -> list[str]:
         rows.append((row["name"], f"{row['megabytes']:.2f}", *figures, f"{row['seconds']:.2f}", outcome))
     heads = ("file", "MB", "triangles", "parts", "extent, m", "load, s", "outcome")
     return [
-        "## Every file, loaded whole\n",
-        "A packed file is unpacked first, outside the clock; a pack of several files is one mock-up. Extents are those "
-        "of the file; without a unit its numbers are millimetres. Nothing is dropped: triangles with a defect are kept "
-        "and counted, and only those of zero area, with a non-finite corner or a wrong index are not queried.\n",
+        "## Files\n",
+        "Packed files are unpacked before the clock starts; an archive of several files is one mock-up. Extents are "
+        "those of the file; without a unit, numbers are millimetres. Triangles with defects are kept and counted; "
+        "those of zero area, with a non-finite vertex or a wrong index are not queried.\n",
         *_table(heads, rows, "lrrrlrl"),
     ]
 
@@ -75,9 +76,8 @@ def _indexes(result: dict[str, Any]) -> list[str]:
     heads = ("mock-up", "engine", "triangles", "parts", "scaled by", "longest side, m", "one core, s")
     return [
         "## Indexes\n",
-        "Mock-ups that would be too small for a hand tool are scaled, by what their source says or to one metre; "
-        "stages that come each at its own origin are put in place. Bytes are all that stays resident for the index, "
-        "the mock-up's own arrays included.\n",
+        "Mock-ups too small for a hand tool are scaled, as their source says or to one metre; stages with separate "
+        "origins are put in place. Bytes are the resident memory of the index, including the mock-up's arrays.\n",
         *_table((*heads, "all cores, s", "bytes / triangle"), rows, "llrrrrrrr"),
     ]
 
@@ -106,8 +106,8 @@ def _queries(result: dict[str, Any]) -> list[str]:
     return [
         "## Queries\n",
         f"All pairs, one core, {result['poses']} poses of each kind from `sample_poses`: *nominal*, 1 to 5 % of the "
-        f"tool's triangles meet the mock-up; *near*, close to it and meeting nothing. Of each pose the least time of "
-        f"{result['rounds']} rounds counts. Tools: {tools or 'none'}."
+        f"tool's triangles collide; *near*, close to the mock-up without a collision. Times are the minimum of "
+        f"{result['rounds']} rounds per pose. Tools: {tools or 'none'}."
         + (" Pairs that only one engine finds are judged in exact arithmetic.\n" if peers else "\n"),
         *_table(heads, rows, "lll" + "r" * (len(heads) - 3)),
     ]

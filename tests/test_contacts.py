@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @pytest.fixture(scope="module")
 def bench() -> ModuleType:
-    """The script that makes the table of docs/contacts.md: its contacts have known depths."""
+    """The script that makes the table of docs/contacts-figures.md: its contacts have known depths."""
     spec = importlib.util.spec_from_file_location("bench_contacts", ROOT / "bench" / "contacts.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -1,4 +1,4 @@
-"""The house itself: versions agree, `make help` is complete, the checks catch what they are for, the README works."""
+"""The house itself: versions agree, `make help` is complete, the checks catch what they are for."""
 
 from __future__ import annotations
 
@@ -637,37 +637,6 @@ def test_file_check_accepts_a_reason(root: Path, tmp_path: Path) -> None:
     (tmp_path / "a.rs").write_text(code, encoding="utf-8")
     checked = run(sys.executable, root / "tools" / "check_files.py", tmp_path, cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
-
-
-# --- the README -----------------------------------------------------------------------------------------------------
-
-
-def test_readme_runs(root: Path, tmp_path: Path) -> None:
-    """Its blocks of Python are one script; the first one is the quick start."""
-    readme = (root / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"^```python\n(.*?)^```", readme, re.MULTILINE | re.DOTALL)
-    assert len(blocks) > 5, "the README has no quick start in Python"
-    assert blocks[0].count("\n") <= 25, "a quick start is about 20 lines"
-    script = tmp_path / "readme.py"
-    script.write_text("".join(blocks), encoding="utf-8")
-    done = run(sys.executable, "-W", "error", script, cwd=tmp_path, env={"PYTHONIOENCODING": "utf-8"})
-    assert done.returncode == 0, done.stderr
-
-
-def test_readme_links_lead_somewhere(root: Path) -> None:
-    broken = []
-    for page in [*root.glob("*.md"), *root.glob("docs/**/*.md")]:
-        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
-        for link in re.findall(r"\]\(([^)\s]+)\)", text):
-            target = link.split("#")[0]
-            if (
-                target
-                and "://" not in target
-                and not target.startswith("mailto:")
-                and not (page.parent / target).exists()
-            ):
-                broken.append(f"{page.relative_to(root)}: {link}")
-    assert not broken
 
 
 def test_each_test_file_is_in_one_half(root: Path) -> None:

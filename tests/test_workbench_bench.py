@@ -195,7 +195,7 @@ def test_figures_are_filled_where_the_markers_are(tmp_path: Path, root: Path) ->
 
 
 def test_the_record_has_what_the_documentation_shows(root: Path) -> None:
-    record, there = root / "bench" / "records" / "workbench.json", root / "docs" / "workbench.md"
+    record, there = root / "bench" / "records" / "workbench.json", root / "docs" / "workbench-figures.md"
     if not (record.is_file() and there.is_file()):
         pytest.skip("no record of the workbench, or no page to show it")
     text = there.read_text(encoding="utf-8")

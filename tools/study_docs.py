@@ -1,4 +1,4 @@
-"""Puts the figures of the studies into docs/voxel-size.md, between its markers, and two plots into docs/voxel-size/.
+"""Puts the figures of the studies into docs/voxel-size-figures.md, and two plots into docs/voxel-size/.
 
 python tools/study_docs.py [STUDY_FOLDER]     feeler-study, as `make study` leaves it
 """
@@ -16,7 +16,7 @@ sys.path.insert(0, str(ROOT / "python"))
 from feeler.study.page import markdown  # noqa: E402
 from feeler.study.tables import sections_of  # noqa: E402
 
-PAGE, PICTURES = ROOT / "docs" / "voxel-size.md", ROOT / "docs" / "voxel-size"
+PAGE, PICTURES = ROOT / "docs" / "voxel-size-figures.md", ROOT / "docs" / "voxel-size"
 # Marker in the page: folder of the study.
 STUDIES = {
     "voxel-size": "voxel-size",

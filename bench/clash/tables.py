@@ -65,7 +65,7 @@ def cases(found: Result) -> str:
     finest = max(12 * run["cut"] ** 2 for case in found["cases"] for run in case["runs"])
     notes = [
         f"Each pair is checked at the origin and {hard_cases.OFFSETS_M[1]:,.0f} m off, with boxes of 12 to {finest:,} "
-        f"triangles. Bold: how many of these answers are right, and the wrong ones, most frequent first.",
+        f"triangles. Bold: the number of right answers, and the wrong ones, most frequent first.",
         "A depth or gap is right within 1 %. For contained parts and duplicates, a clash is right for a peer, too.",
         *_left_out(found),
     ]
@@ -166,7 +166,7 @@ def _pairs(row: Result, peers: Mapping[str, Result]) -> str:
     for query in QUERIES:
         theirs = [_found(peer["pairs"][query]) for peer in peers.values()]
         lines.append([f"{_mockup(row)}: {WORDS[query]}", f"{row['pairs'][query]:,}", *theirs])
-    note = "Missed and made up: compared with feeler, whose pairs the tests compare with exact tests of all triangles."
+    note = "Missed and made up (false): compared with feeler, whose pairs the tests check against all triangles."
     return markdown(["pairs of parts", "feeler", *peers], 1, lines, note)
 
 

@@ -32,7 +32,7 @@ def main() -> int:
     """Write, or compare."""
     return pages.program(
         *(__doc__, "feel", PAGE, "bench/feel/run.py --record", filled),
-        beside=lambda result, page: plots.plots(result, page.parent / page.stem),
+        beside=lambda result, page: plots.plots(result, page.parent / "haptics"),
     )
 
 

@@ -57,7 +57,7 @@ def _passing(faces: Faces) -> str:
             line += [f"{passed:,} of {runs:,}", f"{hit:,} of {steps:,}"]
         lines.append(line)
     heads = ["thin thing", "m/s", *(h for face in faces for h in (f"{face}: passed", "steps in collision"))]
-    return markdown(heads, 1, lines, "Of a baseline, the virtual tool counts as the proxy.")
+    return markdown(heads, 1, lines, "For the baselines, the virtual tool counts as the proxy.")
 
 
 def _forces(faces: Faces) -> str:
@@ -72,9 +72,7 @@ def _forces(faces: Faces) -> str:
     for contact in next(iter(faces.values()))["spread"]:
         spread = [f"{100 * f['spread'][contact]:.2f} %" for f in faces.values()]
         lines.append([f"**{contact}, spread**", "", "", *spread])
-    note = (
-        "Newtons at the end of a press, 1 mm deep (in brackets, by how much they change over 50 ms while it is held)."
-    )
+    note = "Newtons at the end of a press, 1 mm deep (in brackets: their change over 50 ms of holding)."
     return markdown(["contact", "triangles", "frame", *faces], 1, lines, note)
 
 
@@ -116,7 +114,7 @@ def _closed(faces: Faces) -> str:
             line += [f"{1e3 * own['went_in_j']:.2f}", f"{100 * own['gain']:+.1f} %"]
         lines.append(line)
     heads = ["closed motion", *(h for face in faces for h in (f"{face}: in, mJ", "gain"))]
-    return markdown(heads, 1, lines, "Gain: what came out above what went in, of what went in.")
+    return markdown(heads, 1, lines, "Gain: energy returned beyond the energy put in, relative to the latter.")
 
 
 def _step_response(faces: Faces) -> str:
@@ -214,7 +212,7 @@ def _engine(faces: Faces) -> str:
     heads = ["tool", "triangles", "planes", "step, median", "p99", "worst", "near, median", "p99", "worst"]
     heads += ["contacts alone, median", "p99", "worst", "between, median", "p99.9"]
     note = (
-        "Microseconds, from Python, one core, along a way of a hand in and out. Near: with planes within 2 mm. "
+        "Microseconds, from Python, one core, along a path of a hand in and out. Near: with planes within 2 mm. "
         "Contacts: the one query at the proxy's poses. Between: a step "
         "between two searches, wall time with Python's own; the servo tick "
         "alone, in thread time: `cargo run --release -p feeler-devices --example servo_time`."

@@ -46,8 +46,8 @@ def puzzles(found: Result) -> str:
     heads = ["puzzle", "planner", "found", "of these free", "median", "worst"]
     versions = found["versions"]
     notes = [
-        f"One core, and {found['seconds']:g} s a try at most; one row of seeds for everyone. Free: no triangle is met "
-        "all along, by `check_path`. Bold: misses its goal.",
+        f"One core, at most {found['seconds']:g} s per attempt, the same seeds for all planners. Free: no collision on "
+        "the whole path, by `check_path`. Bold: misses its goal.",
         *(
             [f"OMPL {versions['OMPL']}, with feeler's exact test of a pose as its checker."]
             if "OMPL" in versions
@@ -99,8 +99,8 @@ def engine(found: Result) -> str:
         ],
     ]
     note = (
-        f"One core. A part has {_seconds(rate['limit_s'])} at most, {_seconds(straight['limit_s'])} where only "
-        "straight ways are looked for; all other parts are in place. Bold: misses its goal."
+        f"One core. A part has {_seconds(rate['limit_s'])} at most, {_seconds(straight['limit_s'])} for "
+        "straight paths only; all other parts are in place. Bold: misses its goal."
     )
     return f"{_origin(found)}\n\n{markdown(['what', 'goal', 'found'], 3, lines, note)}"
 

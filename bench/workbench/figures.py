@@ -1,4 +1,4 @@
-"""Fills the figures of docs/workbench.md from bench/records/workbench.json. They are not edited by hand.
+"""Fills the figures of docs/workbench-figures.md from bench/records/workbench.json. They are not edited by hand.
 
     python bench/workbench/figures.py             write them
     python bench/workbench/figures.py --check     1 if the page is not what the record makes it
@@ -20,7 +20,7 @@ import pages
 
 from workbench import tables
 
-PAGE = host.ROOT / "docs" / "workbench.md"
+PAGE = host.ROOT / "docs" / "workbench-figures.md"
 
 
 def filled(text: str, result: dict[str, Any]) -> str:

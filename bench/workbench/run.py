@@ -4,7 +4,7 @@
     python bench/workbench/run.py --quick            the short form, minutes
     python bench/workbench/run.py --big              also of 10 million triangles
     python bench/workbench/run.py --only soak --soak 30
-    python bench/workbench/run.py --record           and into bench/records/workbench.json, for docs/workbench.md
+    python bench/workbench/run.py --record           into bench/records/workbench.json, for docs/workbench-figures.md
 
 Written into the folder (target/workbench): workbench.json with all that was found, and tables.md. The exit status is 1
 if a goal is missed (bench/workbench/goals.py) that no clock decides. Experiments: large and small (opening, camera,

@@ -35,10 +35,10 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
     names = [*rows[0]["estimators"]]
     store = results["storage"] + (f" at hashing level {results['hashing']:.0%}" if results["hashing"] else "")
     about = [
-        f"How long a query takes by voxel size (store: {store}), for {found['pairs']} pairs of a mock-up and a tool, "
-        "and what four estimators, which measure nothing on the pair, say is the best size. Poses are nominal: 1 to "
-        "5 % of the tool's triangles meet the mock-up. A time is the mean over the poses of the median over the "
-        "rounds; in every round all sizes take their turn in random order.",
+        f"Time of a query by voxel size (store: {store}) for {found['pairs']} pairs of a mock-up and a tool, and the "
+        "best sizes by four estimators that measure nothing on the pair. Poses are nominal: 1 to 5 % of the tool's "
+        "triangles collide. Times are means over the poses of medians over the rounds; each round measures all sizes "
+        "in random order.",
     ]
     caption = (
         "Black: measured, with quartiles over the rounds and a polynomial of the 5th degree. Red, dashed: predicted. "
@@ -47,13 +47,13 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
     overall = Section(
         "Over all pairs",
         [
-            "Slower: time at an estimator's size over the best time of the sweep; and the same on the fit, which noise "
-            "favours less. The sizes of area and calibrated were built and measured; the others are read from the fit, "
-            "or from its end where they lie beyond the sweep. Quiet: from the lower quartile over the rounds "
-            "instead of the median, which other programs on the machine disturb less.",
+            "Slower: time at an estimator's size over the best time of the sweep; also on the fit, which noise affects "
+            "less. The sizes of area and calibrated were built and measured; the others are read from the fit, or from "
+            "its end if they lie beyond the sweep. Quiet: from the lower quartile over the rounds instead of the "
+            "median, which other programs disturb less.",
             "Rank correlation of predicted and measured time (quiet) over the sizes of a pair: median "
             f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}; of the counted work "
-            f"of the measured queries at the same prices: median {found['rank_of_counted_median']:.3f}, worst "
+            f"of the measured queries at the same costs: median {found['rank_of_counted_median']:.3f}, worst "
             f"{found['rank_of_counted_worst']:.3f}. Choosing the "
             f"calibrated size takes {found['choosing_share_median']:.1%} of the build in the median, "
             f"{found['choosing_share_worst']:.1%} at worst.",
@@ -179,7 +179,7 @@ def _scaling(results: dict[str, Any]) -> list[Section]:
         Section("", about),
         Section(
             "Trends",
-            ["Time grows as size to this power."],
+            ["Time grows with the size to this power."],
             ["with the triangles of", "fixed", "store", "exponent"],
             trends,
             words=3,
@@ -196,9 +196,8 @@ def _scaling(results: dict[str, Any]) -> list[Section]:
 def _filters(results: dict[str, Any]) -> list[Section]:
     found = results["summary"]
     about = [
-        "What the two filters before the triangle test bring: pairs met before are skipped (repeats), and boxes are "
-        "compared first (boxes; with blocks, planes). The answer is the same without them. The paper: 50 % less time "
-        "with both.",
+        "Effect of the two filters before the triangle test: repeated pairs are skipped (repeats), and boxes are "
+        "compared first (boxes; with blocks, planes). They do not change results. The paper: 50 % less time with both.",
         *(
             f"{storage}: with both, a query takes {each['saved_median']:.0%} less time than with neither (median; "
             f"{each['saved_least']:.0%} to {each['saved_most']:.0%})."
@@ -227,8 +226,8 @@ def _piece_size(results: dict[str, Any]) -> list[Section]:
     chosen = found["chosen"]
     about = [
         "The piece size is the blocks' counterpart of the voxel size: triangles longer than it are cut for the index. "
-        "The default cuts until a quarter of pieces is added, for any tool; the chosen size is the one with the least "
-        "predicted work for the tool, with at most two pieces more a triangle.",
+        "The default adds a quarter more pieces, for any tool; the chosen size has the least predicted work for the "
+        "tool, with at most two more pieces per triangle.",
     ]
     caption = "Lines: measured time; dashed: the predicted work, all over the default's; diamonds: the chosen size."
     by_choice = [
@@ -274,7 +273,7 @@ def _piece_size(results: dict[str, Any]) -> list[Section]:
         ),
         Section(
             "By piece size",
-            ["All over the default's, medians over the pairs."],
+            ["Relative to the default; medians over the pairs."],
             ["piece size", "time", "memory"],
             by_size,
             words=0,
