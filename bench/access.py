@@ -83,8 +83,8 @@ def times_table(triangles: int, rounds: int) -> str:
             start = time.perf_counter()
             found = feeler.access(scene, tool, targets, angles=ANGLES, grip=grip, lift=lift, threads=1)
             seconds.append(time.perf_counter() - start)
-        seats = int((found.swing > 0).sum())
-        lines.append(f"| {what} | {seats} | {int(found.reachable.sum())} | {min(seconds):.2f} |")
+        seats = int((found.swings_deg > 0).sum())
+        lines.append(f"| {what} | {seats} | {int(found.is_reachable.sum())} | {min(seconds):.2f} |")
     note = (
         f"{len(targets)} bolts of `engine` with {mockup.triangle_count:,} triangles, {ANGLES} angles each, one core of "
         f"{machine()['cpu']}, best of {rounds}."

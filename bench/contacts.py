@@ -211,7 +211,7 @@ def turned(contact: Contact) -> Contact:
 def by_feeler(contact: Contact) -> list[float]:
     """Depths of the planes that are deep, deepest first."""
     scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
-    gaps = scene.contacts(tool, contact.pose, margin=MARGIN).gaps
+    gaps = scene.contacts(tool, contact.pose, within=MARGIN).gaps
     return [float(-gap) for gap in gaps if gap < 0]
 
 

@@ -53,7 +53,7 @@ while left:
     for path in left:
         tool = feeler.Tool.of_parts(mockup, path, name=path)  # with all that lies below the path
         check = scene.without(path).check_path(tool, way, touching="free")
-        if check.free:
+        if check.is_free:
             print(f"{path} goes out")
             scene = scene.without(path)
             left.remove(path)

@@ -108,7 +108,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "clearance": lambda: arrays(SCENE.clearance(TOOL, HIT), "distances"),
     "clearance_batch": lambda: arrays(SCENE.clearance_batch(TOOL, POSES), "distances"),
     "distance": lambda: SCENE.distance(TOOL, POSES[0]).value,
-    "distances": lambda: [d.value for d in SCENE.distance(TOOL, POSES[0], k=3)],
+    "distances": lambda: [d.value for d in SCENE.nearest(TOOL, POSES[0], 3)],
     "distance_batch": lambda: arrays(SCENE.distance_batch(TOOL, POSES), "values"),
     "cast": lambda: SCENE.cast(TOOL, POSES[0], HIT).fraction,
     "check_path": lambda: arrays(SCENE.check_path(TOOL, POSES), "points"),

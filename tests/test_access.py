@@ -55,7 +55,7 @@ def asked(parts: dict[str, Mesh], tool: feeler.Tool, **options: Any) -> feeler.R
 
 def test_a_bolt_in_the_open() -> None:
     row = asked({"plate": PLATE}, bar())
-    assert row.reachable and row.swing == 360.0 and row.angle == 0.0
+    assert row.is_reachable and row.swing_deg == 360.0 and row.angle_deg == 0.0
     assert row.part == 0 and row.path == "bolt" and row.blockers == ()
     assert row.way.shape == (2, 4, 4)
     assert np.allclose(row.way[0] - row.way[1], at(z=0.1) - np.eye(4))
@@ -68,15 +68,15 @@ def test_a_well_too_deep_for_a_bar_and_not_for_a_driver() -> None:
         for x, y in ((0.06, 0), (-0.06, 0), (0, 0.06), (0, -0.06))
     ]
     row = asked({"well": joined(*walls)}, bar())
-    assert not row.reachable and row.swing == 0.0 and np.isnan(row.angle) and row.way.shape == (0, 4, 4)
+    assert not row.is_reachable and row.swing_deg == 0.0 and np.isnan(row.angle_deg) and row.way.shape == (0, 4, 4)
     assert row.because == "the tool meets something at every angle"
     assert row.blockers == (feeler.Blocker(1, "well", 72),)
     driver = feeler.Tool(*box((-0.005, -0.005, -0.002), (0.005, 0.005, 0.3)), "driver")
     row = asked({"well": joined(*walls)}, driver)
-    assert row.reachable and row.swing == 360.0 and row.way.shape == (2, 4, 4)
+    assert row.is_reachable and row.swing_deg == 360.0 and row.way.shape == (2, 4, 4)
     # A handle that is wider than the well stands above it, but does not get in deeper.
     handle = joined(box((-0.005, -0.005, -0.002), (0.005, 0.005, 0.3)), box((-0.04, -0.04, 0.1), (0.04, 0.04, 0.3)))
-    assert not asked({"well": joined(*walls)}, feeler.Tool(*handle, "driver")).reachable
+    assert not asked({"well": joined(*walls)}, feeler.Tool(*handle, "driver")).is_reachable
 
 
 @pytest.mark.parametrize("angles", [7, 72, 360])
@@ -84,21 +84,21 @@ def test_a_well_too_deep_for_a_bar_and_not_for_a_driver() -> None:
 def test_walls_that_leave_90_degrees(angles: int, first: float) -> None:
     walls = [sheet(first + turn, 0.05, 0.12) for turn in (0, 90, 120, 150, 180, 210, 240, 270, 300, 330)]
     row = asked({"walls": joined(*walls)}, BLADE, angles=angles)
-    assert 89.99 < row.swing <= 90.0
-    assert abs(row.angle - first) < 0.01
-    assert row.reachable and np.allclose(row.pose, TOP @ at(degrees=row.angle + 0.5 * row.swing))
-    assert not asked({"walls": joined(*walls)}, BLADE, angles=angles, swing=90.1).reachable
+    assert 89.99 < row.swing_deg <= 90.0
+    assert abs(row.angle_deg - first) < 0.01
+    assert row.is_reachable and np.allclose(row.pose, TOP @ at(degrees=row.angle_deg + 0.5 * row.swing_deg))
+    assert not asked({"walls": joined(*walls)}, BLADE, angles=angles, swing_deg=90.1).is_reachable
 
 
 def test_a_swing_goes_over_the_first_angle() -> None:
     walls = [sheet(turn, 0.05, 0.12) for turn in (40, 60, 90, 120, 150, 180, 210, 240, 270, 300, 320)]
     row = asked({"walls": joined(*walls)}, BLADE)
-    assert 79.99 < row.swing <= 80.0 and abs(row.angle - 320.0) < 0.01
+    assert 79.99 < row.swing_deg <= 80.0 and abs(row.angle_deg - 320.0) < 0.01
 
 
 def test_one_wall_leaves_all_but_itself() -> None:
     row = asked({"wall": sheet(12.5, 0.05, 0.12)}, BLADE)
-    assert 359.9 < row.swing < 360.0 and abs(row.angle - 12.5) < 0.01
+    assert 359.9 < row.swing_deg < 360.0 and abs(row.angle_deg - 12.5) < 0.01
 
 
 def test_it_turns_about_the_axis_between_the_angles() -> None:
@@ -107,8 +107,8 @@ def test_it_turns_about_the_axis_between_the_angles() -> None:
     middle = 0.099 * np.array([np.cos(np.pi / 4), np.sin(np.pi / 4)])
     post = box((*(middle - 0.0005), -0.01), (*(middle + 0.0005), 0.02))
     row = asked({"post": post}, tool, angles=4)
-    assert row.swing < 360.0 and row.blockers[0].path == "post"
-    assert abs(row.angle - 45.0) < 2.0
+    assert row.swing_deg < 360.0 and row.blockers[0].path == "post"
+    assert abs(row.angle_deg - 45.0) < 2.0
 
 
 def test_each_swing_is_free_and_hardly_larger_ones_are() -> None:
@@ -135,13 +135,13 @@ def test_each_swing_is_free_and_hardly_larger_ones_are() -> None:
         dense = np.arange(3600) / 10.0
         ignore = feeler.IgnoredPairs(tool, mockup, [("*", "bolt")])
         free = np.array([not scene.is_colliding(tool, TOP @ at(degrees=a), ignore=ignore) for a in dense])
-        inside = ((dense - row.angle) % 360.0 < row.swing) if row.swing else np.zeros(len(dense), bool)
+        inside = ((dense - row.angle_deg) % 360.0 < row.swing_deg) if row.swing_deg else np.zeros(len(dense), bool)
         assert free[inside].all()
         if free.all() or not free.any():
             continue
         runs = np.diff(np.flatnonzero(~np.concatenate([free, free, free[:1] & False]))) - 1
         partly += 1
-        assert abs(row.swing - runs.max(initial=0) / 10.0) <= 0.2
+        assert abs(row.swing_deg - runs.max(initial=0) / 10.0) <= 0.2
     assert partly >= 6
 
 
@@ -157,21 +157,21 @@ def jaw() -> Mesh:
 def test_under_a_roof_a_jaw_comes_in_sideways_and_a_ring_does_not() -> None:
     roof = {"roof": box((-0.5, -0.5, 0.006), (0.5, 0.5, 0.01))}
     row = asked(roof, feeler.Tool(*jaw(), "open"))
-    assert row.reachable and row.swing == 360.0
+    assert row.is_reachable and row.swing_deg == 360.0
     out = row.way[1][:3, :3].T @ (row.way[0] - row.way[1])[:3, 3]
     assert np.allclose(out, [0.1, 0, 0])
     vertices, faces = jaw()
     aslant = asked(roof, feeler.Tool(vertices @ at(degrees=100.0)[:3, :3].T, faces, "open"))
     out = aslant.way[1][:3, :3].T @ (aslant.way[0] - aslant.way[1])[:3, 3]
-    assert aslant.reachable and np.allclose(out, 0.1 * at(degrees=100.0)[:3, 0])
+    assert aslant.is_reachable and np.allclose(out, 0.1 * at(degrees=100.0)[:3, 0])
     ring = joined(jaw(), box((-0.02, -0.012, -0.004), (-0.012, 0.012, -0.001)))
     row = asked(roof, feeler.Tool(*ring, "ring"))
-    assert not row.reachable and row.swing == 360.0 and not len(row.way)
+    assert not row.is_reachable and row.swing_deg == 360.0 and not len(row.way)
     assert row.because == (
         "a swing of 360.0 degrees is free, but no way in was found within 100 mm: it comes out 4.38 mm at most"
     )
     assert row.blockers[0].path == "roof"
-    assert asked({}, feeler.Tool(*ring, "ring")).reachable
+    assert asked({}, feeler.Tool(*ring, "ring")).is_reachable
 
 
 def test_a_jaw_without_play_slides_off() -> None:
@@ -184,13 +184,13 @@ def test_a_jaw_without_play_slides_off() -> None:
     roof = box((-0.5, -0.5, 0.0078125), (0.5, 0.5, 0.015625))
     scene = feeler.Scene(mockup_of({"head": head, "roof": roof}))
     (row,) = feeler.access(scene, feeler.Tool(*joined(*sides, back), "jaw"), np.eye(4), angles=4)
-    assert row.reachable and np.allclose((row.way[0] - row.way[1])[2, 3], 0.0)
+    assert row.is_reachable and np.allclose((row.way[0] - row.way[1])[2, 3], 0.0)
 
 
 def test_what_is_wholly_inside_something_is_no_way() -> None:
     """A block without a hollow: nothing is met in it."""
     row = asked({"block": box((-1, -1, -1), (1, 1, 1))}, bar())
-    assert row.swing == 360.0 and not row.reachable and not len(row.way)
+    assert row.swing_deg == 360.0 and not row.is_reachable and not len(row.way)
     assert [each.path for each in row.blockers] == ["block"]
     # Out of the block its surface is met.
     assert asked({"block": box((-1, -1, -1), (1, 1, 1))}, bar(), approach=1.5).blockers[0].path == "block"
@@ -204,7 +204,7 @@ def test_ways_are_those_of_the_tool_as_given() -> None:
     tool = feeler.Tool(moved, seated.faces, "bar")
     wall = {"wall": box((0.05, 0.03, -0.1), (0.06, 0.2, 0.1)), "plate": PLATE}
     plain, gripped = asked(wall, seated), asked(wall, tool, grip=np.linalg.inv(place))
-    assert 0 < plain.swing < 360.0 and abs(plain.swing - gripped.swing) < 0.01
+    assert 0 < plain.swing_deg < 360.0 and abs(plain.swing_deg - gripped.swing_deg) < 0.01
     for one, other in ((plain.pose, gripped.pose), *zip(plain.way, gripped.way, strict=True)):
         assert np.allclose(one, other @ np.linalg.inv(place), atol=1e-4)
 
@@ -220,10 +220,10 @@ def test_a_grip_by_name_puts_that_axis_out_of_the_joint(grip: str, direction: in
 def test_the_sample_wrench_turns_about_its_jaw() -> None:
     scene = feeler.Scene(mockup_of({"bolt": bolt(), "plate": PLATE}))
     (row,) = feeler.access(scene, feeler.sample_tool("wrench"), TOP, grip="y")
-    assert row.reachable and row.swing == 360.0
+    assert row.is_reachable and row.swing_deg == 360.0
     assert np.allclose(row.pose[:3, 3], TOP[:3, 3])
     (stuck,) = feeler.access(scene, feeler.sample_tool("wrench"), TOP, grip="y", lift=-0.004)
-    assert not stuck.reachable and stuck.blockers[0].path == "plate"
+    assert not stuck.is_reachable and stuck.blockers[0].path == "plate"
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -242,10 +242,10 @@ def test_the_swing_in_a_sector_is_its_closed_form(seed: int) -> None:
     vertices, faces = joined(*walls)
     scene = feeler.Scene(mockup_of({"walls": (vertices @ frame[:3, :3].T + frame[:3, 3], faces)}))
     tool = feeler.Tool(*box((0.6 * near, -half, -0.005), (0.1, half, 0.005)), "bar")
-    (row,) = feeler.access(scene, tool, frame, swing=60.0, angles=int(rng.integers(4, 100)), threads=1)
-    assert play - 1e-3 < row.swing <= play
-    assert abs((row.angle - first - lean + 180.0) % 360.0 - 180.0) < 1e-3
-    assert row.reachable == (play >= 60.0) and len(row.way)
+    (row,) = feeler.access(scene, tool, frame, swing_deg=60.0, angles=int(rng.integers(4, 100)), threads=1)
+    assert play - 1e-3 < row.swing_deg <= play
+    assert abs((row.angle_deg - first - lean + 180.0) % 360.0 - 180.0) < 1e-3
+    assert row.is_reachable == (play >= 60.0) and len(row.way)
 
 
 def test_two_triangles_meet_over_the_angles_of_the_closed_form() -> None:
@@ -279,7 +279,7 @@ def test_a_slot_above_the_seat_is_found_at_any_angle() -> None:
         sides = [box((-0.2, half, 0.03), (0.2, 0.3, 0.04)), box((-0.2, -0.3, 0.03), (0.2, -half, 0.04))]
         vertices, faces = joined(*sides)
         row = asked({"roof": (vertices @ at(degrees=turn)[:3, :3].T, faces)}, BLADE, approach=0.08)
-        assert row.reachable and row.swing == 360.0 and row.drawn == row.looked == 0.08
+        assert row.is_reachable and row.swing_deg == 360.0 and row.drawn == row.looked == 0.08
         assert np.allclose(row.way[0] - row.way[1], at(z=0.08) - np.eye(4))
 
 
@@ -287,8 +287,8 @@ def test_it_says_how_far_it_looked_for_a_way_in() -> None:
     roof = {"lid": box((-0.5, -0.5, 0.06), (0.5, 0.5, 0.07)), "wall": PLATE}
     ring = feeler.Tool(*joined(jaw(), box((-0.02, -0.012, -0.004), (-0.012, 0.012, -0.001))), "ring")
     short, far = asked(roof, ring, approach=0.04), asked(roof, ring, approach=0.1)
-    assert short.reachable and short.looked == short.drawn == 0.04
-    assert not far.reachable and far.looked == 0.1
+    assert short.is_reachable and short.looked == short.drawn == 0.04
+    assert not far.is_reachable and far.looked == 0.1
     assert far.drawn == pytest.approx(0.06 + 0.001 - HEAD_TOP, abs=2e-6)
     assert far.because.endswith("no way in was found within 100 mm: it comes out 55.6 mm at most")
     blocked = asked({"lid": box((-0.5, -0.5, -0.01), (0.5, 0.5, 0.01))}, bar(end=1.0))
@@ -298,12 +298,12 @@ def test_it_says_how_far_it_looked_for_a_way_in() -> None:
 def test_a_hand_goes_along() -> None:
     post = {"post": box((0.2, -0.01, 0.03), (0.22, 0.01, 0.06)), "plate": PLATE}
     hand = feeler.Tool(*box((0.15, -0.03, 0.0), (0.25, 0.03, 0.06)), "hand")
-    assert asked(post, bar()).swing == 360.0
+    assert asked(post, bar()).swing_deg == 360.0
     alone = asked(post, bar(), hand=hand)
-    assert 0.0 < alone.swing < 360.0 and alone.blockers[0].path == "post"
-    assert asked(post, bar(), hand=(hand, at(z=-0.05))).swing == 0.0  # through the plate
+    assert 0.0 < alone.swing_deg < 360.0 and alone.blockers[0].path == "post"
+    assert asked(post, bar(), hand=(hand, at(z=-0.05))).swing_deg == 0.0  # through the plate
     higher = asked(post, bar(), hand=(hand, at(z=0.1)))
-    assert higher.swing == 360.0
+    assert higher.swing_deg == 360.0
 
 
 def test_frames_and_fasteners_say_the_same() -> None:
@@ -314,18 +314,18 @@ def test_frames_and_fasteners_say_the_same() -> None:
     by_fastener = feeler.access(scene, bar(), found)
     by_frame = feeler.access(scene, bar(), found.frames)
     assert [row.part for row in by_frame] == [row.part for row in by_fastener] == [0, 1]
-    assert np.allclose(by_frame.swing, by_fastener.swing, atol=1e-6) and (by_frame.swing < 360.0).all()
+    assert np.allclose(by_frame.swings_deg, by_fastener.swings_deg, atol=1e-6) and (by_frame.swings_deg < 360.0).all()
     (row,) = feeler.access(scene, bar(), at(x=0.3, z=0.3))
-    assert row.part is None and row.path is None and row.reachable
+    assert row.part is None and row.path is None and row.is_reachable
 
 
 def test_parts_that_are_out_are_not_in_the_way() -> None:
     mockup = mockup_of({"bolt": bolt(), "wall": box((0.05, -0.2, -0.1), (0.06, 0.2, 0.1))})
     scene = feeler.Scene(mockup)
     stopped = feeler.access(scene, bar(), TOP)
-    assert stopped.reachable.all() and stopped[0].swing < 360.0
+    assert stopped.is_reachable.all() and stopped[0].swing_deg < 360.0
     assert stopped[0].blockers and stopped.blockers == (), "nothing is in the way of what is reachable"
-    assert feeler.access(scene.without("wall"), bar(), TOP)[0].swing == 360.0
+    assert feeler.access(scene.without("wall"), bar(), TOP)[0].swing_deg == 360.0
     assert feeler.access(scene.without("bolt"), bar(), feeler.find_fasteners(mockup))[0].part == 0
 
 
@@ -348,7 +348,7 @@ def test_tools_reach_what_the_truth_of_the_gearbox_says(gearbox: Any, faulty_gea
                 out += [path for fit in threads for path in (fit.a, fit.b) if path != row.path]
             tool = feeler.Tool(*box((-half, -half, 2e-4), (half, half, 0.055)), fastener.tool)
             (reach,) = feeler.access(of.scene.without(out), tool, feeler.Fasteners([row]), 360.0, 12)
-            if not reach.reachable:
+            if not reach.is_reachable:
                 left[row.path] = [each.path for each in reach.blockers]
         return left
 
@@ -363,8 +363,8 @@ def bolts(gearbox: Any) -> tuple[feeler.Scene, feeler.Fasteners]:
 
 
 def key(row: feeler.Reach) -> tuple[Any, ...]:
-    arrays = (row.pose.tobytes(), row.way.tobytes(), np.float64(row.angle).tobytes())
-    return (row.target, row.part, row.path, row.reachable, row.swing, row.because, row.blockers, *arrays)
+    arrays = (row.pose.tobytes(), row.way.tobytes(), np.float64(row.angle_deg).tobytes())
+    return (row.target, row.part, row.path, row.is_reachable, row.swing_deg, row.because, row.blockers, *arrays)
 
 
 def test_any_threads_one_answer_in_order(bolts: tuple[feeler.Scene, feeler.Fasteners]) -> None:
@@ -375,9 +375,9 @@ def test_any_threads_one_answer_in_order(bolts: tuple[feeler.Scene, feeler.Faste
     for threads in (2, 5, None):
         other = feeler.access(scene, feeler.sample_tool("torque"), targets, threads=threads)
         assert [key(row) for row in other] == [key(row) for row in one]
-    assert 0 < one.reachable.sum() < len(one)
-    assert one.swing.shape == one.angle.shape == (len(targets),)
-    assert repr(one) == f"Access({one.reachable.sum()} of {len(targets)} reachable)"
+    assert 0 < one.is_reachable.sum() < len(one)
+    assert one.swings_deg.shape == one.angles_deg.shape == (len(targets),)
+    assert repr(one) == f"Access({one.is_reachable.sum()} of {len(targets)} reachable)"
     worst = one.blockers
     assert [each.count for each in worst] == sorted((each.count for each in worst), reverse=True)
     assert one[1:3] == list(one)[1:3]
@@ -415,9 +415,9 @@ SKEW = np.diag([1.0, 1.0, 1.001, 1.0])
         (lambda: feeler.access(SCENE, bar(), np.eye(3)), PoseError, r"shape \(3, 3\)"),
         (lambda: feeler.access(SCENE, bar(), [np.eye(4), SKEW]), PoseError, "target 1 is not a rigid"),
         (lambda: feeler.access(SCENE, bar(), FRAME * np.nan), PoseError, "target 0 is not a rigid"),
-        (lambda: feeler.access(SCENE, bar(), FRAME, swing=0), OptionError, "swing is 0"),
-        (lambda: feeler.access(SCENE, bar(), FRAME, swing=361), OptionError, "swing is 361"),
-        (lambda: feeler.access(SCENE, bar(), FRAME, swing="far"), OptionError, "swing is 'far'"),
+        (lambda: feeler.access(SCENE, bar(), FRAME, swing_deg=0), OptionError, "swing_deg is 0"),
+        (lambda: feeler.access(SCENE, bar(), FRAME, swing_deg=361), OptionError, "swing_deg is 361"),
+        (lambda: feeler.access(SCENE, bar(), FRAME, swing_deg="far"), OptionError, "swing_deg is 'far'"),
         (lambda: feeler.access(SCENE, bar(), FRAME, angles=3), OptionError, "angles is 3"),
         (lambda: feeler.access(SCENE, bar(), FRAME, angles=72.5), OptionError, "angles is 72.5"),
         (lambda: feeler.access(SCENE, bar(), FRAME, angles=10**6), OptionError, "angles is 1000000"),

@@ -153,8 +153,8 @@ def test_every_result_names_the_tools_part(floor: feeler.Scene, hand: feeler.Too
         assert rows.tool_parts.tolist() == hand.part_of_face[rows.tool_triangles].tolist()
     distance = floor.distance(hand, at(0, 0, 2.74))
     assert (distance.part, distance.tool_part) == (1, 2)
-    assert floor.distance(hand, at(0, 0, 2.74), max=0.001).tool_part is None
-    assert [each.tool_part for each in floor.distance(hand, at(0, 0, 2.74), k=2)][:1] == [2]
+    assert floor.distance(hand, at(0, 0, 2.74), within=0.001).tool_part is None
+    assert [each.tool_part for each in floor.nearest(hand, at(0, 0, 2.74), 2)][:1] == [2]
 
     cast = floor.cast(hand, at(0, 0, 2), at(0, 0, 3))
     assert cast is not None and (cast.part, cast.tool_part) == (1, 2)
@@ -164,7 +164,7 @@ def test_every_result_names_the_tools_part(floor: feeler.Scene, hand: feeler.Too
 
 def test_batches_name_the_tools_part(floor: feeler.Scene, hand: feeler.Tool) -> None:
     poses = [UP, at(0, 0, 2.74), at(0, 0, 2), DOWN]
-    values = floor.distance_batch(hand, poses, max=0.1)
+    values = floor.distance_batch(hand, poses, within=0.1)
     assert values.tool_parts.tolist() == [2, 2, -1, values.tool_parts[3]] and values.tool_parts[3] in (0, 3)
     assert values[1].tool_part == 2 and values[2].tool_part is None
     rows = floor.clearance_batch(hand, poses, within=0.1, triangles=True)

@@ -134,12 +134,12 @@ def test_a_path_is_a_row_of_casts(scene: feeler.Scene, tool: feeler.Tool) -> Non
     poses = np.array([at(-3, 0, 0.3), at(0, 0, 0.3), at(0, 0, -0.3), at(0.9, 0, 0.4, 1.5), at(0, 0, 0.4)])
     check = scene.check_path(tool, poses)
     casts = [scene.cast(tool, a, b) for a, b in pairwise(poses)]
-    assert not check.free and len(check) == 4
-    assert [hit is None for hit in casts] == np.isnan(check.fraction).tolist()
+    assert not check.is_free and len(check) == 4
+    assert [hit is None for hit in casts] == np.isnan(check.fractions).tolist()
     hits = [(i, hit) for i, hit in enumerate(casts) if hit is not None]
     assert check.segments.tolist() == [i for i, _ in hits] and len(hits) >= 2
     for row, (i, hit) in enumerate(hits):
-        assert check.fraction[i] == hit.fraction
+        assert check.fractions[i] == hit.fraction
         assert check.parts[row] == hit.part
         assert check.tool_triangles[row] == hit.tool_triangle and check.mockup_triangles[row] == hit.mockup_triangle
         np.testing.assert_array_equal(check.points[row], hit.point)
@@ -151,18 +151,18 @@ def test_a_path_is_a_row_of_casts(scene: feeler.Scene, tool: feeler.Tool) -> Non
 
 def test_a_free_path_and_a_path_of_one_pose(scene: feeler.Scene, tool: feeler.Tool) -> None:
     check = scene.check_path(tool, [at(0, 0, 0.3), at(0.2, 0, 0.3), at(0.2, 0, 0.5, 1)])
-    assert check.free and check.first is None and np.isnan(check.fraction).all() and check.fraction.shape == (2,)
+    assert check.is_free and check.first is None and np.isnan(check.fractions).all() and check.fractions.shape == (2,)
     assert check.points.shape == (0, 3) and check.poses.shape == (0, 4, 4)
-    assert scene.check_path(tool, [at(0, 0, 0.3)]).free
+    assert scene.check_path(tool, [at(0, 0, 0.3)]).is_free
     once = scene.check_path(tool, [at(0, 0, 0.02)])
-    assert not once.free and once.fraction.tolist() == [0.0]
+    assert not once.is_free and once.fractions.tolist() == [0.0]
 
 
 def test_a_long_path_tells_how_far_it_is_and_stops_when_asked(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
     scene = feeler.Scene(mockup, threads=2)
     poses = np.array([at(0, 0, 0.5 + 0.3 * math.sin(i)) for i in range(20_000)])
     told: list[float] = []
-    assert scene.check_path(tool, poses, progress=lambda done, stage: told.append(done)).free
+    assert scene.check_path(tool, poses, progress=lambda done, stage: told.append(done)).is_free
     assert told == sorted(told) and told[-1] == 1.0 and len(told) > 5
 
     told.clear()
@@ -244,9 +244,9 @@ def test_a_path_of_poses_and_screws(scene: feeler.Scene, tool: feeler.Tool) -> N
     check = scene.check_path(tool, path)
     assert len(check) == 4 and check.segments.tolist() == [3]
     too_far = feeler.Screw((0, 0, 1), (0, 0, 0), -6 * math.pi, 0.3)
-    (fraction,) = scene.check_path(tool, [at(0, 0, 0.5), too_far]).fraction
+    (fraction,) = scene.check_path(tool, [at(0, 0, 0.5), too_far]).fractions
     assert 0.49 < fraction <= 0.5
-    assert not scene.check_path(tool, [at(0, 0, 0.5), too_far], touching="free").free
+    assert not scene.check_path(tool, [at(0, 0, 0.5), too_far], touching="free").is_free
     with pytest.raises(feeler.PoseError, match="begins with a pose"):
         scene.check_path(tool, [down, at(0, 0, 1)])
     with pytest.raises(feeler.PoseError):
@@ -273,7 +273,7 @@ def test_screws_are_values(scene: feeler.Scene, tool: feeler.Tool) -> None:
     ]:
         with pytest.raises(feeler.OptionError, match=what):
             feeler.Screw(axis, point, angle, pitch)  # type: ignore[arg-type]
-    for wrong in ({}, {"pose1": at(0, 0, 1), "screw": screw}, {"screw": at(0, 0, 1)}):
+    for wrong in ({}, {"end": at(0, 0, 1), "screw": screw}, {"screw": at(0, 0, 1)}):
         with pytest.raises(feeler.OptionError, match="screw"):
             scene.cast(tool, at(0, 0, 1), **wrong)  # type: ignore[arg-type]
     with pytest.raises(feeler.PoseError):

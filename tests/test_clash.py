@@ -367,10 +367,10 @@ def test_limits(mockup: feeler.Mockup) -> None:
 
 def test_excluded_pairs_are_not_asked(mockup: feeler.Mockup) -> None:
     left = {pair: verdict for pair, verdict in FOUND.items() if "bolt" not in "".join(pair)}
-    assert pairs(feeler.clash(mockup, exclude=[("*bolt*", "*")])) == left
+    assert pairs(feeler.clash(mockup, ignore=[("*bolt*", "*")])) == left
     left = {pair: verdict for pair, verdict in FOUND.items() if pair != ("house/walls/left", "house/walls/right")}
     for exclude in (np.array([[1, 0]]), np.array([[0, 1], [3, 3]]), [("house/walls", "house/walls")]):
-        assert pairs(feeler.clash(mockup, exclude=exclude)) == left
+        assert pairs(feeler.clash(mockup, ignore=exclude)) == left
 
 
 def test_a_scene_serves_and_says_who_is_there(mockup: feeler.Mockup) -> None:

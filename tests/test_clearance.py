@@ -64,7 +64,7 @@ def test_distance_of_cubes(mockup: feeler.Mockup, tool: feeler.Tool, store: dict
     assert d.tool_triangle is not None and d.mockup_triangle is not None
     assert is_on(d.point_on_tool - [1.25, 0.25, 0.25], tool.vertices[tool.faces[d.tool_triangle]])
     assert is_on(d.point_on_mockup, mockup.vertices[mockup.faces[d.mockup_triangle]])
-    rows = scene.distance(tool, at(1.25, 0.25, 0.25), k=5)
+    rows = scene.nearest(tool, at(1.25, 0.25, 0.25), 5)
     assert isinstance(rows, list)
     assert [(row.part, row.value) for row in rows] == [(0, 0.25), (2, 1.25), (3, 4.25)]
     assert scene.distance(tool, at(0.75)).value == 0.0, "the surfaces meet"
@@ -88,12 +88,12 @@ def test_clearance_of_cubes(mockup: feeler.Mockup, tool: feeler.Tool, store: dic
 
 def test_nothing_within_max(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
     scene = feeler.Scene(mockup)
-    d = scene.distance(tool, at(1.5), max=0.25)
+    d = scene.distance(tool, at(1.5), within=0.25)
     assert d.value == np.inf
     for name in ("point_on_tool", "point_on_mockup", "tool_triangle", "mockup_triangle", "part"):
         assert getattr(d, name) is None
-    assert scene.distance(tool, at(1.5), max=0.25, k=2) == []
-    assert scene.distance(tool, at(1.5), max=0.5).value == 0.5, "max itself is within"
+    assert scene.nearest(tool, at(1.5), 2, within=0.25) == []
+    assert scene.distance(tool, at(1.5), within=0.5).value == 0.5, "max itself is within"
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -101,13 +101,13 @@ def test_batches_are_as_single_queries(mockup: feeler.Mockup, tool: feeler.Tool,
     scene = feeler.Scene(mockup, threads=threads)
     poses = np.stack([at(0.1 * i - 2.0, 0.3, 0.2) for i in range(90)])
     told: list[float] = []
-    distances = scene.distance_batch(tool, poses, max=1.0, progress=lambda done, stage: told.append(done))
+    distances = scene.distance_batch(tool, poses, within=1.0, progress=lambda done, stage: told.append(done))
     assert told[-1] == 1.0 and len(distances) == 90
     clearances = scene.clearance_batch(tool, poses, within=1.0)
     assert len(clearances) == 90 and clearances.offsets.dtype == np.uint64
     assert distances.points_on_tool.shape == distances.points_on_mockup.shape == (90, 3)
     for i, pose in enumerate(poses):
-        one, near = scene.distance(tool, pose, max=1.0), scene.clearance(tool, pose, within=1.0)
+        one, near = scene.distance(tool, pose, within=1.0), scene.clearance(tool, pose, within=1.0)
         assert distances.values[i] == one.value == distances[i].value
         assert clearances[i].distances.tolist() == near.distances.tolist()
         assert clearances[i].parts.tolist() == near.parts.tolist()
@@ -128,18 +128,18 @@ def test_bad_arguments(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
     scene: Any = feeler.Scene(mockup, memory_limit=1 << 17)
     for bad in (-1.0, np.nan, -np.inf, "far", None, True):
         for query in (
-            lambda bad: scene.distance(tool, at(0), max=bad),
-            lambda bad: scene.distance(tool, at(0), max=bad, k=2),
+            lambda bad: scene.distance(tool, at(0), within=bad),
+            lambda bad: scene.nearest(tool, at(0), 2, within=bad),
             lambda bad: scene.clearance(tool, at(0), within=bad),
             lambda bad: scene.clearance(tool, at(0), within=bad, triangles=True),
-            lambda bad: scene.distance_batch(tool, at(0)[None], max=bad),
+            lambda bad: scene.distance_batch(tool, at(0)[None], within=bad),
             lambda bad: scene.clearance_batch(tool, at(0)[None], within=bad),
         ):
             with pytest.raises(feeler.OptionError):
                 query(bad)
     for k in (0, -1, 1.5, 2**40):
         with pytest.raises(feeler.OptionError, match="k is"):
-            scene.distance(tool, at(0), k=k)
+            scene.nearest(tool, at(0), k)
     with pytest.raises(feeler.PoseError):
         scene.distance(tool, 2.0 * np.eye(4))
     with pytest.raises(feeler.PoseError):

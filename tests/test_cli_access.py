@@ -130,7 +130,7 @@ def test_bad_input(stand: Path, bar: Path, tmp_path: Path) -> None:
     assert "--grip is 'up'" in error_of(*words, "--grip", "up")
     np.save(tmp_path / "two.npy", np.stack([np.eye(4)] * 2))
     assert "one matrix is needed, not 2" in error_of(*words, "--grip", tmp_path / "two.npy")
-    assert "swing is 0.0" in error_of(*words, "--swing", "0")
+    assert "swing_deg is 0.0" in error_of(*words, "--swing", "0")
     assert "angles is 2" in error_of(*words, "--angles", "2")
     assert "approach is -1.0" in error_of(*words, "--approach", "-1")
     assert "threads is 0" in error_of(*words, "--threads", "0")

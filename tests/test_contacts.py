@@ -254,7 +254,7 @@ def test_bad_margins(bench: ModuleType, margin: object) -> None:
         lambda: scene.penetration(tool, contact.pose, margin),  # type: ignore[arg-type]
         lambda: tracker.contacts(contact.pose, margin),  # type: ignore[arg-type]
     ):
-        with pytest.raises(feeler.OptionError, match="margin"):
+        with pytest.raises(feeler.OptionError, match="within"):
             ask()
 
 

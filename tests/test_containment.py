@@ -98,7 +98,7 @@ def test_containment_is_what_solid_angles_say(
     assert bool(found) == bool(containing or contained) == (not scene.is_free(tool, pose))
     check = scene.check_path(tool, [pose])
     assert check.containment is not None and told(check.containment) == told(found)
-    assert check.free == scene.is_free(tool, pose) and np.isnan(check.fraction).all()
+    assert check.is_free == scene.is_free(tool, pose) and np.isnan(check.fractions).all()
     # What is out, or ignored, holds nothing and is not held.
     for place, others in (
         (1, scene.without(0).containment(tool, pose)),
@@ -121,10 +121,10 @@ def test_a_pin_in_a_block(testdata: Path) -> None:
     assert scene.distance(pin, at()).value == pytest.approx(0.095)
     assert not scene.is_colliding(pin, at()) and not scene.is_free(pin, at())
     way = [at(), at(0.05)]
-    assert not scene.check_path(pin, way).free
+    assert not scene.check_path(pin, way).is_free
     only_meetings = scene.check_path(pin, way, inside=False)
-    assert only_meetings.free and only_meetings.containment is None
-    assert scene.is_free(pin, at(0.2)) and scene.check_path(pin, [at(0.2), at(0.3)]).free
+    assert only_meetings.is_free and only_meetings.containment is None
+    assert scene.is_free(pin, at(0.2)) and scene.check_path(pin, [at(0.2), at(0.3)]).is_free
     # The other way round: a tool around a part.
     around = feeler.Scene(feeler.Mockup(pin.vertices, pin.faces))
     found = around.containment(feeler.Tool(block.vertices, block.faces), at())
@@ -134,7 +134,7 @@ def test_a_pin_in_a_block(testdata: Path) -> None:
 def test_a_way_that_ends_inside_is_blocked_at_the_wall() -> None:
     scene, tool = feeler.Scene(feeler.Mockup(*cube((0, 0, 0), 2))), feeler.Tool(*cube((0, 0, 0), 0.1))
     check = scene.check_path(tool, [at(3), at(0)])
-    assert not check.free and not check.containment and check.segments.tolist() == [0]
+    assert not check.is_free and not check.containment and check.segments.tolist() == [0]
 
 
 @pytest.fixture(scope="module")

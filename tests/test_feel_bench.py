@@ -156,7 +156,7 @@ def test_puzzles_come_apart_along_their_way_alone(make: Any) -> None:
     puzzle = make()
     assert meshes.boundary_edges(puzzle.mockup) == meshes.boundary_edges(puzzle.tool) == 0
     scene, tool = feeler.Scene(meshes.mockup_of(puzzle.mockup)), meshes.tool_of(puzzle.tool)
-    assert scene.check_path(tool, puzzle.way).free
+    assert scene.check_path(tool, puzzle.way).is_free
     # as near as the construction says; chords of the rods' curves cut inside by a little
     assert scene.distance_batch(tool, puzzle.way).values.min() == pytest.approx(puzzle.clearance, rel=5e-3)
     far = 0.3

@@ -43,15 +43,15 @@ def check(scene: feeler.Scene, found: feeler.Removal) -> None:
     tool, rest = feeler.Tool.of_parts(scene.mockup, "peg"), scene.without("peg")
     np.testing.assert_allclose(found.poses[-1], np.eye(4), atol=1e-12)
     np.testing.assert_allclose(found.legs[-1].pose, np.eye(4), atol=1e-12)
-    assert rest.check_path(tool, found.path, touching="free").free
-    assert rest.check_path(tool, found.poses, touching="free").free
+    assert rest.check_path(tool, found.path, touching="free").is_free
+    assert rest.check_path(tool, found.poses, touching="free").is_free
     assert sum(leg.path_length for leg in found.legs) == pytest.approx(found.path_length)
 
 
 def test_a_peg_goes_down_into_its_pocket() -> None:
     scene = scene_of()
     out, found = feeler.removal(scene, "peg"), feeler.insertion(scene, "peg")
-    assert found.found and found.free
+    assert found.is_found
     np.testing.assert_array_equal(found.poses, out.poses[::-1])
     assert [str(leg) for leg in found.legs] == [str(leg).replace("+z", "-z") for leg in out.legs]
     check(scene, found)
@@ -61,7 +61,7 @@ def test_a_peg_goes_down_into_its_pocket() -> None:
 def test_a_peg_goes_from_a_tray_into_its_pocket(options: dict[str, float]) -> None:
     scene = scene_of()
     found = feeler.insertion(scene, "peg", start=lying(), seconds=60.0, **options)  # type: ignore[arg-type]
-    assert found.found and len(found.legs) >= 3
+    assert found.is_found and len(found.legs) >= 3
     np.testing.assert_allclose(found.poses[0], lying(), atol=1e-12)
     assert found.rotation == pytest.approx(np.pi / 2, abs=0.2)
     check(scene, found)
@@ -70,7 +70,7 @@ def test_a_peg_goes_from_a_tray_into_its_pocket(options: dict[str, float]) -> No
 def test_a_lid_on_either_end_is_told() -> None:
     lid = box([-0.03, -0.03, 0.05], [0.03, 0.03, 0.06])
     closed = feeler.insertion(scene_of(lid=lid), "peg", start=lying(), seconds=2.0)
-    assert not closed.found and "lid" in [each.path for each in closed.blocked_by]
+    assert not closed.is_found and "lid" in [each.path for each in closed.blocked_by]
     # The tray as a closed box.
     shell = {
         "sides": box([0.19, -0.03, 0.0], [0.2, 0.03, 0.03]),
@@ -79,7 +79,7 @@ def test_a_lid_on_either_end_is_told() -> None:
         "cover": box([0.1, -0.03, 0.03], [0.2, 0.03, 0.04]),
     }
     shut = feeler.insertion(scene_of(**shell), "peg", start=lying(), seconds=2.0)
-    assert not shut.found and shut.legs == () and "cover" in [each.path for each in shut.blocked_by]
+    assert not shut.is_found and shut.legs == () and "cover" in [each.path for each in shut.blocked_by]
     np.testing.assert_allclose(shut.poses, lying()[None], atol=1e-12)
 
 
@@ -93,16 +93,16 @@ def test_a_goal_beside_the_place_is_reached() -> None:
     scene = scene_of()
     goal = lying()
     found = feeler.insertion(scene, "peg", start=np.eye(4), goal=goal, seconds=60.0)
-    assert found.found
+    assert found.is_found
     np.testing.assert_allclose(found.poses[0], np.eye(4), atol=1e-12)
     np.testing.assert_allclose(found.poses[-1], goal, atol=1e-12)
     tool, rest = feeler.Tool.of_parts(scene.mockup, "peg"), scene.without("peg")
-    assert rest.check_path(tool, found.path, touching="free").free
+    assert rest.check_path(tool, found.path, touching="free").is_free
     # From outside.
     alone = feeler.insertion(scene, "peg", goal=goal)
-    assert alone.found
+    assert alone.is_found
     np.testing.assert_allclose(alone.poses[-1], goal, atol=1e-12)
-    assert rest.check_path(tool, alone.path, touching="free").free
+    assert rest.check_path(tool, alone.path, touching="free").is_free
 
 
 def test_a_hand_that_holds_the_part_comes_along() -> None:
@@ -112,9 +112,9 @@ def test_a_hand_that_holds_the_part_comes_along() -> None:
     grip = np.eye(4)
     grip[2, 3] = 0.055
     found = feeler.insertion(scene, "peg", tool=hand, grip=grip)
-    assert found.found
+    assert found.is_found
     held = feeler.Tool.assembly({"peg": feeler.Tool.of_parts(scene.mockup, "peg"), "hand": (hand, grip)})
-    assert scene.without("peg").check_path(held, found.path, touching="free").free
+    assert scene.without("peg").check_path(held, found.path, touching="free").is_free
     low = np.eye(4)
     low[2, 3] = 0.045
     with pytest.raises(feeler.PoseError, match="meets"):
@@ -126,4 +126,4 @@ def test_a_hand_that_holds_the_part_comes_along() -> None:
     in_tray[1, 3] = 0.05
     with pytest.raises(feeler.PoseError, match="tray"):
         feeler.insertion(scene, "peg", goal=in_tray, tool=hand, grip=grip)
-    assert feeler.insertion(scene, "peg", goal=in_tray).found
+    assert feeler.insertion(scene, "peg", goal=in_tray).is_found

@@ -245,7 +245,7 @@ def test_a_scene_without_parts_answers_as_one_built_without_them(
     # Rows of triangles: the loop ends with them.
     assert near.mockup_triangles.tolist() == number[expected_near.mockup_triangles].tolist()
     same_distance(left.distance(tool, pose), other.distance(tool, pose), number)
-    for one, two in zip(left.distance(tool, pose, k=3), other.distance(tool, pose, k=3), strict=True):
+    for one, two in zip(left.nearest(tool, pose, 3), other.nearest(tool, pose, 3), strict=True):
         same_distance(one, two, number)
 
     same_contacts(left.contacts(tool, pose), other.contacts(tool, pose))
@@ -268,7 +268,7 @@ def test_a_scene_without_parts_answers_as_one_built_without_them(
     assert rows.offsets.tolist() == expected_rows.offsets.tolist()
     assert [rows_of(rows[i]) for i in (0, 1)] == [rows_of(expected_rows[i]) for i in (0, 1)]
     check, expected_check = (each.check_path(tool, poses) for each in (left, other))
-    assert check.free == expected_check.free
+    assert check.is_free == expected_check.is_free
 
 
 @given(gone=st.sets(st.integers(0, 7)), pose=POSES)
@@ -297,9 +297,9 @@ def test_nothing_there_is_free(scene: feeler.Scene, tool: feeler.Tool) -> None:
     nothing = scene.without("*")
     assert "0 of 8 parts there" in repr(nothing)
     assert not nothing.collide(tool, at()) and nothing.is_free(tool, at())
-    assert nothing.distance(tool, at()).part is None and nothing.distance(tool, at(), k=2) == []
+    assert nothing.distance(tool, at()).part is None and nothing.nearest(tool, at(), 2) == []
     assert len(nothing.contacts(tool, at())) == 0 and nothing.penetration(tool, at()).depth == 0
-    assert nothing.check_path(tool, [at(), at(3)]).free and nothing.cast(tool, at(), at(3)) is None
+    assert nothing.check_path(tool, [at(), at(3)]).is_free and nothing.cast(tool, at(), at(3)) is None
 
 
 def test_the_mask_is_of_the_scene_alone(scene: feeler.Scene) -> None:

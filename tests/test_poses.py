@@ -182,3 +182,45 @@ def test_the_command_line_snaps(command: str, tmp_path: Path) -> None:
     np.savetxt(file, np.diag([2.0, 2.0, 2.0, 1.0]))
     scaled = CliRunner().invoke(app, [*words, "--snap-pose"])
     assert scaled.exit_code == 2 and "robot.txt" in scaled.output and "not rigid" in scaled.output
+
+
+class Transform:
+    """As SciPy's `RigidTransform` and `Rotation` are."""
+
+    def __init__(self, matrix: np.ndarray) -> None:
+        self._matrix = matrix
+
+    def as_matrix(self) -> np.ndarray:
+        return self._matrix
+
+
+def test_poses_of_other_libraries_are_read() -> None:
+    pose = np.eye(4)
+    pose[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    pose[:3, 3] = 0.1, 0.2, 0.3
+    turn, shift = pose[:3, :3], pose[:3, 3]
+    scene = feeler.Scene(feeler.sample("differential", 10_000))
+    tool = feeler.sample_tool("wrench")
+    expected = scene.distance(tool, pose).value
+    kinds: dict[str, Any] = {
+        "pair": (turn, shift),
+        "lists": (turn.tolist(), shift.tolist()),
+        "transform": Transform(pose),
+        "rotation and translation": (Transform(turn), shift),
+        "rows": pose.tolist(),
+    }
+    for name, kind in kinds.items():
+        assert scene.distance(tool, kind).value == expected, name
+        assert feeler.nearest_rigid(kind).tolist() == pose.tolist(), name
+        assert scene.cast(tool, kind, kind) is None, name
+        assert scene.distance_batch(tool, [kind, kind]).values.tolist() == [expected] * 2, name
+        assert scene.check_path(tool, [kind, feeler.Screw([0, 0, 1], [0, 0, 0], 0.1)]).poses.shape[1:] == (4, 4), name
+        session = feeler.haptics.Session(scene, tool)
+        session.start(kind)
+        assert session.step(kind).world_from_proxy.tolist() == pose.tolist(), name
+    both = Transform(np.stack([pose, pose]))
+    assert scene.distance_batch(tool, both).values.tolist() == [expected] * 2
+    assert feeler.nearest_rigid((pose, pose)).shape == (2, 4, 4)
+    for wrong in ((turn, pose), (shift, turn), Transform(turn), (Transform(pose), shift)):
+        with pytest.raises(feeler.PoseError, match=r"shape"):
+            scene.distance(tool, wrong)

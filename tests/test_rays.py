@@ -140,7 +140,7 @@ def test_parts_limits_and_sections() -> None:
     origins, directions = np.tile([0.5, 0.0, 3.0], (40, 1)), np.tile([0, 0, -1], (40, 1))
     assert scene.rays(origins, directions).parts.tolist() == [0] * 40
     assert scene.without("right").rays(origins, directions).parts.tolist() == [-1] * 40
-    assert scene.rays(origins[:2], directions[:2], max=2.9).triangles.tolist() == [-1, -1]
+    assert scene.rays(origins[:2], directions[:2], within=2.9).triangles.tolist() == [-1, -1]
     assert scene.rays(origins[:2], directions[:2], sections=[[1, 0, 0, 0.6]]).triangles.tolist() == [-1, -1]
     assert scene.rays(origins[:2], directions[:2], sections=[[1, 0, 0, 0.5]]).triangles.tolist() == [0, 0]
 
@@ -160,8 +160,8 @@ def test_no_rays_are_an_empty_answer(nothing: Any) -> None:
         (([0, 0, 0], [0, 0, 1]), {}, r"origins has shape \(3,\)"),
         (([["a", "b", "c"]], [[0, 0, 1]]), {}, "origins has dtype"),
         (([[0, 0, 0]], [[0, 0, 1], [0, 0, 1]]), {}, "1 origins but 2 directions"),
-        (([[0, 0, 0]], [[0, 0, 1]]), {"max": -1}, "max is -1"),
-        (([[0, 0, 0]], [[0, 0, 1]]), {"max": "far"}, "max is 'far'"),
+        (([[0, 0, 0]], [[0, 0, 1]]), {"within": -1}, "within is -1"),
+        (([[0, 0, 0]], [[0, 0, 1]]), {"within": "far"}, "within is 'far'"),
         (([[0, 0, 0]], [[0, 0, 1]]), {"sections": [[0, 0, 1]]}, r"sections has shape \(1, 3\)"),
         (([[0, 0, 0]], [[0, 0, 1]]), {"sections": [[0, 0, 0, 1]]}, r"sections\[0\] is .*not zero"),
     ],

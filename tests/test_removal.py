@@ -80,11 +80,11 @@ def samples(tool: feeler.Tool, poses: Floats, count: int = 300) -> Floats:
 
 
 def test_the_way_is_free_by_another_look(duct: feeler.Scene, found: feeler.Removal) -> None:
-    assert found.found and found.free and found.certificate.method != "straight"
+    assert found.is_found and found.certificate.method != "straight"
     assert found.rotation == 0.0  # none is needed
     assert (found.poses[0] == np.eye(4)).all() and len(found.poses) > 2
     cube, rest = feeler.Tool.of_parts(duct.mockup, "cube"), duct.without("cube")
-    assert rest.check_path(cube, found.poses).free
+    assert rest.check_path(cube, found.poses).is_free
     poses = samples(cube, found.poses)
     batch = rest.collide_batch(cube, np.array([feeler.nearest_rigid(pose) for pose in poses]))
     assert len(batch.pairs) == 0
@@ -101,14 +101,14 @@ def test_the_same_on_any_number_of_threads(duct: feeler.Scene, found: feeler.Rem
         assert again.certificate == found.certificate
         assert [(b.path, b.count) for b in again.blocked_by] == [(b.path, b.count) for b in found.blocked_by]
     other = feeler.removal(duct, "cube", seed=4)
-    assert other.found and other.certificate.casts != found.certificate.casts
+    assert other.is_found and other.certificate.casts != found.certificate.casts
 
 
 def test_a_closed_box_ends_in_time_and_is_named() -> None:
     closed = scene_of(**DUCT, lid=LID)
     asked: list[str] = []
     answer = feeler.removal(closed, "cube", seconds=1.5, progress=lambda _, stage: asked.append(stage))
-    assert not answer.found and not answer.free and answer.is_out_of_time
+    assert not answer.is_found and answer.is_out_of_time
     assert np.isnan(answer.clearance) and (answer.poses == np.eye(4)).all()
     names = [blocker.path for blocker in answer.blocked_by]
     assert "lid" in names and set(names) <= set(closed.mockup.part_paths) - {"cube"}
@@ -131,20 +131,20 @@ def test_what_may_meet() -> None:
         strip=box([-0.01, -0.005, 0.02], [0.01, 0.005, 0.03]),
     )
     up = [0.0, 0.0, 1.0]
-    assert feeler.removal(scene, "plug", seconds=20.0).found
+    assert feeler.removal(scene, "plug", seconds=20.0).is_found
     for names in (["left", "right", "gasket", "strip"], "*"):
         assert feeler.removal(scene, "plug", allow=names, directions=up).certificate.method == "straight"
     # Sideways, or down through the gasket, since the strip is in the way and is not named.
     way = feeler.removal(scene, "plug", allow=["start", "gasket"], directions=up)
-    assert way.found and (abs(way.poses[-1][1, 3]) > 0.01 or way.poses[-1][2, 3] < -0.01)
+    assert way.is_found and (abs(way.poses[-1][1, 3]) > 0.01 or way.poses[-1][2, 3] < -0.01)
     refused = feeler.removal(scene, "plug", allow=["gasket"])
-    assert not refused.found and {b.path for b in refused.blocked_by} == {"left", "right", "strip"}
+    assert not refused.is_found and {b.path for b in refused.blocked_by} == {"left", "right", "strip"}
     for nothing in (None, [], 0.0):
         refused = feeler.removal(scene, "plug", allow=nothing)
         assert {b.path for b in refused.blocked_by} == {"left", "right", "strip", "gasket"}
     # By as much as the gasket is pressed.
-    assert feeler.removal(scene, "plug", allow=0.0011).found
-    assert not feeler.removal(scene, "plug", allow=0.0009).found
+    assert feeler.removal(scene, "plug", allow=0.0011).is_found
+    assert not feeler.removal(scene, "plug", allow=0.0009).is_found
 
 
 def test_what_grips_moves_along(duct: feeler.Scene) -> None:
@@ -152,9 +152,9 @@ def test_what_grips_moves_along(duct: feeler.Scene) -> None:
     inside = np.eye(4)
     inside[0, 3] = 0.004
     answer = feeler.removal(duct, "cube", tool=handle, start=inside)
-    assert answer.found
+    assert answer.is_found
     both = feeler.Tool.assembly({"cube": feeler.Tool.of_parts(duct.mockup, "cube"), "handle": (handle, inside)})
-    assert duct.without("cube").check_path(both, answer.poses).free
+    assert duct.without("cube").check_path(both, answer.poses).is_free
     inside[0, 3] = 0.058
     with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' meets 'east'"):
         feeler.removal(duct, "cube", tool=handle, start=inside)
@@ -175,9 +175,9 @@ def test_directions_come_first() -> None:
 def test_several_parts_move_as_one() -> None:
     with_passenger = scene_of(**DUCT, passenger=box([-0.001] * 3, [0.001] * 3))
     both = feeler.removal(with_passenger, ["cube", "passenger"])
-    assert both.found
+    assert both.is_found
     alone = feeler.removal(with_passenger, "passenger", seconds=0.1)
-    assert not alone.found and {b.path for b in alone.blocked_by} == {"cube"}
+    assert not alone.is_found and {b.path for b in alone.blocked_by} == {"cube"}
 
 
 def test_a_result_travels(found: feeler.Removal) -> None:
@@ -244,7 +244,7 @@ def test_progress_may_stop_it() -> None:
     with pytest.raises(RemovalInterrupted) as stopped:
         feeler.removal(closed, "cube", seconds=1000, progress=stop)
     until_then = stopped.value.removal
-    assert not until_then.found and "lid" in [each.path for each in until_then.blocked_by]
+    assert not until_then.is_found and "lid" in [each.path for each in until_then.blocked_by]
     assert [stage for _, stage in told if stage == "straight ways"] and told == sorted(told, key=lambda each: each[0])
 
     def fail(_: float, stage: str) -> None:
@@ -273,7 +273,7 @@ COVER = "gearbox/covers/idler_front"
 def test_ways_are_those_of_the_truth(gearbox: Any, path: str) -> None:
     step = gearbox.step(path)
     found = feeler.removal(gearbox.scene.without(gearbox.out(step)), list(step.parts), seconds=60.0)
-    assert found.found and found.certificate.method == "straight"
+    assert found.is_found and found.certificate.method == "straight"
     pull = step.legs[-1]
     assert found.poses[-1][:3, 3] / found.path_length @ pull.axis == pytest.approx(1.0, abs=1e-3)
 
@@ -290,7 +290,7 @@ def test_what_the_truth_takes_out_first_is_in_the_way(gearbox: Any, path: str, h
     out = [each for each in gearbox.out(step) if each != holds]
     pull = step.legs[-1].axis
     found = feeler.removal(gearbox.scene.without(out), list(step.parts), directions=[pull], seconds=4.0, threads=1)
-    assert not found.found and holds in [each.path for each in found.blocked_by]
+    assert not found.is_found and holds in [each.path for each in found.blocked_by]
 
 
 def test_a_bowl_turns_out_of_its_bayonet_and_not_through_a_guard(gearbox: Any, faulty_gearbox: Any) -> None:
@@ -302,7 +302,7 @@ def test_a_bowl_turns_out_of_its_bayonet_and_not_through_a_guard(gearbox: Any, f
         moving = feeler.Tool.of_parts(of.mockup, list(step.parts))
         scene = of.scene.without([*out, *step.parts])
         check = scene.check_path(moving, way, touching="free", ignore=seat)
-        return None if check.free else str(of.mockup.part_paths[check.first.part])
+        return None if check.is_free else str(of.mockup.part_paths[check.first.part])
 
     way, out = gearbox.poses(step), gearbox.out(step)
     assert first_met(gearbox, out, way) is None
@@ -321,7 +321,7 @@ def test_what_its_neighbours_leave_no_way_is_held_by_them(duct: feeler.Scene) ->
         for side in (0, 1)
     }
     held = feeler.removal(scene_of(**core, **walls), "core", seconds=60.0)
-    assert not held.found and not held.is_out_of_time and held.seconds < 30.0
+    assert not held.is_found and not held.is_out_of_time and held.seconds < 30.0
     assert {part.path for part in held.held_by} == set(walls)
     assert 0.0001 <= held.play < 0.001
     assert "held by x0" in repr(held)
@@ -330,7 +330,7 @@ def test_what_its_neighbours_leave_no_way_is_held_by_them(duct: feeler.Scene) ->
     for name in walls:
         rest = {other: mesh for other, mesh in walls.items() if other != name}
         free = feeler.removal(scene_of(**core, **rest), "core")
-        assert free.found and free.held_by == () and np.isnan(free.play)
-        assert feeler.removal(scene_of(**core, **walls), "core", allow=["start", name]).found
+        assert free.is_found and free.held_by == () and np.isnan(free.play)
+        assert feeler.removal(scene_of(**core, **walls), "core", allow=["start", name]).is_found
     stuck = feeler.removal(scene_of(**DUCT, lid=LID), "cube", seconds=0.5)
-    assert not stuck.found and stuck.held_by == () and np.isnan(stuck.play)
+    assert not stuck.is_found and stuck.held_by == () and np.isnan(stuck.play)

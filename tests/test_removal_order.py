@@ -36,31 +36,31 @@ def names(scene: feeler.Scene, parts: tuple[int, ...]) -> list[str]:
 
 def test_what_is_over_it_goes_first(chest: feeler.Scene) -> None:
     order = feeler.removal_order(chest, "thing", seconds=10.0, threads=1, keep="chest")
-    assert order.found and names(chest, order.parts) == ["cover", "lid", "thing"]
+    assert order.is_found and names(chest, order.parts) == ["cover", "lid", "thing"]
     # Each way is free of all that is still there.
     gone: list[int] = []
     for step in order:
         scene = chest.without(gone) if gone else chest
         tool = feeler.Tool.of_parts(chest.mockup, list(step.parts))
         check = scene.without(list(step.parts)).check_path(tool, step.removal.poses, touching="free")
-        assert step.removal.found and check.free
+        assert step.removal.is_found and check.is_free
         gone += step.parts
 
 
 def test_what_comes_out_by_itself_is_one_step(chest: feeler.Scene) -> None:
     order = feeler.removal_order(chest, "cover", threads=1)
-    assert order.found and len(order) == 1 and names(chest, order.parts) == ["cover"]
+    assert order.is_found and len(order) == 1 and names(chest, order.parts) == ["cover"]
 
 
 def test_the_scene_says_what_is_there(chest: feeler.Scene) -> None:
     order = feeler.removal_order(chest.without("cover"), "thing", seconds=10.0, threads=1, keep="chest")
-    assert order.found and names(chest, order.parts) == ["lid", "thing"]
+    assert order.is_found and names(chest, order.parts) == ["lid", "thing"]
 
 
 def test_what_cannot_come_out_is_not_claimed_to() -> None:
     closed = feeler.Scene(closed_box(), threads=1)
     order = feeler.removal_order(closed, "inner", seconds=2.0, threads=1)
-    assert not order.found
+    assert not order.is_found
     assert [closed.mockup.part_names[each.part] for each in order.steps[-1].removal.blocked_by] == ["outer"]
 
 
@@ -81,7 +81,7 @@ def test_all_the_time_is_used_before_it_gives_up() -> None:
         keep="outer",
         progress=lambda done, what: told.append((done, what)),
     )
-    assert not order.found and order.seconds >= 1.0
+    assert not order.is_found and order.seconds >= 1.0
     shares = [done for done, _ in told]
     assert shares == sorted(shares) and 0.0 <= shares[0] < 0.5 < shares[-1] <= 1.0
     assert any("inner" in what for _, what in told)
@@ -105,7 +105,7 @@ def orders() -> Any:
 @pytest.mark.parametrize("seed", range(7))
 def test_orders_of_random_assemblies_are_valid_and_short(orders: Any, seed: int) -> None:
     answer = orders.answer(seed, 20.0)  # one of each kind; all of these come apart
-    assert answer.order.found and not answer.faults and answer.is_short
+    assert answer.order.is_found and not answer.faults and answer.is_short
 
 
 def plates_under_bolts(orders: Any) -> Any:
@@ -129,7 +129,7 @@ def test_bolts_go_before_what_they_join(orders: Any, wanted: int) -> None:
     made = plates_under_bolts(orders)
     made.wanted = wanted
     order = feeler.removal_order(feeler.Scene(made.mockup(), threads=1), wanted, seconds=20.0, threads=1)
-    assert order.found and not orders.faults(made, order)
+    assert order.is_found and not orders.faults(made, order)
     assert set(order.parts[:-1]) == {2, 3, 4, 5, 6} and order.parts.index(6) < order.parts.index(2)
     assert order.parts[-1] == wanted and len(order) == 6
 
@@ -144,7 +144,7 @@ def test_interlocked_halves_leave_their_tray_together(orders: Any) -> None:
     made.fill(0, slice(6, 9), slice(1, 3), slice(1, 2))
     made.fill(1, slice(3, 6), slice(4, 6), slice(1, 2))
     order = feeler.removal_order(feeler.Scene(made.mockup(), threads=1), 0, seconds=20.0, threads=1, keep=2)
-    assert [step.parts for step in order] == [(0, 1)] and order.found and not orders.faults(made, order)
+    assert [step.parts for step in order] == [(0, 1)] and order.is_found and not orders.faults(made, order)
 
 
 def test_what_is_kept_stays(orders: Any) -> None:

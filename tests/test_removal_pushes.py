@@ -150,7 +150,7 @@ def test_a_way_is_found_and_free_by_another_library(name: str) -> None:
     part, rest = ((v @ turn.T, f) for v, f in map(arrays, PUZZLES[name]))
     scene = feeler.Scene(mockup_of({"part": part, "rest": rest}))
     found = feeler.removal(scene, "part", seconds=60.0, threads=1)
-    assert found.found and found.free and found.certificate.method != "straight"
+    assert found.is_found and found.certificate.method != "straight"
     moving, still, request = bvh(*part), bvh(*rest), coal.CollisionRequest()
     tool = feeler.Tool.of_parts(scene.mockup, "part")
     way = samples(tool, found.poses, 150)
@@ -176,17 +176,17 @@ def test_a_key_is_turned_and_pulled_by_exact_legs() -> None:
     saved = json.loads(json.dumps([leg.as_json() for leg in found.legs]))
     path = path_of_json(saved)
     assert path[1] == turn.screw and len(path) == len(found.path)
-    assert rest.check_path(tool, path, touching="free").free
+    assert rest.check_path(tool, path, touching="free").is_free
     # The way in is the same, turned round.
     into = feeler.insertion(scene, "part", seconds=60.0, threads=1)
     assert into.legs[-1].screw == turn.screw.reversed()
     np.testing.assert_allclose(into.legs[-1].screw.at(into.legs[-2].pose), np.eye(4), atol=1e-12)
-    assert rest.check_path(tool, into.path, touching="free").free
+    assert rest.check_path(tool, into.path, touching="free").is_free
     # Turned by half of it, it does not come out.
     half = feeler.Screw(turn.screw.axis, turn.screw.point, 0.5 * turn.screw.angle)
     out = half.at(np.eye(4))
     out[:3, 3] += found.legs[-1].pose[:3, 3] - turn.pose[:3, 3]
-    assert not rest.check_path(tool, [np.eye(4), half, out], touching="free").free
+    assert not rest.check_path(tool, [np.eye(4), half, out], touching="free").is_free
 
 
 def test_legs_are_said_as_a_person_says_them() -> None:
@@ -212,4 +212,4 @@ def test_a_closed_box_is_not_left() -> None:
     room = box(-0.05, 0.05, -0.05, 0.05, -0.05, 0.05) - box(-0.04, 0.04, -0.04, 0.04, -0.04, 0.04)
     scene = feeler.Scene(mockup_of({"part": arrays(box(-0.01, 0.01, -0.01, 0.01, -0.01, 0.01)), "rest": arrays(room)}))
     found = feeler.removal(scene, "part", seconds=0.5, threads=1)
-    assert not found.found and [each.path for each in found.blocked_by] == ["rest"]
+    assert not found.is_found and [each.path for each in found.blocked_by] == ["rest"]

@@ -92,7 +92,7 @@ def test_a_bolt_without_a_hole_leaves_along_its_axis_alone_in_all_rooms(engine: 
     met = engine.without([part]).collide(own, np.eye(4)).parts.tolist()
     scene, around = engine.only([*met, part]), engine.only(met)
     found = feeler.removal(scene, part, seconds=2.0)
-    assert found.found and len(found.poses) == 2
+    assert found.is_found and len(found.poses) == 2
     axis = found.poses[-1][:3, 3] - found.poses[0][:3, 3]
     axis /= np.linalg.norm(axis)
     size = float(np.linalg.norm(np.ptp(own.vertices, axis=0)))
@@ -121,7 +121,7 @@ def test_ways_out_are_gone_by_the_hand_and_with_force(engine: feeler.Scene) -> N
     tried = 0
     for part in range(0, len(names), 23):
         found = feeler.removal(engine, part, seconds=0.3)
-        if not found.found or len(found.poses) > 3:
+        if not found.is_found or len(found.poses) > 3:
             continue
         tried += 1
         way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
@@ -136,7 +136,7 @@ def test_ways_out_of_other_samples_are_gone_too(name: str) -> None:
     tried = 0
     for part in range(3, scene.mockup.part_count, scene.mockup.part_count // 24):
         found = feeler.removal(scene, part, seconds=0.5)
-        if not found.found or len(found.poses) > 3:
+        if not found.is_found or len(found.poses) > 3:
             continue
         tried += 1
         way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
@@ -167,7 +167,7 @@ def test_a_thin_part_does_not_pass_what_it_is_sunk_in(name: str) -> None:
     ahead = np.array([0.0, 0.0, 1.0] if name == "head" else [1.0, 0.0, 0.0])
     # It can leave another way.
     found = feeler.removal(scene, 0, directions=[ahead], seconds=5.0)
-    assert found.found and found.poses[-1][:3, 3] @ ahead < 0.02
+    assert found.is_found and found.poses[-1][:3, 3] @ ahead < 0.02
     for reach in (3e-4, 2e-3, 1e-2):
         way = [np.eye(4), shifted(reach * ahead)]
         for end in (dragged(scene, 0, way), led(scene, 0, way, 0.3)):
@@ -224,7 +224,7 @@ def test_a_bolt_through_a_plate_leaves_to_the_side_where_nothing_holds_it(head: 
     up, down = [np.eye(4), shifted(np.array([0, 0, 0.06]))], [np.eye(4), shifted(np.array([0, 0, -0.06]))]
     np.testing.assert_allclose(dragged(scene, 0, up), up[-1], atol=1e-9)
     np.testing.assert_allclose(gone(session, bolt[0], up, 0.002), up[-1], atol=5e-4)
-    assert feeler.removal(scene, 0, seconds=5.0).found
+    assert feeler.removal(scene, 0, seconds=5.0).is_found
     assert (dragged(scene, 0, down)[2, 3] > -1e-5) == (head > 0.0)
 
 

@@ -58,7 +58,7 @@ def assert_tight(mesh: feeler.Mockup, tool: feeler.Tool, poses: list[Floats], er
     for pose in between(tool, poses, 0.1 * error):
         own = np.tile(np.eye(4), (len(points), 1, 1))
         own[:, :3, 3] = (points - pose[:3, 3]) @ pose[:3, :3]
-        least = np.minimum(least, scene.distance_batch(probes[0], own, max=1.5 * error).values)
+        least = np.minimum(least, scene.distance_batch(probes[0], own, within=1.5 * error).values)
     # What lies between two times, and the size of the probe.
     assert least.max() <= 1.06 * error
 

@@ -46,8 +46,8 @@ OUT = lifted(np.linspace(0, 0.05, 6))
 def test_a_seated_pin_is_drawn_out_and_put_back(seat: feeler.Scene, pin: feeler.Tool) -> None:
     for poses in (OUT, OUT[::-1]):
         check = seat.check_path(pin, poses, touching="free")
-        assert check.free and np.isnan(check.fraction).all() and check.first is None
-        assert not seat.check_path(pin, poses).free
+        assert check.is_free and np.isnan(check.fractions).all() and check.first is None
+        assert not seat.check_path(pin, poses).is_free
     for pose in OUT:
         assert not seat.is_colliding(pin, pose, touching="free")
     # Out of the hole by more than its depth nothing is touched any more.
@@ -68,7 +68,7 @@ def test_a_seated_pin_is_drawn_out_and_put_back(seat: feeler.Scene, pin: feeler.
 )
 def test_what_does_not_fit_enters(seat: feeler.Scene, pin: feeler.Tool, pose: Floats) -> None:
     assert seat.is_colliding(pin, pose, touching="free")
-    assert not seat.check_path(pin, [pose], touching="free").free
+    assert not seat.check_path(pin, [pose], touching="free").is_free
     # As an end of a way it is an impact too, however small: poses are decided exactly.
     for way in ([OUT[-1], pose], [pose, OUT[-1]]):
         assert seat.cast(pin, *way, touching="free") is not None
@@ -88,10 +88,10 @@ def test_the_ways_that_walls_block(seat: feeler.Scene, pin: feeler.Tool) -> None
 def test_a_path_ends_where_the_pin_jams(seat: feeler.Scene, pin: feeler.Tool) -> None:
     poses = np.stack([at(), at(0, 0, 0.01), at(0, 0, 0.01, 30), at(0, 0, 0.05, 30), at(0, 0, 0.05)])
     check = seat.check_path(pin, poses, touching="free")
-    assert not check.free and check.segments.tolist() == [1, 2]
+    assert not check.is_free and check.segments.tolist() == [1, 2]
     single = [seat.cast(pin, *pair, touching="free") for pair in pairwise(poses)]
     assert [hit is not None for hit in single] == [False, True, True, False]
-    for fraction, hit in zip(check.fraction, single, strict=True):
+    for fraction, hit in zip(check.fractions, single, strict=True):
         assert np.isnan(fraction) if hit is None else fraction == hit.fraction
 
 
@@ -102,8 +102,8 @@ def test_a_part_of_the_mock_up_is_drawn_out_of_its_seat(seat: feeler.Scene, pin:
     }
     whole = feeler.Scene(mockup_of({**walls, "pin": (pin.vertices, pin.faces)}), storage=seat.storage)
     moving, rest = feeler.Tool.of_parts(whole.mockup, "pin"), whole.without("pin")
-    assert rest.check_path(moving, OUT, touching="free").free
-    assert not whole.check_path(moving, OUT, touching="free").free, "in its own place it enters itself"
+    assert rest.check_path(moving, OUT, touching="free").is_free
+    assert not whole.check_path(moving, OUT, touching="free").is_free, "in its own place it enters itself"
 
 
 # --- bodies on a lattice ---------------------------------------------------------------------------------------------
@@ -142,7 +142,7 @@ def test_boxes_on_a_lattice_enter_where_their_insides_do(static: list[Spans], mo
     mirrored = feeler.Tool(*inverted(mesh_of(moving)))
     assert scene.is_colliding(mirrored, pose, touching="free") == expected
     assert (scene.cast(tool, pose, pose, touching="free") is not None) == expected
-    assert scene.check_path(tool, [pose], touching="free", inside=False).free == (not expected)
+    assert scene.check_path(tool, [pose], touching="free", inside=False).is_free == (not expected)
 
 
 @given(static=BOX, moving=BOX, axis=st.integers(0, 2), steps=st.integers(-6, 6))

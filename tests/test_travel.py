@@ -93,7 +93,9 @@ def reached() -> dict[str, list[Any]]:
         ["bolt", "wall"],
     )
     found = feeler.find_fasteners(mock)
-    reach = feeler.access(feeler.Scene(mock), feeler.Tool(*box((0.02, 0.0, 0.0), 0.03), "probe"), found, swing=300.0)
+    reach = feeler.access(
+        feeler.Scene(mock), feeler.Tool(*box((0.02, 0.0, 0.0), 0.03), "probe"), found, swing_deg=300.0
+    )
     assert len(found) == 1 and reach.blockers
     return {
         "Fasteners": [found, found[:0]],
@@ -119,7 +121,7 @@ def removed() -> dict[str, list[Any]]:
     stopped = feeler.removal(scene, "low", directions=[[1, 0, 0]], threads=1)
     assert stopped.blocked_by
     within = feeler.removal(scene, "wall", directions=[[-1, 0, 0]], seconds=1e-9)
-    assert not within.found
+    assert not within.is_found
     order = feeler.removal_order(scene, "high", threads=1)
     return {
         "Removal": [straight, stopped, within],

@@ -55,7 +55,7 @@ def main() -> None:
             if part not in gone:
                 there = scene.without(gone) if gone else scene
                 order = feeler.removal_order(there, part, seconds=min(limit, left), threads=1)
-                gone += order.parts if order.found else ()
+                gone += order.parts if order.is_found else ()
         spent = time.perf_counter() - begin
         print(
             f"round {number + 1}: {len(gone) - before} parts, {len(gone)} of {mockup.part_count}, {spent:.0f} s",

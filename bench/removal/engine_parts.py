@@ -30,7 +30,7 @@ def straight_ways(size: int, every: int) -> Result:
     with host.on_core(host.last_core()):
         for part in range(0, mockup.part_count, every):
             found, seconds = _timed(scene, part, LEAST_S)
-            (straight if found.found and is_straight(found) else others).append(seconds)
+            (straight if found.is_found and is_straight(found) else others).append(seconds)
     return {
         "triangles": mockup.triangle_count,
         "parts": len(straight) + len(others),
@@ -53,9 +53,9 @@ def rate(size: int, count: int, seconds: float) -> Result:
         "triangles": mockup.triangle_count,
         "all_parts": mockup.part_count,
         "parts": count,
-        "found": sum(found.found for found, _ in answers),
-        "straight": sum(found.found and is_straight(found) for found, _ in answers),
-        "free": sum(found.free for found, _ in answers),
+        "found": sum(found.is_found for found, _ in answers),
+        "straight": sum(found.is_found and is_straight(found) for found, _ in answers),
+        "free": sum(found.is_found for found, _ in answers),
         "total_s": float(f"{sum(times):.4g}"),
         "spread_s": _spread(times),
         "limit_s": seconds,
@@ -79,7 +79,7 @@ def access(size: int, count: int, angles: int) -> Result:
             begun = time.perf_counter()
             found = feeler.access(scene, wrench, targets, angles=angles, grip=WRENCH_GRIP, lift=lift, threads=1)
             taken = time.perf_counter() - begun
-            reachable = int(np.count_nonzero(found.reachable))
+            reachable = int(np.count_nonzero(found.is_reachable))
             rows.append({"where": where, "reachable": reachable, "total_s": float(f"{taken:.4g}")})
     return {
         "triangles": mockup.triangle_count,

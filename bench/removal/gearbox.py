@@ -45,7 +45,7 @@ def main() -> None:
         moving = [path for path in step.parts if path not in out]
         start = time.perf_counter()
         found = feeler.removal(scene.without(sorted(out)), moving, allow=allow, seconds=options.seconds, threads=1)
-        if found.found:
+        if found.is_found:
             times.append(time.perf_counter() - start)
             continue
         missed += 1

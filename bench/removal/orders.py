@@ -177,7 +177,7 @@ class Answer:
     @property
     def is_short(self) -> bool:
         """Whether the order costs no more than the best."""
-        return self.order.found and cost_of(self.made, self.order) <= self.least
+        return self.order.is_found and cost_of(self.made, self.order) <= self.least
 
 
 def answer(seed: int, seconds: float) -> Answer | None:
@@ -190,7 +190,7 @@ def answer(seed: int, seconds: float) -> Answer | None:
     begin = time.perf_counter()
     order = feeler.removal_order(scene, made.wanted, seconds=seconds, threads=1, keep=sorted(made.keep) or None)
     took = time.perf_counter() - begin
-    return Answer(made, least, order, faults(made, order) if order.found else [], took)
+    return Answer(made, least, order, faults(made, order) if order.is_found else [], took)
 
 
 def main() -> int:
@@ -211,7 +211,7 @@ def main() -> int:
         done += 1
         by_kind[one.made.kind].append(one)
         if one.faults or not one.is_short or options.count == 1:
-            steps = [step.parts for step in one.order] if one.order.found else "not found"
+            steps = [step.parts for step in one.order] if one.order.is_found else "not found"
             print(
                 f"{seed}, {one.made.kind}: {one.made.wanted} is wanted, {steps}, at best {one.least}; {one.faults}",
                 flush=True,
@@ -219,7 +219,7 @@ def main() -> int:
     print(f"{'kind':22} {'all':>4} {'found':>6} {'valid':>6} {'short':>6} {'median s':>9} {'worst s':>8}")
     everything = [one for answers in by_kind.values() for one in answers]
     for kind, answers in [*sorted(by_kind.items()), ("all", everything)]:
-        found = [one for one in answers if one.order.found]
+        found = [one for one in answers if one.order.is_found]
         valid, short = sum(not one.faults for one in found), sum(one.is_short for one in answers)
         times = [one.seconds for one in answers]
         print(

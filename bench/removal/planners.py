@@ -42,7 +42,7 @@ class Problem:
 
     def is_free(self, poses: Floats) -> bool:
         """Whether nothing is met all along, exactly."""
-        return self.scene.check_path(self.tool, poses).free
+        return self.scene.check_path(self.tool, poses).is_free
 
 
 class Planner(Protocol):
@@ -69,7 +69,7 @@ class FeelerPlanner:
         taken = time.perf_counter() - begun
         names = problem.whole.mockup.part_names
         blocked = tuple(names[each.part] for each in found.blocked_by)
-        return Answer(taken, found.poses if found.found else None, blocked)
+        return Answer(taken, found.poses if found.is_found else None, blocked)
 
 
 OMPL = {

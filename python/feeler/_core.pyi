@@ -23,6 +23,7 @@ from feeler._core_results import (
     Screw,
     SectionOutline,
 )
+from feeler.poses import PoseLike, PosesLike
 
 _Progress = Callable[[float, str], object]
 _Touching = Literal["counts", "free"]
@@ -198,7 +199,7 @@ class Scene:
     def collide(
         self,
         tool: Tool,
-        world_from_tool: npt.ArrayLike,
+        world_from_tool: PoseLike,
         *,
         repeat_filter: bool = True,
         box_filter: bool = True,
@@ -210,7 +211,7 @@ class Scene:
         it brings. Raises `PoseError` for a pose that is not rigid.
         """
     def is_colliding(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, *, touching: _Touching = "counts", ignore: _Ignore = None
+        self, tool: Tool, world_from_tool: PoseLike, *, touching: _Touching = "counts", ignore: _Ignore = None
     ) -> bool:
         """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
 
@@ -219,36 +220,34 @@ class Scene:
         once how both meshes hang together. Sheets have no inside: what touches
         one from both sides goes through it. What meets at corners of triangles of both alone is taken to touch.
         """
-    def is_free(self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None) -> bool:
+    def is_free(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None) -> bool:
         """Whether, with the tool at a pose `(4, 4)`, nothing meets and nothing is inside: see `containment`."""
-    def containment(self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None) -> Containment:
+    def containment(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None) -> Containment:
         """Which closed parts the tool is inside of, and which parts are inside the tool, at a pose `(4, 4)`.
 
         Exact, by winding numbers, for each connected surface by itself: of a part of several solids some may hold the
         tool, and a hollow holds nothing. A surface that crosses a part is not inside it; one that touches it may be.
         """
     def collide_batch(
-        self, tool: Tool, poses: npt.ArrayLike, progress: _Progress | None, *, ignore: _Ignore = None
+        self, tool: Tool, poses: PosesLike, progress: _Progress | None, *, ignore: _Ignore = None
     ) -> Batch: ...
     def clearance(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, within: float, triangles: bool, *, ignore: _Ignore = None
+        self, tool: Tool, world_from_tool: PoseLike, within: float, triangles: bool, *, ignore: _Ignore = None
     ) -> Clearance: ...
     def depth(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None
+        self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None
     ) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.float64], npt.NDArray[np.bool_]]: ...
-    def distance(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, *, ignore: _Ignore = None
-    ) -> Distance: ...
+    def distance(self, tool: Tool, world_from_tool: PoseLike, within: float, *, ignore: _Ignore = None) -> Distance: ...
     def _distances(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, k: int, *, ignore: _Ignore = None
+        self, tool: Tool, world_from_tool: PoseLike, within: float, k: int, *, ignore: _Ignore = None
     ) -> list[Distance]: ...
     def distance_batch(
-        self, tool: Tool, poses: npt.ArrayLike, max: float, progress: _Progress | None, *, ignore: _Ignore = None
+        self, tool: Tool, poses: PosesLike, within: float, progress: _Progress | None, *, ignore: _Ignore = None
     ) -> DistanceBatch: ...
     def clearance_batch(
         self,
         tool: Tool,
-        poses: npt.ArrayLike,
+        poses: PosesLike,
         within: float,
         triangles: bool,
         progress: _Progress | None,
@@ -258,8 +257,8 @@ class Scene:
     def cast(
         self,
         tool: Tool,
-        pose0: npt.ArrayLike,
-        pose1: npt.ArrayLike | None = None,
+        start: PoseLike,
+        end: PoseLike | None = None,
         *,
         screw: Screw | None = None,
         tolerance: float,
@@ -270,7 +269,7 @@ class Scene:
     def check_path(
         self,
         tool: Tool,
-        poses: Sequence[npt.NDArray[Any] | Screw],
+        poses: Sequence[PoseLike | Screw],
         *,
         tolerance: float,
         touching: _Touching,
@@ -282,7 +281,7 @@ class Scene:
     def check_path(
         self,
         tool: Tool,
-        poses: npt.ArrayLike,
+        poses: PosesLike,
         *,
         tolerance: float,
         touching: _Touching,
@@ -293,18 +292,18 @@ class Scene:
     def contacts(
         self,
         tool: Tool,
-        world_from_tool: npt.ArrayLike,
-        margin: float,
-        reference: npt.ArrayLike | None,
+        world_from_tool: PoseLike,
+        within: float,
+        reference: PoseLike | None,
         *,
         ignore: _Ignore = None,
     ) -> Contacts: ...
     def penetration(
         self,
         tool: Tool,
-        world_from_tool: npt.ArrayLike,
-        margin: float,
-        reference: npt.ArrayLike | None,
+        world_from_tool: PoseLike,
+        within: float,
+        reference: PoseLike | None,
         *,
         ignore: _Ignore = None,
     ) -> Penetration: ...
@@ -313,7 +312,7 @@ class Scene:
         origins: npt.NDArray[np.float64],
         directions: npt.NDArray[np.float64],
         *,
-        max: float,
+        within: float,
         sections: npt.NDArray[np.float64],
     ) -> Rays: ...
     def section(self, point: Sequence[float], normal: Sequence[float]) -> SectionOutline: ...
@@ -451,11 +450,11 @@ class Penetration:
 @disjoint_base
 class ContactTracker:
     def __new__(cls, scene: Scene, tool: Tool, *, ignore: _Ignore = None) -> Self: ...
-    def contacts(self, world_from_tool: npt.ArrayLike, margin: float) -> Contacts: ...
+    def contacts(self, world_from_tool: PoseLike, within: float) -> Contacts: ...
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
         """The last pose at which nothing met, `(4, 4)`."""
-    def _set_last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
+    def _set_last_free(self, world_from_tool: PoseLike | None) -> None:
         """Takes a pose for free, or forgets it."""
 
 @final
@@ -493,13 +492,13 @@ class PathCheck:
     """
 
     @property
-    def free(self) -> bool:
+    def is_free(self) -> bool:
         """Whether no segment meets anything, and the tool is not inside anything at the first pose."""
     @property
     def containment(self) -> Containment | None:
         """What is inside what at the first pose; None where that was not asked for."""
     @property
-    def fraction(self) -> npt.NDArray[np.float64]:
+    def fractions(self) -> npt.NDArray[np.float64]:
         """`(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free."""
     @property
     def segments(self) -> npt.NDArray[np.uint64]:
@@ -576,7 +575,7 @@ def clash(
 
 def swept(
     tool: Tool,
-    poses: npt.ArrayLike,
+    poses: PosesLike,
     error: float,
     *,
     threads: int | None = None,
@@ -603,30 +602,30 @@ class World:
 
     def __new__(cls, scene: Scene, put_down: Sequence[tuple[int, Scene]]) -> Self:
         """`put_down`: parts of the scene's mock-up that lie elsewhere, each with its scene, where it lies."""
-    def collide(self, tool: Tool, world_from_tool: npt.ArrayLike) -> Collision:
+    def collide(self, tool: Tool, world_from_tool: PoseLike) -> Collision:
         """Every pair of triangles that meets."""
     def collision_of(self, tool: Tool, pairs: npt.NDArray[np.uint32], kinds: npt.NDArray[np.uint8]) -> Collision:
         """Pairs `(k, 2)` of tool and mock-up triangles that are known, and their kinds, as `collide` gives them."""
-    def is_colliding(self, tool: Tool, world_from_tool: npt.ArrayLike) -> bool:
+    def is_colliding(self, tool: Tool, world_from_tool: PoseLike) -> bool:
         """Whether anything meets."""
     def cast(self, tool: Tool, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float) -> Impact | None:
         """The first impact on the way from one pose to another, as of `Scene.cast`; None if the way is free."""
-    def distance(self, tool: Tool, world_from_tool: npt.ArrayLike, max: float) -> Distance:
-        """The least distance; infinite where nothing is as near as `max`."""
-    def clearance(self, tool: Tool, world_from_tool: npt.ArrayLike, within: float) -> Clearance:
+    def distance(self, tool: Tool, world_from_tool: PoseLike, within: float) -> Distance:
+        """The least distance; infinite where nothing is as near as `within`."""
+    def clearance(self, tool: Tool, world_from_tool: PoseLike, within: float) -> Clearance:
         """The parts that are near, nearest first."""
     def contacts(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, margin: float, reference: npt.ArrayLike | None = None
+        self, tool: Tool, world_from_tool: PoseLike, within: float, reference: PoseLike | None = None
     ) -> Contacts:
         """The contact planes, deepest first."""
-    def penetration(self, tool: Tool, world_from_tool: npt.ArrayLike, margin: float) -> Penetration | None:
+    def penetration(self, tool: Tool, world_from_tool: PoseLike, within: float) -> Penetration | None:
         """The shortest translation found that frees the tool from the body it is deepest in; None: it is in nothing."""
-    def is_containing(self, tool: Tool, world_from_tool: npt.ArrayLike) -> bool:
+    def is_containing(self, tool: Tool, world_from_tool: PoseLike) -> bool:
         """Whether the tool is inside something, or something inside it."""
-    def seated_parts(self, tool: Tool, world_from_tool: npt.ArrayLike) -> list[tuple[int, int]]:
+    def seated_parts(self, tool: Tool, world_from_tool: PoseLike) -> list[tuple[int, int]]:
         """The pairs of a tool's and a mock-up's part that are together, and so are seats: unique, sorted."""
-    def least_distance(self, tool: Tool, way: npt.ArrayLike, max: float, ignore: Sequence[tuple[int, int]]) -> float:
-        """The least distance on a way through poses `(n, 4, 4)`, `max` where it is not less; without pairs of parts."""
+    def least_distance(self, tool: Tool, way: npt.ArrayLike, within: float, ignore: Sequence[tuple[int, int]]) -> float:
+        """The least distance on a path through poses `(n, 4, 4)`, at most `within`; without pairs of parts."""
     def part_of(self, triangles: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
         """The parts of some triangles of the mock-up."""
 
@@ -648,7 +647,7 @@ class Impact:
 class GuardedMove:
     """A tool that contact stops. What it meets where it begins is a seat: it may slide along that and part from it."""
 
-    def __new__(cls, world: World, tool: Tool, world_from_tool: npt.ArrayLike) -> Self: ...
+    def __new__(cls, world: World, tool: Tool, world_from_tool: PoseLike) -> Self: ...
     def seats(self) -> list[tuple[int, int, str, float]]:
         """What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres)."""
     def go(
@@ -675,10 +674,10 @@ class HapticsSession:
         put_down: Sequence[tuple[int, Scene]],
     ) -> Self:
         """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
-    def _begin(self, pose: npt.ArrayLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
+    def _begin(self, pose: PoseLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
         """Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out if sunk."""
     def _advance(
-        self, pose: npt.ArrayLike | None, dt: float
+        self, pose: PoseLike | None, dt: float
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str]:
         """One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode."""
     def _planes(
@@ -712,7 +711,7 @@ class HapticsDevice:
         fault: tuple[str, float, float, float] | None,
     ) -> HapticsDevice: ...
     @staticmethod
-    def mouse(pose: npt.ArrayLike, frequency: float) -> HapticsDevice: ...
+    def mouse(pose: PoseLike, frequency: float) -> HapticsDevice: ...
     @staticmethod
     def open(name: str, options: dict[str, Any]) -> HapticsDevice: ...
     @staticmethod
@@ -726,7 +725,7 @@ class HapticsDevice:
     ) -> HapticsDevice: ...
     @staticmethod
     def drivers() -> list[tuple[str, str]]: ...
-    def set_target(self, pose: npt.ArrayLike) -> None: ...
+    def set_target(self, pose: PoseLike) -> None: ...
     def set_buttons(self, buttons: int) -> None: ...
     def coupling(self) -> list[float]: ...
     @property
@@ -773,7 +772,7 @@ class HapticsRun:
     ]: ...
     def coupling(self) -> tuple[list[float], list[str]]: ...
     def granted(self) -> list[tuple[bool, str] | None]: ...
-    def begin(self, pose: npt.ArrayLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]: ...
+    def begin(self, pose: PoseLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]: ...
     def set_scene(self, scene: Scene) -> tuple[list[tuple[int, int, str, float]], list[float] | None]: ...
     def take(self, parts: Sequence[int]) -> None: ...
     def put_down(self) -> None: ...

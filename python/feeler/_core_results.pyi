@@ -62,12 +62,12 @@ class Batch:
 class Distance:
     """The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
 
-    When nothing lies within `max`, `value` is infinite and all else is None.
+    When nothing lies within `within`, `value` is infinite and all else is None.
     """
 
     @property
     def value(self) -> float:
-        """Metres; 0 if and only if triangles meet, infinite when nothing lies within `max`."""
+        """Metres; 0 if and only if triangles meet, infinite when nothing lies within `within`."""
     @property
     def point_on_tool(self) -> npt.NDArray[np.float64] | None:
         """`(3,)`: the point of the tool that is closest, world, metres."""
@@ -91,7 +91,7 @@ class Distance:
 class DistanceBatch:
     """The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
 
-    Where nothing lies within `max`, the value is infinite, points are NaN and ids -1.
+    Where nothing lies within `within`, the value is infinite, points are NaN and ids -1.
     """
 
     @property

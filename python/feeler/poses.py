@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +12,21 @@ import numpy.typing as npt
 from feeler.errors import OptionError, PoseError
 
 Floats = npt.NDArray[np.float64]
+
+
+class HasMatrix(Protocol):
+    """A transform of another library, such as SciPy's `RigidTransform`."""
+
+    def as_matrix(self) -> npt.NDArray[Any]:
+        """`(4, 4)`, or `(n, 4, 4)` where it is several."""
+        ...
+
+
+PoseLike = npt.ArrayLike | HasMatrix | tuple["npt.ArrayLike | HasMatrix", npt.ArrayLike]
+"""A pose: `(4, 4)` numbers, row by row; an object with `as_matrix()`; or a pair of a rotation (`(3, 3)`, or an object
+with `as_matrix()`) and a translation `(3,)`."""
+PosesLike = PoseLike | Sequence[PoseLike]
+"""Many poses: `(n, 4, 4)`, an object whose `as_matrix()` gives that, or a list of poses."""
 
 MAX_DEVIATION = 0.01
 """What `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
@@ -19,7 +36,30 @@ _RIGID_ENOUGH = 1e-6  # what queries take a pose for rigid at
 _LEAST_RANK = 1e-9  # second to first singular value; below it the rows are on one line, and say nothing of the turn
 
 
-def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> Floats:
+def plain(pose: object) -> object:
+    """A pose as NumPy reads it: a pair of rotation and translation, and an object with `as_matrix()`, as a matrix; all
+    else as it is. Raises PoseError for a pair of other shapes."""
+    if isinstance(pose, tuple) and len(pose) == 2:
+        turn, shift = (np.asarray(plain(each)) for each in pose)
+        if turn.shape != (3, 3) or shift.shape != (3,):
+            raise PoseError(
+                f"a pose is a pair of shapes {turn.shape} and {shift.shape}: give a rotation (3, 3) and a translation "
+                "(3,), or one matrix (4, 4)"
+            )
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = turn, shift
+        return matrix
+    return pose if isinstance(pose, np.ndarray) or not hasattr(pose, "as_matrix") else pose.as_matrix()
+
+
+def plain_each(poses: object) -> object:
+    """Many poses as NumPy reads them."""
+    if isinstance(poses, (list, tuple)):
+        return [plain(pose) for pose in poses]
+    return plain(poses)
+
+
+def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats:
     """The pose, or each of many, with its rotation replaced by the nearest proper one, and 0, 0, 0, 1 as its last row.
 
     `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres, and so is what comes back, float64; translations stay as
@@ -142,9 +182,10 @@ def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:
     return nearest_rigid(pose)
 
 
-def _matrices(pose: npt.ArrayLike) -> Floats:
+def _matrices(pose: PosesLike) -> Floats:
+    is_pair = isinstance(pose, tuple) and len(pose) == 2 and np.shape(cast("Any", pose[1])) == (3,)
     try:
-        array = np.asarray(pose)
+        array = np.asarray(plain(pose) if is_pair else plain_each(pose))
     except (ValueError, TypeError) as error:
         raise PoseError(f"a pose cannot be read as an array: {error}") from error
     if array.dtype.kind not in "fiu":

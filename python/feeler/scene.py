@@ -33,6 +33,7 @@ from feeler.errors import LimitError, MeshError, OptionError
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
+from feeler.poses import PoseLike, PosesLike
 from feeler.travel import reduced
 
 Progress = Callable[[float, str], object]
@@ -153,7 +154,7 @@ class Scene(_core.Scene):
         return scene
 
     def collide_batch(
-        self, tool: _core.Tool, poses: npt.ArrayLike, progress: Progress | None = None, *, ignore: Ignore = None
+        self, tool: _core.Tool, poses: PosesLike, progress: Progress | None = None, *, ignore: Ignore = None
     ) -> Batch:
         """`collide` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
@@ -166,7 +167,7 @@ class Scene(_core.Scene):
     def clearance(
         self,
         tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
+        world_from_tool: PoseLike,
         within: float = 0.005,
         triangles: bool = False,
         *,
@@ -179,67 +180,58 @@ class Scene(_core.Scene):
         distance, a part's row has the one with the least ids; of several that meet, any. Raises `OptionError` where
         `within` is negative or NaN (it may be infinite), `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
-        return super().clearance(tool, world_from_tool, _real("within", within), bool(triangles), ignore=ignore)
+        return super().clearance(tool, world_from_tool, _within(within), bool(triangles), ignore=ignore)
 
-    @overload
     def distance(
         self,
         tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
-        max: float = math.inf,
-        k: Literal[1] = 1,
+        world_from_tool: PoseLike,
+        within: float = math.inf,
         *,
         ignore: Ignore = None,
-    ) -> Distance: ...
-    @overload
-    def distance(
-        self,
-        tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
-        max: float = math.inf,
-        *,
-        k: int,
-        ignore: Ignore = None,
-    ) -> Distance | list[Distance]: ...
-    def distance(
-        self,
-        tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
-        max: float = math.inf,
-        k: int = 1,
-        *,
-        ignore: Ignore = None,
-    ) -> Distance | list[Distance]:
+    ) -> Distance:
         """The distance of tool and mock-up with the tool at a pose `(4, 4)`, with the two closest points.
 
-        With `k` above 1, a list: the distance of each of the `k` closest parts, nearest first. What is farther than
-        `max` (metres) is left out: the value is infinite then, all else None, and the list shorter. Exact as
-        `clearance`; when they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError`
-        where `max` is negative or NaN, or `k` below 1.
+        If nothing is within `within` (metres), the value is infinite, and all else None. Exact as `clearance`; when
+        they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError` where `within` is
+        negative or NaN.
+        """
+        return super().distance(tool, world_from_tool, _within(within), ignore=ignore)
+
+    def nearest(
+        self,
+        tool: _core.Tool,
+        world_from_tool: PoseLike,
+        k: int,
+        within: float = math.inf,
+        *,
+        ignore: Ignore = None,
+    ) -> list[Distance]:
+        """The distance of each of the `k` closest parts, nearest first; of those within `within` (metres).
+
+        As `distance` otherwise. Raises `OptionError` also for `k` below 1.
         """
         if not 1 <= _integer("k", k) < 2**32:
             raise OptionError(f"k is {k}: ask for one part at least")
-        if k == 1:
-            return super().distance(tool, world_from_tool, _real("max", max), ignore=ignore)
-        return super()._distances(tool, world_from_tool, _real("max", max), int(k), ignore=ignore)
+        return super()._distances(tool, world_from_tool, _within(within), int(k), ignore=ignore)
 
     def distance_batch(
         self,
         tool: _core.Tool,
-        poses: npt.ArrayLike,
-        max: float = math.inf,
+        poses: PosesLike,
+        within: float = math.inf,
         progress: Progress | None = None,
         *,
         ignore: Ignore = None,
     ) -> DistanceBatch:
         """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene."""
         _check_progress(progress)
-        return super().distance_batch(tool, poses, _real("max", max), progress, ignore=ignore)
+        return super().distance_batch(tool, poses, _within(within), progress, ignore=ignore)
 
     def clearance_batch(
         self,
         tool: _core.Tool,
-        poses: npt.ArrayLike,
+        poses: PosesLike,
         within: float = 0.005,
         triangles: bool = False,
         progress: Progress | None = None,
@@ -251,13 +243,13 @@ class Scene(_core.Scene):
         Raises `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
         _check_progress(progress)
-        return super().clearance_batch(tool, poses, _real("within", within), bool(triangles), progress, ignore=ignore)
+        return super().clearance_batch(tool, poses, _within(within), bool(triangles), progress, ignore=ignore)
 
     def cast(
         self,
         tool: _core.Tool,
-        pose0: npt.ArrayLike,
-        pose1: npt.ArrayLike | None = None,
+        start: PoseLike,
+        end: PoseLike | None = None,
         *,
         screw: Screw | None = None,
         tolerance: float = CAST_TOLERANCE,
@@ -269,7 +261,7 @@ class Scene(_core.Scene):
         From pose to pose the middle of the tool's box moves straight, the tool turns about it, the shorter way round,
         both at constant speed. The impact is never late: at no earlier time does anything meet. It is early by at most
         `tolerance` metres, the distance at which the two triangles may still be; a tool that passes by nearer than that
-        may count as one that hits. A tool that meets something at `pose0` hits at 0; where both poses are equal the
+        may count as one that hits. A tool that meets something at `start` hits at 0; where both poses are equal the
         answer is that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that
         is not positive and finite, and where there is neither a second pose nor a screw, or both.
 
@@ -278,13 +270,13 @@ class Scene(_core.Scene):
         may overlap by `tolerance`, so that what rounding does to a motion is no impact.
         """
         tolerance = _real("tolerance", tolerance)
-        return super().cast(tool, pose0, pose1, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
+        return super().cast(tool, start, end, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
     @overload
     def check_path(
         self,
         tool: _core.Tool,
-        poses: Sequence[npt.NDArray[Any] | Screw],
+        poses: Sequence[PoseLike | Screw],
         *,
         tolerance: float = ...,
         touching: Literal["counts", "free"] = ...,
@@ -296,7 +288,7 @@ class Scene(_core.Scene):
     def check_path(
         self,
         tool: _core.Tool,
-        poses: npt.ArrayLike,
+        poses: PosesLike,
         *,
         tolerance: float = ...,
         touching: Literal["counts", "free"] = ...,
@@ -307,7 +299,7 @@ class Scene(_core.Scene):
     def check_path(
         self,
         tool: _core.Tool,
-        poses: npt.ArrayLike | Sequence[npt.ArrayLike | Screw],
+        poses: PosesLike | Sequence[PoseLike | Screw],
         *,
         tolerance: float = CAST_TOLERANCE,
         touching: Literal["counts", "free"] = "counts",
@@ -330,7 +322,7 @@ class Scene(_core.Scene):
         _check_progress(progress)
         return super().check_path(
             tool,
-            cast("npt.ArrayLike", poses),
+            cast("PosesLike", poses),
             tolerance=_real("tolerance", tolerance),
             touching=touching,
             inside=bool(inside),
@@ -341,30 +333,30 @@ class Scene(_core.Scene):
     def contacts(
         self,
         tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
-        margin: float = 0.002,
-        reference: npt.ArrayLike | None = None,
+        world_from_tool: PoseLike,
+        within: float = 0.002,
+        reference: PoseLike | None = None,
         *,
         ignore: Ignore = None,
     ) -> Contacts:
         """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
 
-        They stand for all that meets and all that is nearer than `margin` (metres), and do not depend on how finely
-        the surfaces are cut into triangles. Beside more than 6 deep ones the margin shrinks, to nothing at 12;
+        They stand for all that meets and all that is nearer than `within` (metres), and do not depend on how finely
+        the surfaces are cut into triangles. Beside more than 6 deep ones the distance shrinks, to nothing at 12;
         where more than a million pairs of triangles are within it, it is halved until they are fewer. Unless 12 are
         deep, each part that is met has a plane that is not a gap.
         `reference`: a pose `(4, 4)` at which the tool was free before: it tells on which side of open surfaces the
-        tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError` where `margin` is negative, NaN
+        tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError` where `within` is negative, NaN
         or infinite.
         """
-        return super().contacts(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
+        return super().contacts(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
     def penetration(
         self,
         tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
-        margin: float = 0.002,
-        reference: npt.ArrayLike | None = None,
+        world_from_tool: PoseLike,
+        within: float = 0.002,
+        reference: PoseLike | None = None,
         *,
         ignore: Ignore = None,
     ) -> Penetration:
@@ -374,10 +366,10 @@ class Scene(_core.Scene):
         is one for a tool that meets nothing since it is wholly inside a solid (or a solid inside it).
         Arguments and errors as `contacts`. `kind` says whether it is a bound or an estimate.
         """
-        return super().penetration(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
+        return super().penetration(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
     def depth(  # type: ignore[override]  # the core gives the columns of `Depths`
-        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, *, ignore: Ignore = None
+        self, tool: _core.Tool, world_from_tool: PoseLike, *, ignore: Ignore = None
     ) -> Depths:
         """How deep the tool is in each part that it meets, holds, or is inside; the deepest first.
 
@@ -402,25 +394,25 @@ class Scene(_core.Scene):
         origins: npt.ArrayLike,
         directions: npt.ArrayLike,
         *,
-        max: float = math.inf,
+        within: float = math.inf,
         sections: npt.ArrayLike | None = None,
     ) -> Rays:
         """What rays from `origins` `(n, 3)` along `directions` `(n, 3)`, of any length, meet first, on all threads.
 
-        Nothing farther than `max` (metres) is met, nor what `sections` cut away: rows `[nx, ny, nz, d]` `(k, 4)`, each
+        Nothing beyond `within` (metres) is met, nor what `sections` cut away: rows `[nx, ny, nz, d]` `(k, 4)`, each
         of which keeps the points with `n . x >= d`; what is in all of them is there. Whether a closed triangle is met
         is exact, and so is which comes first; of several at the same place it is the lowest. Distances are right within
         1e-12 of themselves. A ray that begins on a triangle meets it at 0; one that lies in a triangle's plane meets it
         where it comes upon it.
 
         Raises `OptionError` for other shapes, a direction or a section's normal of zero, numbers that are not finite or
-        beyond 1e100, and where `max` is negative or NaN.
+        beyond 1e100, and where `within` is negative or NaN.
         """
         starts, ways = _rows("origins", origins, 3), _rows("directions", directions, 3)
         if len(starts) != len(ways):
             raise OptionError(f"there are {len(starts)} origins but {len(ways)} directions: give as many")
         kept = np.empty((0, 4)) if sections is None else _rows("sections", sections, 4)
-        return super().rays(starts, ways, max=_real("max", max), sections=kept)
+        return super().rays(starts, ways, within=_within(within), sections=kept)
 
     def section(self, point: npt.ArrayLike, normal: npt.ArrayLike) -> SectionOutline:
         """What the plane through `point` `(3,)` across `normal` `(3,)`, of any length, cuts: a segment a triangle.
@@ -491,9 +483,9 @@ class ContactTracker(_core.ContactTracker):
         self.last_free = last_free
         return self
 
-    def contacts(self, world_from_tool: npt.ArrayLike, margin: float = 0.002) -> Contacts:
+    def contacts(self, world_from_tool: PoseLike, within: float = 0.002) -> Contacts:
         """`Scene.contacts` with the last free pose as reference; a pose at which nothing meets becomes the next."""
-        return super().contacts(world_from_tool, _real("margin", margin))
+        return super().contacts(world_from_tool, _within(within, endless=False))
 
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
@@ -501,7 +493,7 @@ class ContactTracker(_core.ContactTracker):
         return super().last_free
 
     @last_free.setter
-    def last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
+    def last_free(self, world_from_tool: PoseLike | None) -> None:
         super()._set_last_free(world_from_tool)
 
 
@@ -558,6 +550,14 @@ def _memory_limit(memory_limit: int | None) -> int:
 def _check_progress(progress: object) -> None:
     if progress is not None and not callable(progress):
         raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
+
+
+def _within(value: float, endless: bool = True) -> float:
+    """A distance to look within, metres."""
+    distance = _real("within", value)
+    if not distance >= 0.0 or (math.isinf(distance) and not endless):
+        raise OptionError(f"within is {value}: it must be a{'' if endless else ' finite'} distance of 0 metres or more")
+    return distance
 
 
 def _real(what: str, value: float) -> float:

@@ -101,7 +101,7 @@ def ways(make: Callable[..., Face], engine_triangles: int | None = 1_600_000) ->
 def _there_and_back(
     make: Callable[..., Face], name: str, scene: feeler.Scene, tool: feeler.Tool, way: Floats, clearance: float
 ) -> list[dict[str, Any]]:
-    is_free = bool(scene.check_path(tool, way).free)
+    is_free = bool(scene.check_path(tool, way).is_free)
     rows = []
     for direction, knots in (("out", way), ("in", way[::-1])):
         face = make(scene, tool, seed=0)

@@ -6,6 +6,7 @@ use numpy::ndarray::{ArrayView2, Ix2, Ix3};
 use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 
 use crate::errors::{message, raise, to_py};
 use crate::tool::Tool;
@@ -34,7 +35,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for ToolArgument<'a, 'py> {
     }
 }
 
-/// A pose: anything that NumPy reads as `(4, 4)` real numbers, rigid.
+/// A pose, rigid: anything that NumPy reads as `(4, 4)` real numbers, a pair of rotation and translation, what has `as_matrix()`.
 pub struct PoseArgument(pub core::Pose);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
@@ -54,7 +55,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
                 return pose_of(&unsafe { array.as_array() }).map(PoseArgument).map_err(to_py);
             }
         }
-        let array = real_numbers::<Ix2>(object, "(4, 4)")?;
+        let plain = plain_pose(&object)?;
+        let array = real_numbers::<Ix2>(plain.as_borrowed(), "(4, 4)")?;
         if array.shape() != [4, 4] {
             return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));
         }
@@ -62,14 +64,15 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
     }
 }
 
-/// Poses: anything that NumPy reads as `(n, 4, 4)` real numbers, each rigid.
+/// Poses, each rigid: anything that NumPy reads as `(n, 4, 4)` real numbers, what has `as_matrix()`, a list of what a pose can be.
 pub struct PosesArgument(pub Vec<core::Pose>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let array = real_numbers::<Ix3>(object, "(n, 4, 4)")?;
+        let plain = plain_poses(&object)?;
+        let array = real_numbers::<Ix3>(plain.as_borrowed(), "(n, 4, 4)")?;
         if array.shape()[1..] != [4, 4] {
             return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
         }
@@ -118,6 +121,22 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Touching {
             _ => Err(raise("OptionError", format!("touching is {}: choose 'counts' or 'free'", object.repr()?))),
         }
     }
+}
+
+/// A pose that is no array, as one: `feeler.poses` knows the kinds.
+fn plain_pose<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    if object.is_instance_of::<PyTuple>() || object.hasattr("as_matrix")? {
+        return object.py().import("feeler.poses")?.call_method1("plain", (object,));
+    }
+    Ok(object.clone())
+}
+
+fn plain_poses<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let is_list = object.is_instance_of::<PyTuple>() || object.is_instance_of::<PyList>();
+    if is_list || object.hasattr("as_matrix")? {
+        return object.py().import("feeler.poses")?.call_method1("plain_each", (object,));
+    }
+    Ok(object.clone())
 }
 
 fn pose_of(matrix: &ArrayView2<'_, f64>) -> core::Result<core::Pose> {

@@ -194,7 +194,7 @@ impl PathCheck {
 impl PathCheck {
     /// Whether no segment meets anything, and the tool is not inside anything at the first pose.
     #[getter]
-    fn free(&self) -> bool {
+    fn is_free(&self) -> bool {
         self.hits.is_empty() && !self.inside.as_ref().is_some_and(Containment::is_any)
     }
 
@@ -206,7 +206,7 @@ impl PathCheck {
 
     /// `(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free.
     #[getter]
-    fn fraction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn fractions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let mut fraction = vec![f64::NAN; self.count];
         self.hits.iter().for_each(|(segment, cast)| fraction[*segment] = cast.fraction);
         fraction.into_pyarray(py)

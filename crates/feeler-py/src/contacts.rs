@@ -510,13 +510,13 @@ impl ContactTracker {
         Ok(ContactTracker { solver, tool: Arc::clone(tool.core()), core: Mutex::default() })
     }
 
-    fn contacts(&self, py: Python<'_>, world_from_tool: PoseArgument, margin: f64) -> PyResult<Contacts> {
+    fn contacts(&self, py: Python<'_>, world_from_tool: PoseArgument, within: f64) -> PyResult<Contacts> {
         // The lock is not held meanwhile: a second thread asks with what was known, and does not wait. It is held with the
         // interpreter's alone, so that no thread holds it while another forks.
         let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
         let found = py.detach(|| {
             find_topology(self.solver.scene().mockup(), &self.tool, false)?;
-            tracker.contacts(&self.solver, &self.tool, &world_from_tool.0, margin).map_err(to_py)
+            tracker.contacts(&self.solver, &self.tool, &world_from_tool.0, within).map_err(to_py)
         })?;
         if !found.is_meeting {
             *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;

@@ -46,7 +46,7 @@ fn gaps_of(ids: &PyReadonlyArray2<'_, u32>, numbers: &PyReadonlyArray2<'_, f64>)
 
 /// The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
 ///
-/// When nothing lies within `max`, `value` is infinite and all else is None.
+/// When nothing lies within `within`, `value` is infinite and all else is None.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Distance {
     gap: Option<core::Gap>,
@@ -69,7 +69,7 @@ impl Distance {
 
 #[pymethods]
 impl Distance {
-    /// Metres; 0 if and only if triangles meet, infinite when nothing lies within `max`.
+    /// Metres; 0 if and only if triangles meet, infinite when nothing lies within `within`.
     #[getter]
     fn value(&self) -> f64 {
         self.gap.map_or(f64::INFINITY, |gap| gap.distance)
@@ -125,7 +125,7 @@ impl Distance {
 
 /// The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
 ///
-/// Where nothing lies within `max`, the value is infinite, points are NaN and ids -1.
+/// Where nothing lies within `within`, the value is infinite, points are NaN and ids -1.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct DistanceBatch {
     gaps: Vec<Option<core::Gap>>,

@@ -330,13 +330,13 @@ impl Scene {
         Ok(Clearance::new(gaps.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, margin, reference, *, ignore = None))]
+    #[pyo3(signature = (tool, world_from_tool, within, reference, *, ignore = None))]
     fn contacts(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        margin: f64,
+        within: f64,
         reference: Option<PoseArgument>,
         ignore: Ignore<'_>,
     ) -> PyResult<Contacts> {
@@ -345,18 +345,18 @@ impl Scene {
         let tool = tool.core();
         let found = py.detach(|| {
             find_topology(self.core.mockup(), tool, false)?;
-            asked.contacts(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
+            asked.contacts(tool, &world_from_tool.0, within, reference.as_ref()).map_err(to_py)
         });
         Ok(Contacts::new(found?, (asked, Arc::clone(tool), world_from_tool.0)))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, margin, reference, *, ignore = None))]
+    #[pyo3(signature = (tool, world_from_tool, within, reference, *, ignore = None))]
     fn penetration(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        margin: f64,
+        within: f64,
         reference: Option<PoseArgument>,
         ignore: Ignore<'_>,
     ) -> PyResult<Penetration> {
@@ -365,7 +365,7 @@ impl Scene {
         let tool = tool.core();
         let found = py.detach(|| {
             find_topology(self.core.mockup(), tool, true)?;
-            asked.penetration(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
+            asked.penetration(tool, &world_from_tool.0, within, reference.as_ref()).map_err(to_py)
         });
         Penetration::new(py, found?, (asked, Arc::clone(tool), world_from_tool.0))
     }
@@ -396,44 +396,44 @@ impl Scene {
         Ok((parts.into_pyarray(py), numbers.into_pyarray(py), is_estimate.into_pyarray(py)))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, max, *, ignore = None))]
+    #[pyo3(signature = (tool, world_from_tool, within, *, ignore = None))]
     fn distance(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        max: f64,
+        within: f64,
         ignore: Ignore<'_>,
     ) -> PyResult<Distance> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        Ok(Distance::new(py.detach(|| asked.scene().closest(tool, &world_from_tool.0, max)).map_err(to_py)?))
+        Ok(Distance::new(py.detach(|| asked.scene().closest(tool, &world_from_tool.0, within)).map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, max, k, *, ignore = None))]
+    #[pyo3(signature = (tool, world_from_tool, within, k, *, ignore = None))]
     #[pyo3(name = "_distances")]
     fn distances(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        max: f64,
+        within: f64,
         k: usize,
         ignore: Ignore<'_>,
     ) -> PyResult<Vec<Distance>> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let gaps = py.detach(|| asked.scene().distance(tool, &world_from_tool.0, max, k)).map_err(to_py)?;
+        let gaps = py.detach(|| asked.scene().distance(tool, &world_from_tool.0, within, k)).map_err(to_py)?;
         Ok(gaps.into_iter().map(|gap| Distance::new(Some(gap))).collect())
     }
 
-    #[pyo3(signature = (tool, poses, max, progress, *, ignore = None))]
+    #[pyo3(signature = (tool, poses, within, progress, *, ignore = None))]
     fn distance_batch(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         poses: PosesArgument,
-        max: f64,
+        within: f64,
         progress: Option<Py<PyAny>>,
         ignore: Ignore<'_>,
     ) -> PyResult<DistanceBatch> {
@@ -442,7 +442,7 @@ impl Scene {
         let reporter = Reporter::new(progress);
         let gaps = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
-                asked.scene().distance_batch(tool, &poses.0, max, &|done, stage| reporter.tell(done, stage))
+                asked.scene().distance_batch(tool, &poses.0, within, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
@@ -475,14 +475,14 @@ impl Scene {
         Ok(ClearanceBatch::new(batch?.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, pose0, pose1 = None, *, screw = None, tolerance, touching, ignore = None))]
+    #[pyo3(signature = (tool, start, end = None, *, screw = None, tolerance, touching, ignore = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn cast(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
-        pose0: PoseArgument,
-        pose1: Option<PoseArgument>,
+        start: PoseArgument,
+        end: Option<PoseArgument>,
         screw: Option<ScrewArgument>,
         tolerance: f64,
         touching: Touching,
@@ -494,9 +494,9 @@ impl Scene {
             if touching.0 == core::Touching::Free {
                 find_topology(self.core.mockup(), tool, false)?;
             }
-            let motion = match (pose1, screw) {
-                (Some(end), None) => core::Motion::new(tool, &pose0.0, &end.0),
-                (None, Some(screw)) => core::Motion::screw(tool, &pose0.0, &screw.0).map_err(to_py)?,
+            let motion = match (end, screw) {
+                (Some(end), None) => core::Motion::new(tool, &start.0, &end.0),
+                (None, Some(screw)) => core::Motion::screw(tool, &start.0, &screw.0).map_err(to_py)?,
                 _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
             };
             asked.scene().cast_along(tool, &motion, tolerance, touching.0).map_err(to_py)
@@ -542,13 +542,13 @@ impl Scene {
         Ok(PathCheck::new(check?.map_err(to_py)?, self.core.mockup(), tool, inside.map(Containment::new)))
     }
 
-    #[pyo3(signature = (origins, directions, *, max, sections))]
+    #[pyo3(signature = (origins, directions, *, within, sections))]
     fn rays(
         &self,
         py: Python<'_>,
         origins: PyReadonlyArray2<'_, f64>,
         directions: PyReadonlyArray2<'_, f64>,
-        max: f64,
+        within: f64,
         sections: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Rays> {
         let (origins, directions) = (rows_of(&origins)?, rows_of(&directions)?);
@@ -560,8 +560,8 @@ impl Scene {
             .collect();
         let found = py.detach(|| match &rays[..] {
             // Less work than to wake another thread.
-            [ray] => Ok(self.core.ray(ray, max, &sections).map(|hit| vec![hit])),
-            rays => on_pool(self.pool.as_deref(), || self.core.rays(rays, max, &sections)),
+            [ray] => Ok(self.core.ray(ray, within, &sections).map(|hit| vec![hit])),
+            rays => on_pool(self.pool.as_deref(), || self.core.rays(rays, within, &sections)),
         })?;
         Ok(Rays::new(found.map_err(to_py)?))
     }

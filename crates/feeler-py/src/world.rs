@@ -117,16 +117,16 @@ impl World {
         Ok(found.map(|(hit, part)| Impact { core: world::Impact::new(&hit, part) }))
     }
 
-    /// The least distance; infinite where nothing is as near as `max`.
+    /// The least distance; infinite where nothing is as near as `within`.
     fn distance(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        max: f64,
+        within: f64,
     ) -> PyResult<Distance> {
         let tool = tool.core();
-        let found = py.detach(|| self.environment.nearest(tool, &world_from_tool.0, max));
+        let found = py.detach(|| self.environment.nearest(tool, &world_from_tool.0, within));
         Ok(Distance::new(found.map_err(world_to_py)?))
     }
 
@@ -144,18 +144,18 @@ impl World {
     }
 
     /// The contact planes, deepest first.
-    #[pyo3(signature = (tool, world_from_tool, margin, reference = None))]
+    #[pyo3(signature = (tool, world_from_tool, within, reference = None))]
     fn contacts(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        margin: f64,
+        within: f64,
         reference: Option<PoseArgument>,
     ) -> PyResult<Contacts> {
         let (tool, pose) = (tool.core(), world_from_tool.0);
         let reference = reference.map(|pose| pose.0);
-        let ask = |all: &world::Environment| all.contacts(tool, &pose, margin, reference.as_ref());
+        let ask = |all: &world::Environment| all.contacts(tool, &pose, within, reference.as_ref());
         let (found, footings) = self.asked(py, tool, ask)?;
         Ok(Contacts::with_footings(found, tool, &footings))
     }
@@ -166,10 +166,10 @@ impl World {
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
-        margin: f64,
+        within: f64,
     ) -> PyResult<Option<Penetration>> {
         let (tool, pose) = (tool.core(), world_from_tool.0);
-        let found = self.asked(py, tool, |all| all.penetration(tool, &pose, margin))?;
+        let found = self.asked(py, tool, |all| all.penetration(tool, &pose, within))?;
         found.map(|(found, footings)| Penetration::with_footings(py, found, tool, &footings)).transpose()
     }
 
@@ -196,17 +196,17 @@ impl World {
         Ok(pairs.into_iter().map(<(u32, u32)>::from).collect())
     }
 
-    /// The least distance on a way through poses `(n, 4, 4)`, `max` where it is not less; without pairs of parts.
+    /// The least distance on a path through poses `(n, 4, 4)`, at most `within`; without pairs of parts.
     fn least_distance(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         way: PosesArgument,
-        max: f64,
+        within: f64,
         ignore: Vec<[u32; 2]>,
     ) -> PyResult<f64> {
         let tool = tool.core();
-        let least = py.detach(|| self.environment.ignoring(tool, &ignore).least_distance(tool, &way.0, max));
+        let least = py.detach(|| self.environment.ignoring(tool, &ignore).least_distance(tool, &way.0, within));
         least.map_err(world_to_py)
     }
 

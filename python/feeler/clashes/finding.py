@@ -45,7 +45,7 @@ def clash(
     clearance: float = 0.002,
     contact: float | str = 0.0,
     rules: RulesLike | None = None,
-    exclude: Exclude | None = None,
+    ignore: Exclude | None = None,
     volume: bool = False,
     scene: Scene | None = None,
     threads: int | None = None,
@@ -58,7 +58,7 @@ def clash(
       of both parts, which are known for STEP files.
     - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form. Rules give pairs other limits, or hide
       them (`.hidden` counts these). `clearance` and `contact` hold for pairs that no rule names.
-    - `exclude`: pairs of parts to skip, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or `(k, 2)`
+    - `ignore`: pairs of parts to skip, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or `(k, 2)`
       indices. Skipped pairs are not counted.
     - `volume`: also measure the shared volume of closed parts. Needs manifold3d, `pip install "feeler[volume]"`.
     - `scene`: a scene of this mock-up, to reuse its index; only its parts are checked. Default: a new one.
@@ -80,7 +80,7 @@ def clash(
         from feeler.clashes.volumes import solids_library
 
         solids_library()
-    found = _limits(mockup, near, touch, rules, exclude)
+    found = _limits(mockup, near, touch, rules, ignore)
     started = time.perf_counter()
     if scene is None:
         scene = Scene(mockup, threads=threads, progress=_share(progress, 0.0, _INDEXED))
@@ -145,7 +145,7 @@ def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
         return np.empty((0, 2), dtype=np.uint32)
     from feeler.ignored import pairs_of_parts
 
-    return pairs_of_parts(mockup, mockup, exclude, "exclude", ("mock-up", "mock-up"))
+    return pairs_of_parts(mockup, mockup, exclude, "ignore", ("mock-up", "mock-up"))
 
 
 def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int], ...]]:

@@ -141,7 +141,7 @@ def access(
     if as_json:
         outputs.print_json(
             {
-                "reachable": int(found.reachable.sum()),
+                "reachable": int(found.is_reachable.sum()),
                 "targets": len(asked),
                 "partial": found.is_partial,
                 "swing_deg": swing,
@@ -160,7 +160,7 @@ def access(
     if is_interrupted:
         fail("interrupted: what was found until then is told")
         raise typer.Exit(INTERRUPTED)
-    if not found.reachable.all():
+    if not found.is_reachable.all():
         raise typer.Exit(FOUND)
 
 
@@ -214,9 +214,9 @@ def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Acces
         rows.append(
             {
                 **row,
-                "reachable": reach.reachable,
-                "swing_deg": reach.swing,
-                "angle_deg": reach.angle,
+                "reachable": reach.is_reachable,
+                "swing_deg": reach.swing_deg,
+                "angle_deg": reach.angle_deg,
                 "because": reach.because,
                 "looked_m": reach.looked,
                 "drawn_m": reach.drawn,
@@ -285,7 +285,7 @@ def _print(
     out = outputs.console()
     if found.is_partial:
         outputs.print_finding(out, "interrupted: this is what was found until then")
-    reached = int(found.reachable.sum())
+    reached = int(found.is_reachable.sum())
     line = f"{reached:,} of {count(len(found), 'target')} reachable ({outputs.duration(seconds)})"
     line += f"; ways in were looked for over {outputs.length(approach)}"
     if found.is_partial:

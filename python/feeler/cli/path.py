@@ -106,7 +106,7 @@ def path(
     if as_json:
         outputs.print_json(
             {
-                "free": check.free,
+                "free": check.is_free,
                 "segments": len(check),
                 "segments_hit": len(hits),
                 "tolerance_m": tolerance,
@@ -123,7 +123,7 @@ def path(
         )
     else:
         _print(len(check), hits, inside, seconds, written, probe.part_count > 1)
-    if not check.free:
+    if not check.is_free:
         raise typer.Exit(FOUND)
 
 
@@ -131,7 +131,7 @@ def _hits(mockup: feeler.Mockup, tool: feeler.Tool, check: feeler.PathCheck) -> 
     """One entry per segment that is hit."""
     columns = (
         check.segments,
-        check.fraction[check.segments],
+        check.fractions[check.segments],
         check.parts,
         check.tool_parts,
         check.tool_triangles,

@@ -215,14 +215,14 @@ class _Asked:
             if self.ends is not None:
                 hand: dict[str, Any] = {"tool": self.hand, "grip": grip["start"]}
                 found_in = feeler.insertion(self.scene, parts, **self.ends, **hand, **self.options, progress=progress)
-                return _Answer(gone, found_in.found, (feeler.RemovalStep(gone, found_in),))
+                return _Answer(gone, found_in.is_found, (feeler.RemovalStep(gone, found_in),))
             if order:
                 found = feeler.removal_order(
                     self.scene, parts, **grip, **self.options, progress=progress, keep=self.keep
                 )
-                return _Answer(gone, found.found, found.steps)
+                return _Answer(gone, found.is_found, found.steps)
             one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
-        return _Answer(gone, one.found, (feeler.RemovalStep(gone, one),))
+        return _Answer(gone, one.is_found, (feeler.RemovalStep(gone, one),))
 
 
 def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[list[_Answer], bool]:
@@ -235,7 +235,7 @@ def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[lis
     except RemovalInterrupted as stop:
         if order:  # It is of one try alone.
             raise
-        return [_Answer(gone, stop.removal.found, (feeler.RemovalStep(gone, stop.removal),))], True
+        return [_Answer(gone, stop.removal.is_found, (feeler.RemovalStep(gone, stop.removal),))], True
 
 
 def _each(asked: _Asked, parts: list[int]) -> tuple[list[_Answer], bool]:
@@ -328,7 +328,7 @@ def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None
     written = {}
     for kind, target in targets.items():
         last = answers[0].last
-        if target is None or (kind == "way" and not last.found):
+        if target is None or (kind == "way" and not last.is_found):
             continue
         with bar(f"writing {target}"):
             if kind == "csv":
@@ -362,8 +362,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
     one = step.removal
     facts: dict[str, Any] = {
         "parts": [{"part": part, "path": mockup.part_paths[part]} for part in step.parts],
-        "found": one.found,
-        "free": one.free,
+        "found": one.is_found,
         "blocked_by": [
             {"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in one.blocked_by
         ],
@@ -372,7 +371,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
         "certificate": dataclasses.asdict(one.certificate),
         "seconds": one.seconds,
     }
-    if one.found:
+    if one.is_found:
         facts |= {
             "path_length_m": one.path_length,
             "rotation_rad": one.rotation,
@@ -387,7 +386,7 @@ _SAID_LEGS = 5
 """A way of more is not read out."""
 
 _COLUMNS = (
-    *("part", "path", "step", "found", "free", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
+    *("part", "path", "step", "found", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
     *("blocked_by", "seconds"),
 )
 
@@ -401,14 +400,14 @@ def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> bytes:
             one = step.removal
             measured: tuple[float | None, ...] = (
                 (len(one.poses), one.path_length, math.degrees(one.rotation), one.clearance)
-                if one.found
+                if one.is_found
                 else (None, None, None, None)
             )
             blockers = "; ".join(mockup.part_paths[each.part] for each in one.blocked_by)
             for part in step.parts:
                 rows.append(
                     [
-                        *(part, mockup.part_paths[part], number, int(one.found), int(one.free), _kind(one)),
+                        *(part, mockup.part_paths[part], number, int(one.is_found), _kind(one)),
                         *(*measured, blockers, float(f"{one.seconds:.4g}")),
                     ]
                 )
@@ -417,7 +416,7 @@ def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> bytes:
 
 def _kind(one: feeler.Removal) -> str:
     """What kind of way it is."""
-    if not one.found:
+    if not one.is_found:
         return ""
     return "straight" if len(one.poses) == 2 and one.rotation == 0.0 else "bent"
 
@@ -488,7 +487,7 @@ def _row(mockup: feeler.Mockup, step: feeler.RemovalStep) -> tuple[str, ...]:
     first = mockup.part_paths[step.parts[0]]
     name = first if len(step.parts) == 1 else f"{first} and {len(step.parts) - 1:,} more"
     took = outputs.duration(one.seconds)
-    if one.found:
+    if one.is_found:
         clear = outputs.length(one.clearance) if math.isfinite(one.clearance) else "nothing near"
         return (
             name,

@@ -16,6 +16,7 @@ from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import Recorder
 from feeler.haptics.running import Runs
 from feeler.mockup import Tool
+from feeler.poses import PoseLike, plain
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -159,26 +160,26 @@ class Session(Runs):
         self._options, self._lying, self._recorder = options, dict(lying), None
         return self
 
-    def start(self, pose: npt.ArrayLike) -> Start:
-        """Begins, or begins anew, with the device at `pose` (`world_from_tool`).
+    def start(self, world_from_tool: PoseLike) -> Start:
+        """Begins, or begins anew, with the device at this pose `(4, 4)`.
 
         What the tool meets there is a seat, and there is force from the first step on. Where parts lie elsewhere, the
         way out is out of the one of them, or the mock-up, that the tool is deepest in. Raises `PoseError` for what is
         no pose.
         """
-        pose = np.array(pose, dtype=np.float64)
+        pose = np.array(plain(world_from_tool), dtype=np.float64)
         started = super()._begin(pose) if self._run is None else self._run.begin(pose)
         if self._recorder:
             self._recorder.start(pose)
         return _start_of(started)
 
-    def step(self, world_from_device: npt.ArrayLike, dt: float = 0.001) -> Step:
+    def step(self, world_from_device: PoseLike, dt: float = 0.001) -> Step:
         """One step of `dt` seconds (above 0, at most 1) with the device at a pose (`world_from_tool`).
 
         A pose that is not finite or not rigid, as a device may tell it, gives no force and mode `doubt`. Raises
         `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
         """
-        pose = np.array(world_from_device, dtype=np.float64)
+        pose = np.array(plain(world_from_device), dtype=np.float64)
         if pose.shape != (4, 4):
             raise PoseError(f"a pose has shape {pose.shape}: (4, 4) is needed")
         dt = float(dt)

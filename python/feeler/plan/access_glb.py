@@ -35,8 +35,8 @@ def access_bodies(mockup: Mockup, tool: Tool, found: Access) -> tuple[Body, ...]
         colours[each.part] = RED
     bodies = [body_of(mockup, colours=colours)]
     for row in found:
-        body = body_of(tool, colours=GREEN if row.reachable else UNREACHED, pose=row.pose)
-        name = f"{tool.name} at targets/{row.target} {'reachable' if row.reachable else 'not reachable'}"
+        body = body_of(tool, colours=GREEN if row.is_reachable else UNREACHED, pose=row.pose)
+        name = f"{tool.name} at targets/{row.target} {'reachable' if row.is_reachable else 'not reachable'}"
         paths = (name,) if len(body.paths) == 1 else tuple(f"{name}/{path}" for path in body.paths)
         bodies.append(replace(body, paths=paths))
     return tuple(bodies)

@@ -38,7 +38,12 @@ def write_removal_glb(
     """
     moving = sorted({part for step in steps for part in step.parts})
     blockers = sorted(
-        {int(each.part) for step in steps if not step.removal.found for each in step.removal.blocked_by[:MOST_BLOCKERS]}
+        {
+            int(each.part)
+            for step in steps
+            if not step.removal.is_found
+            for each in step.removal.blocked_by[:MOST_BLOCKERS]
+        }
     )
     shown = sorted({*with_neighbours(mockup, moving), *blockers})
     place = {part: number for number, part in enumerate(shown)}
@@ -72,7 +77,7 @@ def write_removal_glb(
 
 def shown_way(removal: Removal) -> FloatArray:
     """The way `(n, 4, 4)`; where none was found, from where the part is to where its best try ended."""
-    if removal.found or not removal.blocked_by:
+    if removal.is_found or not removal.blocked_by:
         return removal.poses
     return np.stack([np.eye(4), max(removal.blocked_by, key=lambda each: each.reach).pose])
 

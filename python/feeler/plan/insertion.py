@@ -15,7 +15,7 @@ from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.legs import RemovalLeg
 from feeler.plan.removal import Allow, Progress, Removal, rigid_pose, way_from
-from feeler.poses import rotation_vector
+from feeler.poses import PoseLike, rotation_vector
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -27,10 +27,10 @@ ROOM = 2.0
 def insertion(
     scene: Scene,
     parts: PartsLike,
-    start: npt.ArrayLike | None = None,
-    goal: npt.ArrayLike | None = None,
+    start: PoseLike | None = None,
+    goal: PoseLike | None = None,
     tool: Tool | None = None,
-    grip: npt.ArrayLike | None = None,
+    grip: PoseLike | None = None,
     allow: Allow = "start",
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,
@@ -59,9 +59,10 @@ def insertion(
     lies = None if start is None else rigid_pose(start, "start")
     if tool is None and grip is not None:
         raise OptionError("grip is the pose of a tool that holds the parts, but there is no tool: give one")
+    held = np.eye(4) if grip is None else rigid_pose(grip, "grip")
     options: dict[str, Any] = {
         "tool": tool,
-        "start": grip,
+        "start": None if tool is None else held,
         "allow": allow,
         "clearance": clearance,
         "seed": seed,
@@ -69,16 +70,16 @@ def insertion(
         "progress": progress,
     }
     out = way_from(end, scene, parts, directions=directions, seconds=seconds, **options)
-    if lies is None or not out.found:
+    if lies is None or not out.is_found:
         return replace(turned_round(out), seconds=time.perf_counter() - begin)
     left = max(seconds - (time.perf_counter() - begin), 1e-3)
     away = way_from(lies, scene, parts, directions=None, seconds=left, **options)
     moving = Tool.of_parts(scene.mockup, scene.mockup.parts.select(parts))
     if tool is not None:
-        moving = Tool.assembly({"parts": moving, "tool": (tool, np.eye(4) if grip is None else grip)})
-    link = _link(scene, parts, moving, away.poses[-1], out.poses[-1], clearance) if away.found else None
+        moving = Tool.assembly({"parts": moving, "tool": (tool, held)})
+    link = _link(scene, parts, moving, away.poses[-1], out.poses[-1], clearance) if away.is_found else None
     if link is None:
-        return replace(away, found=False, legs=(), poses=lies[None], free=False, seconds=time.perf_counter() - begin)
+        return replace(away, is_found=False, legs=(), poses=lies[None], seconds=time.perf_counter() - begin)
     back = turned_round(out)
     middle = moving.bounds.mean(axis=0)
     legs = (*away.legs, *(_straight(a, b, middle) for a, b in itertools.pairwise(link)), *back.legs)
@@ -100,7 +101,7 @@ def insertion(
 
 def turned_round(way: Removal) -> Removal:
     """The way back along a way."""
-    if not way.found:
+    if not way.is_found:
         return way
     ends = [way.poses[0], *(leg.pose for leg in way.legs)]
 
@@ -132,7 +133,7 @@ def _link(scene: Scene, parts: PartsLike, moving: Tool, first: Floats, last: Flo
         for third in axes:
             ends = _moved(first, far * one), _moved(last, far * other)
             ways.append(np.stack([first, ends[0], *(_moved(end, far * third) for end in ends), ends[1], last]))
-    return next((way for way in ways if rest.check_path(moving, way, inside=False).free), None)
+    return next((way for way in ways if rest.check_path(moving, way, inside=False).is_free), None)
 
 
 def _moved(pose: Floats, by: Floats) -> Floats:

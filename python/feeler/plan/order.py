@@ -35,12 +35,12 @@ class RemovalStep:
 class RemovalOrder:
     """Which parts go, in order, the wanted ones last.
 
-    - `found`: whether the wanted parts come out by these steps. That they do not is no proof that they cannot.
+    - `is_found`: whether the wanted parts come out by these steps. That they do not is no proof that they cannot.
     - `steps`: `RemovalStep`s in order. Where none was found: the best try of the wanted parts alone.
     - `seconds`: what it took.
     """
 
-    found: bool
+    is_found: bool
     steps: tuple[RemovalStep, ...]
     seconds: float
 
@@ -56,7 +56,7 @@ class RemovalOrder:
         return iter(self.steps)
 
     def __repr__(self) -> str:
-        said = f"{len(self.steps)} steps" if self.found else "not found"
+        said = f"{len(self.steps)} steps" if self.is_found else "not found"
         return f"RemovalOrder({said})"
 
 
@@ -169,10 +169,10 @@ class _Search:
             return known
         direction = step.motion if isinstance(step.motion, tuple) else None
         way = question.removal(step.parts, gone, direction, LEAST_TRY_S, self.clock)
-        if not way.found and (direction is None or not way.blocked_by):
+        if not way.is_found and (direction is None or not way.blocked_by):
             # There was no time for the direction itself, or it is a bent way.
             way = question.removal(step.parts, gone, direction, self._try_s(0), self.clock)
-        if not way.found:
+        if not way.is_found:
             # A way that was found with more parts gone holds, since it meets none of those that are there.
             held = next((way for before, way in self.ways.get(parts, []) if before <= gone), None)
             if held is None:
@@ -211,7 +211,7 @@ class _Search:
         self.tries += 1
         if nodes == {TARGET}:
             self.last = way
-        if not way.found:
+        if not way.is_found:
             return False
         met = frozenset(node for node in gone if question.is_met(nodes, node, way))
         self.ways.setdefault(question.parts_of(nodes), []).append((met, way))

@@ -131,12 +131,12 @@ class Question:
             way = removal(self.scene, list(self.wanted), **options)
         except _NotStraightError:
             return None
-        return way if way.found else None
+        return way if way.is_found else None
 
     def is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
         """Whether a way meets another part, or the wanted ones."""
         there = self.scene.only(list(self.parts_of([other])))
-        return not there.check_path(self.moving(nodes), way.poses, touching="free").free
+        return not there.check_path(self.moving(nodes), way.poses, touching="free").is_free
 
     def _held(self, nodes: frozenset[int], direction: Direction | None) -> dict[str, Any]:
         grip = self.grip if TARGET in nodes else dict.fromkeys(self.grip)

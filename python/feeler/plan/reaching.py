@@ -55,12 +55,12 @@ class Reach:
     part: int | None
     """Its fastener, index into `mockup.parts`: the tool may meet it. None: nothing is near the target."""
     path: str | None
-    reachable: bool
+    is_reachable: bool
     """Whether there is a way in, to a free swing that is large enough."""
-    swing: float
+    swing_deg: float
     """The largest free swing, degrees, 360 for a full turn: the largest that has a way in, if one has. Never too
     large."""
-    angle: float
+    angle_deg: float
     """Where it begins, degrees about the target's z from its x axis, 0 to 360. NaN where there is none."""
     pose: Floats
     """`(4, 4)` world_from_tool: the tool seated in the middle of the swing; at angle 0 where there is none."""
@@ -98,32 +98,32 @@ class Access(Sequence[Reach]):
         return iter(self._rows)
 
     @property
-    def reachable(self) -> npt.NDArray[np.bool_]:
+    def is_reachable(self) -> npt.NDArray[np.bool_]:
         """`(n,)`."""
-        return np.array([row.reachable for row in self._rows], dtype=bool)
+        return np.array([row.is_reachable for row in self._rows], dtype=bool)
 
     @property
-    def swing(self) -> Floats:
+    def swings_deg(self) -> Floats:
         """`(n,)`, degrees."""
-        return np.array([row.swing for row in self._rows], dtype=np.float64)
+        return np.array([row.swing_deg for row in self._rows], dtype=np.float64)
 
     @property
-    def angle(self) -> Floats:
+    def angles_deg(self) -> Floats:
         """`(n,)`, degrees; NaN where there is no swing."""
-        return np.array([row.angle for row in self._rows], dtype=np.float64)
+        return np.array([row.angle_deg for row in self._rows], dtype=np.float64)
 
     @property
     def blockers(self) -> tuple[Blocker, ...]:
         """What was in the way of targets that are not reachable, over all of these, the most frequent first."""
         counts: Counter[tuple[int, str]] = Counter()
         for row in self._rows:
-            if not row.reachable:
+            if not row.is_reachable:
                 counts.update({(each.part, each.path): each.count for each in row.blockers})
         return tuple(Blocker(part, path, count) for (part, path), count in _worst_first(counts))
 
     def __repr__(self) -> str:
         partial = ", interrupted" if self.is_partial else ""
-        return f"Access({int(self.reachable.sum()):,} of {len(self):,} reachable{partial})"
+        return f"Access({int(self.is_reachable.sum()):,} of {len(self):,} reachable{partial})"
 
 
 class AccessInterrupted(KeyboardInterrupt):
@@ -141,7 +141,7 @@ def access(
     scene: Scene,
     tool: Tool,
     targets: Fasteners | npt.ArrayLike,
-    swing: float = 60.0,
+    swing_deg: float = 60.0,
     angles: int = 72,
     hand: Hand | None = None,
     approach: float = 0.1,
@@ -161,7 +161,7 @@ def access(
     - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The fastener itself
       may be met at the seat, when swung, and on a straight way; not when the tool is drawn off sideways, so that a ring
       is not drawn off through the head. Of a bare frame it is the part nearest to its origin, up to 20 mm away.
-    - `swing`: degrees that are needed, above 0 up to 360.
+    - `swing_deg`: degrees that are needed, above 0 up to 360.
     - `angles`: even steps around z that are tried first; `blockers` counts these. The free swings do not depend on it.
     - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`.
     - `grip`: where the target's frame is in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that is to
@@ -175,7 +175,7 @@ def access(
     """
     if not isinstance(scene, Scene):
         raise MeshError(f"access needs a feeler.Scene, not {type(scene).__name__}")
-    needed = _number("swing", swing, 360.0, "degrees, above 0 up to 360")
+    needed = _number("swing_deg", swing_deg, 360.0, "degrees, above 0 up to 360")
     way = _number("approach", approach, np.inf, "metres, above 0")
     steps = _whole("angles", angles, (LEAST_ANGLES, MOST_ANGLES))
     workers = (os.cpu_count() or 1) if threads is None else _whole("threads", threads, (1, MOST_THREADS))
@@ -265,9 +265,9 @@ class _Question:
             target=target,
             part=part,
             path=None if part is None else paths[part],
-            reachable=reachable,
-            swing=0.0 if shown is None else shown.span,
-            angle=float("nan") if shown is None else shown.start,
+            is_reachable=reachable,
+            swing_deg=0.0 if shown is None else shown.span,
+            angle_deg=float("nan") if shown is None else shown.start,
             pose=frame @ turned(middle) @ seated.seat_from_tool,
             way=way @ seated.seat_from_tool if len(way) else way,
             looked=self._approach,
@@ -370,7 +370,7 @@ def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, 
     parts: list[int | None] = []
     for frame in frames:
         under = _shifted(frame, -UNDER_M * frame[:3, 2])
-        parts.append(scene.distance(point, under, max=NEAR_M).part)
+        parts.append(scene.distance(point, under, within=NEAR_M).part)
     return frames, parts
 
 

@@ -19,7 +19,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
-from feeler.poses import nearest_rigid
+from feeler.poses import PoseLike, nearest_rigid, plain
 from feeler.scene import Scene
 
 Progress = Callable[[float, str], object]
@@ -58,7 +58,7 @@ class Certificate:
 class Removal:
     """A way of parts out of a mock-up, or the parts in the way. Only `held_by` shows that there is no way."""
 
-    found: bool
+    is_found: bool
     legs: tuple[RemovalLeg, ...]
     """The way, leg by leg, from where the parts are until they are out; `str(leg)` says it in words."""
     poses: npt.NDArray[np.float64]
@@ -74,8 +74,6 @@ class Removal:
     size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found or time was
     up before it was known. Pairs that are together at the start are left out until they part, and parts that may be
     met all along."""
-    free: bool
-    """Whether each leg was verified by casts with the same allowances, as `check_path` does; so is each way found."""
     certificate: Certificate
     blocked_by: tuple[RemovalBlocker, ...]
     """The parts that stopped a try, the one that stopped most first; also where a way was found."""
@@ -94,7 +92,7 @@ class Removal:
         return [self.poses[0], *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
 
     def __repr__(self) -> str:
-        if self.found:
+        if self.is_found:
             how = f"{len(self.legs)} legs, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
         elif self.held_by:
             how = "held by " + ", ".join(part.path for part in self.held_by[:3])
@@ -118,7 +116,7 @@ def removal(
     scene: Scene,
     parts: PartsLike,
     tool: Tool | None = None,
-    start: npt.ArrayLike | None = None,
+    start: PoseLike | None = None,
     allow: Allow = _START,
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,
@@ -174,7 +172,7 @@ def way_from(
     parts: PartsLike,
     *,
     tool: Tool | None,
-    start: npt.ArrayLike | None,
+    start: PoseLike | None,
     allow: Allow,
     directions: npt.ArrayLike | None,
     clearance: float,
@@ -219,13 +217,12 @@ def way_from(
         RemovalBlocker(part, mockup.part_paths[part], count, reach, np.array(pose)) for part, count, reach, pose in rows
     )
     answered = Removal(
-        found=found,
+        is_found=found,
         legs=legs_of(answer, moving.bounds.mean(axis=0), lies),
         poses=answer.poses,
         path_length=answer.path_length,
         rotation=answer.rotation,
         clearance=answer.clearance if found else math.nan,
-        free=found,
         certificate=Certificate(int(seed), answer.method, answer.casts, _VERSIONS),
         blocked_by=tuple(blockers),
         held_by=tuple(mockup.parts[part] for part in answer.holders.tolist()),
@@ -238,9 +235,9 @@ def way_from(
     return answered
 
 
-def rigid_pose(pose: npt.ArrayLike, name: str) -> npt.NDArray[np.float64]:
+def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
     """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, under the name of its argument."""
-    given = np.asarray(pose, dtype=np.float64)
+    given = np.asarray(plain(pose), dtype=np.float64)
     if given.shape != (4, 4):
         raise PoseError(f"{name} has shape {given.shape}: one pose (4, 4) is needed")
     nearest_rigid(given)
@@ -250,7 +247,7 @@ def rigid_pose(pose: npt.ArrayLike, name: str) -> npt.NDArray[np.float64]:
 def alone(seed: int) -> Removal:
     """Of parts that are all there is: they are out."""
     certificate = Certificate(seed, "out", 0, _VERSIONS)
-    return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), (), math.nan, False, 0.0)
+    return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, certificate, (), (), math.nan, False, 0.0)
 
 
 def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
@@ -298,7 +295,7 @@ class _Allowed:
 def _gripped(
     own: Tool,
     tool: object,
-    start: npt.ArrayLike | None,
+    start: PoseLike | None,
     lies: npt.NDArray[np.float64],
     rest: Scene,
     allowed: _Allowed,
