@@ -66,7 +66,7 @@ def test_the_names_are_where_the_table_says() -> None:
         for node in checked.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
-        if alias.name != "haptics"
+        if node.module != "feeler"
     }
     table = {(name, home) for home, names in feeler._HOMES.items() for name in names}  # type: ignore[attr-defined]
     assert imported == table
@@ -74,6 +74,8 @@ def test_the_names_are_where_the_table_says() -> None:
     for name, home in table:
         assert getattr(feeler, name) is getattr(importlib.import_module(home), name)
     assert set(feeler.__all__) <= set(dir(feeler))
+    for room in feeler._ROOMS:  # type: ignore[attr-defined]
+        assert getattr(feeler, room).__name__ == f"feeler.{room}"
     with pytest.raises(AttributeError, match="no attribute 'no_such_thing'"):
         _ = feeler.no_such_thing  # type: ignore[attr-defined]
 

@@ -3,7 +3,12 @@
 import typing as _typing
 
 if _typing.TYPE_CHECKING:
-    from feeler import haptics
+    from feeler import clashes as clashes
+    from feeler import errors as errors
+    from feeler import haptics as haptics
+    from feeler import io as io
+    from feeler import picture as picture
+    from feeler import samples as samples
     from feeler._core import (
         Batch,
         Cast,
@@ -242,6 +247,8 @@ _HOMES = {
     ),
 }
 
+_ROOMS = ("clashes", "errors", "haptics", "io", "picture", "samples")
+
 if not _typing.TYPE_CHECKING:
 
     def __getattr__(name):
@@ -252,8 +259,8 @@ if not _typing.TYPE_CHECKING:
             from importlib.metadata import version
 
             value = version("feeler")
-        elif name == "haptics":
-            return import_module("feeler.haptics")
+        elif name in _ROOMS:
+            return import_module(f"feeler.{name}")
         else:
             home = next((home for home, names in _HOMES.items() if name in names), None)
             if home is None:
@@ -263,4 +270,4 @@ if not _typing.TYPE_CHECKING:
         return value
 
     def __dir__():
-        return sorted({*globals(), *__all__})
+        return sorted({*globals(), *__all__, *_ROOMS})

@@ -495,11 +495,17 @@ class PathCheck:
     def is_free(self) -> bool:
         """Whether no segment meets anything, and the tool is not inside anything at the first pose."""
     @property
+    def free(self) -> bool:
+        """An older name of `is_free`."""
+    @property
     def containment(self) -> Containment | None:
         """What is inside what at the first pose; None where that was not asked for."""
     @property
     def fractions(self) -> npt.NDArray[np.float64]:
         """`(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free."""
+    @property
+    def fraction(self) -> npt.NDArray[np.float64]:
+        """An older name of `fractions`."""
     @property
     def segments(self) -> npt.NDArray[np.uint64]:
         """`(k,)`: the segments with an impact, ascending. The rows of what follows belong to them."""

@@ -198,6 +198,12 @@ impl PathCheck {
         self.hits.is_empty() && !self.inside.as_ref().is_some_and(Containment::is_any)
     }
 
+    /// An older name of `is_free`.
+    #[getter]
+    fn free(&self) -> bool {
+        self.is_free()
+    }
+
     /// What is inside what at the first pose; None where that was not asked for.
     #[getter]
     fn containment(&self) -> Option<Containment> {
@@ -210,6 +216,12 @@ impl PathCheck {
         let mut fraction = vec![f64::NAN; self.count];
         self.hits.iter().for_each(|(segment, cast)| fraction[*segment] = cast.fraction);
         fraction.into_pyarray(py)
+    }
+
+    /// An older name of `fractions`.
+    #[getter]
+    fn fraction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.fractions(py)
     }
 
     /// `(k,)`: the segments with an impact, ascending. The rows of what follows belong to them.

@@ -363,6 +363,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
     facts: dict[str, Any] = {
         "parts": [{"part": part, "path": mockup.part_paths[part]} for part in step.parts],
         "found": one.is_found,
+        "free": one.is_found,
         "blocked_by": [
             {"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in one.blocked_by
         ],
@@ -386,7 +387,7 @@ _SAID_LEGS = 5
 """A way of more is not read out."""
 
 _COLUMNS = (
-    *("part", "path", "step", "found", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
+    *("part", "path", "step", "found", "free", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
     *("blocked_by", "seconds"),
 )
 
@@ -407,7 +408,7 @@ def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> bytes:
             for part in step.parts:
                 rows.append(
                     [
-                        *(part, mockup.part_paths[part], number, int(one.is_found), _kind(one)),
+                        *(part, mockup.part_paths[part], number, int(one.is_found), int(one.is_found), _kind(one)),
                         *(*measured, blockers, float(f"{one.seconds:.4g}")),
                     ]
                 )

@@ -45,6 +45,11 @@ class RemovalOrder:
     seconds: float
 
     @property
+    def found(self) -> bool:
+        """An older name of `is_found`."""
+        return self.is_found
+
+    @property
     def parts(self) -> tuple[int, ...]:
         """All that goes, in order; the wanted parts too."""
         return tuple(part for step in self.steps for part in step.parts)

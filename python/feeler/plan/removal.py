@@ -87,6 +87,16 @@ class Removal:
     seconds: float
 
     @property
+    def found(self) -> bool:
+        """An older name of `is_found`."""
+        return self.is_found
+
+    @property
+    def free(self) -> bool:
+        """An older name of `is_found`: a path that is found was verified."""
+        return self.is_found
+
+    @property
     def path(self) -> list[npt.NDArray[np.float64] | Screw]:
         """The legs as `Scene.check_path` takes them: the pose where it begins, then a pose or a screw for each leg."""
         return [self.poses[0], *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
