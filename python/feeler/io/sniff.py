@@ -8,6 +8,7 @@ from pathlib import Path
 
 from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import decoded
+from feeler.io.unread import unread
 
 HEAD_BYTES = 4096
 
@@ -74,6 +75,8 @@ def identify(path: Path) -> tuple[str, list[str]]:
             raise LoadError(f"{path}: the file is compressed ({name}); unpack it first")
     named = EXTENSIONS.get(path.suffix.lower())
     text = decoded(head).lstrip()
+    if other := unread(path, head, text):
+        raise LoadError(f"{path}: {other}")
     found = _by_content(head, text, status.st_size) or (None if named else _weak(text))
     if found == "3MF" and named == "COLLADA":
         found = "COLLADA"  # in an archive, as 3MF always is
