@@ -244,3 +244,12 @@ def test_rules_that_need_another_check_say_so(tmp_path: Path, saved: Path) -> No
 def test_a_check_is_not_made_of_saved_findings(tmp_path: Path, saved: Path) -> None:
     message = error_of("clash", saved, "--clearance", "0.1", "--bcf", tmp_path / "a.bcf")
     assert "--clearance, --bcf: saved findings are not checked again. Pass the mock-up" in message
+
+
+@pytest.mark.parametrize(("chord", "few"), [(None, None), (1e-5, None), (1e-4, "1 clash is")])
+def test_clashes_below_the_chordal_error_are_in_doubt(chord: float | None, few: str | None) -> None:
+    from feeler.cli.clash import _chord_doubt
+
+    fit = mockup_of({"pin": box([0, 0, 0], [0.01, 0.01, 0.05]), "bush": box([0.00995, 0, 0], [0.02, 0.01, 0.05])})
+    said = _chord_doubt(feeler.clash(fit), chord)
+    assert said is None if few is None else (said or "").startswith(few) and "--contact chord" in (said or "")

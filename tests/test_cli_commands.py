@@ -334,3 +334,18 @@ def test_ctrl_c_ends_with_130(tmp_path: Path) -> None:
         _, stderr = process.communicate()
     assert process.returncode == 130
     assert stderr.strip() == "feeler: interrupted"
+
+
+def test_poses_in_millimetres_are_asked_about(tmp_path: Path) -> None:
+    """A block of 0.1 m, and a tool that was put 50 m away."""
+    block, poses = tmp_path / "block.stl", tmp_path / "poses.json"
+    feeler.io.write_stl(block, feeler.Mockup(*box([0, 0, 0], [0.1, 0.1, 0.1])))
+    pose = np.eye(4)
+    pose[:3, 3] = 50.0
+    poses.write_text(json.dumps([pose.tolist()] * 2))
+    inputs = (block, "--unit", "mm", "--tool", block, "--tool-unit", "mm")
+    for words in (("collide", *inputs, "--at", "50,50,50"), ("path", *inputs, "--poses", poses)):
+        said = run(*words).stderr
+        assert "the tool is at least 86.4 m from a mock-up of 0.17 m: poses are in metres" in said
+    assert "poses are in metres" not in run("collide", *inputs, "--at", "0.5,0,0").stderr
+    assert "poses are in metres" not in run("clearance", *inputs, "--at", "0.5,0,0").stderr

@@ -334,3 +334,19 @@ def test_what_its_neighbours_leave_no_way_is_held_by_them(duct: feeler.Scene) ->
         assert feeler.removal(scene_of(**core, **walls), "core", allow=["start", name]).is_found
     stuck = feeler.removal(scene_of(**DUCT, lid=LID), "cube", seconds=0.5)
     assert not stuck.is_found and stuck.held_by == () and np.isnan(stuck.play)
+
+
+@pytest.mark.parametrize("gap", [0.0019, 0.0021])
+def test_the_clearance_at_the_start_counts(gap: float) -> None:
+    """In a slot with less than the clearance asked for on both sides, all along: what is told is what there is."""
+    x = 0.1 + gap
+    scene = scene_of(
+        part=box([-0.1, -0.05, 0.01], [0.1, 0.05, 0.4]),
+        left=box([-x - 1.0, -0.1, 0.0], [-x, 0.1, 0.5]),
+        right=box([x, -0.1, 0.0], [x + 1.0, 0.1, 0.5]),
+        floor=box([-2.0, -0.1, -0.1], [2.0, 0.1, 0.0]),
+        back=box([-x, 0.1, 0.0], [x, 0.2, 0.5]),
+        front=box([-x, -0.2, 0.0], [x, -0.1, 0.5]),
+    )
+    found = feeler.removal(scene, "part", clearance=0.002, seconds=2.0)
+    assert found.clearance == pytest.approx(gap, rel=1e-9) if found.is_found else gap < 0.002

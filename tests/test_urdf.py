@@ -225,8 +225,8 @@ def test_options_are_checked(arm: Path, options: Any, message: str) -> None:
         ),
         (link("a", '<collision><geometry><sphere radius="-1"/></geometry></collision>'), "1 positive lengths"),
         (
-            link("a", '<collision><geometry><capsule radius="1"/></geometry></collision>'),
-            "<capsule>: box, cylinder, sphere and mesh",
+            link("a", '<collision><geometry><cone radius="1"/></geometry></collision>'),
+            "<cone>: box, cylinder, sphere, capsule and mesh",
         ),
         (link("a", "<collision/>"), "<collision> has no <geometry>"),
         (link("a", '<visual><geometry><mesh filename="a" scale="1 0 1"/></geometry></visual>'), "none 0"),
@@ -273,3 +273,19 @@ def test_limits_that_say_nothing_hold_nothing(tmp_path: Path) -> None:
         file = robot(tmp_path, link("a") + link("b") + joint("j", "a", "b", limit, "prismatic"))
         mockup = feeler.from_urdf(file, {"j": 2})
         assert mockup.parts[1].lower[0] == 1.5 and not mockup.source.notes
+
+
+def test_a_capsule_is_a_cylinder_between_two_half_spheres(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    shape = '<collision><geometry><capsule radius="0.1" length="0.5"/></geometry></collision>'
+    path.write_text(f"<robot name='arm'>{link('a', shape)}</robot>")
+    robot = feeler.from_urdf(path, chord_tolerance=1e-4)
+    np.testing.assert_allclose(robot.bounds, [[-0.1, -0.1, -0.35], [0.1, 0.1, 0.35]], atol=1e-4)
+    corners = robot.vertices[robot.faces]
+    volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0
+    assert volume == pytest.approx(np.pi * 0.01 * 0.5 + 4.0 / 3.0 * np.pi * 0.001, rel=0.004)
+    axis = np.clip(robot.vertices[:, 2], -0.25, 0.25)
+    off = np.linalg.norm(robot.vertices - np.column_stack([0.0 * axis, 0.0 * axis, axis]), axis=1)
+    np.testing.assert_allclose(off, 0.1, atol=1e-12)
+    tool = feeler.Tool(robot)
+    assert feeler.Scene(feeler.Mockup(robot)).containment(tool, np.eye(4)) is not None

@@ -267,11 +267,11 @@ impl Surroundings {
         Ok((holds != seated.holds).then(|| self.seated(holds)))
     }
 
-    /// The least distance along a span between surfaces that are not seated, or `least` if that is less, metres; see [`least_distance`].
+    /// The least distance along a span between parts that do not meet where they are seated, or `least` if that is less, metres; see [`least_distance`].
     /// `goes_on` as in [`Care`].
     pub fn least_distance(&self, span: &Span, least: f64, goes_on: &dyn Fn() -> bool) -> Result<f64> {
         let of_body =
-            |least, asked: &SeatedBody| least_distance(&asked.clear, &self.tool, &span.motion, least, goes_on);
+            |least, asked: &SeatedBody| least_distance(&asked.apart, &self.tool, &span.motion, least, goes_on);
         span.seated.bodies.iter().try_fold(least, of_body)
     }
 

@@ -154,6 +154,8 @@ def clash(
                 )
         except room.ClashInterrupted as stop:
             found, is_interrupted = stop.clashes, True
+    if world is not None and (doubt := _chord_doubt(found, world.source.chord_tolerance)):
+        outputs.warn(doubt)
     match = None
     if before is not None:
         match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
@@ -173,6 +175,23 @@ def clash(
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
+
+
+def _chord_doubt(found: feeler.Clashes, chord: float | None) -> str | None:
+    """What makes small clashes doubtful: both faces were cut into triangles that are up to `chord` (metres) off."""
+    if chord is None:
+        return None
+    small = (found.verdict == feeler.Verdict.CLASH) & (found.depth < 2.0 * chord)
+    if not small.any():
+        return None
+    from feeler.cli import outputs
+
+    few = int(small.sum())
+    said = "1 clash is" if few == 1 else f"{few:,} clashes are"
+    return (
+        f"{said} less deep than the chordal errors of both parts ({outputs.length(2.0 * chord)}) and may come from the "
+        "triangles alone: pass --contact chord, or load the file with a smaller chord_tolerance"
+    )
 
 
 def _is_saved(files: list[str]) -> bool:

@@ -32,6 +32,7 @@ from feeler.cli.inputs import (
     check_moving,
     poses_of_options,
     read_both,
+    warn_of_far_poses,
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -100,6 +101,7 @@ def clearance(
         if target is not None:
             _check_out(target, ending)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
+    warn_of_far_poses(world, probe, poses)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
     scene = Choice(part, without, only).scene_of(scene)

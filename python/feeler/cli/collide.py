@@ -43,6 +43,7 @@ from feeler.cli.inputs import (
     check_touching,
     poses_of_options,
     read_both,
+    warn_of_far_poses,
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -110,6 +111,7 @@ def collide(
         if target is not None:
             _check_out(target, ending)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
+    warn_of_far_poses(world, probe, poses)
     with bar("indexing") as progress:
         scene = feeler.Scene(
             world,

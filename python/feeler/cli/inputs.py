@@ -139,6 +139,21 @@ def read_both(
     return world, probe
 
 
+_FAR = 10.0
+"""So many sizes of mock-up and tool away from each other, poses are probably not in metres."""
+
+
+def warn_of_far_poses(world: feeler.Mockup, probe: feeler.Tool, poses: Poses) -> None:
+    """Says on stderr if no pose brings the tool anywhere near the mock-up."""
+    lower, upper = world.bounds
+    middle, reach = probe.bounds.mean(axis=0), 0.5 * float(np.linalg.norm(probe.bounds[1] - probe.bounds[0]))
+    places = poses[:, :3, :3] @ middle + poses[:, :3, 3]
+    gaps = np.linalg.norm(np.maximum(0.0, np.maximum(lower - places, places - upper)), axis=1) - reach
+    size = float(np.linalg.norm(upper - lower))
+    if len(poses) and float(gaps.min()) > _FAR * (size + 2.0 * reach):
+        warn(f"the tool is at least {gaps.min():.3g} m from a mock-up of {size:.2g} m: poses are in metres")
+
+
 def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None) -> None:
     """That it is said what moves, once."""
     if (tool is None) == (not part):

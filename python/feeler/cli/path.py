@@ -31,6 +31,7 @@ from feeler.cli.inputs import (
     check_touching,
     read_both,
     read_path,
+    warn_of_far_poses,
 )
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
@@ -92,6 +93,8 @@ def path(
     how = check_touching(touching)
     way = read_path(poses, snap_pose)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
+    places = [each for each in way if isinstance(each, np.ndarray)]
+    warn_of_far_poses(world, probe, np.stack(places))
     with bar("indexing") as progress:
         scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
     scene = Choice(part, without, only).scene_of(scene)

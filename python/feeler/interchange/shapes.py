@@ -37,23 +37,34 @@ def cylinder(radius: float, length: float, tolerance: float) -> Mesh:
 
 def sphere(radius: float, tolerance: float) -> Mesh:
     """Its corners are on the round one, its triangles within `tolerance` inside of it."""
+    return capsule(radius, 0.0, tolerance)
+
+
+def capsule(radius: float, length: float, tolerance: float) -> Mesh:
+    """Along z: a cylinder of this length between two half spheres, a sphere where it is 0. Its corners are on the round
+    one, its triangles within `tolerance` inside of it."""
     n = segments(radius, 0.5 * tolerance)  # half as much around, half from pole to pole
     rows = n // 2  # from pole to pole, as fine as around
-    heights = np.cos(np.pi * np.arange(1, rows) / rows)
-    widths = np.sin(np.pi * np.arange(1, rows) / rows)
-    rings = [np.column_stack([_ring(n) * w, np.full(n, h)]) for h, w in zip(heights, widths, strict=True)]
-    vertices = np.concatenate([*rings, [[0, 0, 1], [0, 0, -1]]]) * radius
+    if length > 0.0:
+        rows += rows % 2  # a ring on the equator, which is there twice
+    turns = np.pi * np.arange(1, rows) / rows
+    places = [(np.sin(turn), np.cos(turn) * radius + (0.5 if turn <= 0.5 * np.pi else -0.5) * length) for turn in turns]
+    if length > 0.0:
+        places[rows // 2 - 1 : rows // 2] = [(1.0, 0.5 * length), (1.0, -0.5 * length)]
+    rings = [np.column_stack([_ring(n) * (width * radius), np.full(n, height)]) for width, height in places]
+    far = radius + 0.5 * length
+    vertices = np.concatenate([*rings, [[0, 0, far], [0, 0, -far]]])
     i = np.arange(n)
     j = (i + 1) % n
     top, bottom = len(vertices) - 2, len(vertices) - 1
     faces = [np.column_stack([i, j, np.full(n, top)])]
-    for row in range(rows - 2):
+    for row in range(len(rings) - 1):
         upper, lower = row * n, (row + 1) * n
         faces += [
             np.column_stack([upper + i, lower + i, lower + j]),
             np.column_stack([upper + i, lower + j, upper + j]),
         ]
-    last = (rows - 2) * n
+    last = (len(rings) - 1) * n
     faces.append(np.column_stack([last + j, last + i, np.full(n, bottom)]))
     return vertices, np.concatenate(faces)
 

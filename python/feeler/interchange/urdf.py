@@ -44,7 +44,7 @@ def from_urdf(
     geometry         "collision" or "visual": which geometry of the links.
     package_dirs     where packages are, for `package://NAME/...`: folders that contain them (or are them), or a dict
                      of names and folders. Sought after those: beside the file and in the folders above it.
-    chord_tolerance  metres: how far the triangles of a cylinder or sphere may be inside of the round one.
+    chord_tolerance  metres: how far the triangles of a cylinder, sphere or capsule may be inside of the round one.
 
     The frame is that of the root link. Mesh files are read by `load_mockup` (a number in STL, OBJ, PLY and OFF is a
     metre there, in others what the file states), times their `scale`; one that mirrors turns triangles over.
@@ -91,9 +91,9 @@ def _add(
     if shape.kind == "box":
         mesh = shapes.box(shape.sizes)
     else:
-        radius, is_sphere = shape.sizes[0], shape.kind == "sphere"
-        mesh = shapes.sphere(radius, tolerance) if is_sphere else shapes.cylinder(radius, shape.sizes[1], tolerance)
-        share = 0.5 if is_sphere else 1.0
+        radius = shape.sizes[0]
+        mesh = getattr(shapes, shape.kind)(*shape.sizes, tolerance)
+        share = 1.0 if shape.kind == "cylinder" else 0.5
         off = radius * (1 - math.cos(math.pi / shapes.segments(radius, share * tolerance))) / share
         if off > tolerance:
             assembly.notes.append(f"link {link!r}: its {shape.kind} is up to {off:.2g} m inside of the round one")

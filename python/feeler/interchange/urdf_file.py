@@ -16,7 +16,7 @@ from feeler.errors import LoadError, MissingFileError
 Floats = npt.NDArray[np.float64]
 Element = ElementTree.Element
 
-SIZES = {"box": ("size", 3), "cylinder": ("radius length", 2), "sphere": ("radius", 1)}
+SIZES = {"box": ("size", 3), "cylinder": ("radius length", 2), "sphere": ("radius", 1), "capsule": ("radius length", 2)}
 """Shapes: the attributes that have their sizes, and how many numbers that is."""
 
 
@@ -26,7 +26,7 @@ class Geometry:
 
     name: str | None
     link_from_geometry: Floats  # (4, 4), metres
-    kind: str  # "box", "cylinder", "sphere" or "mesh"
+    kind: str  # "box", "cylinder", "sphere", "capsule" or "mesh"
     sizes: tuple[float, ...] = ()
     filename: str = ""
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)

@@ -72,7 +72,7 @@ class Removal:
     clearance: float
     """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/64 of the
     size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found or time was
-    up before it was known. Pairs that are together at the start are left out until they part, and parts that may be
+    up before it was known. Pairs in contact at the start are left out until they separate, and parts that may be
     met all along."""
     certificate: Certificate
     blocked_by: tuple[RemovalBlocker, ...]

@@ -36,6 +36,8 @@ pub struct SeatedBody {
     pub ordinary: ContactSolver,
     /// All pairs but those that are seated in any way: these keep the clearance.
     pub clear: Scene,
+    /// All pairs but those that meet and are seated: the least distance is of these.
+    pub apart: Scene,
     /// Parts that touch or fit.
     pub smaller: Vec<SmallerPart>,
     /// Pairs that are sunk.
@@ -88,6 +90,7 @@ impl Makings {
             smaller: smaller.collect(),
             ordinary: solver(self.without(&[], &meeting)),
             clear: self.without(&self.held(holds, |_| true), &[]),
+            apart: self.without(&meeting, &[]),
             sunk: self.alone(&self.held(holds, |kind| kind == SeatKind::Sunk)).map(solver),
             all: self.alone(&self.held(holds, |_| true)),
         }
