@@ -1,4 +1,4 @@
-"""Writes viewer/src/protocol.ts from python/feeler/workbench/protocol.py: what the page knows of the messages.
+"""Writes viewer/src/link/protocol.ts from python/feeler/workbench/protocol.py: what the page knows of the messages.
 
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if what is written differs
@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 PROTOCOL = ROOT / "python" / "feeler" / "workbench" / "protocol.py"
 FRAMES = ROOT / "python" / "feeler" / "workbench" / "frames.py"
-WRITTEN = ROOT / "viewer" / "src" / "protocol.ts"
+WRITTEN = ROOT / "viewer" / "src" / "link" / "protocol.ts"
 
 HEAD = """\
 // Written by tools/protocol_ts.py from python/feeler/workbench/protocol.py: change it there.
@@ -175,7 +175,7 @@ def comment(doc: str, indent: str) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Writes viewer/src/protocol.ts from protocol.py.")
+    parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts from protocol.py.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
     text = document(PROTOCOL.read_text(encoding="utf-8"), FRAMES.read_text(encoding="utf-8"))
@@ -185,7 +185,7 @@ def main() -> int:
     there = WRITTEN.read_text(encoding="utf-8") if WRITTEN.is_file() else ""
     if there == text:
         return 0
-    print("viewer/src/protocol.ts is not what protocol.py says: run python tools/protocol_ts.py")
+    print("viewer/src/link/protocol.ts is not what protocol.py says: run python tools/protocol_ts.py")
     return 1
 
 

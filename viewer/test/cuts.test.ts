@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Document, Removal } from "../src/document";
 import { cutCenter, hitCut, layCuts } from "../src/input/cuts";
 import type { GizmoView } from "../src/input/gizmo";
-import { translation } from "../src/matrix";
-import { poseAt, replayed, secondsOf, startsOf } from "../src/offline-replay";
-import type { Box, Vec3 } from "../src/scene/vectors";
+import { translation } from "../src/math/matrix";
+import type { Box, Vec3 } from "../src/math/vectors";
+import type { Document, Removal } from "../src/model/document";
+import { poseAt, replayed, secondsOf, startsOf } from "../src/model/offline-replay";
 
 const BOX: Box = { lower: [0, 0, 0], upper: [2, 2, 2] };
 /** Looks along +y from far away: a metre is 100 pixels, z is up. */

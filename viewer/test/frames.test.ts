@@ -3,8 +3,8 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { decodeFrame, encodeFrame, FrameError } from "../src/frames";
-import type { Pose, State } from "../src/protocol";
+import { decodeFrame, encodeFrame, FrameError } from "../src/link/frames";
+import type { Pose, State } from "../src/link/protocol";
 
 // The bundle runs in target/viewer-tests.
 function golden(name: string): ArrayBuffer {

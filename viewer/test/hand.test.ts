@@ -1,6 +1,5 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Hand } from "../src/input/hand";
 import {
   axis,
   fromAxes,
@@ -11,7 +10,8 @@ import {
   position,
   rotation,
   translation,
-} from "../src/matrix";
+} from "../src/math/matrix";
+import { Hand } from "../src/model/hand";
 
 function setUp() {
   const placed: Pose[] = [];

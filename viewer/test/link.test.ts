@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Link, type LinkError, type Socket, takeToken } from "../src/link";
-import type { ServerEvent, State, Welcome } from "../src/protocol";
+import { Link, type LinkError, type Socket, takeToken } from "../src/link/link";
+import type { ServerEvent, State, Welcome } from "../src/link/protocol";
 
 /** A server that a test plays by hand. */
 class FakeSocket implements Socket {

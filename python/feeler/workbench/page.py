@@ -14,7 +14,7 @@ gzip finds what is alike. Of v vertices, in the order in which the triangles fir
     1 time (part)      4 planes of v   difference to the vertex before, zigzag
     3 times (corners)  2 planes of t   how far a corner is below the first vertex that no corner before it named
 
-where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0. `viewer/src/offline.ts` reads
+where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0. `viewer/src/link/offline-file.ts` reads
 it.
 """
 

@@ -1,6 +1,6 @@
 """The messages between the page and the server, and the JSON objects in them: the one place that says what they are.
 
-`viewer/src/protocol.ts` is written from this file by `tools/protocol_ts.py`. Everything is SI (metres, newtons,
+`viewer/src/link/protocol.ts` is written from this file by `tools/protocol_ts.py`. Everything is SI (metres, newtons,
 radians, seconds unless the name says otherwise), in the mock-up's frame ("world"); a pose is world_from_tool, row by
 row. `frames.py` says how a message is laid out. From the page come `FROM_PAGE`, from the server `FROM_SERVER`.
 """
@@ -387,7 +387,7 @@ class Benchmarked:
     KIND: ClassVar[str] = "benchmarked"
     id: int
     figures: dict[str, Any]
-    """As `Figures` of `viewer/src/benchmark.ts`."""
+    """As `Figures` of `viewer/src/app/benchmark.ts`."""
 
 
 # ---- server -> page ----

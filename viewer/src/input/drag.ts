@@ -1,8 +1,8 @@
 // Where a pointer drags the hand: in the view plane, along an axis, or about one. Pixels in, poses out.
 
-import { movedBy, type Pose, turnedAbout } from "../matrix";
+import { movedBy, type Pose, turnedAbout } from "../math/matrix";
+import { add, dot, normalize, scale, subtract, type Vec3 } from "../math/vectors";
 import type { CameraRig } from "../scene/camera";
-import { add, dot, normalize, scale, subtract, type Vec3 } from "../scene/vectors";
 
 export interface Point {
   readonly x: number;

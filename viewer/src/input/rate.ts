@@ -1,7 +1,7 @@
 // Devices that say how fast (gamepad, SpaceMouse): deflections become increments in the view's frame, frame by frame.
 
-import { scale, type Vec3 } from "../scene/vectors";
-import type { Increment, WishSource } from "./hand";
+import { scale, type Vec3 } from "../math/vectors";
+import type { Increment, WishSource } from "../model/hand";
 
 /** Deflections from -1 to 1 along and about the view's axes: right, up, towards the viewer. */
 export interface SixRates {

@@ -14,8 +14,8 @@ import {
   rotation,
   translation,
   turn,
-} from "../matrix";
-import { add, normalize, scale, subtract, type Vec3 } from "../scene/vectors";
+} from "../math/matrix";
+import { add, normalize, scale, subtract, type Vec3 } from "../math/vectors";
 
 export interface Placement {
   /** Metres in the room of one metre of the mock-up. */

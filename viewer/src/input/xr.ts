@@ -20,10 +20,10 @@ import {
   type WebGLRenderer,
 } from "three";
 import { outputsOf, type RumbleOutput } from "../feel/rumble";
-import { axis, type Pose, position } from "../matrix";
-import { add, normalize, scale, type Vec3 } from "../scene/vectors";
+import { axis, type Pose, position } from "../math/matrix";
+import { add, normalize, scale, type Vec3 } from "../math/vectors";
+import type { Hand } from "../model/hand";
 import { pressedAnew } from "./gamepad";
-import type { Hand } from "./hand";
 import {
   GripTie,
   type Placement,

@@ -20,7 +20,7 @@ import {
   scale,
   subtract,
   type Vec3,
-} from "./vectors";
+} from "../math/vectors";
 
 /** A camera as the document keeps it. */
 export interface CameraState {

@@ -1,9 +1,9 @@
 // Findings of a clash check: groups, the deepest first, one contact after the other by N and P.
 
 import { useSignal } from "@preact/signals";
-import type { Finding, FindingGroup } from "../document";
-import { lookAtFinding, STATUSES, shownGroups } from "../findings";
-import { formatLength, type Unit } from "../units";
+import { lookAtFinding, STATUSES, shownGroups } from "../actions/findings";
+import { formatLength, type Unit } from "../math/units";
+import type { Finding, FindingGroup } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { counted } from "./words";

@@ -1,9 +1,9 @@
 // Settings of this browser: looks, navigation, keys, sound and touch.
 
-import { MODES } from "../document";
 import { MATERIALS, materialOf } from "../feel/materials";
-import { STYLES } from "../input/styles";
-import { formatShare, UNITS } from "../units";
+import { formatShare, UNITS } from "../math/units";
+import { MODES } from "../model/document";
+import { STYLES } from "../model/navigation";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 import { Choice, CommandButton } from "./fields";

@@ -1,9 +1,9 @@
 // Sections: cuts through the mock-up, moved by a slider or a figure.
 
-import type { Section } from "../document";
-import type { Vec3 } from "../scene/vectors";
-import { addSection, draftSection, flipped, offsetRange, senseOf, settleSection } from "../sectioning";
-import { formatShare } from "../units";
+import { addSection, draftSection, flipped, offsetRange, senseOf, settleSection } from "../actions/sections";
+import { formatShare } from "../math/units";
+import type { Vec3 } from "../math/vectors";
+import type { Section } from "../model/document";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
 

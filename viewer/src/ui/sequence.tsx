@@ -1,8 +1,8 @@
 // The sequence of removals: what was taken out in which order, how near it came to what, and its exports.
 
-import type { Removal } from "../document";
-import { EXPORTS, type Export } from "../exporting";
-import { formatLength } from "../units";
+import { EXPORTS, type Export } from "../actions/exports";
+import { formatLength } from "../math/units";
+import type { Removal } from "../model/document";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton, NameField } from "./fields";
 

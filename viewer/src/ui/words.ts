@@ -1,7 +1,7 @@
 // Sentences of the page: what the live region and the status line say.
 
-import type { State } from "../protocol";
-import { formatLength, type Unit } from "../units";
+import type { State } from "../link/protocol";
+import { formatLength, type Unit } from "../math/units";
 
 /** At most so many part names are read out. */
 const MOST_NAMES = 3;
