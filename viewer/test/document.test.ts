@@ -1,15 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { base64 } from "../src/actions/exports";
-import { neighbour, shownGroups } from "../src/actions/findings";
 import { measureArgs, nearestEdge } from "../src/actions/measures";
-import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/actions/sections";
 import { marksOf } from "../src/app/marks";
 import { partStates } from "../src/app/part-states";
 import type { Manifest } from "../src/link/geometry";
 import type { State } from "../src/link/protocol";
 import { IDENTITY } from "../src/math/matrix";
 import { type Document, type Findings, patched } from "../src/model/document";
+import { neighbour, shownGroups } from "../src/model/findings";
+import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/model/sections";
 import { DEFAULTS, loadSettings } from "../src/model/settings";
 import { Store } from "../src/model/store";
 import { PartState } from "../src/scene/stage";

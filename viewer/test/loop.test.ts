@@ -1,11 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Workbench } from "../src/actions/workbench";
-import { type Browser, Drawing, Recent } from "../src/app/loop";
-import type { Link } from "../src/link/link";
+import { type Browser, Loop } from "../src/app/loop";
+import { Recent } from "../src/app/recent";
+import type { Link, Wish } from "../src/link/link";
 import type { State } from "../src/link/protocol";
 import { IDENTITY, position, translation } from "../src/math/matrix";
-import { Hand, type Wish } from "../src/model/hand";
+import { Hand } from "../src/model/hand";
 import { Store } from "../src/model/store";
 import type { FrameStats, Stage } from "../src/scene/stage";
 
@@ -50,9 +51,9 @@ function setUp() {
   } as unknown as Stage;
   const sent: Wish[] = [];
   const link = { pose: (wish: Wish) => sent.push(wish) } as unknown as Link;
-  let drawing: Drawing;
+  let loop: Loop;
   const hand = new Hand(
-    { moved: () => drawing.wished(), placed() {}, ended() {} },
+    { moved: () => loop.wished(), placed() {}, ended() {} },
     { set: () => 0, clear() {} },
     () => now,
   );
@@ -62,12 +63,12 @@ function setUp() {
     stage,
     hand,
     link,
-    redraw: () => drawing.request(),
+    redraw: () => loop.request(),
     fetchFile: () => Promise.reject(new Error("none")),
   });
-  drawing = new Drawing(wb, null, null, browser);
+  loop = new Loop(wb, null, null, browser);
   return {
-    drawing,
+    loop,
     hand,
     store,
     sent,
@@ -115,7 +116,7 @@ const state = (pose: readonly number[], pose_seq: number, parts: number[] = []):
 test("a page at rest asks for no frame", () => {
   const page = setUp();
   assert.equal(page.step(16), false);
-  page.drawing.request();
+  page.loop.request();
   page.stats.drawn = false;
   let frames = 0;
   while (page.step(16)) frames++;
@@ -124,7 +125,7 @@ test("a page at rest asks for no frame", () => {
 
 test("the first wish of a frame goes out at once, the others with the next frame, as one", () => {
   const page = setUp();
-  page.drawing.answered(state(IDENTITY, 0));
+  page.loop.answered(state(IDENTITY, 0));
   page.step(16);
   for (const x of [1, 2, 3]) page.hand.move(translation([x, 0, 0]), "mouse");
   assert.deepEqual(
@@ -147,12 +148,12 @@ test("in a hidden tab, which draws no frames, wishes go out all the same", () =>
 
 test("the hand is drawn at once as a ghost, the tool where the engine has it", () => {
   const page = setUp();
-  page.drawing.answered(state(IDENTITY, 0));
+  page.loop.answered(state(IDENTITY, 0));
   page.step(16);
   page.hand.move(translation([1, 0, 0]), "mouse");
   page.step(16);
   assert.deepEqual(page.poses.at(-1), [[...IDENTITY], translation([1, 0, 0])]);
-  page.drawing.answered(state(translation([1, 0, 0]), 1));
+  page.loop.answered(state(translation([1, 0, 0]), 1));
   page.step(16);
   assert.deepEqual(page.poses.at(-1), [translation([1, 0, 0]), null], "no ghost where the tool is");
   const told = page.poses.length;
@@ -162,35 +163,35 @@ test("the hand is drawn at once as a ghost, the tool where the engine has it", (
 
 test("the time from an input to the picture of its answer is measured", () => {
   const page = setUp();
-  page.drawing.answered(state(IDENTITY, 0));
+  page.loop.answered(state(IDENTITY, 0));
   page.step(16);
   page.hand.move(translation([1, 0, 0]), "mouse", 10);
   page.at(20);
-  page.drawing.answered(state(translation([1, 0, 0]), 1));
+  page.loop.answered(state(translation([1, 0, 0]), 1));
   page.step(13);
-  assert.deepEqual(page.drawing.input_to_drawn.values, [23]);
+  assert.deepEqual(page.loop.input_to_drawn.values, [23]);
 });
 
 test("frames of a run are counted from one to the next", () => {
   const page = setUp();
-  page.drawing.request();
+  page.loop.request();
   page.step(1000);
   page.step(17);
   page.step(20);
-  assert.deepEqual(page.drawing.frames.values, [0, 17, 20]);
+  assert.deepEqual(page.loop.frames.values, [0, 17, 20]);
 });
 
 test("what the engine touches is lit over the states of the parts, and told once", () => {
   const page = setUp();
-  page.drawing.setPartStates(Uint8Array.from([0, 1, 16]));
-  page.drawing.answered(state(IDENTITY, 0, [2]));
+  page.loop.setPartStates(Uint8Array.from([0, 1, 16]));
+  page.loop.answered(state(IDENTITY, 0, [2]));
   page.step(16);
   assert.deepEqual([...(page.lit.at(-1) ?? [])], [0, 1, 24]);
   const told = page.lit.length;
-  page.drawing.answered(state(translation([1, 0, 0]), 1, [2]));
+  page.loop.answered(state(translation([1, 0, 0]), 1, [2]));
   page.step(16);
   assert.equal(page.lit.length, told);
-  page.drawing.forget();
+  page.loop.forget();
   page.step(16);
   assert.deepEqual([...(page.lit.at(-1) ?? [])], [0, 1, 16]);
 });
@@ -202,7 +203,7 @@ test("panels follow at most ten times a second, and get the last state", () => {
     changes++;
   });
   for (let k = 1; k <= 60; k++) {
-    page.drawing.answered(state(translation([k, 0, 0]), k));
+    page.loop.answered(state(translation([k, 0, 0]), k));
     page.step(10);
   }
   assert.ok(changes <= 8, `${changes}`);
@@ -214,9 +215,9 @@ test("panels follow at most ten times a second, and get the last state", () => {
 test("what is polled keeps the frames coming only as long as it wants", () => {
   const page = setUp();
   let left = 100;
-  page.drawing.each_frame.add(() => left-- > 0);
+  page.loop.each_frame.add(() => left-- > 0);
   page.stats.drawn = false;
-  page.drawing.request();
+  page.loop.request();
   let frames = 0;
   while (page.step(16)) frames++;
   assert.ok(frames >= 100 && frames < 140);
@@ -225,9 +226,9 @@ test("what is polled keeps the frames coming only as long as it wants", () => {
 test("what waits for a picture is asked once it is drawn, and gets another as long as it wants", () => {
   const page = setUp();
   const seen: number[] = [];
-  page.drawing.after_frame.add(() => seen.push(page.frames.count) < 100);
+  page.loop.after_frame.add(() => seen.push(page.frames.count) < 100);
   page.stats.drawn = false;
-  page.drawing.request();
+  page.loop.request();
   while (page.step(16)) {}
   assert.deepEqual(
     seen.slice(0, 100),

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Drag, dragged, type Point } from "../src/input/drag";
+import { type Drag, dragged, dragOf } from "../src/input/drag";
 import { hitGizmo, layGizmo } from "../src/input/gizmo";
 import {
   anglesOf,
@@ -13,8 +13,8 @@ import {
   rotation,
   translation,
 } from "../src/math/matrix";
-import type { Vec3 } from "../src/math/vectors";
-import { directionOf, dragOf, isFigureKey, poseOfTyped, startTyped, withAxis, withKey } from "../src/model/typed-move";
+import type { Point, Vec3 } from "../src/math/vectors";
+import { directionOf, isFigureKey, poseOfTyped, startTyped, withAxis, withKey } from "../src/model/typed-move";
 import { CameraRig } from "../src/scene/camera";
 
 /** Looks along +y at the origin from 2 m away, z up, 800 x 600 pixels. */

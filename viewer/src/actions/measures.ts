@@ -1,7 +1,6 @@
 // Measuring by clicks: how many picks a measure takes, what is under the pointer, and the command at the end.
 
-import type { Point } from "../input/drag";
-import { add, distance, dot, scale, subtract, type Vec3 } from "../math/vectors";
+import { add, distance, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
 import type { MeasureType } from "../model/document";
 import type { MeasurePick } from "../model/store";
 import type { Workbench } from "./workbench";

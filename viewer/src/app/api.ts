@@ -9,7 +9,7 @@ import type { Document } from "../model/document";
 import type { CameraState } from "../scene/camera";
 import type { FrameStats } from "../scene/stage";
 import { benchmark, type Drawn, type Figures, type ToolMotion, toolMotion } from "./benchmark";
-import type { Drawing } from "./loop";
+import type { Loop } from "./loop";
 
 export interface PageStats extends FrameStats, Drawn {
   /** Milliseconds from an input to the end of the frame that drew the engine's answer; the last 200. */
@@ -59,7 +59,7 @@ const BENCHMARK_S = 4;
 
 export interface ApiSource {
   readonly wb: Workbench;
-  readonly drawing: Drawing;
+  readonly loop: Loop;
   readonly isReady: () => boolean;
   readonly whenReady: () => Promise<void>;
   readonly drawn: () => Drawn;
@@ -69,7 +69,7 @@ export interface ApiSource {
 }
 
 export function createApi(source: ApiSource): FeelerApi {
-  const { wb, drawing, isReady, whenReady, drawn, countTriangles, onState } = source;
+  const { wb, loop, isReady, whenReady, drawn, countTriangles, onState } = source;
   const run = async (name: string, args: Record<string, unknown> = {}): Promise<void> => {
     await wb.send(name, args);
   };
@@ -81,30 +81,30 @@ export function createApi(source: ApiSource): FeelerApi {
       return countTriangles();
     },
     get pose() {
-      return poseOf(wb, drawing.state);
+      return poseOf(wb, loop.state);
     },
     moveTo: (pose) => moveTo(wb, onState, pose),
     get touched() {
-      return (drawing.state?.parts ?? []).map((part) => wb.path(part));
+      return (loop.state?.parts ?? []).map((part) => wb.path(part));
     },
     get force(): Vec3 {
-      const force: Vec3 = drawing.state?.force ?? [0, 0, 0];
+      const force: Vec3 = loop.state?.force ?? [0, 0, 0];
       return [...force];
     },
     grip: (path) => run("grip", { parts: [path] }),
     release: () => run("release"),
     undo: () => run("undo"),
     get frames() {
-      return [...drawing.frames.values];
+      return [...loop.frames.values];
     },
     get document() {
       return wb.document;
     },
     get state() {
-      return drawing.state;
+      return loop.state;
     },
     get stats() {
-      return { ...wb.stage.stats, ...drawn(), input_to_drawn: [...drawing.input_to_drawn.values] };
+      return { ...wb.stage.stats, ...drawn(), input_to_drawn: [...loop.input_to_drawn.values] };
     },
     get camera() {
       return wb.stage.camera.toJSON();
@@ -116,11 +116,11 @@ export function createApi(source: ApiSource): FeelerApi {
     shot: (width = SHOT_WIDTH, height = SHOT_HEIGHT) => wb.stage.shot(width, height),
     benchmark: async (seconds = BENCHMARK_S) => {
       await whenReady();
-      return benchmark(wb, drawing, drawn(), seconds);
+      return benchmark(wb, loop, drawn(), seconds);
     },
     moveAround: async (seconds = BENCHMARK_S) => {
       await whenReady();
-      return toolMotion(wb, drawing, seconds);
+      return toolMotion(wb, loop, seconds);
     },
   };
 }

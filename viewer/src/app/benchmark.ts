@@ -1,12 +1,12 @@
 // What this machine draws: how fast the camera and the tool move, and what single steps cost. All of it is the real
 // page at work; afterwards it stands as before.
 
-import { drawnSections, offsetRange } from "../actions/sections";
 import type { Workbench } from "../actions/workbench";
 import { movedBy, type Pose } from "../math/matrix";
 import { diagonal, scale, type Vec3 } from "../math/vectors";
+import { drawnSections, offsetRange } from "../model/sections";
 import type { FrameStats } from "../scene/stage";
-import type { Drawing } from "./loop";
+import type { Loop } from "./loop";
 
 /** Of many measurements in milliseconds (microseconds where the name says so). */
 export interface Spread {
@@ -82,7 +82,7 @@ const MOST_TRIES = 3;
 const SETTLE_MS = 1000;
 
 /** Measures everything; `seconds` each for camera and tool. The page must be ready. */
-export async function benchmark(wb: Workbench, drawing: Drawing, drawn: Drawn, seconds: number): Promise<Figures> {
+export async function benchmark(wb: Workbench, loop: Loop, drawn: Drawn, seconds: number): Promise<Figures> {
   const { stage, store } = wb;
   const camera = stage.camera.toJSON();
   const gl = stage.renderer.getContext();
@@ -90,10 +90,10 @@ export async function benchmark(wb: Workbench, drawing: Drawing, drawn: Drawn, s
   const middle = stage.camera.target;
   const orbit = (): void => stage.camera.orbit(ORBIT_RAD, 0, middle);
   const hasHand = store.has_hand.peek() && !wb.hand.isLocked;
-  const cameraMotion = await motion(wb, drawing, seconds, orbit, (stats) => stats.drawn && !stats.isKept);
+  const cameraMotion = await motion(wb, loop, seconds, orbit, (stats) => stats.drawn && !stats.isKept);
   const camera_frame = await cost(wb, COSTS, orbit);
   stage.camera.fromJSON(camera);
-  await settled(drawing);
+  await settled(loop);
   const figures: Figures = {
     renderer: String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)),
     browser: navigator.userAgent,
@@ -104,7 +104,7 @@ export async function benchmark(wb: Workbench, drawing: Drawing, drawn: Drawn, s
     opened_ms: performance.timeOrigin,
     ...drawn,
     camera: cameraMotion,
-    tool: hasHand ? await toolMotion(wb, drawing, seconds) : null,
+    tool: hasHand ? await toolMotion(wb, loop, seconds) : null,
     camera_frame,
     tool_frame: hasHand ? await toolCost(wb) : null,
     whole_frame: await wholeCost(wb),
@@ -113,12 +113,12 @@ export async function benchmark(wb: Workbench, drawing: Drawing, drawn: Drawn, s
     hide_all_ms: await hidings(wb),
     filter_all_ms: await filterings(wb),
   };
-  drawing.request();
+  loop.request();
   return figures;
 }
 
 /** The tool to and fro in the picture, about where the hand wishes it, a wish a frame. */
-export async function toolMotion(wb: Workbench, drawing: Drawing, seconds: number): Promise<ToolMotion> {
+export async function toolMotion(wb: Workbench, loop: Loop, seconds: number): Promise<ToolMotion> {
   const { hand } = wb;
   const from = hand.pose ?? wb.document?.pose;
   if (!from) throw new Error("the hand is empty");
@@ -128,13 +128,13 @@ export async function toolMotion(wb: Workbench, drawing: Drawing, seconds: numbe
   let most_unanswered = 0;
   let blocked = 0;
   let told = -1;
-  drawing.input_to_drawn.clear();
+  loop.input_to_drawn.clear();
   const moved = await motion(
     wb,
-    drawing,
+    loop,
     seconds,
     (time_s) => {
-      const { state } = drawing;
+      const { state } = loop;
       if (state && state.seq !== told) {
         told = state.seq;
         engine_us.push(state.engine_us);
@@ -148,12 +148,12 @@ export async function toolMotion(wb: Workbench, drawing: Drawing, seconds: numbe
   hand.move(start, "api");
   const found = {
     ...moved,
-    input_to_drawn_ms: spread(drawing.input_to_drawn.values),
+    input_to_drawn_ms: spread(loop.input_to_drawn.values),
     engine_us: spread(engine_us),
     most_unanswered,
     blocked: engine_us.length > 0 ? blocked / engine_us.length : 0,
   };
-  await settled(drawing);
+  await settled(loop);
   if (!isHeld) hand.drop();
   return found;
 }
@@ -171,7 +171,7 @@ function sizeOf(wb: Workbench): number {
 /** Steps once a frame for a while. */
 function motion(
   wb: Workbench,
-  drawing: Drawing,
+  loop: Loop,
   seconds: number,
   step: (time_s: number) => void,
   isCounted: (stats: FrameStats) => boolean,
@@ -194,7 +194,7 @@ function motion(
         step((now - begun) / 1000);
         return true;
       }
-      drawing.each_frame.delete(each);
+      loop.each_frame.delete(each);
       const took = (now - begun) / 1000;
       const intervals = times.slice(1).map((time, k) => time - (times[k] ?? time));
       resolve({
@@ -206,8 +206,8 @@ function motion(
       });
       return false;
     };
-    drawing.each_frame.add(each);
-    drawing.request();
+    loop.each_frame.add(each);
+    loop.request();
   });
 }
 
@@ -343,7 +343,7 @@ function spread(values: readonly number[]): Spread {
 const frame = (): Promise<number> => new Promise((resolve) => requestAnimationFrame(resolve));
 
 /** Until the picture is whole again and what was asked is answered. */
-const settled = (drawing: Drawing): Promise<void> => {
-  drawing.request();
+const settled = (loop: Loop): Promise<void> => {
+  loop.request();
   return new Promise((resolve) => setTimeout(resolve, SETTLE_MS));
 };

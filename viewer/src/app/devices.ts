@@ -12,7 +12,7 @@ import { browserHid, type CapStatus, SpaceMouse } from "../input/spacemouse";
 import { hasHeadset, type WorldRay, XrRoom } from "../input/xr";
 import type { Impact, State } from "../link/protocol";
 import { scale } from "../math/vectors";
-import type { Drawing } from "./loop";
+import type { Loop } from "./loop";
 
 /** At full deflection a rate device takes this share of what is in view in a second. */
 const VIEW_SHARE_PER_S = 0.4;
@@ -25,7 +25,7 @@ export interface Devices {
   reset(): void;
 }
 
-export function createDevices(wb: Workbench, drawing: Drawing): Devices {
+export function createDevices(wb: Workbench, loop: Loop): Devices {
   const { store } = wb;
   const feel = new Feel();
   const sound = new Sound();
@@ -44,11 +44,11 @@ export function createDevices(wb: Workbench, drawing: Drawing): Devices {
     speeds: host.speeds,
     button: (number) => runCommand(wb, number === 1 ? "fit" : "mode"),
     status: (status) => tellCap(wb, status),
-    moved: drawing.request,
+    moved: loop.request,
   });
 
   sound.unlockOn(window);
-  window.addEventListener("gamepadconnected", drawing.request);
+  window.addEventListener("gamepadconnected", loop.request);
   effect(() => {
     const { is_muted, volume, has_rumble, has_event_rumble, has_force_rumble, dead_zone } = store.settings.value;
     sound.isMuted = is_muted;
@@ -64,7 +64,7 @@ export function createDevices(wb: Workbench, drawing: Drawing): Devices {
   effect(() => {
     feel.material = store.document.value?.material ?? null;
   });
-  drawing.each_frame.add((now) => {
+  loop.each_frame.add((now) => {
     const isPadMoving = pads.frame(now);
     const isCapMoving = cap.frame(now);
     const felt = feel.step(now);
@@ -80,7 +80,7 @@ export function createDevices(wb: Workbench, drawing: Drawing): Devices {
   }
   void hasHeadset().then((isThere) => {
     if (!isThere) return;
-    room = createRoom(wb, drawing);
+    room = createRoom(wb, loop);
     wb.toggleXr = () => {
       const turned = room?.isPresenting ? room.leave() : room?.enter(vr_size.peek());
       turned?.catch((error: unknown) => wb.tell(error));
@@ -129,7 +129,7 @@ function tellCap(wb: Workbench, status: CapStatus): void {
   else if (status.kind === "open") wb.store.notify("info", `${status.name} moves the tool`);
 }
 
-function createRoom(wb: Workbench, drawing: Drawing): XrRoom {
+function createRoom(wb: Workbench, loop: Loop): XrRoom {
   const { stage, hand } = wb;
   return new XrRoom({
     renderer: stage.renderer,
@@ -138,13 +138,13 @@ function createRoom(wb: Workbench, drawing: Drawing): XrRoom {
     overlay: stage.overlay,
     hand,
     mockup: () => wb.store.manifest.peek(),
-    frame: (now) => drawing.drawNow(now),
+    frame: (now) => loop.drawNow(now),
     grip: (ray) => void gripAlong(wb, ray),
     release: () => void wb.run("release"),
     command: (command) => runCommand(wb, command),
     ended: () => {
       stage.camera.moved = true;
-      drawing.request();
+      loop.request();
     },
   });
 }

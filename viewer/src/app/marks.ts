@@ -2,11 +2,11 @@
 
 import type { State } from "../link/protocol";
 import { position } from "../math/matrix";
-import { formatAngle, formatForce, formatLength, type Unit } from "../math/units";
+import { formatForce, formatLength, type Unit } from "../math/units";
 import { length, type Vec3 } from "../math/vectors";
-import type { Measure } from "../model/document";
 import type { Store } from "../model/store";
 import type { Marks } from "../scene/marks";
+import { measureText } from "../ui/words";
 
 /** Weaker forces are rounding. */
 const LEAST_FORCE_N = 1e-3;
@@ -24,10 +24,6 @@ export function marksOf(store: Store, state: State | null): Marks {
   const pending = first ? [{ id: "pending", points: [first.point], text: "", isSelected: true }] : [];
   return { ...contactMarks(state, unit), measures: [...measures, ...pending], snap: store.snap.peek() };
 }
-
-/** A measure's figure. */
-export const measureText = (measure: Pick<Measure, "unit" | "value">, unit: Unit): string =>
-  measure.unit === "rad" ? formatAngle(measure.value) : formatLength(measure.value, unit);
 
 function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "force" | "clearances" | "distance"> {
   if (!state) return { planes: null, force: null, clearances: null, distance: null };

@@ -20,8 +20,9 @@ import { Stage } from "../scene/stage";
 import type { PictureElements } from "../ui/app";
 import { createApi, type FeelerApi } from "./api";
 import { createDevices, type Devices } from "./devices";
-import { feed, followOutlines } from "./effects";
-import { Drawing } from "./loop";
+import { followStore } from "./effects";
+import { Loop } from "./loop";
+import { followOutlines } from "./outlines";
 
 /** Of what the hand holds, before anything is known of it. */
 const NO_VERSION = -1;
@@ -30,7 +31,7 @@ const NO_VERSION = -1;
 export class Page {
   readonly store = new Store();
   readonly wb: Workbench;
-  readonly drawing: Drawing;
+  readonly loop: Loop;
   private readonly devices: Devices;
   private readonly geometry: Geometry | null;
   private readonly state_listeners = new Set<(state: State) => void>();
@@ -58,7 +59,7 @@ export class Page {
     const link = token ? new Link({ url, token, listener }) : null;
     this.geometry = token ? new Geometry(base.href, token) : null;
     const hand = new Hand({
-      moved: () => this.drawing.wished(),
+      moved: () => this.loop.wished(),
       placed: (pose) => void this.wb.place(pose),
       ended: () => this.wb.goOn(),
     });
@@ -66,20 +67,20 @@ export class Page {
       const { right, top, forward } = stage.camera;
       return fromAxes(right, top, scale(forward, -1), [0, 0, 0]);
     };
-    const redraw = (): void => this.drawing.request();
+    const redraw = (): void => this.loop.request();
     this.wb = new Workbench({ store, stage, hand, link, redraw, fetchFile: (name) => fetchFile(base, token, name) });
     this.wb.canvas = picture.canvas;
     const pointer = new Pointer(this.wb, picture.canvas);
-    this.drawing = new Drawing(this.wb, pointer, picture);
-    this.devices = createDevices(this.wb, this.drawing);
-    feed(this.wb, this.drawing);
-    followOutlines(this.wb, this.drawing);
+    this.loop = new Loop(this.wb, pointer, picture);
+    this.devices = createDevices(this.wb, this.loop);
+    followStore(this.wb, this.loop);
+    followOutlines(this.wb, this.loop);
     listenToKeys(this.wb);
     stage.onRestored(redraw);
     new ResizeObserver(redraw).observe(picture.canvas);
     document.addEventListener("visibilitychange", redraw);
     window.addEventListener("pagehide", () => keepCamera(store.manifest.peek()?.hash, stage.camera.toJSON()));
-    this.drawing.after_frame.add(() => this.watchReady());
+    this.loop.after_frame.add(() => this.watchReady());
     if (!link) store.connection.value = "refused";
     link?.connect();
   }
@@ -89,7 +90,7 @@ export class Page {
     const { store, wb } = this;
     store.connection.value = "offline";
     const replay = new OfflineReplay(store);
-    this.drawing.each_frame.add((now) => replay.frame(now));
+    this.loop.each_frame.add((now) => replay.frame(now));
     // The hand and what it held stayed with the engine.
     store.document.value = { ...(document as unknown as Document), tool: null, gripped: [], held_version: 0 };
     wb.stage.setManifest(manifest as PackedManifest);
@@ -101,13 +102,13 @@ export class Page {
     if (left_out > 0) {
       store.notify("warning", `${formatCount(left_out)} triangles of small parts had no room in this file`);
     }
-    this.drawing.request();
+    this.loop.request();
   }
 
   api(): FeelerApi {
     return createApi({
       wb: this.wb,
-      drawing: this.drawing,
+      loop: this.loop,
       isReady: () => this.is_ready,
       whenReady: () => (this.is_ready ? Promise.resolve() : new Promise((resolve) => this.when_ready.push(resolve))),
       drawn: () => ({ first_picture_ms: this.first_picture_ms, whole_picture_ms: this.whole_picture_ms }),
@@ -133,13 +134,13 @@ export class Page {
     store.has_device.value = welcome.device;
     store.undo_depth.value = null;
     store.redo_depth.value = null;
-    this.drawing.forget();
+    this.loop.forget();
     this.takeDocument(welcome.document as unknown as Document);
     void this.takeHeld(welcome.document.held_version, welcome.held);
   }
 
   private onState(state: State): void {
-    this.drawing.answered(state);
+    this.loop.answered(state);
     this.devices.state(state);
     for (const listener of [...this.state_listeners]) listener(state);
   }
@@ -158,7 +159,7 @@ export class Page {
       }
       case "impact":
         this.devices.impact(event);
-        this.drawing.request();
+        this.loop.request();
         break;
       case "notice":
         store.notify(event.level, event.text);
@@ -207,18 +208,18 @@ export class Page {
         if (camera) wb.stage.camera.fromJSON(camera);
         store.selection.value = new Set();
         store.manifest.value = manifest;
-        this.drawing.request();
+        this.loop.request();
       },
       onPiece: (k, data, share) => {
         wb.stage.addPiece(k, data);
         this.come_triangles += store.manifest.peek()?.pieces[k]?.triangles ?? 0;
         store.geometry_share.value = share;
-        this.drawing.request();
+        this.loop.request();
       },
       onDone: () => {
         store.geometry_share.value = 1;
         this.is_whole = true;
-        this.drawing.request();
+        this.loop.request();
       },
       onFailed: (what) => {
         store.geometry_share.value = null;
@@ -236,7 +237,7 @@ export class Page {
       if (version !== this.held_version) return;
       wb.stage.setHeld(piece && manifest ? { piece, manifest: manifest as PackedHeld } : null);
       wb.hand.pivot = manifest ? pivotOf(manifest) : [0, 0, 0];
-      this.drawing.remark();
+      this.loop.remark();
     } catch (error) {
       this.held_version = NO_VERSION;
       wb.tell(error);

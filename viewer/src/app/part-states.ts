@@ -1,5 +1,6 @@
-// One byte a part: how it is drawn. Pure.
+// One byte a part: how it is drawn, by the document and by what the engine touches. Pure.
 
+import type { State } from "../link/protocol";
 import type { Document } from "../model/document";
 import { PartState } from "../scene/stage";
 
@@ -17,5 +18,21 @@ export function partStates(
   mark(document.ghost, PartState.ghost);
   mark(selection, PartState.selected);
   mark(document.gripped, PartState.away);
+  return states;
+}
+
+/** The same with what the tool touches and is near. */
+export function withLit(base: Uint8Array, state: State | null): Uint8Array {
+  const states = base.slice();
+  const mark = (parts: ArrayLike<number>, bit: number): void => {
+    for (let k = 0; k < parts.length; k++) {
+      const part = parts[k] ?? -1;
+      if (part >= 0 && part < states.length) states[part] = (states[part] ?? 0) | bit;
+    }
+  };
+  if (state) {
+    mark(state.clearance_parts, PartState.near);
+    mark(state.parts, PartState.hit);
+  }
   return states;
 }

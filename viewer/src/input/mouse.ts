@@ -4,12 +4,11 @@ import { clickMeasure, hoverMeasure } from "../actions/measures";
 import { draftSection, settleSection } from "../actions/sections";
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
-import { distance, subtract, type Vec3 } from "../math/vectors";
-import type { WishSource } from "../model/hand";
+import type { Source } from "../link/protocol";
+import { distance, type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
-import { dragOf } from "../model/typed-move";
 import { type CutHandle, hitCut, layCuts } from "./cuts";
-import { alongAxis, type Drag, dragged, type Point, type Snap } from "./drag";
+import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
 import { type Handle, hitGizmo, layGizmo } from "./gizmo";
 
 /** A press that moves less is a click. */
@@ -30,7 +29,7 @@ type Gesture =
   | {
       readonly kind: "tool";
       readonly drag: Drag;
-      readonly source: WishSource;
+      readonly source: Source;
       readonly from: Point;
       to: Point;
       last: Point;

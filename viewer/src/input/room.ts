@@ -16,6 +16,7 @@ import {
   turn,
 } from "../math/matrix";
 import { add, normalize, scale, subtract, type Vec3 } from "../math/vectors";
+import type { VrSize } from "../model/settings";
 
 export interface Placement {
   /** Metres in the room of one metre of the mock-up. */
@@ -23,9 +24,6 @@ export interface Placement {
   /** `x_room = pose * (scale * x_world)`. */
   readonly pose: Pose;
 }
-
-/** On a table, as large as one can reach around; or as large as it is. */
-export type PlacementKind = "table" | "real";
 
 export interface RoomMockup {
   readonly lower: Vec3;
@@ -69,7 +67,7 @@ export function heading(room_from_viewer: ArrayLike<number>): Vec3 {
 }
 
 /** Puts the mock-up before the viewer, its front towards them. */
-export function placed(kind: PlacementKind, mockup: RoomMockup, room_from_viewer: ArrayLike<number>): Placement {
+export function placed(kind: VrSize, mockup: RoomMockup, room_from_viewer: ArrayLike<number>): Placement {
   const standing = upright(mockup.up);
   const size = turn(standing, subtract(mockup.upper, mockup.lower)).map(Math.abs) as Vec3;
   const middle = turn(standing, scale(add(mockup.lower, mockup.upper), 0.5));
@@ -131,7 +129,7 @@ export class Walk {
 
   step(
     placement: Placement,
-    kind: PlacementKind,
+    kind: VrSize,
     sticks: { readonly tool: Stick; readonly other: Stick },
     room_from_viewer: ArrayLike<number>,
     middle: Vec3,

@@ -4,7 +4,6 @@
 // Commands, questions and jobs are answered by number. What waits when the link breaks fails, as nobody knows whether
 // it was done; the welcome that follows says how things stand.
 
-import type { Wish } from "../model/hand";
 import { decodeFrame, encodeFrame } from "./frames";
 import {
   type FromPage,
@@ -13,6 +12,7 @@ import {
   PROTOCOL_VERSION,
   RELOAD,
   type ServerEvent,
+  type Source,
   type State,
   type Welcome,
 } from "./protocol";
@@ -57,6 +57,14 @@ export interface LinkOptions {
   wait?: (callback: () => void, delay_ms: number) => number;
   stopWaiting?: (handle: number) => void;
   now?: () => number;
+}
+
+/** Where the hand wants to be: what a pose message tells. */
+export interface Wish {
+  readonly pose: number[];
+  readonly source: Source;
+  /** When the input that led to it happened (`performance.now()`). */
+  readonly time_ms: number;
 }
 
 /** A job under way. */

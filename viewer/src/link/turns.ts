@@ -25,7 +25,7 @@ interface Turn {
 /** A tool that comes to no rest holds commands up no longer. */
 const MOST_WAIT_MS = 2000;
 
-const BROWSER_TIMERS: Timers = {
+export const BROWSER_TIMERS: Timers = {
   set: (callback, delay_ms) => setTimeout(callback, delay_ms) as unknown as number,
   clear: (handle) => clearTimeout(handle),
 };

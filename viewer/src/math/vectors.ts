@@ -2,6 +2,12 @@
 
 export type Vec3 = [number, number, number];
 
+/** A place in the picture: CSS pixels from its upper left corner. */
+export interface Point {
+  readonly x: number;
+  readonly y: number;
+}
+
 /** A box along the axes. Empty when a lower corner lies above the upper one. */
 export interface Box {
   lower: Vec3;

@@ -4,7 +4,9 @@
 // frame (`take`). `put` ends a movement: once the engine has answered the last wish and the tool stands, the pose that
 // the tool reached becomes one `place` command, one step of undo.
 
-import type { Timers } from "../link/turns";
+import type { Wish } from "../link/link";
+import type { Source } from "../link/protocol";
+import { BROWSER_TIMERS, type Timers } from "../link/turns";
 import {
   axis,
   carry,
@@ -20,8 +22,6 @@ import {
 } from "../math/matrix";
 import { scale, type Vec3 } from "../math/vectors";
 
-export type WishSource = "mouse" | "keys" | "gizmo" | "spacemouse" | "gamepad" | "xr" | "api";
-
 /** The frame in which an increment is meant: the camera's (right, up, towards the viewer), the tool's or the world. */
 export type Frame = "view" | "tool" | "world";
 
@@ -29,13 +29,6 @@ export type Frame = "view" | "tool" | "world";
 export interface Increment {
   readonly translation: Vec3;
   readonly rotation: Vec3;
-}
-
-export interface Wish {
-  readonly pose: Pose;
-  readonly source: WishSource;
-  /** When the input that led to it happened (`performance.now()`). */
-  readonly time_ms: number;
 }
 
 export interface HandListener {
@@ -46,11 +39,6 @@ export interface HandListener {
   /** The movement that was put down is over: after `placed`, or without it where it was given up. */
   ended(): void;
 }
-
-const BROWSER_TIMERS: Timers = {
-  set: (callback, delay_ms) => setTimeout(callback, delay_ms) as unknown as number,
-  clear: (handle) => clearTimeout(handle),
-};
 
 /** The tool stands when no state moved it for this long after the last wish was answered. */
 const SETTLE_MS = 120;
@@ -114,7 +102,7 @@ export class Hand {
   }
 
   /** Wishes the tool at `pose` (`world_from_tool`, row by row). */
-  move(pose: ArrayLike<number>, source: WishSource, time_ms = this.now()): void {
+  move(pose: ArrayLike<number>, source: Source, time_ms = this.now()): void {
     if (this.isLocked) return;
     const wish = orthonormal(pose);
     if (!wish.every(Number.isFinite)) return;
@@ -126,7 +114,7 @@ export class Hand {
   }
 
   /** Moves on by an increment; `increment_scale` applies. */
-  nudge(increment: Increment, frame: Frame, source: WishSource, time_ms = this.now()): void {
+  nudge(increment: Increment, frame: Frame, source: Source, time_ms = this.now()): void {
     const pose = this.pose;
     if (!pose) return;
     const axes = this.axesOf(frame, pose);
@@ -173,7 +161,7 @@ export class Hand {
   }
 
   /** The movement is given up: the tool goes back to `pose`, and nothing is placed. */
-  cancel(pose: ArrayLike<number>, source: WishSource): void {
+  cancel(pose: ArrayLike<number>, source: Source): void {
     this.move(pose, source);
     this.put();
     this.isGivenUp = true;

@@ -1,7 +1,9 @@
 // What a person chose for this browser: kept over reloads, never sent.
 
-import type { PlacementKind } from "../input/room";
 import type { Frame } from "./hand";
+
+/** The mock-up in VR: on a table, as large as one can reach around; or as large as it is. */
+export type VrSize = "table" | "real";
 
 export interface Settings {
   readonly theme: "system" | "dark" | "light";
@@ -21,7 +23,7 @@ export interface Settings {
   readonly has_force_rumble: boolean;
   /** Share of a gamepad stick's deflection that counts as rest. */
   readonly dead_zone: number;
-  readonly vr_size: PlacementKind;
+  readonly vr_size: VrSize;
   readonly has_seen_tour: boolean;
   readonly is_tree_open: boolean;
   readonly are_panels_open: boolean;

@@ -1,14 +1,14 @@
 // What the page knows, as signals: the server's document, the newest state, and what only this page decides.
 
 import { computed, signal } from "@preact/signals";
-import type { FindingOrder } from "../actions/findings";
-import { drawnSections } from "../actions/sections";
 import type { Manifest } from "../link/geometry";
 import type { State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { Connection, ContextMenu, Dialog, Document, MeasureType, Notice, Panel } from "./document";
+import type { FindingOrder } from "./findings";
 import { PartTree } from "./part-tree";
+import { drawnSections } from "./sections";
 import { loadSettings, type Settings } from "./settings";
 import type { TypedMove } from "./typed-move";
 

@@ -1,6 +1,5 @@
 // Moving the tool by the keyboard: G or R, an axis, a figure, Enter. Pure: keys in, a pose out.
 
-import type { Drag } from "../input/drag";
 import { axis as axisOf, IDENTITY, movedBy, type Pose, turnedAbout } from "../math/matrix";
 import { parseAngle, parseLength, type Unit } from "../math/units";
 import { scale, type Vec3 } from "../math/vectors";
@@ -49,14 +48,6 @@ export function directionOf(move: TypedMove): Vec3 | null {
   if (move.axis === null) return null;
   return axisOf(move.frame === "tool" ? move.start : IDENTITY, move.axis);
 }
-
-/** The same as something that a pointer drags. */
-export const dragOf = (move: TypedMove): Drag => ({
-  kind: move.kind,
-  start: move.start,
-  center: move.center,
-  direction: directionOf(move),
-});
 
 /**
  * The pose that the figure means; null while it cannot be read.

@@ -1,9 +1,10 @@
 // Findings of a clash check: groups, the deepest first, one contact after the other by N and P.
 
 import { useSignal } from "@preact/signals";
-import { lookAtFinding, STATUSES, shownGroups } from "../actions/findings";
+import { lookAtFinding } from "../actions/findings";
 import { formatLength, type Unit } from "../math/units";
 import type { Finding, FindingGroup } from "../model/document";
+import { STATUSES, shownGroups } from "../model/findings";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { counted } from "./words";

@@ -2,12 +2,12 @@
 
 import { lookFrom } from "../actions/exports";
 import { MEASURE_TITLES, PICKS, startMeasuring, stopMeasuring } from "../actions/measures";
-import { measureText } from "../app/marks";
 import { UNITS } from "../math/units";
 import type { Measure, MeasureType } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, IconButton, NameField } from "./fields";
 import { Icon } from "./icons";
+import { measureText } from "./words";
 
 const TYPES = Object.keys(MEASURE_TITLES) as MeasureType[];
 

@@ -1,7 +1,8 @@
 // Sentences of the page: what the live region and the status line say.
 
 import type { State } from "../link/protocol";
-import { formatLength, type Unit } from "../math/units";
+import { formatAngle, formatLength, type Unit } from "../math/units";
+import type { Measure } from "../model/document";
 
 /** At most so many part names are read out. */
 const MOST_NAMES = 3;
@@ -40,6 +41,10 @@ export function touchedText(names: readonly string[]): string {
   const more = names.length - MOST_NAMES;
   return `touches ${names.slice(0, MOST_NAMES).join(", ")}${more > 0 ? ` and ${more} more` : ""}`;
 }
+
+/** A measure's figure. */
+export const measureText = (measure: Pick<Measure, "unit" | "value">, unit: Unit): string =>
+  measure.unit === "rad" ? formatAngle(measure.value) : formatLength(measure.value, unit);
 
 /** "1 part", "4 316 parts". */
 export const partsText = (count: number, format: (count: number) => string): string =>
