@@ -23,6 +23,8 @@ HEAD = """\
 // Written by tools/protocol_ts.py from python/feeler/workbench/protocol.py: change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
 """
+RENAMED = {"Event": "ServerEvent", "DocumentFields": "Document"}
+"""What has another name in the page: `Event` is a type of the browser."""
 SIMPLE = {"int": "number", "float": "number", "str": "string", "bool": "boolean", "None": "null", "Any": "unknown"}
 ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array"}
 
@@ -75,8 +77,8 @@ def assignment(name: str, value: ast.expr, doc: str) -> Iterator[str]:
     if isinstance(value, ast.Constant):
         yield constant(name, value, doc)
     elif isinstance(value, ast.Subscript | ast.BinOp):
-        new = {"Event": "ServerEvent"}.get(name, name)  # Event is a type of the browser
-        yield f"{comment(doc, '')}export type {new} = {union(value)};\n"
+        # A name for lists is for those who fill them too.
+        yield f"{comment(doc, '')}export type {RENAMED.get(name, name)} = {of(value, '')};\n"
 
 
 def constant(name: str, value: ast.expr, doc: str) -> str:
@@ -85,7 +87,7 @@ def constant(name: str, value: ast.expr, doc: str) -> str:
 
 def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
     """An object or a message, and its line in the table of arrays."""
-    lines = [comment(ast.get_docstring(node) or "", ""), f"export interface {node.name} {{\n"]
+    lines = [comment(ast.get_docstring(node) or "", ""), f"export interface {RENAMED.get(node.name, node.name)} {{\n"]
     packed: list[str] = []
     kind = ""
     for each, doc in documented(node.body):
@@ -94,54 +96,46 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
         name = each.target.id
         if name == "KIND":
             kind = ast.literal_eval(each.value or ast.Constant(None))
-            lines.append(f'  kind: "{kind}";\n')
+            lines.append(f'  readonly kind: "{kind}";\n')
         elif name == "TAG":
             for key, value in ast.literal_eval(each.value or ast.Constant(None)).items():
-                lines.append(f"  {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
+                lines.append(f"  readonly {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
         else:
-            lines.append(f"{comment(doc, '  ')}  {name}: {of(each.annotation)};\n")
+            lines.append(f"{comment(doc, '  ')}  readonly {name}: {of(each.annotation)};\n")
             if spec := array_spec(each.annotation):
                 packed.append(f"    {name}: {spec},\n")
     table = [f"  {kind}: {{\n", *packed, "  },\n"] if packed else []
     return "".join([*lines, "}\n"]), ["".join(table)]
 
 
-def of(node: ast.expr) -> str:
-    """A Python type as TypeScript says it."""
+def of(node: ast.expr, lists: str = "readonly ") -> str:
+    """A Python type as TypeScript says it. lists: what stands before lists."""
     match node:
         case ast.Constant(value=None):
             return "null"
         case ast.Name(id=name) if name in ARRAYS:
             return ARRAYS[name]
         case ast.Name(id=name):
-            return SIMPLE.get(name, name)
-        case ast.BinOp(op=ast.BitOr()):
-            return union(node)
+            return SIMPLE.get(name, RENAMED.get(name, name))
+        case ast.BinOp(left=left, op=ast.BitOr(), right=right):
+            return f"{of(left, lists)} | {of(right, lists)}"
         case ast.Subscript(value=ast.Name(id="Literal"), slice=values):
-            return " | ".join(quoted(value) for value in ast.literal_eval(listed(values)))
+            return " | ".join(literal(value) for value in ast.literal_eval(listed(values)))
         case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[inside, mark])):
             match mark:
-                case ast.Call(func=ast.Name(id="Partial"), args=[ast.Name(id=name)]):
-                    return f"Partial<{name}>"
+                case ast.Call(func=ast.Name(id="Partial"), args=[ast.Name() as whole]):
+                    return f"Partial<{of(whole)}>"
+                case ast.Call(func=ast.Name(id="Open"), args=[ast.Name() as least]):
+                    return of(least)
             return of(inside)
         case ast.Subscript(value=ast.Name(id="list"), slice=inside):
-            item = of(inside)
-            return f"({item})[]" if " " in item and "<" not in item else f"{item}[]"
+            item = of(inside, lists)
+            return f"{lists}({item})[]" if " " in item and "<" not in item else f"{lists}{item}[]"
         case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):
-            return f"[{', '.join(of(each) for each in items)}]"
+            return f"[{', '.join(of(each, lists) for each in items)}]"
         case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, inside])):
-            return f"Record<string, {of(inside)}>"
+            return f"Readonly<Record<string, {of(inside, lists)}>>"
     raise ShapeError(f"line {node.lineno}: {ast.unparse(node)} has no TypeScript here")
-
-
-def union(node: ast.expr) -> str:
-    """Alternatives; of the message types `Event` has another name in the browser."""
-    match node:
-        case ast.BinOp(left=left, op=ast.BitOr(), right=right):
-            return f"{union(left)} | {union(right)}"
-        case ast.Name(id="Event"):
-            return "ServerEvent"
-    return of(node)
 
 
 def array_spec(node: ast.expr) -> str | None:
@@ -159,6 +153,10 @@ def array_spec(node: ast.expr) -> str | None:
 def listed(node: ast.expr) -> ast.expr:
     """What is between the brackets of a type, as a tuple always."""
     return node if isinstance(node, ast.Tuple) else ast.Tuple(elts=[node], ctx=ast.Load())
+
+
+def literal(value: object) -> str:
+    return quoted(value) if isinstance(value, str) else str(value)
 
 
 def quoted(value: object) -> str:

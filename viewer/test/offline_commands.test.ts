@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Document } from "../src/model/document";
+import type { Document } from "../src/link/protocol";
 import { Looking } from "../src/model/offline-commands";
 
 const DOCUMENT = {

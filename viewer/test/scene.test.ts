@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Matrix4, MeshBasicMaterial, PerspectiveCamera, Vector3, Vector4 } from "three";
-import type { Manifest } from "../src/link/geometry";
+import type { Manifest } from "../src/link/protocol";
 import { isSame } from "../src/math/same";
 import { type Box, distance, dot, isEmpty, type Vec3 } from "../src/math/vectors";
 import { Pieces, pieceBytes, readPiece } from "../src/scene/chunks";

@@ -38,6 +38,7 @@ from feeler.workbench.history import History
 from feeler.workbench.jobs import Job
 from feeler.workbench.motion import Floats
 from feeler.workbench.opening import above, opening
+from feeler.workbench.protocol import DocumentFields, HeldManifest, Manifest
 from feeler.workbench.record import Recorder
 from feeler.workbench.requests import Requests
 from feeler.workbench.snapshot import Snapshot
@@ -168,11 +169,11 @@ class Session:
 
     # ---- what is so ----
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> DocumentFields:
         """The document as JSON."""
         return self._document.to_json()
 
-    def document_and_event(self) -> tuple[dict[str, Any], int]:
+    def document_and_event(self) -> tuple[DocumentFields, int]:
         """The document, and the number of the newest event that it has in it."""
         with self._lock:
             return self._document.to_json(), self._events.last
@@ -218,9 +219,9 @@ class Session:
 
         return end
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> Manifest:
         """The geometry's manifest. Raises `WorkbenchError` before a mock-up is open."""
-        return dict(self._packed().manifest())
+        return self._packed().manifest()
 
     def piece(self, number: int) -> bytes:
         """A packed piece. Raises `WorkbenchError` where there is none."""
@@ -230,12 +231,12 @@ class Session:
         except IndexError:
             raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
 
-    def held_manifest(self, version: int) -> dict[str, Any] | None:
+    def held_manifest(self, version: int) -> HeldManifest | None:
         """The manifest of what the hand held at a version; None: nothing. Raises `WorkbenchError`."""
         if version == 0:
             return None
         with self._lock:
-            return dict(self._opened().geometry(version).manifest())
+            return self._opened().geometry(version).manifest()
 
     def held(self, version: int) -> bytes:
         """What the hand held at a version, packed. Raises `WorkbenchError`."""

@@ -3,8 +3,9 @@
 
 import { UNITS } from "../math/units";
 import type { Vec3 } from "../math/vectors";
-import { MODES, PANELS, type Panel } from "../model/document";
+import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
+import { PANELS, type Panel } from "../model/page-state";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";

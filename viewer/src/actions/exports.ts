@@ -1,6 +1,6 @@
 // What leaves the page: pictures, and the files that jobs of the server write.
 
-import type { CameraState } from "../scene/camera";
+import type { Camera } from "../link/protocol";
 import type { Workbench } from "./workbench";
 
 /** Pictures have one size, whatever the window's. */
@@ -45,18 +45,13 @@ export async function takeSnapshot(wb: Workbench): Promise<void> {
 }
 
 /** Puts the camera where a viewpoint has it. */
-export function lookFrom(wb: Workbench, camera: CameraState): void {
+export function lookFrom(wb: Workbench, camera: Camera): void {
   wb.stage.camera.fromJSON(camera);
   wb.redraw();
 }
 
 /** A picture at a size, from a camera where one is given, as base64 of a PNG. */
-export async function pictureFor(
-  wb: Workbench,
-  width: number,
-  height: number,
-  camera: CameraState | null,
-): Promise<string> {
+export async function pictureFor(wb: Workbench, width: number, height: number, camera: Camera | null): Promise<string> {
   const before = wb.stage.camera.toJSON();
   if (camera) wb.stage.camera.fromJSON(camera);
   try {

@@ -1,7 +1,7 @@
 // The findings by command: opening a file of them, stepping to the next, looking at one.
 
+import type { Finding } from "../link/protocol";
 import { add, centre, diagonal, isEmpty, scale, type Vec3 } from "../math/vectors";
-import type { Finding } from "../model/document";
 import { depthOf, neighbour, partsOf, shownGroups } from "../model/findings";
 import type { Workbench } from "./workbench";
 

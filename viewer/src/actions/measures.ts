@@ -1,7 +1,7 @@
 // Measuring by clicks: how many picks a measure takes, what is under the pointer, and the command at the end.
 
+import type { MeasureType } from "../link/protocol";
 import { add, distance, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
-import type { MeasureType } from "../model/document";
 import type { MeasurePick } from "../model/store";
 import type { Workbench } from "./workbench";
 

@@ -1,7 +1,7 @@
 // Sections by command: through what is selected, across the axis that the view looks along.
 
+import type { Section } from "../link/protocol";
 import { centre, dot, isEmpty, type Vec3 } from "../math/vectors";
-import type { Section } from "../model/document";
 import { axisAlong } from "../model/sections";
 import type { Request, Workbench } from "./workbench";
 

@@ -1,10 +1,10 @@
 // The workbench: what commands, pointers and panels act on. It knows the store, the stage, the hand and the link.
 
 import { type Job, type Link, LinkError } from "../link/link";
+import type { Document } from "../link/protocol";
 import { Turns } from "../link/turns";
 import { carry, type Pose } from "../math/matrix";
 import { type Box, corners, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
-import type { Document } from "../model/document";
 import type { Hand } from "../model/hand";
 import { Looking } from "../model/offline-commands";
 import type { Store } from "../model/store";

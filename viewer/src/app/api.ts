@@ -2,11 +2,9 @@
 
 import { SHOT_HEIGHT, SHOT_WIDTH } from "../actions/exports";
 import type { Workbench } from "../actions/workbench";
-import type { State } from "../link/protocol";
+import type { Camera, Document, State } from "../link/protocol";
 import { isSamePose, type Pose } from "../math/matrix";
 import type { Vec3 } from "../math/vectors";
-import type { Document } from "../model/document";
-import type { CameraState } from "../scene/camera";
 import type { FrameStats } from "../scene/stage";
 import { benchmark, type Drawn, type Figures, type ToolMotion, toolMotion } from "./benchmark";
 import type { Loop } from "./loop";
@@ -39,7 +37,7 @@ export interface FeelerApi {
   readonly state: State | null;
   readonly stats: PageStats;
   /** From where the picture is seen. */
-  readonly camera: CameraState;
+  readonly camera: Camera;
   /** Where a world point lies in the picture: CSS pixels from its upper left corner; null: behind the eye. */
   pixel(point: Vec3): [number, number] | null;
   /** The picture as PNG. */

@@ -4,18 +4,17 @@ import { pictureFor } from "../actions/exports";
 import { Workbench } from "../actions/workbench";
 import { listenToKeys } from "../input/keys";
 import { Pointer } from "../input/mouse";
-import { Geometry, type HeldManifest as PackedHeld, type Manifest as PackedManifest } from "../link/geometry";
+import { Geometry } from "../link/geometry";
 import { Link, LinkError } from "../link/link";
 import type { OfflinePage } from "../link/offline-file";
-import type { HeldManifest, ServerEvent, State, Welcome } from "../link/protocol";
+import type { Camera, Document, HeldManifest, ServerEvent, State, Welcome } from "../link/protocol";
 import { fromAxes } from "../math/matrix";
 import { formatCount } from "../math/units";
 import { scale, type Vec3 } from "../math/vectors";
-import { type Document, patched } from "../model/document";
+import { patched } from "../model/document";
 import { Hand } from "../model/hand";
 import { OfflineReplay } from "../model/offline-replay";
 import { Store } from "../model/store";
-import type { CameraState } from "../scene/camera";
 import { Stage } from "../scene/stage";
 import type { PictureElements } from "../ui/app";
 import { createApi, type FeelerApi } from "./api";
@@ -92,10 +91,10 @@ export class Page {
     const replay = new OfflineReplay(store);
     this.loop.each_frame.add((now) => replay.frame(now));
     // The hand and what it held stayed with the engine.
-    store.document.value = { ...(document as unknown as Document), tool: null, gripped: [], held_version: 0 };
-    wb.stage.setManifest(manifest as PackedManifest);
-    store.manifest.value = manifest as PackedManifest;
-    if (camera) wb.stage.camera.fromJSON(camera as unknown as CameraState);
+    store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
+    wb.stage.setManifest(manifest);
+    store.manifest.value = manifest;
+    if (camera) wb.stage.camera.fromJSON(camera);
     for (const [k, piece] of pieces.entries()) wb.stage.addPiece(k, piece);
     this.come_triangles = manifest.triangles;
     this.is_whole = true;
@@ -135,7 +134,7 @@ export class Page {
     store.undo_depth.value = null;
     store.redo_depth.value = null;
     this.loop.forget();
-    this.takeDocument(welcome.document as unknown as Document);
+    this.takeDocument(welcome.document);
     void this.takeHeld(welcome.document.held_version, welcome.held);
   }
 
@@ -154,7 +153,7 @@ export class Page {
         store.redo_depth.value = event.redo_depth;
         // Undo, a grip or another page put the hand elsewhere: an old wish no longer means anything.
         if (event.fields.pose && event.command !== "place") this.wb.hand.drop();
-        if (before) this.takeDocument(patched(before, event.fields as unknown as Partial<Document>));
+        if (before) this.takeDocument(patched(before, event.fields));
         break;
       }
       case "impact":
@@ -165,7 +164,7 @@ export class Page {
         store.notify(event.level, event.text);
         break;
       case "shot":
-        pictureFor(this.wb, event.width, event.height, event.camera as never)
+        pictureFor(this.wb, event.width, event.height, event.camera)
           .then((png) => this.wb.link?.shot(event.id, `shot-${event.id}`, png))
           .catch((error: unknown) => this.wb.tell(error));
         break;
@@ -235,7 +234,7 @@ export class Page {
     try {
       const piece = manifest && this.geometry ? await this.geometry.loadHeld(version) : null;
       if (version !== this.held_version) return;
-      wb.stage.setHeld(piece && manifest ? { piece, manifest: manifest as PackedHeld } : null);
+      wb.stage.setHeld(piece && manifest ? { piece, manifest } : null);
       wb.hand.pivot = manifest ? pivotOf(manifest) : [0, 0, 0];
       this.loop.remark();
     } catch (error) {
@@ -280,12 +279,12 @@ function pivotOf(manifest: HeldManifest): Vec3 {
 const CAMERA_KEY = "feeler.camera";
 
 /** A reload of the tab looks from where one looked. */
-function keepCamera(hash: string | undefined, camera: CameraState): void {
+function keepCamera(hash: string | undefined, camera: Camera): void {
   if (hash) sessionStorage.setItem(CAMERA_KEY, JSON.stringify({ hash, camera }));
 }
 
-function recallCamera(hash: string): CameraState | null {
-  const kept = JSON.parse(sessionStorage.getItem(CAMERA_KEY) ?? "null") as { hash: string; camera: CameraState } | null;
+function recallCamera(hash: string): Camera | null {
+  const kept = JSON.parse(sessionStorage.getItem(CAMERA_KEY) ?? "null") as { hash: string; camera: Camera } | null;
   return kept?.hash === hash ? kept.camera : null;
 }
 

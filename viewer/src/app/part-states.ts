@@ -1,7 +1,6 @@
 // One byte a part: how it is drawn, by the document and by what the engine touches. Pure.
 
-import type { State } from "../link/protocol";
-import type { Document } from "../model/document";
+import type { Document, State } from "../link/protocol";
 import { PartState } from "../scene/stage";
 
 /** The states of `count` parts, as `PartState` bits. */

@@ -1,53 +1,6 @@
 // The mock-up's geometry on its way from the server: one worker fetches, the page gets buffers as they come.
 
-import type { Vec3 } from "../math/vectors";
-
-/** What `GET /scene` says of the mock-up. Lengths in metres; `unit` is what the files were drawn in. */
-export interface Manifest {
-  hash: string;
-  name: string;
-  unit: string;
-  up: "x" | "y" | "z";
-  middle: Vec3;
-  lower: Vec3;
-  upper: Vec3;
-  triangles: number;
-  vertices: number;
-  part_bytes: 2 | 4;
-  /** By part; those that were left out have no path and no triangles. */
-  parts: {
-    paths: string[];
-    triangles: number[];
-    lower: Vec3[];
-    upper: Vec3[];
-    small: number[];
-    /** sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours. */
-    colours: number[];
-  };
-  pieces: PieceManifest[];
-}
-
-export interface PieceManifest {
-  triangles: number;
-  vertices: number;
-  /** The packed index of its first triangle. */
-  first: number;
-  bytes: number;
-  lower: Vec3;
-  upper: Vec3;
-  small: boolean;
-  parts: number;
-}
-
-/** The held mesh: its pieces one behind the other in one buffer, positions in the hand's frame less `middle`. */
-export interface HeldManifest {
-  middle: Vec3;
-  lower: Vec3;
-  upper: Vec3;
-  triangles: number;
-  part_bytes: 2 | 4;
-  pieces: { triangles: number; vertices: number; first: number; bytes: number }[];
-}
+import type { Manifest } from "./protocol";
 
 /** What the worker says. */
 export type GeometryMessage =

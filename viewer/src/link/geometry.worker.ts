@@ -1,7 +1,8 @@
 // Fetches the manifest, the pieces and the held mesh away from the page's thread, and hands the buffers over uncopied.
 
-import type { GeometryMessage, GeometryWish, Manifest } from "./geometry";
+import type { GeometryMessage, GeometryWish } from "./geometry";
 import { inOrder } from "./ordered";
+import type { Manifest } from "./protocol";
 
 // Few enough that the first, the big shapes, are not slowed by those behind them.
 const AT_ONCE = 4;

@@ -9,6 +9,7 @@ import {
   type FromPage,
   type FromServer,
   NOT_ALLOWED,
+  type Pose,
   PROTOCOL_VERSION,
   RELOAD,
   type ServerEvent,
@@ -61,7 +62,7 @@ export interface LinkOptions {
 
 /** Where the hand wants to be: what a pose message tells. */
 export interface Wish {
-  readonly pose: number[];
+  readonly pose: Pose;
   readonly source: Source;
   /** When the input that led to it happened (`performance.now()`). */
   readonly time_ms: number;

@@ -4,14 +4,14 @@
 //
 // Pieces come as the server sends them, so that whoever draws them sees no difference.
 
-import type { Camera, DocumentFields, Manifest } from "./protocol";
+import type { Camera, Document, Manifest } from "./protocol";
 
 const VERSION = 1;
 const PREFIX_BYTES = 8;
 
 /** What the file carries. */
 export interface OfflinePage {
-  document: DocumentFields;
+  document: Document;
   /** From where it is seen at first; null: as the page likes. */
   camera: Camera | null;
   manifest: Manifest;

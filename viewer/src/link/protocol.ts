@@ -21,9 +21,20 @@ export const MOST_CLEARANCES = 16;
 
 export type Vec3 = [number, number, number];
 
+/** 16 numbers of a rigid pose, row by row. */
+export type Pose = number[];
+
 export type Unit = "mm" | "cm" | "m" | "in";
 
 export type Mode = "stop" | "glide" | "pass";
+
+export type UpAxis = "x" | "y" | "z";
+
+export type MeasureType = "point" | "edge" | "angle" | "parts";
+
+export type Material = "steel" | "aluminium" | "plastic" | "rubber";
+
+export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
 
 export type DepthKind = "exact" | "bound" | "estimate";
 
@@ -31,164 +42,190 @@ export type Source = "mouse" | "keys" | "gizmo" | "spacemouse" | "gamepad" | "xr
 
 /** What is known of the mock-up. */
 export interface MockupFacts {
-  name: string;
+  readonly name: string;
   /** Of its content, hex: the address of its geometry. */
-  hash: string;
+  readonly hash: string;
   /** Of the parts that are in the scene. */
-  triangles: number;
+  readonly triangles: number;
   /** All, also those that were left out: the number of every part is below it. */
-  parts: number;
+  readonly parts: number;
 }
 
 /** What is known of the tool in hand. */
 export interface ToolFacts {
-  name: string;
-  triangles: number;
+  readonly name: string;
+  readonly triangles: number;
 }
 
 /** A record that the job "replay" goes through. */
 export interface RecordFacts {
-  name: string;
-  is_playing: boolean;
+  readonly name: string;
+  readonly is_playing: boolean;
   /** Whether all of it came out as it was recorded; null before that is known. */
-  is_same: boolean | null;
+  readonly is_same: boolean | null;
   /** The same as a sentence. */
-  verdict: string | null;
+  readonly verdict: string | null;
 }
 
 /** How far reading and indexing are. */
 export interface Loading {
-  stage: string;
+  readonly stage: string;
   /** 0 to 1. */
-  share: number;
+  readonly share: number;
 }
 
 /** A plane that cuts the picture: what is kept has normal . x >= offset. */
 export interface Section {
-  id: number;
-  /** Unit, 3 numbers. */
-  normal: number[];
+  readonly id: number;
+  /** Unit. */
+  readonly normal: Vec3;
   /** Metres along the normal. */
-  offset: number;
-  is_on: boolean;
+  readonly offset: number;
+  readonly is_on: boolean;
 }
 
 /** One removal: parts, the way they took, and what came near. */
 export interface SequenceLine {
-  id: number;
-  name: string;
-  parts: number[];
-  /** Poses of 16 numbers, world_from_hand. */
-  way: number[][];
+  readonly id: number;
+  readonly name: string;
+  readonly parts: readonly number[];
+  /** world_from_hand. */
+  readonly way: readonly Pose[];
   /** Metres; 0 where something touched, null where it is not known. */
-  least_clearance: number | null;
+  readonly least_clearance: number | null;
   /** Part paths. */
-  touched: string[];
-  tool: string | null;
+  readonly touched: readonly string[];
+  readonly tool: string | null;
 }
 
 /** A measure with the points that it was taken at. */
 export interface Measure {
-  id: number;
-  name: string;
-  type: "point" | "edge" | "angle" | "parts";
-  /** 3 numbers each, metres. */
-  points: number[][];
-  value: number;
-  unit: "m" | "rad";
+  readonly id: number;
+  readonly name: string;
+  readonly type: MeasureType;
+  /** Metres. */
+  readonly points: readonly Vec3[];
+  readonly value: number;
+  readonly unit: "m" | "rad";
   /** Taken by the engine on the triangles, not from the picture. */
-  is_exact: boolean;
+  readonly is_exact: boolean;
 }
 
 /** Where a picture is seen from. */
 export interface Camera {
-  position: number[];
-  target: number[];
-  up: number[];
+  readonly position: Vec3;
+  readonly target: Vec3;
+  readonly up: Vec3;
   /** Vertical field of view. */
-  fov_rad: number;
+  readonly fov_rad: number;
 }
 
 /** A camera that was kept. */
 export interface Viewpoint {
-  id: number;
-  name: string;
-  camera: Camera;
+  readonly id: number;
+  readonly name: string;
+  readonly camera: Camera;
 }
 
-/** What a clash run found, as groups, and how far each group is. */
+/** What a clash check says of two parts. */
+export interface Finding {
+  readonly id: string;
+  /** A part path, as is `b`. */
+  readonly a: string;
+  readonly b: string;
+  /** Null: the part is not in this mock-up, or was left out of the scene. */
+  readonly part_a: number | null;
+  readonly part_b: number | null;
+  readonly verdict: string;
+  /** Metres, as is `gap`. */
+  readonly depth: number | null;
+  readonly gap: number | null;
+  readonly point_a: Vec3 | null;
+  readonly point_b: Vec3 | null;
+  readonly is_touching: boolean;
+  readonly sentence: string;
+}
+
+/** Findings that belong together, the deepest first. */
+export interface FindingGroup {
+  readonly name: string;
+  readonly findings: readonly Finding[];
+}
+
+/** What a clash run found, as groups, and how far each finding is. */
 export interface Findings {
-  groups: Record<string, unknown>[];
-  status: Record<string, string>;
-  is_touching_hidden: boolean;
+  readonly groups: readonly FindingGroup[];
+  /** By the finding's id; "new" where there is none. */
+  readonly status: Readonly<Record<string, FindingStatus>>;
+  readonly is_touching_hidden: boolean;
 }
 
 /** All that a page shows and that a command may change; what a reload brings back. */
-export interface DocumentFields {
-  mockup: MockupFacts | null;
+export interface Document {
+  readonly mockup: MockupFacts | null;
   /** Null once the engine answers. */
-  loading: Loading | null;
+  readonly loading: Loading | null;
   /** Why there is no mock-up. */
-  failed: string | null;
-  tool: ToolFacts | null;
+  readonly failed: string | null;
+  readonly tool: ToolFacts | null;
   /** Names of what can be taken in hand. */
-  tools: string[];
-  record: RecordFacts | null;
+  readonly tools: readonly string[];
+  readonly record: RecordFacts | null;
   /** Parts that were left out of the scene from the start: nothing meets them, and nobody sees them. */
-  absent: number[];
+  readonly absent: readonly number[];
   /** Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty. */
-  held_version: number;
-  unit: Unit;
-  mode: Mode;
-  hidden: number[];
-  ghost: number[];
+  readonly held_version: number;
+  readonly unit: Unit;
+  readonly mode: Mode;
+  readonly hidden: readonly number[];
+  readonly ghost: readonly number[];
   /** 0 to 1. */
-  explode: number;
-  isolated: boolean;
-  sections: Section[];
-  /** 16 numbers: where the hand was last put down by a command. */
-  pose: number[];
-  gripped: number[];
-  /** Part id -> 16 numbers, world_from_part: the identity is where it was loaded. */
-  moved: Record<string, number[]>;
+  readonly explode: number;
+  readonly isolated: boolean;
+  readonly sections: readonly Section[];
+  /** Where the hand was last put down by a command. */
+  readonly pose: Pose;
+  readonly gripped: readonly number[];
+  /** Part id -> world_from_part: the identity is where it was loaded. */
+  readonly moved: Readonly<Record<string, Pose>>;
   /** Parts taken out of the mock-up. */
-  out: number[];
-  sequence: SequenceLine[];
+  readonly out: readonly number[];
+  readonly sequence: readonly SequenceLine[];
   /** The line of the sequence that is being replayed. */
-  replaying: number | null;
-  measures: Measure[];
-  viewpoints: Viewpoint[];
-  findings: Findings | null;
-  material: string | null;
+  readonly replaying: number | null;
+  readonly measures: readonly Measure[];
+  readonly viewpoints: readonly Viewpoint[];
+  readonly findings: Findings | null;
+  readonly material: Material | null;
 }
 
 /** The parts of a mock-up by column. */
 export interface ManifestParts {
   /** Empty for those that were left out. */
-  paths: string[];
-  triangles: number[];
+  readonly paths: readonly string[];
+  readonly triangles: readonly number[];
   /** Of each part's box, metres; an empty part, or one that was left out, has lower above upper. */
-  lower: Vec3[];
-  upper: Vec3[];
+  readonly lower: readonly Vec3[];
+  readonly upper: readonly Vec3[];
   /** 1: so small beside the mock-up that it may be left out while the camera moves. */
-  small: number[];
+  readonly small: readonly number[];
   /** sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page gives its own. */
-  colours: number[];
+  readonly colours: readonly number[];
 }
 
 /** One piece of geometry, `GET /scene/pieces/K`. */
 export interface ManifestPiece {
-  triangles: number;
-  vertices: number;
+  readonly triangles: number;
+  readonly vertices: number;
   /** Packed index of its first triangle: the number of triangles in the pieces before it. */
-  first: number;
-  bytes: number;
-  lower: Vec3;
-  upper: Vec3;
+  readonly first: number;
+  readonly bytes: number;
+  readonly lower: Vec3;
+  readonly upper: Vec3;
   /** Of small parts alone. */
-  small: boolean;
+  readonly small: boolean;
   /** How many parts have triangles in it. */
-  parts: number;
+  readonly parts: number;
 }
 
 /**
@@ -199,286 +236,286 @@ export interface ManifestPiece {
  * the index of a triangle in the order of the pieces.
  */
 export interface Manifest {
-  hash: string;
-  name: string;
+  readonly hash: string;
+  readonly name: string;
   /** Of the files that it was read from. */
-  unit: string;
-  up: string;
-  middle: Vec3;
-  lower: Vec3;
-  upper: Vec3;
+  readonly unit: string;
+  readonly up: UpAxis;
+  readonly middle: Vec3;
+  readonly lower: Vec3;
+  readonly upper: Vec3;
   /** In the pieces: those that are drawn. */
-  triangles: number;
-  vertices: number;
-  part_bytes: number;
-  parts: ManifestParts;
-  pieces: ManifestPiece[];
+  readonly triangles: number;
+  readonly vertices: number;
+  readonly part_bytes: 2 | 4;
+  readonly parts: ManifestParts;
+  readonly pieces: readonly ManifestPiece[];
 }
 
 /** The geometry in hand, in the hand's frame: its pieces, one after the other, are `GET /held/VERSION`. */
 export interface HeldManifest {
-  version: number;
-  middle: Vec3;
-  lower: Vec3;
-  upper: Vec3;
-  triangles: number;
-  vertices: number;
-  part_bytes: number;
+  readonly version: number;
+  readonly middle: Vec3;
+  readonly lower: Vec3;
+  readonly upper: Vec3;
+  readonly triangles: number;
+  readonly vertices: number;
+  readonly part_bytes: 2 | 4;
   /** Paths; the part of a vertex is an index into them. */
-  parts: string[];
-  pieces: ManifestPiece[];
+  readonly parts: readonly string[];
+  readonly pieces: readonly ManifestPiece[];
 }
 
 /** How far the tool is from the mock-up, and between which points. */
 export interface NearestPoints {
-  value: number;
-  tool_point: Vec3;
-  mockup_point: Vec3;
-  part: number;
+  readonly value: number;
+  readonly tool_point: Vec3;
+  readonly mockup_point: Vec3;
+  readonly part: number;
 }
 
 /** What went wrong, where, and what to do about it; "where" and "do" may be empty. */
 export interface Trouble {
-  what: string;
-  where: string;
-  do: string;
+  readonly what: string;
+  readonly where: string;
+  readonly do: string;
 }
 
 /** The first message, within 2 seconds; nothing else is read before it. */
 export interface Hello {
-  kind: "hello";
-  protocol: number;
-  token: string;
+  readonly kind: "hello";
+  readonly protocol: number;
+  readonly token: string;
   /** The one that the page was in before its connection broke. */
-  session: string | null;
+  readonly session: string | null;
   /** The newest that it has; 0: none. */
-  last_event: number;
+  readonly last_event: number;
 }
 
 /** Where the hand wants to be. The newest counts. */
-export interface Pose {
-  kind: "pose";
-  seq: number;
+export interface Wish {
+  readonly kind: "pose";
+  readonly seq: number;
   /** By the page's clock. */
-  time_ms: number;
-  source: Source;
+  readonly time_ms: number;
+  readonly source: Source;
   /** world_from_tool, row by row. */
-  pose: Float64Array;
+  readonly pose: Float64Array;
 }
 
 /** A state was taken. At most two are on their way unacknowledged. */
 export interface Ack {
-  kind: "ack";
-  seq: number;
+  readonly kind: "ack";
+  readonly seq: number;
 }
 
 /** Changes the document. Answered by a reply. */
 export interface Command {
-  kind: "command";
-  id: number;
-  name: string;
-  args: Record<string, unknown>;
+  readonly kind: "command";
+  readonly id: number;
+  readonly name: string;
+  readonly args: Readonly<Record<string, unknown>>;
 }
 
 /** A question, which changes nothing. Answered by a reply. */
 export interface Ask {
-  kind: "ask";
-  id: number;
-  name: string;
-  args: Record<string, unknown>;
+  readonly kind: "ask";
+  readonly id: number;
+  readonly name: string;
+  readonly args: Readonly<Record<string, unknown>>;
 }
 
 /** Something that takes a while: progress comes by messages of the same id, the result as a reply. */
 export interface Job {
-  kind: "job";
-  id: number;
-  name: string;
-  args: Record<string, unknown>;
+  readonly kind: "job";
+  readonly id: number;
+  readonly name: string;
+  readonly args: Readonly<Record<string, unknown>>;
 }
 
 /** Gives up a job of this page; its reply is an error then. */
 export interface Cancel {
-  kind: "cancel";
-  id: number;
+  readonly kind: "cancel";
+  readonly id: number;
 }
 
 /** The picture that a "shot" event asked for, or the next piece of it: a message may have 1 MiB, a picture more. */
 export interface Shot {
-  kind: "shot";
-  id: number;
-  name: string;
+  readonly kind: "shot";
+  readonly id: number;
+  readonly name: string;
   /** Of a multiple of 4 characters in each piece but the last. */
-  png_base64: string;
+  readonly png_base64: string;
   /** Another piece follows. */
-  more: boolean;
+  readonly more: boolean;
 }
 
 /** What a page measured, as a "benchmark" event asked for. */
 export interface Benchmarked {
-  kind: "benchmarked";
-  id: number;
+  readonly kind: "benchmarked";
+  readonly id: number;
   /** As `Figures` of `viewer/src/app/benchmark.ts`. */
-  figures: Record<string, unknown>;
+  readonly figures: Readonly<Record<string, unknown>>;
 }
 
 /** The answer to hello: everything. */
 export interface Welcome {
-  kind: "welcome";
-  protocol: number;
-  session: string;
-  document: DocumentFields;
+  readonly kind: "welcome";
+  readonly protocol: number;
+  readonly session: string;
+  readonly document: Document;
   /** The newest event that the document has in it; those that follow are greater. */
-  event: number;
+  readonly event: number;
   /** A haptic device moves the hand. */
-  device: boolean;
-  recording: boolean;
+  readonly device: boolean;
+  readonly recording: boolean;
   /** Of the mesh in hand; null: the hand is empty, or there is no mock-up yet. */
-  held: HeldManifest | null;
+  readonly held: HeldManifest | null;
   /** Of the server's software, by name. */
-  versions: Record<string, string>;
+  readonly versions: Readonly<Record<string, string>>;
 }
 
 /** What the engine found at the newest pose. A newer one replaces it. */
 export interface State {
-  kind: "state";
-  seq: number;
+  readonly kind: "state";
+  readonly seq: number;
   /** Of the wish that it answers. */
-  pose_seq: number;
-  engine_us: number;
+  readonly pose_seq: number;
+  readonly engine_us: number;
   /** From the wish to the answer. */
-  age_ms: number;
+  readonly age_ms: number;
   /** Answers a second. */
-  rate_hz: number;
-  mode: Mode;
+  readonly rate_hz: number;
+  readonly mode: Mode;
   /** Nothing meets, nothing is inside. */
-  is_free: boolean;
+  readonly is_free: boolean;
   /** The solid tool is held back from the wish. */
-  blocked: boolean;
-  force: Vec3;
+  readonly blocked: boolean;
+  readonly force: Vec3;
   /** About the tool's origin, N m. */
-  torque: Vec3;
+  readonly torque: Vec3;
   /** How far the tool is out of what it is in; 0: in nothing, or not found yet. */
-  depth: number;
+  readonly depth: number;
   /** Of the depth: no way out is shorter, one may be, or this one does not free it. */
-  depth_kind: DepthKind;
+  readonly depth_kind: DepthKind;
   /** Colliding triangles of the mock-up, listed or not. */
-  hit_count: number;
+  readonly hit_count: number;
   /** Of them, those not listed. */
-  hit_more: number;
+  readonly hit_more: number;
   /** Contact planes not listed. */
-  contact_more: number;
-  distance: NearestPoints | null;
+  readonly contact_more: number;
+  readonly distance: NearestPoints | null;
   /** Touched, ids. */
-  parts: number[];
+  readonly parts: readonly number[];
   /** The solid tool's. */
-  pose: Float64Array;
+  readonly pose: Float64Array;
   /** The hand's. */
-  wish: Float64Array;
+  readonly wish: Float64Array;
   /** Packed triangles of the mock-up. */
-  hits: Uint32Array;
+  readonly hits: Uint32Array;
   /** Packed triangles of the mesh in hand. */
-  tool_hits: Uint32Array;
+  readonly tool_hits: Uint32Array;
   /** A row a contact: point 3, normal 3 (from the mock-up to the tool), gap, share of the force in newtons. */
-  planes: Float32Array;
-  plane_parts: Uint32Array;
+  readonly planes: Float32Array;
+  readonly plane_parts: Uint32Array;
   /** A row a near part: distance, point on the tool 3, point on the mock-up 3. */
-  clearance: Float32Array;
-  clearance_parts: Uint32Array;
+  readonly clearance: Float32Array;
+  readonly clearance_parts: Uint32Array;
 }
 
 /** The document changed: the new values of some of its fields. */
 export interface Patch {
-  kind: "event";
-  type: "patch";
-  n: number;
-  fields: Partial<DocumentFields>;
+  readonly kind: "event";
+  readonly type: "patch";
+  readonly n: number;
+  readonly fields: Partial<Document>;
   /** What changed it; null: not a command. */
-  command: string | null;
-  undo_depth: number;
-  redo_depth: number;
+  readonly command: string | null;
+  readonly undo_depth: number;
+  readonly redo_depth: number;
 }
 
 /** The tool met a part that it did not touch before. */
 export interface Impact {
-  kind: "event";
-  type: "impact";
-  n: number;
-  part: number;
+  readonly kind: "event";
+  readonly type: "impact";
+  readonly n: number;
+  readonly part: number;
   /** The diagonal of its box. */
-  part_size_m: number;
-  speed_m_per_s: number;
-  point: Vec3;
-  material: string | null;
+  readonly part_size_m: number;
+  readonly speed_m_per_s: number;
+  readonly point: Vec3;
+  readonly material: string | null;
   /** Newtons. */
-  force: number;
+  readonly force: number;
 }
 
 /** Something to tell whoever looks at the page. */
 export interface Notice {
-  kind: "event";
-  type: "notice";
-  n: number;
-  level: "info" | "warning" | "error";
-  text: string;
+  readonly kind: "event";
+  readonly type: "notice";
+  readonly n: number;
+  readonly level: "info" | "warning" | "error";
+  readonly text: string;
 }
 
 /** A script wants a picture: one page answers by a shot of the same id. */
 export interface ShotWanted {
-  kind: "event";
-  type: "shot";
-  n: number;
-  id: number;
-  width: number;
-  height: number;
+  readonly kind: "event";
+  readonly type: "shot";
+  readonly n: number;
+  readonly id: number;
+  readonly width: number;
+  readonly height: number;
   /** Null: as the page stands. */
-  camera: Camera | null;
+  readonly camera: Camera | null;
 }
 
 /** A page is to measure what it draws: it answers by a "benchmarked" message of the same id. */
 export interface BenchmarkWanted {
-  kind: "event";
-  type: "benchmark";
-  n: number;
-  id: number;
+  readonly kind: "event";
+  readonly type: "benchmark";
+  readonly n: number;
+  readonly id: number;
 }
 
 /** The hand holds something else: fetch `/held/VERSION`. */
 export interface HeldChanged {
-  kind: "event";
-  type: "held";
-  n: number;
-  version: number;
+  readonly kind: "event";
+  readonly type: "held";
+  readonly n: number;
+  readonly version: number;
   /** Null: the hand is empty. */
-  manifest: HeldManifest | null;
+  readonly manifest: HeldManifest | null;
 }
 
 /** How far a job of this page is. A newer one replaces it; it is no event, as it means nothing to other pages. */
 export interface Progress {
-  kind: "progress";
-  id: number;
+  readonly kind: "progress";
+  readonly id: number;
   /** 0 to 1. */
-  share: number;
-  stage: string;
+  readonly share: number;
+  readonly stage: string;
 }
 
 /** A command, question or job was done. */
 export interface Answer {
-  kind: "reply";
-  ok: true;
-  id: number;
-  result: unknown;
+  readonly kind: "reply";
+  readonly ok: true;
+  readonly id: number;
+  readonly result: unknown;
 }
 
 /** A command, question or job was not done; or a message was none. */
 export interface Refusal {
-  kind: "reply";
-  ok: false;
+  readonly kind: "reply";
+  readonly ok: false;
   /** Null: the message had none. */
-  id: number | null;
-  error: Trouble;
+  readonly id: number | null;
+  readonly error: Trouble;
 }
 
-export type FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
+export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 

@@ -1,8 +1,9 @@
 // Rigid poses: a pose is sixteen numbers row by row (`world_from_tool`), metres; angles are radians.
 
+import type { Pose } from "../link/protocol";
 import { add, cross, dot, length, normalize, scale, subtract, type Vec3 } from "./vectors";
 
-export type Pose = number[];
+export type { Pose };
 
 export const IDENTITY: readonly number[] = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 

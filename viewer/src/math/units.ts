@@ -1,6 +1,8 @@
 // Lengths and angles as people read and type them. Inside, everything is metres and radians.
 
-export type Unit = "mm" | "cm" | "m" | "in";
+import type { Unit } from "../link/protocol";
+
+export type { Unit };
 
 export const UNITS: readonly Unit[] = ["mm", "cm", "m", "in"];
 

@@ -1,6 +1,8 @@
 // Vectors of three numbers and boxes: what the scene needs, no more. Metres, the world's axes.
 
-export type Vec3 = [number, number, number];
+import type { Vec3 } from "../link/protocol";
+
+export type { Vec3 };
 
 /** A place in the picture: CSS pixels from its upper left corner. */
 export interface Point {

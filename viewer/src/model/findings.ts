@@ -1,6 +1,6 @@
 // Which findings of a clash check are shown, and in which order they are stepped through. Pure.
 
-import type { Finding, FindingGroup, Findings } from "./document";
+import type { Finding, FindingGroup, FindingStatus, Findings } from "../link/protocol";
 
 export type FindingOrder = "depth" | "group";
 
@@ -35,4 +35,4 @@ export function neighbour(groups: readonly FindingGroup[], current: string | nul
   return all[(at + step + all.length) % all.length] ?? null;
 }
 
-export const STATUSES = ["new", "active", "reviewed", "approved", "resolved"] as const;
+export const STATUSES: readonly FindingStatus[] = ["new", "active", "reviewed", "approved", "resolved"];

@@ -1,8 +1,8 @@
 // Commands that only change what is seen, for a page without a server: the same names and arguments, on the document
 // that the page has. What needs the engine is refused.
 
+import type { Document, Section } from "../link/protocol";
 import { distance, type Vec3 } from "../math/vectors";
-import type { Document, Section } from "./document";
 
 type Args = Record<string, unknown>;
 type Change = (document: Document, args: Args) => Document | null;

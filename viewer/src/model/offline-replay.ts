@@ -1,8 +1,8 @@
 // The sequence replayed in a page without a server: where the parts of a line are along the way that was recorded.
 
+import type { Document, SequenceLine } from "../link/protocol";
 import { IDENTITY, invert, multiply, orthonormal, type Pose, position } from "../math/matrix";
 import { distance } from "../math/vectors";
-import type { Document, Removal } from "./document";
 import type { Store } from "./store";
 
 const M_PER_S = 0.25;
@@ -10,7 +10,7 @@ const LEAST_S = 1;
 const MOST_S = 20;
 
 /** Where the parts of a line were when it began: where the lines before it left them, else where they were loaded. */
-export function startsOf(sequence: readonly Removal[], line: Removal): Map<number, Pose> {
+export function startsOf(sequence: readonly SequenceLine[], line: SequenceLine): Map<number, Pose> {
   const places = new Map<number, Pose>();
   for (const each of sequence) {
     if (each.id === line.id) break;
@@ -21,18 +21,18 @@ export function startsOf(sequence: readonly Removal[], line: Removal): Map<numbe
 }
 
 /** world_from_part of a part that began at `start`, when the hand is at `pose`. */
-function carriedTo(line: Removal, pose: Pose, start: Pose = [...IDENTITY]): Pose {
+function carriedTo(line: SequenceLine, pose: Pose, start: Pose = [...IDENTITY]): Pose {
   const first = line.way[0] ?? IDENTITY;
   return multiply(multiply(pose, invert(first)), start);
 }
 
 /** How long a line takes, at an even speed. */
-export function secondsOf(line: Removal): number {
+export function secondsOf(line: SequenceLine): number {
   return Math.min(MOST_S, Math.max(LEAST_S, lengthsOf(line).reduce((sum, each) => sum + each, 0) / M_PER_S));
 }
 
 /** The hand's pose at a share of the way, by its length. */
-export function poseAt(line: Removal, share: number): Pose {
+export function poseAt(line: SequenceLine, share: number): Pose {
   const lengths = lengthsOf(line);
   let rest = share * lengths.reduce((sum, each) => sum + each, 0);
   for (const [k, length] of lengths.entries()) {
@@ -47,11 +47,11 @@ export function poseAt(line: Removal, share: number): Pose {
   return [...(line.way.at(-1) ?? IDENTITY)];
 }
 
-const lengthsOf = (line: Removal): number[] =>
+const lengthsOf = (line: SequenceLine): number[] =>
   line.way.slice(1).map((pose, k) => distance(position(pose), position(line.way[k] ?? pose)));
 
 /** The document with the parts of a line where they are at a share of its way. */
-export function replayed(document: Document, line: Removal, starts: Map<number, Pose>, share: number): Document {
+export function replayed(document: Document, line: SequenceLine, starts: Map<number, Pose>, share: number): Document {
   const pose = poseAt(line, share);
   const moved = { ...document.moved };
   for (const [part, start] of starts) moved[part] = carriedTo(line, pose, start);
@@ -60,7 +60,7 @@ export function replayed(document: Document, line: Removal, starts: Map<number, 
 
 /** Moves the parts while the document says that a line is replayed. */
 export class OfflineReplay {
-  private line: Removal | null = null;
+  private line: SequenceLine | null = null;
   private starts = new Map<number, Pose>();
   private begun_ms = 0;
 

@@ -1,7 +1,7 @@
 // Sections as figures: along which axis, in which range, which are drawn. Pure.
 
+import type { Section } from "../link/protocol";
 import type { Vec3 } from "../math/vectors";
-import type { Section } from "./document";
 
 /** The world axis that is nearest to the view direction, towards what is farther: the near side is cut away. */
 export function axisAlong(forward: Vec3): Vec3 {

@@ -1,12 +1,11 @@
 // What the page knows, as signals: the server's document, the newest state, and what only this page decides.
 
 import { computed, signal } from "@preact/signals";
-import type { Manifest } from "../link/geometry";
-import type { State } from "../link/protocol";
+import type { Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
-import type { Connection, ContextMenu, Dialog, Document, MeasureType, Notice, Panel } from "./document";
 import type { FindingOrder } from "./findings";
+import type { Connection, ContextMenu, Dialog, Notice, Panel } from "./page-state";
 import { PartTree } from "./part-tree";
 import { drawnSections } from "./sections";
 import { loadSettings, type Settings } from "./settings";

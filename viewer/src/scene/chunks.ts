@@ -1,7 +1,7 @@
 // The mock-up's pieces: buffers as the server packed them, kept on the page, drawn by one material.
 
 import { BufferAttribute, BufferGeometry, type BufferGeometry as Geometry, IntType, type Material, Mesh } from "three";
-import type { Manifest } from "../link/geometry";
+import type { Manifest } from "../link/protocol";
 import type { Box } from "../math/vectors";
 import type { PartTable } from "./parts";
 

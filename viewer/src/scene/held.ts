@@ -1,7 +1,7 @@
 // What the hand holds: solid where the engine has it, a ghost where the hand wishes it.
 
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
-import type { HeldManifest } from "../link/geometry";
+import type { HeldManifest } from "../link/protocol";
 import { isSame } from "../math/same";
 import { type Box, corners, emptyBox, include, transform, type Vec3 } from "../math/vectors";
 import { geometryOf, type PieceArrays, readPiece, standingMesh, writeCorners } from "./chunks";

@@ -1,7 +1,7 @@
 // The mock-up as it is drawn: its pieces, the states and places of its parts, the planes that cut it.
 
 import type { Material, PerspectiveCamera } from "three";
-import type { Manifest } from "../link/geometry";
+import type { Manifest } from "../link/protocol";
 import { type Box, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
 import { eyePlanes } from "./aim";
 import { type Piece, Pieces } from "./chunks";

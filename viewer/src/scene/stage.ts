@@ -4,7 +4,7 @@
 // what moves over it. While nothing at all changes, the edges are smoothed, a little a frame.
 
 import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
-import type { HeldManifest, Manifest } from "../link/geometry";
+import type { HeldManifest, Manifest } from "../link/protocol";
 import { isSame } from "../math/same";
 import { add, type Box, dot, isEmpty, scale, type Vec3 } from "../math/vectors";
 import { aim } from "./aim";

@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { hint } from "../actions/commands";
 import type { Workbench } from "../actions/workbench";
-import { PANELS, type Panel } from "../model/document";
+import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
 import { useWorkbench, WorkbenchContext } from "./context";
 import { Banner, Covers, Notices, RecordBar } from "./covers";

@@ -2,8 +2,8 @@
 
 import { useSignal } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
+import type { Finding, FindingGroup } from "../link/protocol";
 import { formatLength, type Unit } from "../math/units";
-import type { Finding, FindingGroup } from "../model/document";
 import { STATUSES, shownGroups } from "../model/findings";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";

@@ -2,8 +2,8 @@
 
 import { lookFrom } from "../actions/exports";
 import { MEASURE_TITLES, PICKS, startMeasuring, stopMeasuring } from "../actions/measures";
+import type { Measure, MeasureType } from "../link/protocol";
 import { UNITS } from "../math/units";
-import type { Measure, MeasureType } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, IconButton, NameField } from "./fields";
 import { Icon } from "./icons";

@@ -1,9 +1,9 @@
 // Sections: cuts through the mock-up, moved by a slider or a figure.
 
 import { addSection, draftSection, flipped, settleSection } from "../actions/sections";
+import type { Section } from "../link/protocol";
 import { formatShare } from "../math/units";
 import type { Vec3 } from "../math/vectors";
-import type { Section } from "../model/document";
 import { offsetRange, senseOf } from "../model/sections";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";

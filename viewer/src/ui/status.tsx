@@ -2,7 +2,7 @@
 
 import { formatCount, formatForce, formatLength, formatShare } from "../math/units";
 import { length } from "../math/vectors";
-import type { Connection } from "../model/document";
+import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { poseHint } from "./typing-hint";

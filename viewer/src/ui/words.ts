@@ -1,8 +1,7 @@
 // Sentences of the page: what the live region and the status line say.
 
-import type { State } from "../link/protocol";
+import type { Measure, State } from "../link/protocol";
 import { formatAngle, formatLength, type Unit } from "../math/units";
-import type { Measure } from "../model/document";
 
 /** At most so many part names are read out. */
 const MOST_NAMES = 3;
