@@ -6,11 +6,13 @@ Run as a program, this writes the golden files; the page's own test reads them t
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import json
 import struct
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -413,6 +415,85 @@ def test_findings_are_read_strictly_where_they_are_known(changes: dict[str, Any]
     finding = {key: value for key, value in {**FINDING, **changes}.items() if value is not ...}
     with pytest.raises(ProtocolError, match=words):
         decode_from_server(with_finding(finding))
+
+
+@pytest.fixture
+def protocol_ts(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    return importlib.import_module("protocol_ts")
+
+
+COMMANDS = """
+def hide(document, given):
+    \"\"\"Out of sight.
+
+    They still collide.
+    \"\"\"
+
+def edit(document, given): ...
+
+WHAT: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection)}
+COMMANDS: dict[str, Command] = {
+    "hide": Command(hide, {"parts": list[int | str], "is_on": bool}, moves_hand=True),
+    "edit": Command(edit, {"type": Unit | None, **WHAT}),
+    "reset": Command(hide, moves_hand=True),
+}
+STEPS = ("undo",)
+"""
+ASKING = """
+def ray(place, given) -> RayHit | None: ...
+def outline(place, given, progress) -> Outline: ...
+def _writing(name) -> Work[Written]: ...
+ASKS: dict[str, Question[Any]] = {"ray": Question(ray, WHAT)}
+JOBS: dict[str, Work[Any]] = {"outline": Work(outline, {"at": Pose}), "csv": _writing("a.csv")}
+"""
+
+
+def test_tables_of_commands_questions_and_jobs_as_the_page_has_them(protocol_ts: ModuleType) -> None:
+    text = protocol_ts.document("", "", COMMANDS, ASKING)
+    begin, end = text.index("/** The arguments of commands"), text.index("/** What is sent of a command")
+    assert (
+        text[begin:end]
+        == """\
+/** The arguments of commands. */
+export interface Commands {
+  /** Out of sight. */
+  readonly hide: { readonly parts: readonly (number | string)[]; readonly is_on: boolean };
+  readonly edit: { readonly type: Unit | null; readonly points?: readonly Vec3[]; readonly parts?: Selection };
+  /** Out of sight. */
+  readonly reset: Record<string, never>;
+  readonly undo: Record<string, never>;
+}
+
+/** The arguments of questions, and their answers. */
+export interface Questions {
+  readonly ray: {
+    readonly args: { readonly points?: readonly Vec3[]; readonly parts?: Selection };
+    readonly answer: RayHit | null;
+  };
+}
+
+/** The arguments of jobs, and what they come to. */
+export interface Jobs {
+  readonly outline: { readonly args: { readonly at: Pose }; readonly answer: Outline };
+  readonly csv: { readonly args: Record<string, never>; readonly answer: Written };
+}
+
+"""
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('is_on": bool', 'is_on": set[int]', "set.int. has no TypeScript"),
+        (" -> Outline", "", "does not say what it answers"),
+        ("ray, WHAT", "ray, ()", "is no table"),
+    ],
+)
+def test_what_the_page_could_not_be_told(protocol_ts: ModuleType, old: str, new: str, words: str) -> None:
+    with pytest.raises(protocol_ts.ShapeError, match=words):
+        protocol_ts.document("", "", COMMANDS.replace(old, new), ASKING.replace(old, new))
 
 
 def test_the_page_knows_the_same_messages() -> None:

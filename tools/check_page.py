@@ -30,7 +30,7 @@ ROOMS: dict[str, set[str]] = {
     # What commands do: the workbench and the table of commands.
     "actions": {"math", "link", "model", "scene"},
     # Sound and rumble as numbers.
-    "feel": {"math"},
+    "feel": {"math", "link/protocol"},
     # Devices.
     "input": {"math", "link/protocol", "model", "scene", "actions", "feel"},
     # Components.

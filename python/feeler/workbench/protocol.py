@@ -55,6 +55,9 @@ Vec3 = tuple[float, float, float]
 Pose = list[float]
 """16 numbers of a rigid pose, row by row."""
 
+Selection = list[int | str] | int | str
+"""Parts: indices, paths or patterns."""
+
 Unit = Literal["mm", "cm", "m", "in"]
 Mode = Literal["stop", "glide", "pass"]
 UpAxis = Literal["x", "y", "z"]
@@ -317,6 +320,84 @@ class NearestPoints(TypedDict):
     tool_point: Vec3
     mockup_point: Vec3
     part: int
+
+
+# What questions and jobs answer; `asking.py` has their names and arguments.
+
+
+class RayHit(TypedDict):
+    """The first thing in sight on a ray."""
+
+    distance: float
+    point: Vec3
+    normal: Vec3
+    part: int
+    triangle: int
+    """Of the mock-up; -1: the fill of a section."""
+
+
+class Snapped(RayHit):
+    """The same, with the point drawn to a corner or an edge that is near."""
+
+    type: Literal["vertex", "edge", "face"]
+    corners: tuple[Vec3, Vec3, Vec3]
+    """Of the triangle, where it is now."""
+
+
+class Measured(TypedDict):
+    """What a measure would come to."""
+
+    type: MeasureType
+    points: list[Vec3]
+    value: float
+    unit: Literal["m", "rad"]
+    is_exact: bool
+    parts: list[int]
+
+
+class PartFacts(TypedDict):
+    """What is known of a part."""
+
+    part: int
+    name: str
+    path: str
+    triangles: int
+    lower: Vec3 | None
+    """Null: the part has no triangle that can be queried."""
+    upper: Vec3 | None
+    state: Literal["gripped", "moved", "in place", "left out"]
+    is_hidden: bool
+
+
+class Outline(TypedDict):
+    """Where planes cut the mock-up."""
+
+    count: int
+    segments: str
+    """Base64 of little-endian float32 `(count, 2, 3)`: metres, world."""
+    parts: str
+    """Base64 of little-endian uint32 `(count,)`."""
+
+
+class Written(TypedDict):
+    """A file to fetch: `GET /exports/NAME`."""
+
+    name: str
+    bytes: int
+
+
+class WrittenPage(Written):
+    """One HTML file with the mock-up inside."""
+
+    left_out: int
+    """Triangles that had no room."""
+
+
+class Replayed(TypedDict):
+    """What came of a record that was gone through."""
+
+    is_same: bool
+    verdict: str
 
 
 class Trouble(TypedDict):

@@ -27,7 +27,7 @@ from feeler.scene import Scene
 from feeler.workbench import measuring, motion
 from feeler.workbench.arguments import Arguments, near
 from feeler.workbench.asking import Place
-from feeler.workbench.commands import COMMANDS, Known, applied
+from feeler.workbench.commands import COMMANDS, STEPS, Known, applied
 from feeler.workbench.document import UNITS, Document, Loading, RecordFacts, patch
 from feeler.workbench.engine import Bump, Engine, Ticked
 from feeler.workbench.events import Event, Events
@@ -276,7 +276,7 @@ class Session:
         if self.engine.is_held and not is_recorded:
             raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
         known = COMMANDS.get(name)
-        moves_hand = name in ("undo", "redo") if known is None else known.moves_hand
+        moves_hand = name in STEPS if known is None else known.moves_hand
         # The engine's lock before the session's, always; without it where the hand stays, so that it goes on meanwhile.
         with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
@@ -284,7 +284,7 @@ class Session:
                 self.engine.flush()
             try:
                 before = self._document
-                after = self._stepped(name, args) if name in ("undo", "redo") else self._changed(name, args)
+                after = self._stepped(name, args) if name in STEPS else self._changed(name, args)
             except FeelerError as error:
                 if self._recorder is not None:
                     self._recorder.command(now, str(name), args, None, str(error))
@@ -390,7 +390,7 @@ class Session:
                 reached = self.engine.place(motion.matrix(given.pose("pose")))
                 known = replace(known, pose=motion.row(reached))
             elif name == "take_tool" and given.has("name"):
-                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.given["name"])))
+                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.raw("name", str))))
             elif name == "release" and before.trip is not None:
                 least = self.engine.least_clearance(before.trip)
                 known = replace(known, trip=before.trip, least_clearance=least)
@@ -425,7 +425,7 @@ class Session:
         return pose if is_free else above(hands.scene, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
-        Arguments(name, args, ())
+        Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
         # What was opened meanwhile is no change of the user's.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)

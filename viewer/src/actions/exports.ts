@@ -22,7 +22,7 @@ export async function exportFile(wb: Workbench, name: Export): Promise<void> {
   const job = wb.job(name, args, EXPORTS[name]);
   if (!job) return;
   try {
-    const result = (await job.result) as { name: string };
+    const result = await job.result;
     download(await wb.fetchFile(result.name), result.name);
     wb.store.notify("info", `${result.name} was written`);
   } catch (error) {

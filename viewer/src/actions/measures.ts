@@ -1,6 +1,6 @@
 // Measuring by clicks: how many picks a measure takes, what is under the pointer, and the command at the end.
 
-import type { MeasureType } from "../link/protocol";
+import type { Commands, MeasureType, Snapped } from "../link/protocol";
 import { add, distance, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
 import type { MeasurePick } from "../model/store";
 import type { Workbench } from "./workbench";
@@ -20,15 +20,8 @@ export const MEASURE_TITLES: Readonly<Record<MeasureType, string>> = {
   parts: "Part to part",
 };
 
-/** What the server's "snap" answers. */
-interface Snapped {
-  readonly point: Vec3;
-  readonly type: "vertex" | "edge" | "face";
-  readonly part: number;
-  readonly triangle: number;
-  /** Of the triangle, where it is now. */
-  readonly corners: readonly [Vec3, Vec3, Vec3];
-}
+/** What is under a pixel, as far as measuring asks. */
+type Seen = Pick<Snapped, "point" | "type" | "part" | "triangle" | "corners">;
 
 /** How near in the picture a corner or an edge draws the point to it. */
 const SNAP_PX = 10;
@@ -104,7 +97,7 @@ async function takePick(wb: Workbench, pick: MeasurePick): Promise<void> {
   if (done && made) wb.say(`${made.name} measured`);
 }
 
-const pickOf = ({ part, triangle, point, corners }: Snapped): MeasurePick => ({
+const pickOf = ({ part, triangle, point, corners }: Seen): MeasurePick => ({
   part,
   triangle,
   point,
@@ -127,7 +120,7 @@ export function nearestEdge(corners: readonly [Vec3, Vec3, Vec3], point: Vec3): 
 }
 
 /** The arguments of `measure_add`. */
-export function measureArgs(type: MeasureType, picks: readonly MeasurePick[]): Record<string, unknown> {
+export function measureArgs(type: MeasureType, picks: readonly MeasurePick[]): Commands["measure_add"] {
   switch (type) {
     case "point":
       return { type, points: picks.map((pick) => pick.point) };
@@ -141,7 +134,7 @@ export function measureArgs(type: MeasureType, picks: readonly MeasurePick[]): R
 }
 
 /** Without a server: the point by the picture's depth, on no face that is known. */
-const seenAt = (part: number, point: Vec3): Snapped => ({
+const seenAt = (part: number, point: Vec3): Seen => ({
   point,
   type: "face",
   part,
@@ -150,7 +143,7 @@ const seenAt = (part: number, point: Vec3): Snapped => ({
 });
 
 /** The exact point that a pixel sees, drawn to a corner or an edge that is near it in the picture. */
-async function snapAt(wb: Workbench, at: Point): Promise<Snapped | null> {
+async function snapAt(wb: Workbench, at: Point): Promise<Seen | null> {
   const { camera } = wb.stage;
   if ((wb.document?.explode ?? 0) > 0) throw new Error("Parts are drawn apart: put the mock-up together to measure it");
   const picked = wb.stage.pick(at.x, at.y);
@@ -158,5 +151,5 @@ async function snapAt(wb: Workbench, at: Point): Promise<Snapped | null> {
   if (!wb.link) return picked.held ? null : seenAt(picked.part, picked.point);
   const { origin, direction } = camera.ray(at.x, at.y);
   const within = SNAP_PX * camera.metresPerPixel(camera.project(picked.point).depth);
-  return (await wb.ask("snap", { origin, direction, within })) as Snapped | null;
+  return wb.ask("snap", { origin, direction, within });
 }

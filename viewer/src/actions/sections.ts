@@ -1,16 +1,16 @@
 // Sections by command: through what is selected, across the axis that the view looks along.
 
-import type { Section } from "../link/protocol";
+import type { CommandRequest, Section } from "../link/protocol";
 import { centre, dot, isEmpty, type Vec3 } from "../math/vectors";
 import { axisAlong } from "../model/sections";
-import type { Request, Workbench } from "./workbench";
+import type { Workbench } from "./workbench";
 
 /** A cut across an axis through a point, the selection's middle or that of all. The near side is cut away. */
 export function addSection(wb: Workbench, normal?: Vec3, through?: Vec3): Promise<boolean> {
   return wb.run(...sectionAdded(wb, normal, through));
 }
 
-function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): Request {
+function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): CommandRequest {
   const box = wb.boxOf([...wb.store.selection.peek()]);
   const whole = wb.store.manifest.peek();
   const middle = through ?? (isEmpty(box) ? (whole ? centre(whole) : ([0, 0, 0] as Vec3)) : centre(box));
@@ -21,8 +21,9 @@ function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): Request {
 }
 
 /** The normal, or its opposite, that points the way that the view looks. */
-const towards = (normal: Vec3, forward: Vec3): Vec3 =>
-  dot(normal, forward) < 0 ? (normal.map((value) => (value === 0 ? 0 : -value)) as Vec3) : normal;
+const towards = (normal: Vec3, forward: Vec3): Vec3 => (dot(normal, forward) < 0 ? opposite(normal) : normal);
+
+const opposite = (normal: Vec3): Vec3 => normal.map((value) => (value === 0 ? 0 : -value)) as Vec3;
 
 /** S: the first cut where there is none; else all off, or on again. */
 export function toggleSections(wb: Workbench): Promise<boolean> {
@@ -36,9 +37,8 @@ export function toggleSections(wb: Workbench): Promise<boolean> {
 }
 
 /** What keeps the other side. */
-export function flipped(section: Section): Request {
-  const normal = section.normal.map((value) => (value === 0 ? 0 : -value));
-  return ["section_move", { id: section.id, normal, offset: -section.offset }];
+export function flipped(section: Section): CommandRequest {
+  return ["section_move", { id: section.id, normal: opposite(section.normal), offset: -section.offset }];
 }
 
 /** Moves a cut in the picture only; `settleSection` tells the server, one step of undo. */

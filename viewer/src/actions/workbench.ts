@@ -1,17 +1,14 @@
 // The workbench: what commands, pointers and panels act on. It knows the store, the stage, the hand and the link.
 
 import { type Job, type Link, LinkError } from "../link/link";
-import type { Document } from "../link/protocol";
+import type { CommandRequest, Document, Jobs, Questions } from "../link/protocol";
 import { Turns } from "../link/turns";
 import { carry, type Pose } from "../math/matrix";
 import { type Box, corners, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
 import type { Hand } from "../model/hand";
-import { Looking } from "../model/offline-commands";
+import { OfflineCommands } from "../model/offline-commands";
 import type { Store } from "../model/store";
 import type { Stage } from "../scene/stage";
-
-/** What is asked of the engine: the name of a command and its arguments. */
-export type Request = readonly [name: string, args?: Record<string, unknown>];
 
 /** How a click changes the selection. */
 export type SelectHow = "only" | "toggle" | "add";
@@ -35,7 +32,7 @@ export class Workbench {
   readonly link: Link | null;
   readonly redraw: () => void;
   readonly fetchFile: (name: string) => Promise<Blob>;
-  private readonly looking = new Looking();
+  private readonly offline = new OfflineCommands();
   private readonly turns: Turns;
   /** The canvas, to which the focus goes back; null in tests. */
   canvas: HTMLElement | null = null;
@@ -65,22 +62,22 @@ export class Workbench {
   }
 
   /** Sends a command in its turn; whether it was done. What was refused is told as a notice. */
-  run(name: string, args: Record<string, unknown> = {}): Promise<boolean> {
-    return this.told(this.send(name, args));
+  run(...request: CommandRequest): Promise<boolean> {
+    return this.told(this.send(...request));
   }
 
   /** Sends what `choose` makes of the document, once all that was asked for before is in it; whether it was done. */
-  runOf(choose: (document: Document) => readonly Request[]): Promise<boolean> {
+  runOf(choose: (document: Document) => readonly CommandRequest[]): Promise<boolean> {
     const work = async (): Promise<void> => {
       const { document } = this;
-      if (document) await Promise.all(choose(document).map(([name, args]) => this.sendNow(name, args)));
+      if (document) await Promise.all(choose(document).map((request) => this.sendNow(request)));
     };
     return this.told(this.turns.take(work, true));
   }
 
   /** The tool is put down at `pose`: before all that waits for it. */
   place(pose: Pose): Promise<boolean> {
-    return this.told(this.turns.first(() => this.sendNow("place", { pose })));
+    return this.told(this.turns.first(() => this.sendNow(["place", { pose }])));
   }
 
   /** What waited for the tool to be put down goes on. */
@@ -89,8 +86,8 @@ export class Workbench {
   }
 
   /** Sends a command in its turn; rejects where it is refused. Without a server, what is seen is changed here. */
-  send(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
-    return this.turns.take(() => this.sendNow(name, args));
+  send(...request: CommandRequest): Promise<unknown> {
+    return this.turns.take(() => this.sendNow(request));
   }
 
   private async told(done: Promise<unknown>): Promise<boolean> {
@@ -103,21 +100,21 @@ export class Workbench {
     }
   }
 
-  private sendNow(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
-    if (this.link) return this.link.command(name, args);
+  private sendNow(request: CommandRequest): Promise<unknown> {
+    if (this.link) return this.link.command(...request);
     const document = this.document;
-    const looked = document && this.store.can_look.peek() ? this.looking.applied(document, name, args) : null;
-    if (!looked) return Promise.reject(readOnly(name));
+    const looked = document && this.store.can_look.peek() ? this.offline.applied(document, request) : null;
+    if (!looked) return Promise.reject(readOnly(request[0]));
     this.store.document.value = looked;
     return Promise.resolve(null);
   }
 
-  ask(name: string, args: Record<string, unknown>): Promise<unknown> {
+  ask<Name extends keyof Questions>(name: Name, args: Questions[Name]["args"]): Promise<Questions[Name]["answer"]> {
     return this.link?.ask(name, args) ?? Promise.reject(readOnly(name));
   }
 
   /** Starts a job and shows how far it is; null without a server. */
-  job(name: string, args: Record<string, unknown>, title: string): Job | null {
+  job<Name extends keyof Jobs>(name: Name, args: Jobs[Name]["args"], title: string): Job<Jobs[Name]["answer"]> | null {
     if (!this.link) return null;
     const { jobs } = this.store;
     const job = this.link.job(name, args, (share) => {

@@ -2,7 +2,7 @@
 
 import { SHOT_HEIGHT, SHOT_WIDTH } from "../actions/exports";
 import type { Workbench } from "../actions/workbench";
-import type { Camera, Document, State } from "../link/protocol";
+import type { Camera, CommandRequest, Document, State } from "../link/protocol";
 import { isSamePose, type Pose } from "../math/matrix";
 import type { Vec3 } from "../math/vectors";
 import type { FrameStats } from "../scene/stage";
@@ -68,8 +68,8 @@ export interface ApiSource {
 
 export function createApi(source: ApiSource): FeelerApi {
   const { wb, loop, isReady, whenReady, drawn, countTriangles, onState } = source;
-  const run = async (name: string, args: Record<string, unknown> = {}): Promise<void> => {
-    await wb.send(name, args);
+  const run = async (...request: CommandRequest): Promise<void> => {
+    await wb.send(...request);
   };
   return {
     get ready() {

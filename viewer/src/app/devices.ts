@@ -157,7 +157,7 @@ async function gripAlong(wb: Workbench, ray: WorldRay): Promise<void> {
     return;
   }
   try {
-    const found = (await wb.ask("ray", { origin: ray.origin, direction: ray.direction })) as { part: number } | null;
+    const found = await wb.ask("ray", { origin: ray.origin, direction: ray.direction });
     if (found) await wb.run("grip", { parts: [found.part] });
   } catch (error) {
     wb.tell(error);

@@ -22,7 +22,7 @@ export function followOutlines(wb: Workbench, loop: Loop): () => void {
       ?.job("outline", {})
       .result.then((result) => {
         if (mine !== asked) return;
-        wb.stage.setOutlines(floatsOf((result as { segments: string }).segments));
+        wb.stage.setOutlines(floatsOf(result.segments));
         loop.request();
       })
       .catch((error: unknown) => {

@@ -3,6 +3,7 @@
 // The room's frame is WebXR's: metres, y up, the floor at 0. A placement takes the world into the room by a turn, a
 // shift and one scale for all axes, so that a rigid pose of a controller stays a rigid pose in the world.
 
+import type { UpAxis } from "../link/protocol";
 import {
   axis,
   fromAxes,
@@ -28,7 +29,7 @@ export interface Placement {
 export interface RoomMockup {
   readonly lower: Vec3;
   readonly upper: Vec3;
-  readonly up: "x" | "y" | "z";
+  readonly up: UpAxis;
 }
 
 /** A thumbstick: right and towards the user, from -1 to 1, as WebXR has it. */
@@ -51,7 +52,7 @@ const SNAP_AT = 0.6;
 const SNAP_AGAIN_AT = 0.3;
 
 /** The turn that brings the mock-up's up axis to the room's. */
-export function upright(up: "x" | "y" | "z"): Pose {
+export function upright(up: UpAxis): Pose {
   if (up === "z") return rotation([1, 0, 0], -Math.PI / 2);
   if (up === "x") return rotation([0, 0, 1], Math.PI / 2);
   return [...IDENTITY];

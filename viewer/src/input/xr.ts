@@ -67,7 +67,7 @@ const MODEL_COLOR = 0x9ecbff;
 
 /** WebXR's column by column as a pose row by row. */
 export function poseOfColumns(columns: ArrayLike<number>): Pose {
-  const pose: Pose = [];
+  const pose: number[] = [];
   for (let row = 0; row < 4; row++)
     for (let column = 0; column < 4; column++) pose.push(columns[4 * column + row] ?? 0);
   return pose;

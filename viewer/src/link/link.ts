@@ -6,17 +6,21 @@
 
 import { decodeFrame, encodeFrame } from "./frames";
 import {
+  type CommandRequest,
   type FromPage,
   type FromServer,
+  type Jobs,
   NOT_ALLOWED,
   type Pose,
   PROTOCOL_VERSION,
+  type Questions,
   RELOAD,
   type ServerEvent,
   type Source,
   type State,
   type Welcome,
 } from "./protocol";
+import { BROWSER_TIMERS } from "./turns";
 
 /** What was not done, where it failed, and what to do. */
 export class LinkError extends Error {
@@ -69,9 +73,9 @@ export interface Wish {
 }
 
 /** A job under way. */
-export interface Job {
+export interface Job<Answer = unknown> {
   readonly id: number;
-  readonly result: Promise<unknown>;
+  readonly result: Promise<Answer>;
   cancel(): void;
 }
 
@@ -108,8 +112,8 @@ export class Link {
   constructor(options: LinkOptions) {
     this.options = {
       open: (url) => new WebSocket(url) as unknown as Socket,
-      wait: (callback, delay_ms) => setTimeout(callback, delay_ms) as unknown as number,
-      stopWaiting: (handle) => clearTimeout(handle),
+      wait: BROWSER_TIMERS.set,
+      stopWaiting: BROWSER_TIMERS.clear,
       now: () => performance.now(),
       ...options,
     };
@@ -160,18 +164,22 @@ export class Link {
   }
 
   /** Changes the document. Rejects with a `LinkError` where the server refuses. */
-  command(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
+  command(...[name, args]: CommandRequest): Promise<unknown> {
     return this.request("command", name, args).result;
   }
 
   /** Asks what changes nothing. */
-  ask(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
-    return this.request("ask", name, args).result;
+  ask<Name extends keyof Questions>(name: Name, args: Questions[Name]["args"]): Promise<Questions[Name]["answer"]> {
+    return this.request<Questions[Name]["answer"]>("ask", name, args).result;
   }
 
   /** Starts what takes a while. */
-  job(name: string, args: Record<string, unknown>, onProgress?: (share: number, stage: string) => void): Job {
-    const { id, result } = this.request("job", name, args, onProgress);
+  job<Name extends keyof Jobs>(
+    name: Name,
+    args: Jobs[Name]["args"],
+    onProgress?: (share: number, stage: string) => void,
+  ): Job<Jobs[Name]["answer"]> {
+    const { id, result } = this.request<Jobs[Name]["answer"]>("job", name, args, onProgress);
     const cancel = (): void => {
       if (this.waiting.has(id) && this.socket) this.send(this.socket, { kind: "cancel", id });
     };
@@ -205,22 +213,23 @@ export class Link {
     } as const;
   }
 
-  private request(
+  /** What the answer is, protocol.py says. */
+  private request<Answer>(
     kind: "command" | "ask" | "job",
     name: string,
-    args: Record<string, unknown>,
+    args: object = {},
     onProgress?: (share: number, stage: string) => void,
-  ): { id: number; result: Promise<unknown> } {
+  ): { id: number; result: Promise<Answer> } {
     const id = this.next_id++;
     const socket = this.socket;
     if (this.status !== "open" || !socket) {
       const error = new LinkError("there is no connection to the engine", name, "It is tried again by itself");
       return { id, result: Promise.reject(error) };
     }
-    const result = new Promise<unknown>((resolve, reject) => {
-      this.waiting.set(id, { resolve, reject, onProgress });
+    const result = new Promise<Answer>((resolve, reject) => {
+      this.waiting.set(id, { resolve: resolve as Waiting["resolve"], reject, onProgress });
     });
-    this.send(socket, { kind, id, name, args });
+    this.send(socket, { kind, id, name, args: { ...args } });
     return { id, result };
   }
 

@@ -1,4 +1,4 @@
-// Written by tools/protocol_ts.py from python/feeler/workbench/protocol.py: change it there.
+// Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
 
 /** Of the protocol: a page of another one is told to reload. */
@@ -22,7 +22,10 @@ export const MOST_CLEARANCES = 16;
 export type Vec3 = [number, number, number];
 
 /** 16 numbers of a rigid pose, row by row. */
-export type Pose = number[];
+export type Pose = readonly number[];
+
+/** Parts: indices, paths or patterns. */
+export type Selection = readonly (number | string)[] | number | string;
 
 export type Unit = "mm" | "cm" | "m" | "in";
 
@@ -274,6 +277,73 @@ export interface NearestPoints {
   readonly part: number;
 }
 
+/** The first thing in sight on a ray. */
+export interface RayHit {
+  readonly distance: number;
+  readonly point: Vec3;
+  readonly normal: Vec3;
+  readonly part: number;
+  /** Of the mock-up; -1: the fill of a section. */
+  readonly triangle: number;
+}
+
+/** The same, with the point drawn to a corner or an edge that is near. */
+export interface Snapped extends RayHit {
+  readonly type: "vertex" | "edge" | "face";
+  /** Of the triangle, where it is now. */
+  readonly corners: [Vec3, Vec3, Vec3];
+}
+
+/** What a measure would come to. */
+export interface Measured {
+  readonly type: MeasureType;
+  readonly points: readonly Vec3[];
+  readonly value: number;
+  readonly unit: "m" | "rad";
+  readonly is_exact: boolean;
+  readonly parts: readonly number[];
+}
+
+/** What is known of a part. */
+export interface PartFacts {
+  readonly part: number;
+  readonly name: string;
+  readonly path: string;
+  readonly triangles: number;
+  /** Null: the part has no triangle that can be queried. */
+  readonly lower: Vec3 | null;
+  readonly upper: Vec3 | null;
+  readonly state: "gripped" | "moved" | "in place" | "left out";
+  readonly is_hidden: boolean;
+}
+
+/** Where planes cut the mock-up. */
+export interface Outline {
+  readonly count: number;
+  /** Base64 of little-endian float32 `(count, 2, 3)`: metres, world. */
+  readonly segments: string;
+  /** Base64 of little-endian uint32 `(count,)`. */
+  readonly parts: string;
+}
+
+/** A file to fetch: `GET /exports/NAME`. */
+export interface Written {
+  readonly name: string;
+  readonly bytes: number;
+}
+
+/** One HTML file with the mock-up inside. */
+export interface WrittenPage extends Written {
+  /** Triangles that had no room. */
+  readonly left_out: number;
+}
+
+/** What came of a record that was gone through. */
+export interface Replayed {
+  readonly is_same: boolean;
+  readonly verdict: string;
+}
+
 /** What went wrong, where, and what to do about it; "where" and "do" may be empty. */
 export interface Trouble {
   readonly what: string;
@@ -520,6 +590,131 @@ export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
 export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal;
+
+/** The arguments of commands. */
+export interface Commands {
+  /** Out of sight; they still collide. */
+  readonly hide: { readonly parts: Selection };
+  /** In sight again. */
+  readonly show: { readonly parts: Selection };
+  /** Nothing hidden, nothing a ghost. */
+  readonly show_all: Record<string, never>;
+  /** Everything hidden. */
+  readonly hide_all: Record<string, never>;
+  /** These alone in sight; the same again brings back what was hidden before. */
+  readonly isolate: { readonly parts: Selection };
+  /** See-through, or not. */
+  readonly ghost: { readonly parts: Selection; readonly is_on: boolean };
+  /** These in sight and solid, all others see-through. */
+  readonly single_out: { readonly parts: Selection };
+  /** How far apart the parts are drawn, 0 to 1. */
+  readonly explode: { readonly share: number };
+  /** A cut more. */
+  readonly section_add: { readonly normal: Vec3; readonly offset: number };
+  /** A cut elsewhere. */
+  readonly section_move: { readonly id: number; readonly normal: Vec3; readonly offset: number };
+  /** A cut on or off. */
+  readonly section_switch: { readonly id: number; readonly is_on: boolean };
+  /** A cut less. */
+  readonly section_remove: { readonly id: number };
+  /** In which lengths are shown. */
+  readonly set_unit: { readonly unit: Unit };
+  /** What the mock-up sounds like; null: as steel. */
+  readonly set_material: { readonly material: Material | null };
+  /** What contact does to the hand: stop, glide or pass. */
+  readonly set_mode: { readonly mode: Mode };
+  /** The hand put down: where the engine let it come, which `known.pose` says. */
+  readonly place: { readonly pose: Pose };
+  /** Parts leave the scene and join the hand where they are; more parts join those that are held. */
+  readonly grip: { readonly parts: Selection };
+  /** The parts stay where they are; where they moved, that is a line of the sequence. */
+  readonly release: Record<string, never>;
+  /** Parts go home, from where they lie or from the hand. */
+  readonly put_back: { readonly parts: Selection };
+  /** Another tool in the hand, or none; where it would meet something, it is above the mock-up. */
+  readonly take_tool: { readonly name: string | null };
+  /** A measure more. */
+  readonly measure_add: {
+    readonly type: MeasureType;
+    readonly points?: readonly Vec3[];
+    readonly parts?: Selection;
+    readonly triangles?: readonly number[];
+    readonly name?: string;
+  };
+  /** A measure with another name, or of something else. */
+  readonly measure_edit: {
+    readonly id: number;
+    readonly type?: MeasureType;
+    readonly points?: readonly Vec3[];
+    readonly parts?: Selection;
+    readonly triangles?: readonly number[];
+    readonly name?: string;
+  };
+  /** A measure less. */
+  readonly measure_remove: { readonly id: number };
+  /** A camera to come back to. */
+  readonly viewpoint_add: { readonly name?: string; readonly camera: Camera };
+  /** A camera less. */
+  readonly viewpoint_remove: { readonly id: number };
+  /** Another name for a line. */
+  readonly sequence_rename: { readonly id: number; readonly name: string };
+  /** A line elsewhere in the order. */
+  readonly sequence_move: { readonly id: number; readonly index: number };
+  /** A line less; the parts stay where they are. */
+  readonly sequence_remove: { readonly id: number };
+  /** The parts of a line are where they were gripped, and in the hand: the engine then moves them along the way. */
+  readonly sequence_replay: { readonly id: number };
+  /** Findings in place of those that were open; as `feeler clash --json` writes them. */
+  readonly findings_open: { readonly findings: unknown };
+  /** What was decided about a finding. */
+  readonly finding_status: { readonly id: string; readonly status: FindingStatus };
+  /** Whether findings that only touch are hidden. */
+  readonly finding_filter: { readonly is_touching_hidden: boolean };
+  readonly undo: Record<string, never>;
+  readonly redo: Record<string, never>;
+}
+
+/** The arguments of questions, and their answers. */
+export interface Questions {
+  /** The first thing in sight on a ray; None: there is nothing. */
+  readonly ray: { readonly args: { readonly origin: Vec3; readonly direction: Vec3 }; readonly answer: RayHit | null };
+  /** As `ray`, with what the point snaps to; `within` in metres. */
+  readonly snap: {
+    readonly args: { readonly origin: Vec3; readonly direction: Vec3; readonly within?: number };
+    readonly answer: Snapped | null;
+  };
+  /** What a measure would come to; arguments as of `measure_add`. */
+  readonly measure: {
+    readonly args: {
+      readonly type: MeasureType;
+      readonly points?: readonly Vec3[];
+      readonly parts?: Selection;
+      readonly triangles?: readonly number[];
+    };
+    readonly answer: Measured;
+  };
+  /** What is known of a part. */
+  readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
+}
+
+/** The arguments of jobs, and what they come to. */
+export interface Jobs {
+  /** The exact outlines of the sections that are on, or of one plane. */
+  readonly outline: { readonly args: { readonly normal?: Vec3; readonly offset?: number }; readonly answer: Outline };
+  readonly export_csv: { readonly args: Record<string, never>; readonly answer: Written };
+  readonly export_html: { readonly args: Record<string, never>; readonly answer: Written };
+  readonly export_glb: { readonly args: Record<string, never>; readonly answer: Written };
+  /** One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first. */
+  readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
+  /** Goes through the record that the workbench was opened with. */
+  readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
+}
+
+/** What is sent of a command: its name and its arguments. */
+export type CommandRequest = { [Name in keyof Commands]: Request<Name, Commands[Name]> }[keyof Commands];
+
+type Request<Name, Args> =
+  Record<string, never> extends Args ? readonly [name: Name, args?: Args] : readonly [name: Name, args: Args];
 
 /** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */
 export const ARRAYS = {

@@ -1,13 +1,14 @@
 // Commands that only change what is seen, for a page without a server: the same names and arguments, on the document
 // that the page has. What needs the engine is refused.
 
-import type { Document, Section } from "../link/protocol";
+import type { CommandRequest, Commands, Document, Section, Selection } from "../link/protocol";
 import { distance, type Vec3 } from "../math/vectors";
 
-type Args = Record<string, unknown>;
-type Change = (document: Document, args: Args) => Document | null;
+type Change<Name extends keyof Commands> = (document: Document, args: Commands[Name]) => Document | null;
 
-const ids = (args: Args): number[] => args.parts as number[];
+/** The page names parts by their numbers. */
+const ids = ({ parts }: { readonly parts: Selection }): number[] =>
+  (Array.isArray(parts) ? parts : [parts]).filter((part) => typeof part === "number");
 const united = (parts: readonly number[], more: readonly number[]): number[] =>
   [...new Set([...parts, ...more])].sort((a, b) => a - b);
 const less = (parts: readonly number[], fewer: readonly number[]): number[] => {
@@ -15,7 +16,7 @@ const less = (parts: readonly number[], fewer: readonly number[]): number[] => {
   return parts.filter((part) => !gone.has(part));
 };
 const allOf = (document: Document): number[] => less([...Array(document.mockup?.parts ?? 0).keys()], document.absent);
-const withSection = (document: Document, id: unknown, change: (section: Section) => Section): Document => ({
+const withSection = (document: Document, id: number, change: (section: Section) => Section): Document => ({
   ...document,
   sections: document.sections.map((section) => (section.id === id ? change(section) : section)),
 });
@@ -28,7 +29,7 @@ function withMeasure(document: Document, points: readonly [Vec3, Vec3]): Documen
   return { ...document, measures: [...document.measures, measure] };
 }
 
-const CHANGES: Readonly<Record<string, Change>> = {
+const CHANGES: { readonly [Name in keyof Commands]?: Change<Name> } = {
   hide: (document, args) => ({ ...document, hidden: united(document.hidden, ids(args)) }),
   show: (document, args) => ({ ...document, hidden: less(document.hidden, ids(args)) }),
   show_all: (document) => ({ ...document, hidden: [], ghost: [], isolated: false }),
@@ -42,52 +43,49 @@ const CHANGES: Readonly<Record<string, Change>> = {
     hidden: less(document.hidden, ids(args)),
     ghost: less(allOf(document), ids(args)),
   }),
-  explode: (document, args) => ({ ...document, explode: args.share as number }),
-  set_unit: (document, args) => ({ ...document, unit: args.unit as Document["unit"] }),
-  section_add: (document, args) => {
+  explode: (document, { share }) => ({ ...document, explode: share }),
+  set_unit: (document, { unit }) => ({ ...document, unit }),
+  section_add: (document, { normal, offset }) => {
     const id = 1 + Math.max(0, ...document.sections.map((section) => section.id));
-    const section = { id, normal: args.normal as Vec3, offset: args.offset as number, is_on: true };
-    return { ...document, sections: [...document.sections, section] };
+    return { ...document, sections: [...document.sections, { id, normal, offset, is_on: true }] };
   },
-  section_move: (document, args) =>
-    withSection(document, args.id, (section) => ({
-      ...section,
-      normal: args.normal as Vec3,
-      offset: args.offset as number,
-    })),
-  section_switch: (document, args) =>
-    withSection(document, args.id, (section) => ({ ...section, is_on: args.is_on as boolean })),
-  section_remove: (document, args) => ({
+  section_move: (document, { id, normal, offset }) =>
+    withSection(document, id, (section) => ({ ...section, normal, offset })),
+  section_switch: (document, { id, is_on }) => withSection(document, id, (section) => ({ ...section, is_on })),
+  section_remove: (document, { id }) => ({
     ...document,
-    sections: document.sections.filter((section) => section.id !== args.id),
+    sections: document.sections.filter((section) => section.id !== id),
   }),
-  measure_add: (document, args) =>
-    args.type === "point" ? withMeasure(document, args.points as readonly [Vec3, Vec3]) : null,
-  measure_edit: (document, args) => ({
+  measure_add: (document, { type, points: [one, other] = [] }) =>
+    type === "point" && one && other ? withMeasure(document, [one, other]) : null,
+  measure_edit: (document, { id, name }) => ({
     ...document,
-    measures: document.measures.map((each) => (each.id === args.id ? { ...each, name: args.name as string } : each)),
+    measures: document.measures.map((each) => (each.id === id && name ? { ...each, name } : each)),
   }),
-  measure_remove: (document, args) => ({
+  measure_remove: (document, { id }) => ({ ...document, measures: document.measures.filter((each) => each.id !== id) }),
+  sequence_replay: (document, { id }) => ({ ...document, replaying: id }),
+  finding_filter: (document, { is_touching_hidden }) => ({
     ...document,
-    measures: document.measures.filter((each) => each.id !== args.id),
-  }),
-  sequence_replay: (document, args) => ({ ...document, replaying: args.id as number }),
-  finding_filter: (document, args) => ({
-    ...document,
-    findings: document.findings && { ...document.findings, is_touching_hidden: args.is_touching_hidden as boolean },
+    findings: document.findings && { ...document.findings, is_touching_hidden },
   }),
 };
 
+function changed<Name extends keyof Commands>(document: Document, name: Name, args: Commands[Name]): Document | null {
+  const change: Change<Name> | undefined = CHANGES[name];
+  return change?.(document, args) ?? null;
+}
+
 /** Applies such commands, one after the other. */
-export class Looking {
+export class OfflineCommands {
   private isolated: readonly number[] | null = null;
   private hidden_before: readonly number[] = [];
 
   /** The document after a command; null for one that needs the engine. */
-  applied(document: Document, name: string, args: Args): Document | null {
-    if (name === "isolate") return this.isolate(document, ids(args));
+  applied(document: Document, request: CommandRequest): Document | null {
+    if (request[0] === "isolate") return this.isolate(document, ids(request[1]));
+    const [name, args = {}] = request;
     if (name === "show_all" || name === "hide_all") this.isolated = null;
-    return CHANGES[name]?.(document, args) ?? null;
+    return changed(document, name, args);
   }
 
   /** The same parts again bring back what was seen before. */

@@ -271,11 +271,6 @@ export class Stage {
     return this.#model.partBox(part);
   }
 
-  /** The box of what the hand holds, world metres; empty for an empty hand. */
-  heldBox(): Box {
-    return this.#over.held.box();
-  }
-
   /** What is drawn at (`x`, `y`), CSS pixels from the canvas' upper left corner: never what is hidden or cut away. */
   pick(x: number, y: number): Pick | null {
     if (this.#isLost) return null;

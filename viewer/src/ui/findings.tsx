@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
-import type { Finding, FindingGroup } from "../link/protocol";
+import type { Finding, FindingGroup, FindingStatus } from "../link/protocol";
 import { formatLength, type Unit } from "../math/units";
 import { STATUSES, shownGroups } from "../model/findings";
 import { useWorkbench } from "./context";
@@ -121,7 +121,9 @@ function FindingCard({ finding }: { finding: Finding }) {
           aria-label={`Status of ${finding.sentence}`}
           value={status}
           disabled={store.is_read_only.value}
-          onChange={(event) => wb.run("finding_status", { id: finding.id, status: event.currentTarget.value })}
+          onChange={(event) =>
+            wb.run("finding_status", { id: finding.id, status: event.currentTarget.value as FindingStatus })
+          }
         >
           {STATUSES.map((each) => (
             <option key={each} value={each}>

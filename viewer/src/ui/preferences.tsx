@@ -110,7 +110,7 @@ export function Preferences() {
           <select
             value={materialOf(store.document.value?.material ?? null)}
             disabled={store.is_read_only.value}
-            onChange={(event) => wb.run("set_material", { material: event.currentTarget.value })}
+            onChange={(event) => wb.run("set_material", { material: materialOf(event.currentTarget.value) })}
           >
             {Object.keys(MATERIALS).map((name) => (
               <option key={name} value={name}>
