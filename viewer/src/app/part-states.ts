@@ -10,28 +10,23 @@ export function partStates(
   selection: ReadonlySet<number>,
 ): Uint8Array {
   const states = new Uint8Array(count);
-  const mark = (parts: Iterable<number>, bit: number): void => {
-    for (const part of parts) if (part < count) states[part] = (states[part] ?? 0) | bit;
-  };
-  mark(document.hidden, PartState.hidden);
-  mark(document.ghost, PartState.ghost);
-  mark(selection, PartState.selected);
-  mark(document.gripped, PartState.away);
+  mark(states, document.hidden, PartState.hidden);
+  mark(states, document.ghost, PartState.ghost);
+  mark(states, selection, PartState.selected);
+  mark(states, document.gripped, PartState.away);
   return states;
 }
 
 /** The same with what the tool touches and is near. */
 export function withLit(base: Uint8Array, state: State | null): Uint8Array {
   const states = base.slice();
-  const mark = (parts: ArrayLike<number>, bit: number): void => {
-    for (let k = 0; k < parts.length; k++) {
-      const part = parts[k] ?? -1;
-      if (part >= 0 && part < states.length) states[part] = (states[part] ?? 0) | bit;
-    }
-  };
   if (state) {
-    mark(state.clearance_parts, PartState.near);
-    mark(state.parts, PartState.hit);
+    mark(states, state.clearance_parts, PartState.near);
+    mark(states, state.parts, PartState.hit);
   }
   return states;
+}
+
+function mark(states: Uint8Array, parts: Iterable<number>, bit: number): void {
+  for (const part of parts) if (part < states.length) states[part] = (states[part] ?? 0) | bit;
 }

@@ -156,10 +156,11 @@ export class Link {
 
   /** Sends the hand's wish; its number, or null where the link is down. */
   pose(wish: Wish): number | null {
-    if (this.status !== "open" || !this.socket) return null;
+    const socket = this.open;
+    if (!socket) return null;
     const seq = this.next_seq++;
     const { pose, source, time_ms } = wish;
-    this.send(this.socket, { kind: "pose", seq, time_ms, source, pose: Float64Array.from(pose) });
+    this.send(socket, { kind: "pose", seq, time_ms, source, pose: Float64Array.from(pose) });
     return seq;
   }
 
@@ -188,18 +189,25 @@ export class Link {
 
   /** Answers the server's wish for a picture, in pieces that a message may have. */
   shot(id: number, name: string, png_base64: string): void {
-    if (this.status !== "open" || !this.socket) return;
+    const socket = this.open;
+    if (!socket) return;
     for (let from = 0; ; from += SHOT_CHARACTERS) {
       const more = from + SHOT_CHARACTERS < png_base64.length;
       const piece = png_base64.slice(from, from + SHOT_CHARACTERS);
-      this.send(this.socket, { kind: "shot", id, name, png_base64: piece, more });
+      this.send(socket, { kind: "shot", id, name, png_base64: piece, more });
       if (!more) return;
     }
   }
 
   /** Answers the server's wish for figures. */
   benchmarked(id: number, figures: Record<string, unknown>): void {
-    if (this.status === "open" && this.socket) this.send(this.socket, { kind: "benchmarked", id, figures });
+    const socket = this.open;
+    if (socket) this.send(socket, { kind: "benchmarked", id, figures });
+  }
+
+  /** The socket of a connection that was welcomed; null: there is none. */
+  private get open(): Socket | null {
+    return this.status === "open" ? this.socket : null;
   }
 
   private hello() {
@@ -221,8 +229,8 @@ export class Link {
     onProgress?: (share: number, stage: string) => void,
   ): { id: number; result: Promise<Answer> } {
     const id = this.next_id++;
-    const socket = this.socket;
-    if (this.status !== "open" || !socket) {
+    const socket = this.open;
+    if (!socket) {
       const error = new LinkError("there is no connection to the engine", name, "It is tried again by itself");
       return { id, result: Promise.reject(error) };
     }
