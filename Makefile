@@ -256,8 +256,9 @@ lint-python: build ## ruff, mypy (strict), and the type stubs against the compil
 	MYPYPATH=python $(PY) -m mypy.stubtest feeler._core --mypy-config-file pyproject.toml
 
 .PHONY: lint-page
-lint-page: $(INSTALLED) $(NODE_MODULES) ## TypeScript (strict), Biome, and the messages' types against their source
+lint-page: $(INSTALLED) $(NODE_MODULES) ## TypeScript (strict), Biome, who may import whom, and the messages' types against their source
 	npm run check --prefix viewer --silent
+	$(PY) tools/check_page.py
 	$(PY) tools/protocol_ts.py --check
 
 .PHONY: lint-rules

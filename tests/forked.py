@@ -48,7 +48,7 @@ def built(storage: str, **options: Any) -> list[bytes]:
 
 
 def path(result: feeler.PathCheck) -> list[bytes]:
-    return [*arrays(result, "points", "fraction"), *arrays(result.containment, "containing_pairs", "contained_pairs")]
+    return [*arrays(result, "points", "fractions"), *arrays(result.containment, "containing_pairs", "contained_pairs")]
 
 
 def contacts(result: feeler.Contacts) -> list[bytes]:
@@ -144,7 +144,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "swept, own pool": lambda: arrays(feeler.swept(TOOL, POSES[:3], 0.01, threads=2), "vertices", "faces"),
     "study": studied,
     "fasteners": lambda: feeler.find_fasteners(SCENE).frames.tobytes(),
-    "access": lambda: arrays(feeler.access(SCENE, TOOL, POSES[:4], threads=2), "swing", "reachable"),
+    "access": lambda: arrays(feeler.access(SCENE, TOOL, POSES[:4], threads=2), "swings_deg", "is_reachable"),
     "removal": lambda: arrays(feeler.removal(SCENE, HIT_PART, seconds=0.5, threads=2), "poses"),
     "load": loaded,
 }

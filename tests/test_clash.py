@@ -478,12 +478,12 @@ def test_wrong_arguments(mockup: feeler.Mockup) -> None:
             asked(mockup, contact=value)
     with pytest.raises(OptionError, match="scene is of another mock-up"):
         asked(mockup, scene=feeler.Scene(house()))
-    with pytest.raises(OptionError, match=r"exclude, of the mock-up: no part is called, or matches, '\*blot\*'.*bolt"):
-        asked(mockup, exclude=[("*blot*", "*")])
+    with pytest.raises(OptionError, match=r"ignore, of the mock-up: no part is called, or matches, '\*blot\*'.*bolt"):
+        asked(mockup, ignore=[("*blot*", "*")])
     with pytest.raises(OptionError, match="the mock-up has no part 99"):
-        asked(mockup, exclude=np.array([[0, 99]]))
-    with pytest.raises(OptionError, match="exclude holds 'bolt'"):
-        asked(mockup, exclude=["bolt"])
+        asked(mockup, ignore=np.array([[0, 99]]))
+    with pytest.raises(OptionError, match="ignore holds 'bolt'"):
+        asked(mockup, ignore=["bolt"])
     with pytest.raises(OptionError, match="threads is 0"):
         asked(mockup, threads=0)
 

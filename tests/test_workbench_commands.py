@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import pickle
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Literal
 
 import hypothesis.strategies as st
 import numpy as np
@@ -14,10 +15,11 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 
 import feeler
 from feeler.errors import FeelerError, WorkbenchError
+from feeler.workbench.arguments import Arguments, Maybe, Shape
 from feeler.workbench.commands import COMMANDS
 from feeler.workbench.document import JSON_FIELDS, Document
 from feeler.workbench.frames import check
-from feeler.workbench.protocol import DocumentFields, Patch, decode_from_server, encode
+from feeler.workbench.protocol import Camera, DocumentFields, Patch, Vec3, decode_from_server, encode
 
 
 @pytest.fixture
@@ -230,6 +232,22 @@ def test_a_wrong_command_says_what_where_and_what_to_do(bench: Bench, name: str,
     assert (again.what, again.where, again.do) == (error.what, error.where, error.do)
 
 
+@pytest.mark.parametrize(
+    ("shape", "read"),
+    [
+        ({"parts": int}, lambda given: given.flag("parts")),
+        ({"parts": Maybe(str)}, lambda given: given.whole("parts")),
+        ({"parts": Vec3 | None}, lambda given: given.points("parts", 1, 2)),
+        ({"parts": Literal["mm", "cm"]}, lambda given: given.choice("parts", ("mm", "m"))),
+        ({"parts": Literal["mm", "cm"]}, lambda given: given.text("parts")),
+        ({"parts": Camera}, lambda given: given.raw("parts", Any)),
+    ],
+)
+def test_a_command_reads_what_the_page_is_told_that_it_takes(shape: Shape, read: Callable[[Arguments], object]) -> None:
+    with pytest.raises(TypeError, match=r"x reads parts as .*, and the table says"):
+        read(Arguments("x", {"parts": None}, shape))
+
+
 PARTS = st.one_of(st.integers(0, 4), st.sampled_from(PATHS), st.lists(st.integers(0, 4), min_size=1, max_size=5))
 POSES = st.tuples(*[st.floats(-0.6, 0.6)] * 3, st.floats(0, 3)).map(lambda each: at(*each).ravel().tolist())
 ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
@@ -308,7 +326,7 @@ def test_patches_and_document_are_messages_of_the_protocol(bench: Bench) -> None
     bench.command("undo")
     for event in bench.of_type("patch"):
         message = Patch(**{key: value for key, value in event.items() if key != "type"})
-        assert decode_from_server(encode(message)) == message
+        assert encode(decode_from_server(encode(message))) == encode(message)
         shown |= event["fields"]
     assert shown == bench.document, "patches alone lead to the same document"
     assert check(json.loads(json.dumps(shown)), DocumentFields, "document")

@@ -91,7 +91,7 @@ def test_all_triangles_come_back_within_half_a_step() -> None:
     data, left_out = packed(made)
     header, pieces = unpacked(data)
     assert left_out == header["left_out"] == 0
-    assert header["document"] == {**DOCUMENT, "loading": None}
+    assert header["document"] == json.loads(json.dumps({**DOCUMENT, "loading": None}))
     assert header["camera"]["fov_rad"] == 0.75
     assert header["manifest"] == json.loads(json.dumps(made.manifest()))
     mockup = stand()

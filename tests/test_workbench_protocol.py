@@ -6,11 +6,13 @@ Run as a program, this writes the golden files; the page's own test reads them t
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import json
 import struct
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -86,7 +88,7 @@ NOTHING = {
     "parts": [],
 }
 MESSAGES = {
-    "pose": protocol.Pose(seq=41, time_ms=1234.5, source="spacemouse", pose=turned()),
+    "pose": protocol.Wish(seq=41, time_ms=1234.5, source="spacemouse", pose=turned()),
     "state": state(),
     "state_free": state(**NOTHING, is_free=True, blocked=False, mode="glide"),
 }
@@ -105,7 +107,7 @@ DOCUMENT: protocol.DocumentFields = {
     "ghost": [],
     "explode": 0.5,
     "isolated": False,
-    "sections": [{"id": 1, "normal": [0, 0, 1], "offset": 0.25, "is_on": True}],
+    "sections": [{"id": 1, "normal": (0, 0, 1), "offset": 0.25, "is_on": True}],
     "pose": turned().ravel().tolist(),
     "gripped": [],
     "moved": {"1": np.eye(4).ravel().tolist()},
@@ -123,7 +125,7 @@ TEXT_FROM_SERVER = [
     protocol.Impact(7, 3, 0.25, 0.125, (1.0, 2.0, 3.0), None, 4.5),
     protocol.Progress(2, 0.5, "cutting"),
     protocol.Notice(9, "warning", "the device is gone <b>"),
-    protocol.ShotWanted(10, 1, 640, 360, {"position": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_rad": 0.8}),
+    protocol.ShotWanted(10, 1, 640, 360, {"position": (0, 0, 1), "target": (0, 0, 0), "up": (0, 1, 0), "fov_rad": 0.8}),
     protocol.HeldChanged(11, 2, None),
     protocol.BenchmarkWanted(12, 5),
     protocol.Answer(4, {"distance": 1.5}),
@@ -214,7 +216,7 @@ def test_every_message_is_tried_here() -> None:
         ('{"kind":"command","id":1,"name":"a","args":{"b":' + "[" * 40 + "]" * 40 + "}}", f"{MOST_DEEP} deep"),
         ("[" * 100_000, "not JSON"),
         ('{"kind":' + "[" * 500 + "]" * 500 + "}", "kind is a JSON list"),
-        ('{"kind":"pose","seq":1,"time_ms":0,"source":"mouse","arrays":{}}', "Pose: a text frame"),
+        ('{"kind":"pose","seq":1,"time_ms":0,"source":"mouse","arrays":{}}', "Wish: a text frame"),
         (b"", "shorter than its prefix"),
         (struct.pack("<II", 2, 0), "of version 2"),
         (struct.pack("<II", 1, 8), "a header of 8 bytes"),
@@ -246,12 +248,12 @@ def test_a_pose_by_hand_is_read() -> None:
 @pytest.mark.parametrize(
     ("frame", "words"),
     [
-        (pose_frame(source="nose"), "Pose.source: is 'nose': one of mouse"),
-        (pose_frame(source=["mouse"]), "Pose.source"),
-        (pose_frame(arrays=[]), "Pose.arrays: is a JSON list"),
-        (pose_frame(arrays={}), "Pose.arrays: without pose"),
-        (pose_frame(arrays={"pose": ["f8", [4, 4], 0], "more": ["f8", [4, 4], 0]}), "Pose.arrays: has 'more'"),
-        (pose_frame(arrays={"pose": 5}), "Pose.pose: is a JSON number"),
+        (pose_frame(source="nose"), "Wish.source: is 'nose': one of mouse"),
+        (pose_frame(source=["mouse"]), "Wish.source"),
+        (pose_frame(arrays=[]), "Wish.arrays: is a JSON list"),
+        (pose_frame(arrays={}), "Wish.arrays: without pose"),
+        (pose_frame(arrays={"pose": ["f8", [4, 4], 0], "more": ["f8", [4, 4], 0]}), "Wish.arrays: has 'more'"),
+        (pose_frame(arrays={"pose": 5}), "Wish.pose: is a JSON number"),
         (pose_frame(arrays={"pose": ["f8", [4, 4]]}), "has 2 items: 3 are needed"),
         (pose_frame(arrays={"pose": ["f4", [4, 4], 0]}), "an array of 'f4': f8 is needed"),
         (pose_frame(arrays={"pose": ["O", [4, 4], 0]}), "an array of 'O'"),
@@ -268,7 +270,7 @@ def test_a_pose_by_hand_is_read() -> None:
         (pose_frame(b""), "out of bounds"),
         (pose_frame(np.full((4, 4), np.nan).tobytes()), "NaN or infinite"),
         (pose_frame(np.full((4, 4), -np.inf).tobytes()), "NaN or infinite"),
-        (pose_frame(time_ms="now"), "Pose.time_ms: is 'now': a number"),
+        (pose_frame(time_ms="now"), "Wish.time_ms: is 'now': a number"),
     ],
 )
 def test_poses_that_are_none(frame: bytes, words: str) -> None:
@@ -378,7 +380,120 @@ def test_a_frame_with_a_few_bytes_changed_is_a_message_or_an_error(at: int, chan
         message = decode_from_page(bytes(frame))
     except ProtocolError:
         return
-    assert isinstance(message, protocol.Pose) and np.isfinite(message.pose).all()
+    assert isinstance(message, protocol.Wish) and np.isfinite(message.pose).all()
+
+
+FINDING = {
+    **{"id": "c1", "a": "engine/bolt", "b": "engine/plate", "part_a": 1, "part_b": None, "verdict": "clash"},
+    **{"depth": 0.002, "gap": None, "point_a": [0.5, 0.25, 0.125], "point_b": None, "is_touching": False},
+    "sentence": "bolt is 2 mm deep in plate.",
+}
+
+
+def with_finding(finding: dict[str, Any]) -> str:
+    group = {"name": "bolts", "findings": [finding], "depth": 0.002}
+    fields = {"findings": {"groups": [group], "status": {"c1": "active"}, "is_touching_hidden": True}}
+    return encode(protocol.Patch(1, fields, None, 0, 0))  # type: ignore[return-value]
+
+
+def test_findings_keep_what_is_not_known_of_them() -> None:
+    found = decode_from_server(with_finding({**FINDING, "rule": {"class": "bolts"}})).fields["findings"]  # type: ignore[union-attr]
+    (group,) = found["groups"]
+    assert group["findings"] == [{**FINDING, "point_a": (0.5, 0.25, 0.125), "rule": {"class": "bolts"}}]
+    assert group["depth"] == 0.002
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"depth": "deep"}, "depth: is 'deep': a number"),
+        ({"point_b": [0.5]}, "point_b: has 1 items: 3 are needed"),
+        ({"sentence": ...}, "without sentence"),
+    ],
+)
+def test_findings_are_read_strictly_where_they_are_known(changes: dict[str, Any], words: str) -> None:
+    finding = {key: value for key, value in {**FINDING, **changes}.items() if value is not ...}
+    with pytest.raises(ProtocolError, match=words):
+        decode_from_server(with_finding(finding))
+
+
+@pytest.fixture
+def protocol_ts(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    return importlib.import_module("protocol_ts")
+
+
+COMMANDS = """
+def hide(document, given):
+    \"\"\"Out of sight.
+
+    They still collide.
+    \"\"\"
+
+def edit(document, given): ...
+
+WHAT: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection)}
+COMMANDS: dict[str, Command] = {
+    "hide": Command(hide, {"parts": list[int | str], "is_on": bool}, moves_hand=True),
+    "edit": Command(edit, {"type": Unit | None, **WHAT}),
+    "reset": Command(hide, moves_hand=True),
+}
+STEPS = ("undo",)
+"""
+ASKING = """
+def ray(place, given) -> RayHit | None: ...
+def outline(place, given, progress) -> Outline: ...
+def _writing(name) -> Work[Written]: ...
+ASKS: dict[str, Question[Any]] = {"ray": Question(ray, WHAT)}
+JOBS: dict[str, Work[Any]] = {"outline": Work(outline, {"at": Pose}), "csv": _writing("a.csv")}
+"""
+
+
+def test_tables_of_commands_questions_and_jobs_as_the_page_has_them(protocol_ts: ModuleType) -> None:
+    text = protocol_ts.document("", "", COMMANDS, ASKING)
+    begin, end = text.index("/** The arguments of commands"), text.index("/** What is sent of a command")
+    assert (
+        text[begin:end]
+        == """\
+/** The arguments of commands. */
+export interface Commands {
+  /** Out of sight. */
+  readonly hide: { readonly parts: readonly (number | string)[]; readonly is_on: boolean };
+  readonly edit: { readonly type: Unit | null; readonly points?: readonly Vec3[]; readonly parts?: Selection };
+  /** Out of sight. */
+  readonly reset: Record<string, never>;
+  readonly undo: Record<string, never>;
+}
+
+/** The arguments of questions, and their answers. */
+export interface Questions {
+  readonly ray: {
+    readonly args: { readonly points?: readonly Vec3[]; readonly parts?: Selection };
+    readonly answer: RayHit | null;
+  };
+}
+
+/** The arguments of jobs, and what they come to. */
+export interface Jobs {
+  readonly outline: { readonly args: { readonly at: Pose }; readonly answer: Outline };
+  readonly csv: { readonly args: Record<string, never>; readonly answer: Written };
+}
+
+"""
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('is_on": bool', 'is_on": set[int]', "set.int. has no TypeScript"),
+        (" -> Outline", "", "does not say what it answers"),
+        ("ray, WHAT", "ray, ()", "is no table"),
+    ],
+)
+def test_what_the_page_could_not_be_told(protocol_ts: ModuleType, old: str, new: str, words: str) -> None:
+    with pytest.raises(protocol_ts.ShapeError, match=words):
+        protocol_ts.document("", "", COMMANDS.replace(old, new), ASKING.replace(old, new))
 
 
 def test_the_page_knows_the_same_messages() -> None:

@@ -252,7 +252,7 @@ def test_nothing_is_read_before_hello(server: Server, session: FakeSession, fram
 
 def test_a_pose_before_hello_moves_nothing(server: Server, session: FakeSession) -> None:
     with Page(server.url, hello=None) as page:
-        page.send(protocol.Pose(1, 0.0, "api", np.eye(4)))
+        page.send(protocol.Wish(1, 0.0, "api", np.eye(4)))
         assert page.code() == protocol.NOT_ALLOWED
     assert session.wishes.empty()
 
@@ -317,7 +317,7 @@ def test_a_pose_is_a_wish(server: Server, session: FakeSession) -> None:
     pose = np.eye(4)
     pose[:3, 3] = [1, 2, 3]
     with Page(server.url) as page:
-        page.send(protocol.Pose(7, 12.5, "gizmo", pose))
+        page.send(protocol.Wish(7, 12.5, "gizmo", pose))
         wished, seq, source = session.wishes.get(timeout=WAIT_S)
     np.testing.assert_array_equal(wished, pose)
     assert (seq, source) == (7, "gizmo")
@@ -347,7 +347,7 @@ def test_errors_nobody_foresaw_are_replies_too(
         page.send(protocol.Command(3, "broken", {}))
         page.send(protocol.Ask(4, "broken", {}))
         page.send(protocol.Ask(5, "nan", {}))
-        page.send(protocol.Pose(666, 0.0, "api", np.eye(4)))
+        page.send(protocol.Wish(666, 0.0, "api", np.eye(4)))
         refusals = {refusal.id: refusal.error for refusal in (page.next(protocol.Refusal) for _ in range(4))}
         page.send(protocol.Ask(6, "ray", {}))
         assert page.next(protocol.Answer).id == 6
@@ -364,7 +364,7 @@ def test_a_long_question_holds_up_nobody(server: Server, session: FakeSession) -
         assert session.began.wait(WAIT_S)
         page.send(protocol.Command(2, "hide", {}))
         assert page.next(protocol.Answer).id == 2
-        page.send(protocol.Pose(1, 0.0, "api", np.eye(4)))
+        page.send(protocol.Wish(1, 0.0, "api", np.eye(4)))
         assert session.wishes.get(timeout=WAIT_S)[1] == 1
         other.send(protocol.Ask(3, "ray", {}))
         assert other.next(protocol.Answer).id == 3

@@ -213,7 +213,7 @@ TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
 BASE = {"_core", "calibrate", "errors", "mockup", "poses", "progress", "scene", "travel"}
 ROOMS: dict[str, set[str]] = {
-    "_core": {"_core_results"},
+    "_core": {"_core_results", "poses"},
     "_core_results": set(),  # a share of the stub
     "errors": set(),
     "progress": {"errors"},
@@ -224,7 +224,7 @@ ROOMS: dict[str, set[str]] = {
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
     "calibrate": {"_core", "errors"},
     "depths": set(),
-    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "travel"},
+    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "poses", "travel"},
     "io": BASE,
     "interchange": {*BASE, "io"},
     "haptics": BASE,

@@ -1,4 +1,7 @@
-"""Writes viewer/src/protocol.ts from python/feeler/workbench/protocol.py: what the page knows of the messages.
+"""Writes viewer/src/link/protocol.ts: what the page knows of the messages.
+
+The messages and the objects in them are those of python/feeler/workbench/protocol.py; the names, arguments and
+answers of commands, questions and jobs are the tables of commands.py and asking.py there.
 
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if what is written differs
@@ -15,36 +18,56 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-PROTOCOL = ROOT / "python" / "feeler" / "workbench" / "protocol.py"
-FRAMES = ROOT / "python" / "feeler" / "workbench" / "frames.py"
-WRITTEN = ROOT / "viewer" / "src" / "protocol.ts"
+WORKBENCH = ROOT / "python" / "feeler" / "workbench"
+WRITTEN = ROOT / "viewer" / "src" / "link" / "protocol.ts"
 
 HEAD = """\
-// Written by tools/protocol_ts.py from python/feeler/workbench/protocol.py: change it there.
+// Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
 """
+RENAMED = {"Event": "ServerEvent", "DocumentFields": "Document"}
+"""What has another name in the page: `Event` is a type of the browser."""
 SIMPLE = {"int": "number", "float": "number", "str": "string", "bool": "boolean", "None": "null", "Any": "unknown"}
+LINE = 120
+Object = dict[str, "str | Object"]
+"""The fields of a type without a name."""
 ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array"}
 
 
+TABLES = """\
+/** What is sent of a command: its name and its arguments. */
+export type CommandRequest = { [Name in keyof Commands]: Request<Name, Commands[Name]> }[keyof Commands];
+
+type Request<Name, Args> =
+  Record<string, never> extends Args ? readonly [name: Name, args?: Args] : readonly [name: Name, args: Args];
+"""
+
+
 class ShapeError(Exception):
-    """Something in protocol.py that this tool has no TypeScript for."""
+    """Something in the sources that this tool has no TypeScript for."""
 
 
-def document(source: str, frames: str) -> str:
+def document(protocol: str, frames: str, commands: str, asking: str) -> str:
     """The whole of protocol.ts."""
     blocks = [HEAD]
     arrays: list[str] = []
     for node, doc in documented(ast.parse(frames).body):
         if isinstance(node, ast.Assign) and target(node) == "VERSION":
             blocks.append(constant("PROTOCOL_VERSION", node.value, doc))
-    for node, doc in documented(ast.parse(source).body):
+    for node, doc in documented(ast.parse(protocol).body):
         if isinstance(node, ast.Assign) and not target(node).startswith("_") and target(node) not in ARRAYS:
             blocks += assignment(target(node), node.value, doc)
         elif isinstance(node, ast.ClassDef):
             text, packed = interface(node)
             blocks.append(text)
             arrays += packed
+    tables = Tables(ast.parse(commands).body, ast.parse(asking).body)
+    blocks += [
+        tables.interface("Commands", "COMMANDS", "The arguments of commands.", has_answers=False),
+        tables.interface("Questions", "ASKS", "The arguments of questions, and their answers.", has_answers=True),
+        tables.interface("Jobs", "JOBS", "The arguments of jobs, and what they come to.", has_answers=True),
+        TABLES,
+    ]
     blocks.append(
         "/** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */\n"
         "export const ARRAYS = {\n" + "".join(arrays) + "} as const;\n"
@@ -52,9 +75,94 @@ def document(source: str, frames: str) -> str:
     return "\n".join(blocks)
 
 
+class Tables:
+    """The tables of commands, questions and jobs: calls such as `Command(hide, {"parts": Selection})` by name."""
+
+    def __init__(self, *bodies: list[ast.stmt]) -> None:
+        self._functions = {node.name: node for body in bodies for node in body if isinstance(node, ast.FunctionDef)}
+        self._values = {
+            node.target.id if isinstance(node, ast.AnnAssign) else target(node): node.value
+            for body in bodies
+            for node in body
+            if isinstance(node, ast.Assign)
+            or (isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value)
+        }
+
+    def interface(self, name: str, table: str, doc: str, *, has_answers: bool) -> str:
+        lines = [comment(doc, ""), f"export interface {name} {{\n"]
+        rows = self._dict(self._values[table])
+        if not has_answers:
+            # Without arguments, and in no table: they choose between documents.
+            rows += [(each, ast.Tuple(elts=[])) for each in ast.literal_eval(self._values["STEPS"])]
+        for key, row in rows:
+            args = self._arguments(row)
+            if has_answers:
+                args = {"args": args, "answer": self._answer(row)}
+            lines.append(f"{comment(self._doc(row), '  ')}{member(key, args)}")
+        return "".join([*lines, "}\n"])
+
+    def _dict(self, node: ast.expr | None) -> list[tuple[str, ast.expr]]:
+        """The items of a dict, those of others that are unpacked in it too."""
+        match node:
+            case ast.Name(id=name):
+                return self._dict(self._values[name])
+            case ast.Dict(keys=keys, values=values):
+                found: list[tuple[str, ast.expr]] = []
+                for key, value in zip(keys, values, strict=True):
+                    found += self._dict(value) if key is None else [(ast.literal_eval(key), value)]
+                return found
+        raise ShapeError(f"{ast.unparse(node) if node else 'nothing'} is no table")
+
+    def _arguments(self, row: ast.expr) -> Object:
+        """Those that may be absent with a question mark."""
+        match row:
+            case ast.Call(func=ast.Name(id="Command" | "Question" | "Work"), args=[_, shape]):
+                found: Object = {}
+                for name, kind in self._dict(shape):
+                    match kind:
+                        case ast.Call(func=ast.Name(id="Maybe"), args=[inside]):
+                            found[f"{name}?"] = of(inside)
+                        case _:
+                            found[name] = of(kind)
+                return found
+        return {}
+
+    def _answer(self, row: ast.expr) -> str:
+        """What the function of a row returns, or the type in what makes the row."""
+        match row:
+            case ast.Call(func=ast.Name(id=maker)) if maker in self._functions:
+                match self._functions[maker].returns:
+                    case ast.Subscript(slice=answer):
+                        return of(answer)
+            case ast.Call(args=[ast.Name(id=work), *_]):
+                returns = self._functions[work].returns
+                if returns is not None:
+                    return of(returns)
+        raise ShapeError(f"line {row.lineno}: {ast.unparse(row)} does not say what it answers")
+
+    def _doc(self, row: ast.expr) -> str:
+        match row:
+            case ast.Call(args=[ast.Name(id=work), *_]):
+                return (ast.get_docstring(self._functions[work]) or "").split("\n\n")[0]
+        return ""
+
+
+def member(name: str, kind: str | Object, indent: str = "  ") -> str:
+    """A field, laid out as Biome does: on one line where that is not too long."""
+    if kind == {}:
+        kind = "Record<string, never>"
+    if isinstance(kind, str):
+        return f"{indent}readonly {name}: {kind};\n"
+    inside = [member(each, of_it, indent + "  ") for each, of_it in kind.items()]
+    short = " ".join(line.strip() for line in inside).removesuffix(";")
+    line = f"{indent}readonly {name}: {{ {short} }};\n"
+    is_short = len(line) <= LINE + 1 and all(each.count("\n") == 1 for each in inside)
+    return line if is_short else "".join([f"{indent}readonly {name}: {{\n", *inside, f"{indent}}};\n"])
+
+
 def documented(body: list[ast.stmt]) -> Iterator[tuple[ast.stmt, str]]:
     """Each statement, and the text that stands alone under it."""
-    for node, after in zip(body, [*body[1:], None], strict=True):
+    for node, after in zip(body, [*body, None][1:], strict=True):
         match after:
             case ast.Expr(value=ast.Constant(value=str(text))):
                 yield node, text
@@ -75,8 +183,7 @@ def assignment(name: str, value: ast.expr, doc: str) -> Iterator[str]:
     if isinstance(value, ast.Constant):
         yield constant(name, value, doc)
     elif isinstance(value, ast.Subscript | ast.BinOp):
-        new = {"Event": "ServerEvent"}.get(name, name)  # Event is a type of the browser
-        yield f"{comment(doc, '')}export type {new} = {union(value)};\n"
+        yield f"{comment(doc, '')}export type {RENAMED.get(name, name)} = {of(value)};\n"
 
 
 def constant(name: str, value: ast.expr, doc: str) -> str:
@@ -85,7 +192,12 @@ def constant(name: str, value: ast.expr, doc: str) -> str:
 
 def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
     """An object or a message, and its line in the table of arrays."""
-    lines = [comment(ast.get_docstring(node) or "", ""), f"export interface {node.name} {{\n"]
+    bases = [base.id for base in node.bases if isinstance(base, ast.Name) and base.id != "TypedDict"]
+    heir = f" extends {', '.join(bases)}" if bases else ""
+    lines = [
+        comment(ast.get_docstring(node) or "", ""),
+        f"export interface {RENAMED.get(node.name, node.name)}{heir} {{\n",
+    ]
     packed: list[str] = []
     kind = ""
     for each, doc in documented(node.body):
@@ -94,12 +206,12 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
         name = each.target.id
         if name == "KIND":
             kind = ast.literal_eval(each.value or ast.Constant(None))
-            lines.append(f'  kind: "{kind}";\n')
+            lines.append(f'  readonly kind: "{kind}";\n')
         elif name == "TAG":
             for key, value in ast.literal_eval(each.value or ast.Constant(None)).items():
-                lines.append(f"  {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
+                lines.append(f"  readonly {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
         else:
-            lines.append(f"{comment(doc, '  ')}  {name}: {of(each.annotation)};\n")
+            lines.append(f"{comment(doc, '  ')}  readonly {name}: {of(each.annotation)};\n")
             if spec := array_spec(each.annotation):
                 packed.append(f"    {name}: {spec},\n")
     table = [f"  {kind}: {{\n", *packed, "  },\n"] if packed else []
@@ -114,34 +226,26 @@ def of(node: ast.expr) -> str:
         case ast.Name(id=name) if name in ARRAYS:
             return ARRAYS[name]
         case ast.Name(id=name):
-            return SIMPLE.get(name, name)
-        case ast.BinOp(op=ast.BitOr()):
-            return union(node)
+            return SIMPLE.get(name, RENAMED.get(name, name))
+        case ast.BinOp(left=left, op=ast.BitOr(), right=right):
+            return f"{of(left)} | {of(right)}"
         case ast.Subscript(value=ast.Name(id="Literal"), slice=values):
-            return " | ".join(quoted(value) for value in ast.literal_eval(listed(values)))
+            return " | ".join(literal(value) for value in ast.literal_eval(listed(values)))
         case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[inside, mark])):
             match mark:
-                case ast.Call(func=ast.Name(id="Partial"), args=[ast.Name(id=name)]):
-                    return f"Partial<{name}>"
+                case ast.Call(func=ast.Name(id="Partial"), args=[ast.Name() as whole]):
+                    return f"Partial<{of(whole)}>"
+                case ast.Call(func=ast.Name(id="Open"), args=[ast.Name() as least]):
+                    return of(least)
             return of(inside)
         case ast.Subscript(value=ast.Name(id="list"), slice=inside):
             item = of(inside)
-            return f"({item})[]" if " " in item and "<" not in item else f"{item}[]"
+            return f"readonly ({item})[]" if " " in item and "<" not in item else f"readonly {item}[]"
         case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):
             return f"[{', '.join(of(each) for each in items)}]"
         case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, inside])):
-            return f"Record<string, {of(inside)}>"
+            return f"Readonly<Record<string, {of(inside)}>>"
     raise ShapeError(f"line {node.lineno}: {ast.unparse(node)} has no TypeScript here")
-
-
-def union(node: ast.expr) -> str:
-    """Alternatives; of the message types `Event` has another name in the browser."""
-    match node:
-        case ast.BinOp(left=left, op=ast.BitOr(), right=right):
-            return f"{union(left)} | {union(right)}"
-        case ast.Name(id="Event"):
-            return "ServerEvent"
-    return of(node)
 
 
 def array_spec(node: ast.expr) -> str | None:
@@ -161,6 +265,10 @@ def listed(node: ast.expr) -> ast.expr:
     return node if isinstance(node, ast.Tuple) else ast.Tuple(elts=[node], ctx=ast.Load())
 
 
+def literal(value: object) -> str:
+    return quoted(value) if isinstance(value, str) else str(value)
+
+
 def quoted(value: object) -> str:
     return '"' + str(value) + '"'
 
@@ -175,17 +283,18 @@ def comment(doc: str, indent: str) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Writes viewer/src/protocol.ts from protocol.py.")
+    parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    text = document(PROTOCOL.read_text(encoding="utf-8"), FRAMES.read_text(encoding="utf-8"))
+    names = ("protocol", "frames", "commands", "asking")
+    text = document(*((WORKBENCH / f"{name}.py").read_text(encoding="utf-8") for name in names))
     if not is_check:
         WRITTEN.write_text(text, encoding="utf-8", newline="\n")
         return 0
     there = WRITTEN.read_text(encoding="utf-8") if WRITTEN.is_file() else ""
     if there == text:
         return 0
-    print("viewer/src/protocol.ts is not what protocol.py says: run python tools/protocol_ts.py")
+    print("viewer/src/link/protocol.ts is not what python/feeler/workbench says: run python tools/protocol_ts.py")
     return 1
 
 

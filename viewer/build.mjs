@@ -30,7 +30,7 @@ const shared = {
 
 const page = {
   ...shared,
-  entryPoints: { main: "src/main.ts", geometry: "src/geometry.worker.ts", style: "src/ui/style.css" },
+  entryPoints: { main: "src/app/main.ts", geometry: "src/link/geometry.worker.ts", style: "src/ui/style.css" },
   outdir: STATIC,
   minify: true,
   metafile: true,

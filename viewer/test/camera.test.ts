@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { type Box, cross, distance, dot, length, subtract, type Vec3 } from "../src/math/vectors";
 import { CameraRig } from "../src/scene/camera";
-import { type Box, cross, distance, dot, length, subtract, type Vec3 } from "../src/scene/vectors";
 
 const BOX: Box = { lower: [-1, -2, -3], upper: [3, 1, 2] };
 

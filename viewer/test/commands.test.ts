@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { COMMANDS, commandOf, hint } from "../src/actions/commands";
 import { commandOfKey, isForCommands, keyOf } from "../src/input/keys";
-import { COMMANDS, commandOf, hint } from "../src/ui/commands";
 import { matchingCommands } from "../src/ui/palette";
 import { TOUR } from "../src/ui/tour";
 

@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Document, Removal } from "../src/document";
 import { cutCenter, hitCut, layCuts } from "../src/input/cuts";
 import type { GizmoView } from "../src/input/gizmo";
-import { translation } from "../src/matrix";
-import { poseAt, replayed, secondsOf, startsOf } from "../src/offline-replay";
-import type { Box, Vec3 } from "../src/scene/vectors";
+import type { Document, SequenceLine } from "../src/link/protocol";
+import { translation } from "../src/math/matrix";
+import type { Box, Vec3 } from "../src/math/vectors";
+import { poseAt, replayed, secondsOf, startsOf } from "../src/model/offline-replay";
 
 const BOX: Box = { lower: [0, 0, 0], upper: [2, 2, 2] };
 /** Looks along +y from far away: a metre is 100 pixels, z is up. */
@@ -55,14 +55,14 @@ test("the nearest arrow within reach is hit", () => {
   assert.equal(hitCut(handles, { x: 60, y: -80 }), null);
 });
 
-const line = (id: number, parts: number[], ...xs: number[]): Removal => ({
+const line = (id: number, parts: number[], ...xs: number[]): SequenceLine => ({
   ...{ id, name: "", parts, least_clearance: null, touched: [], tool: null },
   way: xs.map((x) => translation([x, 0, 0])),
 });
 
 test("a sequence is replayed without a server: from where the lines before it left the parts", () => {
   const sequence = [line(1, [4], 5, 6), line(2, [4, 7], 9, 9, 13)];
-  const second = sequence[1] as Removal;
+  const second = sequence[1] as SequenceLine;
   const starts = startsOf(sequence, second);
   assert.deepEqual([starts.get(4)?.[3], starts.get(7)?.[3]], [1, 0]);
   assert.equal(secondsOf(second), 16);

@@ -1,18 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Document, type Findings, patched } from "../src/document";
-import { base64 } from "../src/exporting";
-import { neighbour, shownGroups } from "../src/findings";
-import type { Manifest } from "../src/geometry";
-import { marksOf } from "../src/marking";
-import { IDENTITY } from "../src/matrix";
-import { measureArgs, nearestEdge } from "../src/measuring";
-import { partStates } from "../src/partstates";
-import type { State } from "../src/protocol";
+import { base64 } from "../src/actions/exports";
+import { measureArgs, nearestEdge } from "../src/actions/measures";
+import { marksOf } from "../src/app/marks";
+import { partStates } from "../src/app/part-states";
+import type { Document, Findings, Manifest, State } from "../src/link/protocol";
+import { IDENTITY } from "../src/math/matrix";
+import { patched } from "../src/model/document";
+import { neighbour, shownGroups } from "../src/model/findings";
+import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/model/sections";
+import { DEFAULTS, loadSettings } from "../src/model/settings";
+import { Store } from "../src/model/store";
 import { PartState } from "../src/scene/stage";
-import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/sectioning";
-import { DEFAULTS, loadSettings } from "../src/settings";
-import { Store } from "../src/store";
 import { depthText, spokenState, touchedText } from "../src/ui/words";
 
 const DOCUMENT: Document = {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type ContactState, Feel, type ImpactMessage, slideOf, strengthOf } from "../src/feel/events";
 import { materialOf } from "../src/feel/materials";
-import { IDENTITY, rotation, translation } from "../src/matrix";
+import { IDENTITY, rotation, translation } from "../src/math/matrix";
 
 const FLOOR = [0, 0, 0, 0, 0, 1, 0, 8];
 

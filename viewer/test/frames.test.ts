@@ -3,8 +3,8 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { decodeFrame, encodeFrame, FrameError } from "../src/frames";
-import type { Pose, State } from "../src/protocol";
+import { decodeFrame, encodeFrame, FrameError } from "../src/link/frames";
+import type { State, Wish } from "../src/link/protocol";
 
 // The bundle runs in target/viewer-tests.
 function golden(name: string): ArrayBuffer {
@@ -13,7 +13,7 @@ function golden(name: string): ArrayBuffer {
 }
 
 const TURNED = [0, -1, 0, 0.25, 1, 0, 0, -0.5, 0, 0, 1, 1.125, 0, 0, 0, 1];
-const POSE: Pose = { kind: "pose", seq: 41, time_ms: 1234.5, source: "spacemouse", pose: new Float64Array(TURNED) };
+const POSE: Wish = { kind: "pose", seq: 41, time_ms: 1234.5, source: "spacemouse", pose: new Float64Array(TURNED) };
 
 function state(frame: ArrayBuffer): State {
   const message = decodeFrame(frame);

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { GamepadInput, type PadCommand, type PadReading, ratesOf } from "../src/input/gamepad";
-import type { Increment } from "../src/input/hand";
 import { curved, curvedStick } from "../src/input/rate";
+import type { Increment } from "../src/model/hand";
 
 const STRAIGHT = { isOn: true, dead_zone: 0, bend: 0 };
 

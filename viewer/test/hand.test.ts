@@ -1,6 +1,5 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Hand } from "../src/input/hand";
 import {
   axis,
   fromAxes,
@@ -11,7 +10,8 @@ import {
   position,
   rotation,
   translation,
-} from "../src/matrix";
+} from "../src/math/matrix";
+import { Hand } from "../src/model/hand";
 
 function setUp() {
   const placed: Pose[] = [];
@@ -150,7 +150,7 @@ test("many small turns, and a pose that is bent a little, go out rigid", () => {
     hand.nudge({ translation: [0, 0, 0], rotation: [0.01, 0.02, 0.03] }, "tool", "spacemouse");
   }
   assert.ok(isSamePose(squared(hand.pose ?? []), IDENTITY, 1e-12));
-  const bent = rotation([0.6, 0, 0.8], 1);
+  const bent = [...rotation([0.6, 0, 0.8], 1)];
   bent[1] = (bent[1] ?? 0) + 1e-4;
   hand.move(bent, "api");
   assert.ok(isSamePose(squared(hand.take()?.pose ?? []), IDENTITY, 1e-12));

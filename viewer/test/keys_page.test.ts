@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { COMMANDS, type PageCommand, shownKey } from "../src/ui/commands";
+import { COMMANDS, type PageCommand, shownKey } from "../src/actions/commands";
 
 const said = ({ keys, title }: PageCommand): string =>
   `${keys.map((key) => `<kbd>${shownKey(key)}</kbd>`).join(" ")} ${title.toLowerCase()}`;

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
-import { OfflineError, readOffline, unpackOffline } from "../src/offline";
+import { OfflineError, readOffline, unpackOffline } from "../src/link/offline-file";
 
 // The bundle runs in target/viewer-tests.
 function golden(name: string): ArrayBuffer {

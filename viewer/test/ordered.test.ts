@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { inOrder } from "../src/ordered";
+import { inOrder } from "../src/link/ordered";
 
 test("the first comes alone, others a few at a time, all in order whatever finishes first", async () => {
   const finish: (() => void)[] = [];

@@ -16,8 +16,8 @@ import {
   worldPose,
 } from "../src/input/room";
 import { poseOfColumns, reverseDepth, stickOf } from "../src/input/xr";
-import { fromAxes, IDENTITY, multiply, type Pose, position, rotation, translation } from "../src/matrix";
-import { transform, type Vec3 } from "../src/scene/vectors";
+import { fromAxes, IDENTITY, multiply, type Pose, position, rotation, translation } from "../src/math/matrix";
+import { transform, type Vec3 } from "../src/math/vectors";
 
 const near = (actual: ArrayLike<number>, wanted: ArrayLike<number>, tolerance = 1e-9): void => {
   assert.equal(actual.length, wanted.length);

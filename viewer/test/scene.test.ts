@@ -1,17 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Matrix4, MeshBasicMaterial, PerspectiveCamera, Vector3, Vector4 } from "three";
-import type { Manifest } from "../src/geometry";
+import type { Manifest } from "../src/link/protocol";
+import { isSame } from "../src/math/same";
+import { type Box, distance, dot, isEmpty, type Vec3 } from "../src/math/vectors";
 import { Pieces, pieceBytes, readPiece } from "../src/scene/chunks";
 import { isCutAway, mayBeSeen, sidePlanes } from "../src/scene/culling";
 import { take } from "../src/scene/kept";
 import { arc, arrowLength } from "../src/scene/marks";
 import { Pace } from "../src/scene/pace";
 import { PartState, PartTable } from "../src/scene/parts";
-import { isSame } from "../src/scene/same";
 import { clipBox, planeInBox, writePlanes } from "../src/scene/sections";
 import { setProjection, sharedUniforms } from "../src/scene/uniforms";
-import { type Box, distance, dot, isEmpty, type Vec3 } from "../src/scene/vectors";
 
 /** A piece of triangles that each have three vertices of their own: corner c of triangle t at (t, c, part). */
 function piece(parts: number[], partBytes: 2 | 4): ArrayBuffer {

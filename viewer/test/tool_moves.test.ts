@@ -1,8 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Drag, dragged, type Point } from "../src/input/drag";
+import { type Drag, dragged, dragOf } from "../src/input/drag";
 import { hitGizmo, layGizmo } from "../src/input/gizmo";
-import { directionOf, dragOf, isFigureKey, poseOfTyped, startTyped, withAxis, withKey } from "../src/input/typed";
 import {
   anglesOf,
   axis,
@@ -13,9 +12,10 @@ import {
   position,
   rotation,
   translation,
-} from "../src/matrix";
+} from "../src/math/matrix";
+import type { Point, Vec3 } from "../src/math/vectors";
+import { directionOf, isFigureKey, poseOfTyped, startTyped, withAxis, withKey } from "../src/model/typed-move";
 import { CameraRig } from "../src/scene/camera";
-import type { Vec3 } from "../src/scene/vectors";
 
 /** Looks along +y at the origin from 2 m away, z up, 800 x 600 pixels. */
 function camera(): CameraRig {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Turns } from "../src/turns";
+import { Turns } from "../src/link/turns";
 
 /** What was begun, in order; each is answered by hand. */
 function setUp() {

@@ -9,7 +9,7 @@ import {
   parseAngle,
   parseLength,
   UNITS,
-} from "../src/units";
+} from "../src/math/units";
 
 test("lengths are shown to a hundredth of a millimetre, without zeros at the end", () => {
   assert.equal(formatLength(0.0125, "mm"), "12.5 mm");

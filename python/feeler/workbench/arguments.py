@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import difflib
 import math
+import types
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from feeler.errors import OptionError, WorkbenchError
 from feeler.parts import Parts
 from feeler.workbench import motion
 from feeler.workbench.document import Point
+from feeler.workbench.protocol import Pose, Selection, Vec3
 
 _MOST_TEXT = 10_000
 _LARGEST = 1e9
@@ -18,16 +21,27 @@ _LARGEST = 1e9
 Item = TypeVar("Item")
 
 
+@dataclass(frozen=True)
+class Maybe:
+    """Marks the type of an argument that may be absent."""
+
+    type: Any
+
+
+Shape = Mapping[str, Any]
+"""The arguments by name, and their types: those of `protocol.py`, from which the page's are made."""
+
+
 class Arguments:
     """What came with a command. Every reading checks, and says where it failed."""
 
-    def __init__(self, command: str, given: Any, known: Iterable[str]) -> None:
+    def __init__(self, command: str, given: Any, shape: Shape) -> None:
         """Raises `WorkbenchError` for what is no object, and for names the command does not know."""
-        self.command = command
+        self.command, self._shape = command, shape
         if not isinstance(given, Mapping):
             raise WorkbenchError("the arguments are no object", command, "send names with their values")
-        self.given: Mapping[str, Any] = given
-        expected = list(known)
+        self._given: Mapping[str, Any] = given
+        expected = list(shape)
         for name in given:
             if name not in expected:
                 raise WorkbenchError(
@@ -40,50 +54,67 @@ class Arguments:
 
     def has(self, name: str) -> bool:
         """Whether it was given, and is not null."""
-        return self.given.get(name) is not None
+        return self._given.get(name) is not None
 
-    def flag(self, name: str, default: bool | None = None) -> bool:
+    def raw(self, name: str, kind: Any) -> Any:
+        """As it came, None where it is absent. kind: its type, which has to be the one of the shape.
+
+        Raises `TypeError` where a command reads what its row in the table does not say: the page would send another.
+        """
+        declared = _bare(self._shape[name])
+        if declared != kind:
+            raise TypeError(f"{self.command} reads {name} as {kind}, and the table says {declared}")
+        return self._given.get(name)
+
+    def inner(self, name: str, kind: type) -> Arguments:
+        """An object, of a `TypedDict`, as arguments of its own."""
+        return Arguments(f"{self.command}, {name}", self.raw(name, kind), get_type_hints(kind))
+
+    def flag(self, name: str) -> bool:
         """True or false."""
-        value = self.given.get(name, default)
+        value = self.raw(name, bool)
         if not isinstance(value, bool):
             raise self.fail(name, f"{_shown(value)} is neither true nor false", "send true or false")
         return value
 
     def number(self, name: str, low: float = -_LARGEST, high: float = _LARGEST) -> float:
         """A finite number within bounds."""
-        value: Any = self.given.get(name)
+        value: Any = self.raw(name, float)
         if not is_number(value) or not low <= value <= high:
             raise self.fail(name, f"{_shown(value)} is no number from {low:g} to {high:g}", "send one that is")
         return float(value)
 
     def whole(self, name: str, low: int = 0, high: int = 2**53) -> int:
         """A whole number within bounds."""
-        value = self.given.get(name)
+        value = self.raw(name, int)
         if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
             raise self.fail(name, f"{_shown(value)} is no whole number from {low} to {high}", "send one that is")
         return value
 
     def text(self, name: str) -> str:
         """A text, not empty."""
-        value = self.given.get(name)
+        value = self.raw(name, str)
         if not isinstance(value, str) or not value.strip() or len(value) > _MOST_TEXT:
             raise self.fail(name, f"{_shown(value)} is no text, or too long", f"send 1 to {_MOST_TEXT} characters")
         return value
 
     def choice(self, name: str, choices: Iterable[str]) -> str:
         """One of several words."""
-        value, words = self.given.get(name), list(choices)
+        words = list(choices)
+        # Of words that are known before, the page is told.
+        is_listed = get_origin(_bare(self._shape[name])) is Literal
+        value = self.raw(name, Literal[tuple(words)] if is_listed else str)
         if value not in words:
             raise self.fail(name, f"there is no {_shown(value)}", near(value, words))
         return str(value)
 
     def point(self, name: str) -> Point:
         """Three numbers."""
-        return self._triple(name, self.given.get(name))
+        return self._triple(name, self.raw(name, Vec3))
 
     def points(self, name: str, least: int, most: int) -> tuple[Point, ...]:
         """Several points."""
-        value: Any = self.given.get(name)
+        value: Any = self.raw(name, list[Vec3])
         if not is_sequence(value) or not least <= len(value) <= most:
             count = f"{least}" if least == most else f"{least} to {most}"
             raise self.fail(name, f"{_shown(value)} is no list of {count} points", "send lists of three numbers")
@@ -99,11 +130,11 @@ class Arguments:
 
     def pose(self, name: str) -> motion.Row:
         """16 numbers of a rigid pose."""
-        return motion.row(motion.checked(self.given.get(name), f"{self.command}, {name}"))
+        return motion.row(motion.checked(self.raw(name, Pose), f"{self.command}, {name}"))
 
     def parts(self, name: str, parts: Parts, most: int | None = None) -> tuple[int, ...]:
         """Parts by indices, paths or patterns: their indices, ascending. Says what is spelt alike."""
-        value: Any = self.given.get(name)
+        value: Any = self.raw(name, Selection)
         if not isinstance(value, (int, str)) and not is_sequence(value):
             raise self.fail(name, f"{_shown(value)} names no part", "send indices, paths or patterns")
         try:
@@ -128,6 +159,15 @@ class Arguments:
             raise self.fail(name, f"{_shown(value)} is not three numbers", "send x, y and z, metres")
         x, y, z = (float(each) for each in value)
         return (x, y, z)
+
+
+def _bare(kind: Any) -> Any:
+    """A type without what says that it may be absent or null."""
+    inside = kind.type if isinstance(kind, Maybe) else kind
+    if get_origin(inside) in (Union, types.UnionType):
+        some = [each for each in get_args(inside) if each is not type(None)]
+        return some[0] if len(some) == 1 else inside
+    return inside
 
 
 def replaced(items: tuple[Item, ...], place: int, item: Item) -> tuple[Item, ...]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
@@ -13,15 +13,31 @@ from feeler.errors import WorkbenchError
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench import export, measuring, page
-from feeler.workbench.arguments import Arguments
-from feeler.workbench.commands import camera_of
+from feeler.workbench.arguments import Arguments, Maybe, Shape
+from feeler.workbench.commands import MEASURED, camera_of
 from feeler.workbench.document import Document, plain
 from feeler.workbench.files import static_files
 from feeler.workbench.geometry import Geometry
 from feeler.workbench.parts import PartMeshes
+from feeler.workbench.protocol import (
+    Camera,
+    Measured,
+    MeasureType,
+    Outline,
+    PartFacts,
+    RayHit,
+    Replayed,
+    Selection,
+    Snapped,
+    Vec3,
+    Written,
+    WrittenPage,
+)
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -41,52 +57,48 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Question:
-    """A question and the names of its arguments."""
+class Question(Generic[Found]):
+    """A question, its arguments, and the type of its answer."""
 
-    work: Callable[[Place, Arguments], dict[str, Any] | None]
-    arguments: tuple[str, ...]
+    work: Callable[[Place, Arguments], Found]
+    arguments: Shape
 
 
 @dataclass(frozen=True)
-class Work:
-    """A job and the names of its arguments."""
+class Work(Generic[Found]):
+    """A job, its arguments, and the type of its answer."""
 
-    work: Callable[[Place, Arguments, Progress], dict[str, Any]]
-    arguments: tuple[str, ...] = ()
+    work: Callable[[Place, Arguments, Progress], Found]
+    arguments: Shape = field(default_factory=dict)
 
 
-def ray(place: Place, given: Arguments) -> dict[str, Any] | None:
-    """The first thing in sight on a ray: {distance, point, normal, part, triangle}; None: there is nothing."""
+def ray(place: Place, given: Arguments) -> RayHit | None:
+    """The first thing in sight on a ray; None: there is nothing."""
     picked = place.sight.pick(given.point("origin"), given.unit("direction"))
-    return None if picked is None else picked.to_json()
+    return None if picked is None else cast(RayHit, picked.to_json())
 
 
-def snap(place: Place, given: Arguments) -> dict[str, Any] | None:
-    """As `ray`, with what the point snaps to: "type" vertex, edge or face, and its "corners"; `within` in metres."""
+def snap(place: Place, given: Arguments) -> Snapped | None:
+    """As `ray`, with what the point snaps to; `within` in metres."""
     within = given.number("within", 0.0, 1e3) if given.has("within") else _SNAP_M
     picked = place.sight.pick(given.point("origin"), given.unit("direction"))
-    return None if picked is None else measuring.snapped(picked, within, place.sight)
+    return None if picked is None else cast(Snapped, measuring.snapped(picked, within, place.sight))
 
 
-def measure(place: Place, given: Arguments) -> dict[str, Any]:
-    """What a measure would come to: {type, points, value, unit, is_exact}; arguments as of `measure_add`."""
+def measure(place: Place, given: Arguments) -> Measured:
+    """What a measure would come to; arguments as of `measure_add`."""
     found = measuring.measured(given, place.document, place.scene, place.meshes)
-    return dict(plain(found))
+    return cast(Measured, plain(found))
 
 
-def part(place: Place, given: Arguments) -> dict[str, Any]:
-    """What is known of a part: name, path, triangles, box, and where it is."""
+def part(place: Place, given: Arguments) -> PartFacts:
+    """What is known of a part."""
     (number,) = given.parts("part", place.scene.mockup.parts, most=1)
-    return measuring.part_facts(number, place.document, place.scene)
+    return cast(PartFacts, measuring.part_facts(number, place.document, place.scene))
 
 
-def outline(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
-    """The exact outlines of the sections that are on, or of one plane {normal, offset}.
-
-    {"count", "segments", "parts"}: base64 of little-endian float32 `(count, 2, 3)`, metres, world, and uint32
-    `(count,)`.
-    """
+def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
+    """The exact outlines of the sections that are on, or of one plane."""
     if given.has("normal"):
         planes = [(given.unit("normal"), given.number("offset"))]
     else:
@@ -105,10 +117,10 @@ def outline(place: Place, given: Arguments, progress: Progress) -> dict[str, Any
     }
 
 
-def page_file(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
+def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage:
     """One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first."""
     document, geometry = place.document, place.geometry
-    camera = plain(camera_of(given)) if given.has("camera") else None
+    camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
     data, left_out = page.page(
         document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
     )
@@ -116,15 +128,15 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> dict[str, A
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
 
 
-def replay(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
-    """Goes through the record that the workbench was opened with: {"is_same", "verdict"}."""
+def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
+    """Goes through the record that the workbench was opened with."""
     if place.replay is None:
         raise WorkbenchError("there is no record", given.command, "start by feeler replay FILE --page")
-    return place.replay(progress)
+    return cast(Replayed, place.replay(progress))
 
 
-def _writing(name: str, write: Callable[..., bytes]) -> Work:
-    def work(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
+def _writing(name: str, write: Callable[..., bytes]) -> Work[Written]:
+    def work(place: Place, given: Arguments, progress: Progress) -> Written:
         if not place.document.sequence:
             raise WorkbenchError("the sequence is empty", given.command, "take a part out first")
         data = write(place.document, place.scene.mockup, progress)
@@ -138,17 +150,17 @@ def _base64(array: Any) -> str:
     return base64.b64encode(array.tobytes()).decode("ascii")
 
 
-ASKS: dict[str, Question] = {
-    "ray": Question(ray, ("origin", "direction")),
-    "snap": Question(snap, ("origin", "direction", "within")),
-    "measure": Question(measure, ("type", "points", "parts", "triangles")),
-    "part": Question(part, ("part",)),
+ASKS: dict[str, Question[Any]] = {
+    "ray": Question(ray, {"origin": Vec3, "direction": Vec3}),
+    "snap": Question(snap, {"origin": Vec3, "direction": Vec3, "within": Maybe(float)}),
+    "measure": Question(measure, {"type": MeasureType, **MEASURED}),
+    "part": Question(part, {"part": Selection}),
 }
-JOBS: dict[str, Work] = {
-    "outline": Work(outline, ("normal", "offset")),
+JOBS: dict[str, Work[Any]] = {
+    "outline": Work(outline, {"normal": Maybe(Vec3), "offset": Maybe(float)}),
     "export_csv": _writing("sequence.csv", export.sequence_csv),
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
-    "page": Work(page_file, ("camera",)),
+    "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay),
 }

@@ -1,8 +1,8 @@
 """What `feeler view --benchmark` writes: the page's figures, and what they are of.
 
-The page measures (`viewer/src/benchmark.ts` says what each figure is): frames a second while the camera moves and while
-the tool moves, input to drawn, and what single frames, picks and hiding everything cost. Here they get the mock-up, the
-software and the times that only this side knows.
+The page measures (`viewer/src/app/benchmark.ts` says what each figure is): frames a second while the camera moves and
+while the tool moves, input to drawn, and what single frames, picks and hiding everything cost. Here they get the
+mock-up, the software and the times that only this side knows.
 """
 
 from __future__ import annotations

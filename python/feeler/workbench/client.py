@@ -150,7 +150,7 @@ class Client:
 
     def _take(self, message: protocol.FromPage) -> None:
         match message:
-            case protocol.Pose():
+            case protocol.Wish():
                 self._session.wish(message.pose, message.seq, message.source)
             case protocol.Ack():
                 self._outbox.acknowledged(message.seq)

@@ -7,7 +7,7 @@ The functions are pure: the same document, arguments and knowledge give the same
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -17,7 +17,7 @@ from feeler.errors import LoadError, WorkbenchError
 from feeler.parts import Parts
 from feeler.poses import inverse
 from feeler.workbench import findings, motion
-from feeler.workbench.arguments import Arguments, near, replaced, without
+from feeler.workbench.arguments import Arguments, Maybe, Shape, near, replaced, without
 from feeler.workbench.document import (
     MATERIALS,
     MODES,
@@ -33,6 +33,7 @@ from feeler.workbench.document import (
     Viewpoint,
 )
 from feeler.workbench.motion import Row
+from feeler.workbench.protocol import Camera, FindingStatus, Material, MeasureType, Mode, Pose, Selection, Unit, Vec3
 
 LEAST_MOVED_M = 1e-3
 """Parts that a release left less far from where they were gripped are no line of the sequence."""
@@ -82,10 +83,10 @@ Change = Callable[[Document, Arguments, Known], Document]
 
 @dataclass(frozen=True)
 class Command:
-    """A change and the names of its arguments. moves_hand: the document it begins with has the hand where it is."""
+    """A change and its arguments. moves_hand: the document it begins with has the hand where it is."""
 
     change: Change
-    arguments: tuple[str, ...] = ()
+    arguments: Shape = field(default_factory=dict)
     moves_hand: bool = False
 
 
@@ -315,7 +316,7 @@ def measure_remove(document: Document, given: Arguments, _known: Known) -> Docum
 
 def camera_of(given: Arguments) -> CameraView:
     """The argument "camera"."""
-    inner = Arguments(f"{given.command}, camera", given.given.get("camera"), ("position", "target", "up", "fov_rad"))
+    inner = given.inner("camera", Camera)
     return CameraView(
         inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
     )
@@ -362,14 +363,14 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
     starts = {part: row for part, row in dict(line.starts).items() if part in line.parts}
     moved = {part: at for part, at in document.moved.items() if part not in line.parts}
     home = replace(document, moved=_sorted({**moved, **starts}), out=_less(document.out, line.parts), tool=None)
-    inner = Arguments(given.command, {"parts": list(line.parts)}, ("parts",))
+    inner = Arguments(given.command, {"parts": list(line.parts)}, {"parts": Selection})
     return replace(grip(home, inner, known), replaying=line.id)
 
 
 def findings_open(document: Document, given: Arguments, known: Known) -> Document:
     """Findings in place of those that were open; as `feeler clash --json` writes them."""
     try:
-        return replace(document, findings=findings.grouped(given.given.get("findings"), known.parts, known.absent))
+        return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
     except LoadError as error:
         raise given.fail("findings", str(error), "choose another file") from None
 
@@ -390,48 +391,52 @@ def finding_filter(document: Document, given: Arguments, _known: Known) -> Docum
     return replace(document, findings=found)
 
 
+MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
+"""What a measure is of; each type needs one of them."""
+
 COMMANDS: dict[str, Command] = {
-    "hide": Command(hide, ("parts",)),
-    "show": Command(show, ("parts",)),
+    "hide": Command(hide, {"parts": Selection}),
+    "show": Command(show, {"parts": Selection}),
     "show_all": Command(show_all),
     "hide_all": Command(hide_all),
-    "isolate": Command(isolate, ("parts",)),
-    "ghost": Command(ghost, ("parts", "is_on")),
-    "single_out": Command(single_out, ("parts",)),
-    "explode": Command(explode, ("share",)),
-    "section_add": Command(section_add, ("normal", "offset")),
-    "section_move": Command(section_move, ("id", "normal", "offset")),
-    "section_switch": Command(section_switch, ("id", "is_on")),
-    "section_remove": Command(section_remove, ("id",)),
-    "set_unit": Command(set_unit, ("unit",)),
-    "set_material": Command(set_material, ("material",)),
-    "set_mode": Command(set_mode, ("mode",), moves_hand=True),
-    "place": Command(place, ("pose",), moves_hand=True),
-    "grip": Command(grip, ("parts",), moves_hand=True),
-    "release": Command(release, (), moves_hand=True),
-    "put_back": Command(put_back, ("parts",), moves_hand=True),
-    "take_tool": Command(take_tool, ("name",), moves_hand=True),
-    "measure_add": Command(measure_add, ("type", "points", "parts", "triangles", "name")),
-    "measure_edit": Command(measure_edit, ("id", "type", "points", "parts", "triangles", "name")),
-    "measure_remove": Command(measure_remove, ("id",)),
-    "viewpoint_add": Command(viewpoint_add, ("name", "camera")),
-    "viewpoint_remove": Command(viewpoint_remove, ("id",)),
-    "sequence_rename": Command(sequence_rename, ("id", "name")),
-    "sequence_move": Command(sequence_move, ("id", "index")),
-    "sequence_remove": Command(sequence_remove, ("id",)),
-    "sequence_replay": Command(sequence_replay, ("id",), moves_hand=True),
-    "findings_open": Command(findings_open, ("findings",)),
-    "finding_status": Command(finding_status, ("id", "status")),
-    "finding_filter": Command(finding_filter, ("is_touching_hidden",)),
+    "isolate": Command(isolate, {"parts": Selection}),
+    "ghost": Command(ghost, {"parts": Selection, "is_on": bool}),
+    "single_out": Command(single_out, {"parts": Selection}),
+    "explode": Command(explode, {"share": float}),
+    "section_add": Command(section_add, {"normal": Vec3, "offset": float}),
+    "section_move": Command(section_move, {"id": int, "normal": Vec3, "offset": float}),
+    "section_switch": Command(section_switch, {"id": int, "is_on": bool}),
+    "section_remove": Command(section_remove, {"id": int}),
+    "set_unit": Command(set_unit, {"unit": Unit}),
+    "set_material": Command(set_material, {"material": Material | None}),
+    "set_mode": Command(set_mode, {"mode": Mode}, moves_hand=True),
+    "place": Command(place, {"pose": Pose}, moves_hand=True),
+    "grip": Command(grip, {"parts": Selection}, moves_hand=True),
+    "release": Command(release, moves_hand=True),
+    "put_back": Command(put_back, {"parts": Selection}, moves_hand=True),
+    "take_tool": Command(take_tool, {"name": str | None}, moves_hand=True),
+    "measure_add": Command(measure_add, {"type": MeasureType, **MEASURED, "name": Maybe(str)}),
+    "measure_edit": Command(measure_edit, {"id": int, "type": Maybe(MeasureType), **MEASURED, "name": Maybe(str)}),
+    "measure_remove": Command(measure_remove, {"id": int}),
+    "viewpoint_add": Command(viewpoint_add, {"name": Maybe(str), "camera": Camera}),
+    "viewpoint_remove": Command(viewpoint_remove, {"id": int}),
+    "sequence_rename": Command(sequence_rename, {"id": int, "name": str}),
+    "sequence_move": Command(sequence_move, {"id": int, "index": int}),
+    "sequence_remove": Command(sequence_remove, {"id": int}),
+    "sequence_replay": Command(sequence_replay, {"id": int}, moves_hand=True),
+    "findings_open": Command(findings_open, {"findings": Any}),
+    "finding_status": Command(finding_status, {"id": str, "status": FindingStatus}),
+    "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
 }
-"""All but `undo` and `redo`, which choose between documents and make none."""
+STEPS = ("undo", "redo")
+"""Commands that choose between documents and make none."""
 
 
 def applied(document: Document, name: str, args: Any, known: Known) -> Document:
     """The document after a command. Raises `WorkbenchError` for a command or arguments that cannot be."""
     command = COMMANDS.get(name)
     if command is None:
-        raise WorkbenchError(f"there is no command {name!r}", "command", near(name, [*COMMANDS, "undo", "redo"]))
+        raise WorkbenchError(f"there is no command {name!r}", "command", near(name, [*COMMANDS, *STEPS]))
     return command.change(document, Arguments(name, args, command.arguments), known)
 
 

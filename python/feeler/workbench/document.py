@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 from feeler.workbench.motion import HOME, Row
+from feeler.workbench.protocol import DocumentFields
 
 Point = tuple[float, float, float]
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
@@ -196,9 +197,9 @@ class Document:
         """Changed, with the number `next_id` used up."""
         return replace(self, next_id=self.next_id + 1, **changes)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> DocumentFields:
         """All of it, as the page gets it."""
-        return {name: _json_of(self, name) for name in JSON_FIELDS}
+        return cast(DocumentFields, {name: _json_of(self, name) for name in JSON_FIELDS})
 
 
 # What the page is told. The rest is what commands have to remember.

@@ -66,6 +66,13 @@ class Partial:
 
 
 @dataclass(frozen=True)
+class Open:
+    """Marks an object with the keys of a `TypedDict`, and maybe others, of which nothing is said."""
+
+    of: type
+
+
+@dataclass(frozen=True)
 class _Plan:
     """The fields of a message: those of the JSON, and the arrays."""
 
@@ -250,10 +257,14 @@ def check(value: Any, hint: Any, where: str) -> Any:
     """A value of JSON as the type says, lists as tuples where it says so. Raises `ProtocolError`."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        partial = args[1]
-        inside = get_type_hints(partial.of, include_extras=True)
-        _check_keys({**inside, **_object(value, where)}, inside, where)
-        return {key: check(each, inside[key], f"{where}.{key}") for key, each in value.items()}
+        mark = args[1]
+        inside = get_type_hints(mark.of, include_extras=True)
+        given = _object(value, where)
+        if isinstance(mark, Partial):
+            _check_keys({**inside, **given}, inside, where)
+        else:
+            _check_keys(given, {**given, **inside}, where)
+        return {key: check(each, inside.get(key, Any), f"{where}.{key}") for key, each in given.items()}
     if origin in (Union, types.UnionType):
         if value is None and type(None) in args:
             return None

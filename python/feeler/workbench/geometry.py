@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from feeler.io.body import stated_colours
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 from feeler.workbench.motion import Floats
-from feeler.workbench.protocol import HeldManifest, Manifest, ManifestPiece, Vec3
+from feeler.workbench.protocol import HeldManifest, Manifest, ManifestPiece, UpAxis, Vec3
 from feeler.workbench.snapshot import NOT_DRAWN
 
 SMALL_SHARE = 0.01
@@ -89,7 +89,7 @@ class Geometry:
             "hash": self._content,
             "name": self._name,
             "unit": mockup.source.unit,
-            "up": mockup.source.up or "z",
+            "up": cast(UpAxis, mockup.source.up or "z"),
             "middle": _triple(self._packed.middle),
             "lower": _triple(lower),
             "upper": _triple(upper),

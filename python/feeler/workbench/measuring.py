@@ -228,7 +228,7 @@ def _between_parts(given: Arguments, document: Document, scene: Scene, meshes: P
 
 def _angle(given: Arguments, document: Document, scene: Scene) -> Measured:
     if given.has("triangles"):
-        triangles = given.given["triangles"]
+        triangles = given.raw("triangles", list[int])
         if not isinstance(triangles, (list, tuple)) or len(triangles) != 2:
             raise given.fail("triangles", "two are needed", "pick two faces")
         normals, middles = zip(*(_plane(given, each, document, scene) for each in triangles), strict=True)

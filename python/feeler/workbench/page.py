@@ -14,8 +14,8 @@ gzip finds what is alike. Of v vertices, in the order in which the triangles fir
     1 time (part)      4 planes of v   difference to the vertex before, zigzag
     3 times (corners)  2 planes of t   how far a corner is below the first vertex that no corner before it named
 
-where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0. `viewer/src/offline.ts` reads
-it.
+where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0.
+`viewer/src/link/offline-file.ts` reads it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from feeler.errors import WorkbenchError
 from feeler.progress import Progress
 from feeler.workbench.files import File
 from feeler.workbench.frames import dumps
-from feeler.workbench.protocol import Camera, Manifest, ManifestPiece
+from feeler.workbench.protocol import Camera, DocumentFields, Manifest, ManifestPiece
 
 VERSION = 1
 
@@ -49,7 +49,7 @@ Ints = npt.NDArray[np.int64]
 
 
 def page(
-    document: Mapping[str, Any],
+    document: DocumentFields,
     camera: Camera | None,
     manifest: Manifest,
     piece: Callable[[int], bytes],
@@ -67,7 +67,7 @@ def page(
 
 
 def container(
-    document: Mapping[str, Any],
+    document: DocumentFields,
     camera: Camera | None,
     manifest: Manifest,
     piece: Callable[[int], bytes],

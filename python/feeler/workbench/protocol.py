@@ -1,6 +1,6 @@
 """The messages between the page and the server, and the JSON objects in them: the one place that says what they are.
 
-`viewer/src/protocol.ts` is written from this file by `tools/protocol_ts.py`. Everything is SI (metres, newtons,
+`viewer/src/link/protocol.ts` is written from this file by `tools/protocol_ts.py`. Everything is SI (metres, newtons,
 radians, seconds unless the name says otherwise), in the mock-up's frame ("world"); a pose is world_from_tool, row by
 row. `frames.py` says how a message is laid out. From the page come `FROM_PAGE`, from the server `FROM_SERVER`.
 """
@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypedDict, cast
 import numpy as np
 import numpy.typing as npt
 
-from feeler.workbench.frames import VERSION, Array, Partial, ProtocolError, id_of, pack, unpack, version_of
+from feeler.workbench.frames import VERSION, Array, Open, Partial, ProtocolError, id_of, pack, unpack, version_of
 
 __all__ = [
     "FROM_PAGE",
@@ -52,8 +52,18 @@ F4 = npt.NDArray[np.float32]
 U4 = npt.NDArray[np.uint32]
 
 Vec3 = tuple[float, float, float]
+Pose = list[float]
+"""16 numbers of a rigid pose, row by row."""
+
+Selection = list[int | str] | int | str
+"""Parts: indices, paths or patterns."""
+
 Unit = Literal["mm", "cm", "m", "in"]
 Mode = Literal["stop", "glide", "pass"]
+UpAxis = Literal["x", "y", "z"]
+MeasureType = Literal["point", "edge", "angle", "parts"]
+Material = Literal["steel", "aluminium", "plastic", "rubber"]
+FindingStatus = Literal["new", "active", "reviewed", "approved", "resolved"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
 
@@ -103,8 +113,8 @@ class Section(TypedDict):
     """A plane that cuts the picture: what is kept has normal . x >= offset."""
 
     id: int
-    normal: list[float]
-    """Unit, 3 numbers."""
+    normal: Vec3
+    """Unit."""
     offset: float
     """Metres along the normal."""
     is_on: bool
@@ -116,8 +126,8 @@ class SequenceLine(TypedDict):
     id: int
     name: str
     parts: list[int]
-    way: list[list[float]]
-    """Poses of 16 numbers, world_from_hand."""
+    way: list[Pose]
+    """world_from_hand."""
     least_clearance: float | None
     """Metres; 0 where something touched, null where it is not known."""
     touched: list[str]
@@ -130,9 +140,9 @@ class Measure(TypedDict):
 
     id: int
     name: str
-    type: Literal["point", "edge", "angle", "parts"]
-    points: list[list[float]]
-    """3 numbers each, metres."""
+    type: MeasureType
+    points: list[Vec3]
+    """Metres."""
     value: float
     unit: Literal["m", "rad"]
     is_exact: bool
@@ -142,9 +152,9 @@ class Measure(TypedDict):
 class Camera(TypedDict):
     """Where a picture is seen from."""
 
-    position: list[float]
-    target: list[float]
-    up: list[float]
+    position: Vec3
+    target: Vec3
+    up: Vec3
     fov_rad: float
     """Vertical field of view."""
 
@@ -157,11 +167,39 @@ class Viewpoint(TypedDict):
     camera: Camera
 
 
-class Findings(TypedDict):
-    """What a clash run found, as groups, and how far each group is."""
+class Finding(TypedDict):
+    """What a clash check says of two parts."""
 
-    groups: list[dict[str, Any]]
-    status: dict[str, str]
+    id: str
+    a: str
+    """A part path, as is `b`."""
+    b: str
+    part_a: int | None
+    """Null: the part is not in this mock-up, or was left out of the scene."""
+    part_b: int | None
+    verdict: str
+    depth: float | None
+    """Metres, as is `gap`."""
+    gap: float | None
+    point_a: Vec3 | None
+    point_b: Vec3 | None
+    is_touching: bool
+    sentence: str
+
+
+class FindingGroup(TypedDict):
+    """Findings that belong together, the deepest first."""
+
+    name: str
+    findings: list[Annotated[dict[str, Any], Open(Finding)]]
+
+
+class Findings(TypedDict):
+    """What a clash run found, as groups, and how far each finding is."""
+
+    groups: list[Annotated[dict[str, Any], Open(FindingGroup)]]
+    status: dict[str, FindingStatus]
+    """By the finding's id; "new" where there is none."""
     is_touching_hidden: bool
 
 
@@ -189,11 +227,11 @@ class DocumentFields(TypedDict):
     """0 to 1."""
     isolated: bool
     sections: list[Section]
-    pose: list[float]
-    """16 numbers: where the hand was last put down by a command."""
+    pose: Pose
+    """Where the hand was last put down by a command."""
     gripped: list[int]
-    moved: dict[str, list[float]]
-    """Part id -> 16 numbers, world_from_part: the identity is where it was loaded."""
+    moved: dict[str, Pose]
+    """Part id -> world_from_part: the identity is where it was loaded."""
     out: list[int]
     """Parts taken out of the mock-up."""
     sequence: list[SequenceLine]
@@ -202,7 +240,7 @@ class DocumentFields(TypedDict):
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None
-    material: str | None
+    material: Material | None
 
 
 class ManifestParts(TypedDict):
@@ -248,14 +286,14 @@ class Manifest(TypedDict):
     name: str
     unit: str
     """Of the files that it was read from."""
-    up: str
+    up: UpAxis
     middle: Vec3
     lower: Vec3
     upper: Vec3
     triangles: int
     """In the pieces: those that are drawn."""
     vertices: int
-    part_bytes: int
+    part_bytes: Literal[2, 4]
     parts: ManifestParts
     pieces: list[ManifestPiece]
 
@@ -269,7 +307,7 @@ class HeldManifest(TypedDict):
     upper: Vec3
     triangles: int
     vertices: int
-    part_bytes: int
+    part_bytes: Literal[2, 4]
     parts: list[str]
     """Paths; the part of a vertex is an index into them."""
     pieces: list[ManifestPiece]
@@ -282,6 +320,84 @@ class NearestPoints(TypedDict):
     tool_point: Vec3
     mockup_point: Vec3
     part: int
+
+
+# What questions and jobs answer; `asking.py` has their names and arguments.
+
+
+class RayHit(TypedDict):
+    """The first thing in sight on a ray."""
+
+    distance: float
+    point: Vec3
+    normal: Vec3
+    part: int
+    triangle: int
+    """Of the mock-up; -1: the fill of a section."""
+
+
+class Snapped(RayHit):
+    """The same, with the point drawn to a corner or an edge that is near."""
+
+    type: Literal["vertex", "edge", "face"]
+    corners: tuple[Vec3, Vec3, Vec3]
+    """Of the triangle, where it is now."""
+
+
+class Measured(TypedDict):
+    """What a measure would come to."""
+
+    type: MeasureType
+    points: list[Vec3]
+    value: float
+    unit: Literal["m", "rad"]
+    is_exact: bool
+    parts: list[int]
+
+
+class PartFacts(TypedDict):
+    """What is known of a part."""
+
+    part: int
+    name: str
+    path: str
+    triangles: int
+    lower: Vec3 | None
+    """Null: the part has no triangle that can be queried."""
+    upper: Vec3 | None
+    state: Literal["gripped", "moved", "in place", "left out"]
+    is_hidden: bool
+
+
+class Outline(TypedDict):
+    """Where planes cut the mock-up."""
+
+    count: int
+    segments: str
+    """Base64 of little-endian float32 `(count, 2, 3)`: metres, world."""
+    parts: str
+    """Base64 of little-endian uint32 `(count,)`."""
+
+
+class Written(TypedDict):
+    """A file to fetch: `GET /exports/NAME`."""
+
+    name: str
+    bytes: int
+
+
+class WrittenPage(Written):
+    """One HTML file with the mock-up inside."""
+
+    left_out: int
+    """Triangles that had no room."""
+
+
+class Replayed(TypedDict):
+    """What came of a record that was gone through."""
+
+    is_same: bool
+    verdict: str
 
 
 class Trouble(TypedDict):
@@ -309,7 +425,7 @@ class Hello:
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Wish:
     """Where the hand wants to be. The newest counts."""
 
     KIND: ClassVar[str] = "pose"
@@ -387,7 +503,7 @@ class Benchmarked:
     KIND: ClassVar[str] = "benchmarked"
     id: int
     figures: dict[str, Any]
-    """As `Figures` of `viewer/src/benchmark.ts`."""
+    """As `Figures` of `viewer/src/app/benchmark.ts`."""
 
 
 # ---- server -> page ----
@@ -572,11 +688,11 @@ class Refusal:
     error: Trouble
 
 
-FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
-FROM_PAGE: tuple[type, ...] = (Hello, Pose, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
+FROM_PAGE: tuple[type, ...] = (Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
 FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
     *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),

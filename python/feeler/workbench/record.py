@@ -39,7 +39,7 @@ def digest(mesh: Mockup | Tool) -> str:
 
 def document_digest(document: Document) -> str:
     """Of all that commands can change; hex."""
-    facts = document.to_json()
+    facts = dict(document.to_json())
     for name in ("mockup", "loading", "failed", "tools", "record", "absent"):
         del facts[name]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()

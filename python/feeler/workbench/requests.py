@@ -52,7 +52,8 @@ class Requests:
         known = ASKS.get(name)
         if known is None:
             raise WorkbenchError(f"there is no question {name!r}", "ask", near(name, ASKS))
-        return known.work(places(), Arguments(name, args, known.arguments))
+        answer: dict[str, Any] | None = known.work(places(), Arguments(name, args, known.arguments))
+        return answer
 
     def job(self, places: Places, name: str, args: dict[str, Any], on_progress: Progress | None) -> Job:
         """Something that takes a while, in the jobs' thread; see `asking.JOBS`. Raises `WorkbenchError`."""

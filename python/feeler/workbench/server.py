@@ -307,11 +307,11 @@ class Server:
         return protocol.Welcome(
             protocol=protocol.VERSION,
             session=self._id,
-            document=document,  # type: ignore[arg-type]  # the session's own JSON
+            document=document,
             event=event,
             device=self._has_device,
             recording=self._session.is_recording,
-            held=self._session.held_manifest(document["held_version"]),  # type: ignore[arg-type]
+            held=self._session.held_manifest(document["held_version"]),
             versions=_versions(),
         )
 

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from feeler.workbench.protocol import State
+from feeler.workbench.protocol import DocumentFields, HeldManifest, Manifest, State
 
 
 class SnapshotLike(Protocol):
@@ -46,7 +46,7 @@ class SessionLike(Protocol):
     def is_recording(self) -> bool:
         """Whether what happens is written down."""
 
-    def document_and_event(self) -> tuple[dict[str, Any], int]:
+    def document_and_event(self) -> tuple[DocumentFields, int]:
         """The document as JSON, and the number of the newest event that it has in it."""
 
     def subscribe(self, listener: Callable[[dict[str, Any]], None], /) -> Callable[[], None]:
@@ -82,13 +82,13 @@ class SessionLike(Protocol):
     def benchmarked(self, number: int, figures: dict[str, Any], /) -> None:
         """What a page measured."""
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> Manifest:
         """Of the geometry."""
 
     def piece(self, number: int, /) -> bytes:
         """A piece of the geometry."""
 
-    def held_manifest(self, version: int, /) -> dict[str, Any] | None:
+    def held_manifest(self, version: int, /) -> HeldManifest | None:
         """Of the mesh in hand; None for version 0."""
 
     def held(self, version: int, /) -> bytes:

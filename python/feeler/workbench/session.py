@@ -27,7 +27,7 @@ from feeler.scene import Scene
 from feeler.workbench import measuring, motion
 from feeler.workbench.arguments import Arguments, near
 from feeler.workbench.asking import Place
-from feeler.workbench.commands import COMMANDS, Known, applied
+from feeler.workbench.commands import COMMANDS, STEPS, Known, applied
 from feeler.workbench.document import UNITS, Document, Loading, RecordFacts, patch
 from feeler.workbench.engine import Bump, Engine, Ticked
 from feeler.workbench.events import Event, Events
@@ -38,6 +38,7 @@ from feeler.workbench.history import History
 from feeler.workbench.jobs import Job
 from feeler.workbench.motion import Floats
 from feeler.workbench.opening import above, opening
+from feeler.workbench.protocol import DocumentFields, HeldManifest, Manifest
 from feeler.workbench.record import Recorder
 from feeler.workbench.requests import Requests
 from feeler.workbench.snapshot import Snapshot
@@ -168,11 +169,11 @@ class Session:
 
     # ---- what is so ----
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> DocumentFields:
         """The document as JSON."""
         return self._document.to_json()
 
-    def document_and_event(self) -> tuple[dict[str, Any], int]:
+    def document_and_event(self) -> tuple[DocumentFields, int]:
         """The document, and the number of the newest event that it has in it."""
         with self._lock:
             return self._document.to_json(), self._events.last
@@ -218,9 +219,9 @@ class Session:
 
         return end
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> Manifest:
         """The geometry's manifest. Raises `WorkbenchError` before a mock-up is open."""
-        return dict(self._packed().manifest())
+        return self._packed().manifest()
 
     def piece(self, number: int) -> bytes:
         """A packed piece. Raises `WorkbenchError` where there is none."""
@@ -230,12 +231,12 @@ class Session:
         except IndexError:
             raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
 
-    def held_manifest(self, version: int) -> dict[str, Any] | None:
+    def held_manifest(self, version: int) -> HeldManifest | None:
         """The manifest of what the hand held at a version; None: nothing. Raises `WorkbenchError`."""
         if version == 0:
             return None
         with self._lock:
-            return dict(self._opened().geometry(version).manifest())
+            return self._opened().geometry(version).manifest()
 
     def held(self, version: int) -> bytes:
         """What the hand held at a version, packed. Raises `WorkbenchError`."""
@@ -275,7 +276,7 @@ class Session:
         if self.engine.is_held and not is_recorded:
             raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
         known = COMMANDS.get(name)
-        moves_hand = name in ("undo", "redo") if known is None else known.moves_hand
+        moves_hand = name in STEPS if known is None else known.moves_hand
         # The engine's lock before the session's, always; without it where the hand stays, so that it goes on meanwhile.
         with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
@@ -283,7 +284,7 @@ class Session:
                 self.engine.flush()
             try:
                 before = self._document
-                after = self._stepped(name, args) if name in ("undo", "redo") else self._changed(name, args)
+                after = self._stepped(name, args) if name in STEPS else self._changed(name, args)
             except FeelerError as error:
                 if self._recorder is not None:
                     self._recorder.command(now, str(name), args, None, str(error))
@@ -389,7 +390,7 @@ class Session:
                 reached = self.engine.place(motion.matrix(given.pose("pose")))
                 known = replace(known, pose=motion.row(reached))
             elif name == "take_tool" and given.has("name"):
-                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.given["name"])))
+                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.raw("name", str))))
             elif name == "release" and before.trip is not None:
                 least = self.engine.least_clearance(before.trip)
                 known = replace(known, trip=before.trip, least_clearance=least)
@@ -424,7 +425,7 @@ class Session:
         return pose if is_free else above(hands.scene, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
-        Arguments(name, args, ())
+        Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
         # What was opened meanwhile is no change of the user's.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)

@@ -2,8 +2,8 @@
 //
 // States and impacts are told as they arrive; `step`, once a frame, says what came of them. Sound and rumble play it.
 
-import { carry, invert, multiply } from "../matrix";
-import { dot, length, scale, subtract, type Vec3 } from "../scene/vectors";
+import { carry, invert, multiply } from "../math/matrix";
+import { dot, length, scale, subtract, type Vec3 } from "../math/vectors";
 import { type Material, materialOf } from "./materials";
 
 /** The part of a state that is felt. */

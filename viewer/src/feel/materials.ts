@@ -1,6 +1,8 @@
 // What parts are made of, as far as ear and finger tell it apart.
 
-export type Material = "steel" | "aluminium" | "plastic" | "rubber";
+import type { Material } from "../link/protocol";
+
+export type { Material };
 
 export interface MaterialProperties {
   /** Speed of sound along a bar, metres a second: the square root of Young's modulus by density. */

@@ -162,10 +162,6 @@ export class SlideVoice {
     this.filter.connect(this.gain).connect(output);
   }
 
-  get isSounding(): boolean {
-    return this.source !== null;
-  }
-
   set(sound: SlideSound): void {
     const now = this.context.currentTime;
     if (sound.gain === 0) {

@@ -1,9 +1,8 @@
 // Handles of the cuts: an arrow at each, along its normal, by which it is dragged. Laid out and hit in the picture's
 // pixels; drawn as elements over it.
 
+import { add, type Box, centre, dot, isEmpty, type Point, scale, type Vec3 } from "../math/vectors";
 import { clipBox, planeInBox, type SectionPlane } from "../scene/sections";
-import { add, type Box, centre, dot, isEmpty, scale, type Vec3 } from "../scene/vectors";
-import type { Point } from "./drag";
 import { distanceToLine, type GizmoView } from "./gizmo";
 
 export interface CutHandle {

@@ -1,13 +1,9 @@
 // Where a pointer drags the hand: in the view plane, along an axis, or about one. Pixels in, poses out.
 
-import { movedBy, type Pose, turnedAbout } from "../matrix";
+import { movedBy, type Pose, turnedAbout } from "../math/matrix";
+import { add, dot, normalize, type Point, scale, subtract, type Vec3 } from "../math/vectors";
+import { directionOf, type TypedMove } from "../model/typed-move";
 import type { CameraRig } from "../scene/camera";
-import { add, dot, normalize, scale, subtract, type Vec3 } from "../scene/vectors";
-
-export interface Point {
-  readonly x: number;
-  readonly y: number;
-}
 
 /** The part of the camera that dragging needs. */
 export type View = Pick<CameraRig, "ray" | "project" | "forward" | "position">;
@@ -19,6 +15,14 @@ export interface Drag {
   readonly center: Vec3;
   readonly direction: Vec3 | null;
 }
+
+/** What is moved by keys, as something that the pointer drags. */
+export const dragOf = (move: TypedMove): Drag => ({
+  kind: move.kind,
+  start: move.start,
+  center: move.center,
+  direction: directionOf(move),
+});
 
 /** Rounds a length (metres) or an angle (radians) to the step chosen; as it is where none is. */
 export type Snap = (value: number, kind: "length" | "angle") => number;

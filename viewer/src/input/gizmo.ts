@@ -1,9 +1,9 @@
 // The gizmo: arrows to move and rings to turn what the hand holds. Laid out, hit and drawn in the picture's pixels.
 
-import { axis, IDENTITY, type Pose } from "../matrix";
+import { axis, IDENTITY, type Pose } from "../math/matrix";
+import { add, cross, dot, normalize, type Point, perpendicular, scale, subtract, type Vec3 } from "../math/vectors";
 import type { CameraRig } from "../scene/camera";
-import { add, cross, dot, normalize, perpendicular, scale, subtract, type Vec3 } from "../scene/vectors";
-import type { Drag, Point } from "./drag";
+import type { Drag } from "./drag";
 
 export interface Handle {
   readonly kind: Drag["kind"];

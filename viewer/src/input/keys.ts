@@ -1,8 +1,8 @@
 // The keyboard: each key finds its command in the table. Fields and buttons keep the keys that they need.
 
-import { COMMANDS, type PageCommand, runCommand } from "../ui/commands";
-import type { Workbench } from "../workbench";
-import { typeFigure } from "./typing";
+import { COMMANDS, type PageCommand, runCommand } from "../actions/commands";
+import { typeFigure } from "../actions/typed-move";
+import type { Workbench } from "../actions/workbench";
 
 export type KeyPress = Pick<KeyboardEvent, "key" | "code" | "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
 

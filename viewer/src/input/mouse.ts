@@ -1,16 +1,15 @@
 // The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles say which buttons do it.
 
-import { clickMeasure, hoverMeasure } from "../measuring";
-import { distance, subtract, type Vec3 } from "../scene/vectors";
-import { draftSection, settleSection } from "../sectioning";
-import type { Workbench } from "../workbench";
+import { clickMeasure, hoverMeasure } from "../actions/measures";
+import { draftSection, settleSection } from "../actions/sections";
+import { cancelTyping, confirmTyping } from "../actions/typed-move";
+import type { Workbench } from "../actions/workbench";
+import type { Source } from "../link/protocol";
+import { distance, type Point, subtract, type Vec3 } from "../math/vectors";
+import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
 import { type CutHandle, hitCut, layCuts } from "./cuts";
-import { alongAxis, type Drag, dragged, type Point, type Snap } from "./drag";
+import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
 import { type Handle, hitGizmo, layGizmo } from "./gizmo";
-import type { WishSource } from "./hand";
-import { actionOf, type CameraAction, LEFT, styleOf } from "./styles";
-import { dragOf } from "./typed";
-import { cancelTyping, confirmTyping } from "./typing";
 
 /** A press that moves less is a click. */
 const CLICK_PX = 4;
@@ -30,7 +29,7 @@ type Gesture =
   | {
       readonly kind: "tool";
       readonly drag: Drag;
-      readonly source: WishSource;
+      readonly source: Source;
       readonly from: Point;
       to: Point;
       last: Point;

@@ -1,7 +1,8 @@
 // Devices that say how fast (gamepad, SpaceMouse): deflections become increments in the view's frame, frame by frame.
 
-import { scale, type Vec3 } from "../scene/vectors";
-import type { Increment, WishSource } from "./hand";
+import type { Source } from "../link/protocol";
+import { scale, type Vec3 } from "../math/vectors";
+import type { Increment } from "../model/hand";
 
 /** Deflections from -1 to 1 along and about the view's axes: right, up, towards the viewer. */
 export interface SixRates {
@@ -17,7 +18,7 @@ export interface RateSpeeds {
 
 /** What a rate device moves: the hand, or the camera behind the same two calls. */
 export interface RateTarget {
-  nudge(increment: Increment, frame: "view", source: WishSource, time_ms: number): void;
+  nudge(increment: Increment, frame: "view", source: Source, time_ms: number): void;
   put(): void;
 }
 
@@ -54,7 +55,7 @@ export class RateDriver {
 
   constructor(
     private readonly target: () => RateTarget,
-    private readonly source: WishSource,
+    private readonly source: Source,
     private readonly speeds: () => RateSpeeds,
   ) {}
 

@@ -3,6 +3,7 @@
 // The room's frame is WebXR's: metres, y up, the floor at 0. A placement takes the world into the room by a turn, a
 // shift and one scale for all axes, so that a rigid pose of a controller stays a rigid pose in the world.
 
+import type { UpAxis } from "../link/protocol";
 import {
   axis,
   fromAxes,
@@ -14,8 +15,9 @@ import {
   rotation,
   translation,
   turn,
-} from "../matrix";
-import { add, normalize, scale, subtract, type Vec3 } from "../scene/vectors";
+} from "../math/matrix";
+import { add, normalize, scale, subtract, type Vec3 } from "../math/vectors";
+import type { VrSize } from "../model/settings";
 
 export interface Placement {
   /** Metres in the room of one metre of the mock-up. */
@@ -24,13 +26,10 @@ export interface Placement {
   readonly pose: Pose;
 }
 
-/** On a table, as large as one can reach around; or as large as it is. */
-export type PlacementKind = "table" | "real";
-
 export interface RoomMockup {
   readonly lower: Vec3;
   readonly upper: Vec3;
-  readonly up: "x" | "y" | "z";
+  readonly up: UpAxis;
 }
 
 /** A thumbstick: right and towards the user, from -1 to 1, as WebXR has it. */
@@ -53,7 +52,7 @@ const SNAP_AT = 0.6;
 const SNAP_AGAIN_AT = 0.3;
 
 /** The turn that brings the mock-up's up axis to the room's. */
-export function upright(up: "x" | "y" | "z"): Pose {
+export function upright(up: UpAxis): Pose {
   if (up === "z") return rotation([1, 0, 0], -Math.PI / 2);
   if (up === "x") return rotation([0, 0, 1], Math.PI / 2);
   return [...IDENTITY];
@@ -69,7 +68,7 @@ export function heading(room_from_viewer: ArrayLike<number>): Vec3 {
 }
 
 /** Puts the mock-up before the viewer, its front towards them. */
-export function placed(kind: PlacementKind, mockup: RoomMockup, room_from_viewer: ArrayLike<number>): Placement {
+export function placed(kind: VrSize, mockup: RoomMockup, room_from_viewer: ArrayLike<number>): Placement {
   const standing = upright(mockup.up);
   const size = turn(standing, subtract(mockup.upper, mockup.lower)).map(Math.abs) as Vec3;
   const middle = turn(standing, scale(add(mockup.lower, mockup.upper), 0.5));
@@ -131,7 +130,7 @@ export class Walk {
 
   step(
     placement: Placement,
-    kind: PlacementKind,
+    kind: VrSize,
     sticks: { readonly tool: Stick; readonly other: Stick },
     room_from_viewer: ArrayLike<number>,
     middle: Vec3,

@@ -3,7 +3,7 @@
 // A device is opened after a user's gesture (`connect`), and by itself on later visits (`reconnect`). Its reports are
 // read by its own descriptor, so that wired, wireless and coming ones need no table of layouts.
 
-import type { Vec3 } from "../scene/vectors";
+import type { Vec3 } from "../math/vectors";
 import { deflection, fieldsOf, type HidCollection, type HidField, readField } from "./hid";
 import { curved, RateDriver, type RateSpeeds, type RateTarget, REST, type SixRates } from "./rate";
 

@@ -20,21 +20,12 @@ import {
   type WebGLRenderer,
 } from "three";
 import { outputsOf, type RumbleOutput } from "../feel/rumble";
-import { axis, type Pose, position } from "../matrix";
-import { add, normalize, scale, type Vec3 } from "../scene/vectors";
+import { axis, type Pose, position } from "../math/matrix";
+import { add, normalize, scale, type Vec3 } from "../math/vectors";
+import type { Hand } from "../model/hand";
+import type { VrSize } from "../model/settings";
 import { pressedAnew } from "./gamepad";
-import type { Hand } from "./hand";
-import {
-  GripTie,
-  type Placement,
-  type PlacementKind,
-  placed,
-  type RoomMockup,
-  type Stick,
-  Walk,
-  worldFromRoom,
-  worldPose,
-} from "./room";
+import { GripTie, type Placement, placed, type RoomMockup, type Stick, Walk, worldFromRoom, worldPose } from "./room";
 
 /** A ray in the world. */
 export interface WorldRay {
@@ -76,7 +67,7 @@ const MODEL_COLOR = 0x9ecbff;
 
 /** WebXR's column by column as a pose row by row. */
 export function poseOfColumns(columns: ArrayLike<number>): Pose {
-  const pose: Pose = [];
+  const pose: number[] = [];
   for (let row = 0; row < 4; row++)
     for (let column = 0; column < 4; column++) pose.push(columns[4 * column + row] ?? 0);
   return pose;
@@ -113,7 +104,7 @@ export class XrRoom {
   tool_hand: XRHandedness = "right";
 
   private session: XRSession | null = null;
-  private kind: PlacementKind = "table";
+  private kind: VrSize = "table";
   private placement: Placement | null = null;
   private readonly walk = new Walk();
   private readonly tie = new GripTie();
@@ -131,7 +122,7 @@ export class XrRoom {
   }
 
   /** Opens the session; to be called in a user's gesture. Rejects where the browser or the headset refuses. */
-  async enter(kind: PlacementKind = this.kind): Promise<void> {
+  async enter(kind: VrSize = this.kind): Promise<void> {
     if (this.session) return;
     if (!navigator.xr) throw new Error("This browser has no WebXR: use that of the headset, or Chrome or Edge");
     const session = await navigator.xr.requestSession("immersive-vr", { requiredFeatures: ["local-floor"] });
@@ -160,7 +151,7 @@ export class XrRoom {
   }
 
   /** Puts the mock-up anew before the viewer, on a table or at its size. */
-  place(kind: PlacementKind): void {
+  place(kind: VrSize): void {
     this.kind = kind;
     this.placement = null;
   }

@@ -1,10 +1,10 @@
 // From the page's camera to three's, and to the uniforms that follow from it.
 
 import type { PerspectiveCamera } from "three";
+import { type Box, dot, subtract, type Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
 import { sidePlanes } from "./culling";
 import { type SharedUniforms, setProjection } from "./uniforms";
-import { type Box, dot, subtract, type Vec3 } from "./vectors";
 
 export interface Aim {
   camera: CameraRig;

@@ -3,6 +3,7 @@
 // World metres and radians. The picture's height sees the angle `fov`. Every change raises `moved`, which the stage
 // clears once it has drawn.
 
+import type { Camera, UpAxis } from "../link/protocol";
 import {
   add,
   type Box,
@@ -20,17 +21,7 @@ import {
   scale,
   subtract,
   type Vec3,
-} from "./vectors";
-
-/** A camera as the document keeps it. */
-export interface CameraState {
-  position: Vec3;
-  target: Vec3;
-  up: Vec3;
-  fov_rad: number;
-}
-
-export type UpAxis = "x" | "y" | "z";
+} from "../math/vectors";
 
 /** A point of the picture: CSS pixels from its upper left corner, and the depth along the view direction in metres. */
 export interface Projected {
@@ -209,11 +200,11 @@ export class CameraRig {
     return { x: this.width / 2 + dot(to, this.right) * focal, y: this.height / 2 - dot(to, this.top) * focal, depth };
   }
 
-  toJSON(): CameraState {
+  toJSON(): Camera {
     return { position: [...this.position], target: [...this.target], up: [...this.up], fov_rad: this.fov };
   }
 
-  fromJSON(state: CameraState): void {
+  fromJSON(state: Camera): void {
     this.position = [...state.position];
     this.target = [...state.target];
     this.up = [...state.up];

@@ -1,9 +1,9 @@
 // The mock-up's pieces: buffers as the server packed them, kept on the page, drawn by one material.
 
 import { BufferAttribute, BufferGeometry, type BufferGeometry as Geometry, IntType, type Material, Mesh } from "three";
-import type { Manifest } from "../geometry";
+import type { Manifest } from "../link/protocol";
+import type { Box } from "../math/vectors";
 import type { PartTable } from "./parts";
-import type { Box } from "./vectors";
 
 /** The arrays of a piece: views of one buffer. */
 export interface PieceArrays {

@@ -1,6 +1,6 @@
 // Which boxes a camera can see.
 
-import type { Box } from "./vectors";
+import type { Box } from "../math/vectors";
 
 /**
  * The side planes of the frustum of `clipFromWorld` (column by column, as three keeps it): 4 rows of (normal, offset),

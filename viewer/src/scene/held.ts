@@ -1,13 +1,13 @@
 // What the hand holds: solid where the engine has it, a ghost where the hand wishes it.
 
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
-import type { HeldManifest } from "../geometry";
+import type { HeldManifest } from "../link/protocol";
+import { isSame } from "../math/same";
+import { type Box, corners, emptyBox, include, transform, type Vec3 } from "../math/vectors";
 import { geometryOf, type PieceArrays, readPiece, standingMesh, writeCorners } from "./chunks";
-import { isSame } from "./same";
 import { define } from "./screen";
 import { heldFragment, heldVertex } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
-import { type Box, corners, emptyBox, include, transform, type Vec3 } from "./vectors";
 
 interface HeldPiece {
   first: number;

@@ -1,7 +1,7 @@
 // The figures by the marks: elements over the canvas, placed so that none covers another.
 
+import type { Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
-import type { Vec3 } from "./vectors";
 
 /** A figure and the world point it belongs to. Of two in one place the higher rank stays nearer. */
 export interface Anchor {

@@ -1,10 +1,10 @@
 // What is drawn besides the shapes: contact planes, forces, clearances, measures, the snap marker, the figures by them.
 
 import { type IUniform, Scene } from "three";
+import { add, cross, distance, length, normalize, perpendicular, scale, type Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
 import type { Anchor } from "./labels";
 import { Discs, Lines, type Tint } from "./strokes";
-import { add, cross, distance, length, normalize, perpendicular, scale, type Vec3 } from "./vectors";
 
 /** A measure as it is drawn: 1 point, 2 points of a line, or 3 of an angle with its corner in the middle. */
 export interface MeasureMark {

@@ -1,14 +1,14 @@
 // The mock-up as it is drawn: its pieces, the states and places of its parts, the planes that cut it.
 
 import type { Material, PerspectiveCamera } from "three";
-import type { Manifest } from "../geometry";
+import type { Manifest } from "../link/protocol";
+import { type Box, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
 import { eyePlanes } from "./aim";
 import { type Piece, Pieces } from "./chunks";
 import { isCutAway, mayBeSeen } from "./culling";
 import { PartTable } from "./parts";
 import { clipBox, type SectionPlane } from "./sections";
 import type { SharedUniforms } from "./uniforms";
-import { type Box, emptyBox, include, isEmpty, type Vec3 } from "./vectors";
 
 export class Model {
   /** Of the mock-up that was shown last: it may come again after a reconnect. */

@@ -2,13 +2,13 @@
 // modules draw.
 
 import { type Group, type PerspectiveCamera, Scene, type WebGLRenderer } from "three";
+import { isSame } from "../math/same";
 import type { CameraRig } from "./camera";
 import { Held } from "./held";
 import { Hits } from "./hits";
 import { LabelLayer } from "./labels";
 import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import type { Model } from "./model";
-import { isSame } from "./same";
 import { SectionLines } from "./sections";
 import type { SharedUniforms } from "./uniforms";
 

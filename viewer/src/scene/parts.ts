@@ -9,9 +9,20 @@ import {
   type Texture,
   UnsignedByteType,
 } from "three";
+import { isSame } from "../math/same";
+import {
+  add,
+  type Box,
+  centre,
+  corners,
+  emptyBox,
+  include,
+  scale,
+  subtract,
+  transform,
+  type Vec3,
+} from "../math/vectors";
 import { paletteTexture } from "./palette";
-import { isSame } from "./same";
-import { add, type Box, centre, corners, emptyBox, include, scale, subtract, transform, type Vec3 } from "./vectors";
 
 /** The bits of a part's state. `away`: in the hand, or taken out of the mock-up. */
 export const PartState = { hidden: 1, ghost: 2, near: 4, hit: 8, selected: 16, away: 32 } as const;

@@ -1,7 +1,6 @@
 // Section planes and their outlines: what the shaders need of them, and the lines drawn for them.
 
 import { type IUniform, Scene, type Vector4 } from "three";
-import { Lines, type Tint } from "./strokes";
 import {
   add,
   type Box,
@@ -15,7 +14,8 @@ import {
   scale,
   subtract,
   type Vec3,
-} from "./vectors";
+} from "../math/vectors";
+import { Lines, type Tint } from "./strokes";
 
 /** A plane of a section: kept where normal . x >= offset. World metres. */
 export interface SectionPlane {

@@ -4,7 +4,9 @@
 // what moves over it. While nothing at all changes, the edges are smoothed, a little a frame.
 
 import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
-import type { HeldManifest, Manifest } from "../geometry";
+import type { HeldManifest, Manifest } from "../link/protocol";
+import { isSame } from "../math/same";
+import { add, type Box, dot, isEmpty, scale, type Vec3 } from "../math/vectors";
 import { aim } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
@@ -17,14 +19,12 @@ import { Model } from "./model";
 import { Over } from "./over";
 import { Pace, STILL_MS } from "./pace";
 import { Probe } from "./pick";
-import { isSame } from "./same";
 import { ScreenPass } from "./screen";
 import { type SectionPlane, writePlanes } from "./sections";
 import { backFragment } from "./shaders";
 import { pngOf } from "./shot";
 import { coloursOf, type Theme } from "./theme";
 import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
-import { add, type Box, dot, isEmpty, scale, type Vec3 } from "./vectors";
 import { warmUp } from "./warmup";
 
 export { PartState } from "./parts";
@@ -269,11 +269,6 @@ export class Stage {
   /** The box of `part` where it is now, world metres; empty for one that is not of the mock-up. */
   partBox(part: number): Box {
     return this.#model.partBox(part);
-  }
-
-  /** The box of what the hand holds, world metres; empty for an empty hand. */
-  heldBox(): Box {
-    return this.#over.held.box();
   }
 
   /** What is drawn at (`x`, `y`), CSS pixels from the canvas' upper left corner: never what is hidden or cut away. */

@@ -12,9 +12,9 @@ import {
   NormalBlending,
   RawShaderMaterial,
 } from "three";
+import { subtract, type Vec3 } from "../math/vectors";
 import { define } from "./screen";
 import { discFragment, discVertex, lineFragment, lineVertex } from "./shaders";
-import { subtract, type Vec3 } from "./vectors";
 
 /** Red, green, blue and cover, 0 to 1. */
 export type Tint = readonly [number, number, number, number];

@@ -1,11 +1,11 @@
 // The programs of the first picture, made while the mock-up is still being read: a device compiles at the first draw.
 
 import type { PerspectiveCamera } from "three";
+import type { Box } from "../math/vectors";
 import { Pieces, pieceBytes } from "./chunks";
 import type { Kept, PieceMaterials } from "./kept";
 import { PartTable } from "./parts";
 import type { SharedUniforms } from "./uniforms";
-import type { Box } from "./vectors";
 
 /** Draws a triangle without a size into `kept`, and forgets it. */
 export function warmUp(kept: Kept, materials: PieceMaterials, uniforms: SharedUniforms, eye: PerspectiveCamera): void {

@@ -1,10 +1,10 @@
 // The page: a grid of bar, tree, picture, panels and status line.
 
 import { useEffect, useRef } from "preact/hooks";
-import { PANELS, type Panel } from "../document";
-import type { Workbench } from "../workbench";
+import { hint } from "../actions/commands";
+import type { Workbench } from "../actions/workbench";
+import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
-import { hint } from "./commands";
 import { useWorkbench, WorkbenchContext } from "./context";
 import { Banner, Covers, Notices, RecordBar } from "./covers";
 import { CommandButton } from "./fields";

@@ -1,8 +1,8 @@
 // The bar at the top: what is open, contact mode, undo and redo, the way to every command.
 
-import { MODES } from "../document";
-import { formatCount } from "../units";
-import { hint } from "./commands";
+import { hint } from "../actions/commands";
+import { formatCount } from "../math/units";
+import { MODES } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { Icon } from "./icons";

@@ -2,7 +2,7 @@
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
-import type { Workbench } from "../workbench";
+import type { Workbench } from "../actions/workbench";
 
 export const WorkbenchContext = createContext<Workbench | null>(null);
 

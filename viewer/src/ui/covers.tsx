@@ -1,6 +1,6 @@
 // What lies over the picture when there is something to say: loading, failure, a broken link, notices.
 
-import { formatShare } from "../units";
+import { formatShare } from "../math/units";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";

@@ -1,8 +1,8 @@
 // Buttons that run commands, and fields that take lengths and angles as people type them.
 
 import { useRef, useState } from "preact/hooks";
-import { angleFigure, lengthFigure, parseAngle, parseLength, type Unit } from "../units";
-import { commandOf, hint, runCommand } from "./commands";
+import { commandOf, hint, runCommand } from "../actions/commands";
+import { angleFigure, lengthFigure, parseAngle, parseLength, type Unit } from "../math/units";
 import { useWorkbench } from "./context";
 import { Icon, type IconName } from "./icons";
 

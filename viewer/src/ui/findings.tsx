@@ -1,9 +1,10 @@
 // Findings of a clash check: groups, the deepest first, one contact after the other by N and P.
 
 import { useSignal } from "@preact/signals";
-import type { Finding, FindingGroup } from "../document";
-import { lookAtFinding, STATUSES, shownGroups } from "../findings";
-import { formatLength, type Unit } from "../units";
+import { lookAtFinding } from "../actions/findings";
+import type { Finding, FindingGroup, FindingStatus } from "../link/protocol";
+import { formatLength, type Unit } from "../math/units";
+import { STATUSES, shownGroups } from "../model/findings";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { counted } from "./words";
@@ -120,7 +121,9 @@ function FindingCard({ finding }: { finding: Finding }) {
           aria-label={`Status of ${finding.sentence}`}
           value={status}
           disabled={store.is_read_only.value}
-          onChange={(event) => wb.run("finding_status", { id: finding.id, status: event.currentTarget.value })}
+          onChange={(event) =>
+            wb.run("finding_status", { id: finding.id, status: event.currentTarget.value as FindingStatus })
+          }
         >
           {STATUSES.map((each) => (
             <option key={each} value={each}>

@@ -1,7 +1,7 @@
 // Help: all keys by group, and what the mouse does in the style chosen.
 
-import { STYLES, styleOf } from "../input/styles";
-import { COMMANDS, type CommandGroup, type PageCommand, shownKey } from "./commands";
+import { COMMANDS, type CommandGroup, type PageCommand, shownKey } from "../actions/commands";
+import { STYLES, styleOf } from "../model/navigation";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 

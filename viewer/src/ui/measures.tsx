@@ -1,13 +1,13 @@
 // Measures and viewpoints: what was measured, where one looked from.
 
-import type { Measure, MeasureType } from "../document";
-import { lookFrom } from "../exporting";
-import { measureText } from "../marking";
-import { MEASURE_TITLES, PICKS, startMeasuring, stopMeasuring } from "../measuring";
-import { UNITS } from "../units";
+import { lookFrom } from "../actions/exports";
+import { MEASURE_TITLES, PICKS, startMeasuring, stopMeasuring } from "../actions/measures";
+import type { Measure, MeasureType } from "../link/protocol";
+import { UNITS } from "../math/units";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, IconButton, NameField } from "./fields";
 import { Icon } from "./icons";
+import { measureText } from "./words";
 
 const TYPES = Object.keys(MEASURE_TITLES) as MeasureType[];
 

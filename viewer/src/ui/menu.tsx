@@ -1,9 +1,9 @@
 // The context menu of a part, or of what lies beside all parts.
 
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { measureFrom } from "../measuring";
-import { addSection } from "../sectioning";
-import { commandOf, runCommand, shownKey } from "./commands";
+import { commandOf, runCommand, shownKey } from "../actions/commands";
+import { measureFrom } from "../actions/measures";
+import { addSection } from "../actions/sections";
 import { useWorkbench } from "./context";
 
 const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit"] as const;

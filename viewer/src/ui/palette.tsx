@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { COMMANDS, type PageCommand, runCommand, shownKey } from "./commands";
+import { COMMANDS, type PageCommand, runCommand, shownKey } from "../actions/commands";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 

@@ -1,9 +1,9 @@
 // The pose of what the hand holds: figures to read and type, steps, contact mode, and what the engine says of it.
 
-import { MODES } from "../document";
-import { anglesOf, fromAngles, type Pose, position } from "../matrix";
-import { length, type Vec3 } from "../scene/vectors";
-import { angleFigure, formatAngle, formatForce, formatLength, lengthFigure } from "../units";
+import { anglesOf, fromAngles, type Pose, position } from "../math/matrix";
+import { angleFigure, formatAngle, formatForce, formatLength, lengthFigure } from "../math/units";
+import { length, type Vec3 } from "../math/vectors";
+import { MODES } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, Figure, IconButton } from "./fields";
 import { depthText } from "./words";

@@ -1,9 +1,9 @@
 // Settings of this browser: looks, navigation, keys, sound and touch.
 
-import { MODES } from "../document";
 import { MATERIALS, materialOf } from "../feel/materials";
-import { STYLES } from "../input/styles";
-import { formatShare, UNITS } from "../units";
+import { formatShare, UNITS } from "../math/units";
+import { MODES } from "../model/document";
+import { STYLES } from "../model/navigation";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 import { Choice, CommandButton } from "./fields";
@@ -110,7 +110,7 @@ export function Preferences() {
           <select
             value={materialOf(store.document.value?.material ?? null)}
             disabled={store.is_read_only.value}
-            onChange={(event) => wb.run("set_material", { material: event.currentTarget.value })}
+            onChange={(event) => wb.run("set_material", { material: materialOf(event.currentTarget.value) })}
           >
             {Object.keys(MATERIALS).map((name) => (
               <option key={name} value={name}>

@@ -1,9 +1,10 @@
 // Sections: cuts through the mock-up, moved by a slider or a figure.
 
-import type { Section } from "../document";
-import type { Vec3 } from "../scene/vectors";
-import { addSection, draftSection, flipped, offsetRange, senseOf, settleSection } from "../sectioning";
-import { formatShare } from "../units";
+import { addSection, draftSection, flipped, settleSection } from "../actions/sections";
+import type { Section } from "../link/protocol";
+import { formatShare } from "../math/units";
+import type { Vec3 } from "../math/vectors";
+import { offsetRange, senseOf } from "../model/sections";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
 

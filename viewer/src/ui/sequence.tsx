@@ -1,8 +1,8 @@
 // The sequence of removals: what was taken out in which order, how near it came to what, and its exports.
 
-import type { Removal } from "../document";
-import { EXPORTS, type Export } from "../exporting";
-import { formatLength } from "../units";
+import { EXPORTS, type Export } from "../actions/exports";
+import type { SequenceLine } from "../link/protocol";
+import { formatLength } from "../math/units";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton, NameField } from "./fields";
 
@@ -38,7 +38,7 @@ export function SequencePanel() {
   );
 }
 
-function Line({ line, at, count }: { line: Removal; at: number; count: number }) {
+function Line({ line, at, count }: { line: SequenceLine; at: number; count: number }) {
   const wb = useWorkbench();
   const { store } = wb;
   const isLocked = store.is_read_only.value;

@@ -1,8 +1,8 @@
 // The line at the bottom: the link, the contact, what is under the pointer, and how fast the engine is.
 
-import type { Connection } from "../document";
-import { length } from "../scene/vectors";
-import { formatCount, formatForce, formatLength, formatShare } from "../units";
+import { formatCount, formatForce, formatLength, formatShare } from "../math/units";
+import { length } from "../math/vectors";
+import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { poseHint } from "./typing-hint";

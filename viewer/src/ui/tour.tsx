@@ -1,7 +1,7 @@
 // The tour: eight things in two minutes, each beside what it is about.
 
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { shownKey } from "./commands";
+import { shownKey } from "../actions/commands";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 

@@ -2,11 +2,11 @@
 
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
-import { formatCount } from "../units";
+import { formatCount } from "../math/units";
+import type { TreeRow } from "../model/part-tree";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
-import type { TreeRow } from "./parts";
 import { scrollTo, visibleRows } from "./virtual";
 
 const ROW_PX = 26;

@@ -1,6 +1,6 @@
 // What the status line says while the tool is moved by keys, and while nothing is under the pointer.
 
-import type { Store } from "../store";
+import type { Store } from "../model/store";
 
 const AXES = ["X", "Y", "Z"] as const;
 

@@ -1,7 +1,7 @@
 // Sentences of the page: what the live region and the status line say.
 
-import type { State } from "../protocol";
-import { formatLength, type Unit } from "../units";
+import type { Measure, State } from "../link/protocol";
+import { formatAngle, formatLength, type Unit } from "../math/units";
 
 /** At most so many part names are read out. */
 const MOST_NAMES = 3;
@@ -40,6 +40,10 @@ export function touchedText(names: readonly string[]): string {
   const more = names.length - MOST_NAMES;
   return `touches ${names.slice(0, MOST_NAMES).join(", ")}${more > 0 ? ` and ${more} more` : ""}`;
 }
+
+/** A measure's figure. */
+export const measureText = (measure: Pick<Measure, "unit" | "value">, unit: Unit): string =>
+  measure.unit === "rad" ? formatAngle(measure.value) : formatLength(measure.value, unit);
 
 /** "1 part", "4 316 parts". */
 export const partsText = (count: number, format: (count: number) => string): string =>

@@ -1,7 +1,7 @@
 // The page of the browser tests: a stage alone, driven from outside.
 
 import { metaQuest3, XRDevice } from "iwer";
-import { Geometry } from "../../src/geometry";
+import { Geometry } from "../../src/link/geometry";
 import { NO_MARKS } from "../../src/scene/marks";
 import { PartState, Stage } from "../../src/scene/stage";
 

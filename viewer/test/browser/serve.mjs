@@ -17,7 +17,7 @@ const HTML = `<!doctype html><html><head><style>
 async function bundle() {
   const built = await esbuild.build({
     absWorkingDir: HERE,
-    entryPoints: { page: "page.ts", geometry: "../../src/geometry.worker.ts" },
+    entryPoints: { page: "page.ts", geometry: "../../src/link/geometry.worker.ts" },
     outdir: "out",
     write: false,
     bundle: true,

@@ -9,9 +9,9 @@ const PAGE = `
   import { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, Scene, WebGLRenderer } from "three";
   import { Feel } from "./src/feel/events";
   import { Rumble } from "./src/feel/rumble";
-  import { Hand } from "./src/input/hand";
+  import { Hand } from "./src/model/hand";
   import { hasHeadset, XrRoom } from "./src/input/xr";
-  import { IDENTITY } from "./src/matrix";
+  import { IDENTITY } from "./src/math/matrix";
 
   const device = new XRDevice(metaQuest3);
   // Chromium has a navigator.xr of its own, without a headset.

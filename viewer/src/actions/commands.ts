@@ -1,0 +1,497 @@
+// All commands of the page: what they are called, their keys, when they can run. Keys, palette, menus, help and the
+// tooltips of buttons read this table; nothing else gives a key a meaning.
+
+import { UNITS } from "../math/units";
+import type { Vec3 } from "../math/vectors";
+import { MODES } from "../model/document";
+import { STYLES } from "../model/navigation";
+import { PANELS, type Panel } from "../model/page-state";
+import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
+import { openFindings, stepFinding } from "./findings";
+import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
+import { addSection, flipped, toggleSections } from "./sections";
+import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
+import type { Workbench } from "./workbench";
+
+export type CommandGroup =
+  | "Look"
+  | "Parts"
+  | "Tool"
+  | "Sections"
+  | "Measures"
+  | "Sequence"
+  | "Findings"
+  | "Edit"
+  | "Page";
+
+export interface PageCommand {
+  readonly id: string;
+  readonly title: string;
+  /** As `keyOf` names them, the first is shown. */
+  readonly keys: readonly string[];
+  readonly group: CommandGroup;
+  /** While the tool is moved by keys, these keys count and no others. */
+  readonly while?: "typing";
+  run(wb: Workbench): unknown;
+  /** Whether it can run now; absent: always. */
+  when?(wb: Workbench): boolean;
+}
+
+const canChange = (wb: Workbench): boolean => !wb.store.is_read_only.value;
+const canLook = (wb: Workbench): boolean => wb.store.can_look.value;
+const hasMockup = (wb: Workbench): boolean => wb.store.manifest.value !== null;
+const hasTargets = (wb: Workbench): boolean =>
+  canLook(wb) && (wb.store.selection.value.size > 0 || wb.store.hover.value >= 0);
+const canGrip = (wb: Workbench): boolean => canChange(wb) && (hasTargets(wb) || isGripping(wb));
+const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.value;
+const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
+const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
+const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
+const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
+const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
+
+const command = (
+  group: CommandGroup,
+  id: string,
+  title: string,
+  keys: string | readonly string[],
+  run: (wb: Workbench) => unknown,
+  when?: (wb: Workbench) => boolean,
+): PageCommand => ({
+  id,
+  title,
+  keys: typeof keys === "string" ? (keys === "" ? [] : [keys]) : keys,
+  group,
+  run,
+  ...(when ? { when } : {}),
+});
+
+const typing = (
+  id: string,
+  title: string,
+  keys: string | readonly string[],
+  run: (wb: Workbench) => unknown,
+): PageCommand => ({ ...command("Tool", id, title, keys, run), while: "typing" });
+
+const VIEWS = ["front", "back", "left", "right", "top", "bottom", "corner"] as const;
+const AXES = ["X", "Y", "Z"] as const;
+const STEPS: readonly [string, string, Vec3][] = [
+  ["ArrowRight", "right", [1, 0, 0]],
+  ["ArrowLeft", "left", [-1, 0, 0]],
+  ["ArrowUp", "up", [0, 1, 0]],
+  ["ArrowDown", "down", [0, -1, 0]],
+  ["PageDown", "nearer", [0, 0, 1]],
+  ["PageUp", "farther", [0, 0, -1]],
+];
+const ORBIT_RAD = Math.PI / 24;
+const PAN_PX = 60;
+
+/** Turns or moves the view by the keyboard, about what it looks at. */
+function moveView(wb: Workbench, kind: "orbit" | "pan", x: number, y: number): void {
+  const { camera } = wb.stage;
+  if (kind === "orbit") camera.orbit(-x * ORBIT_RAD, y * ORBIT_RAD, camera.target);
+  else camera.pan(-x * PAN_PX, y * PAN_PX);
+  wb.redraw();
+}
+
+function zoom(wb: Workbench, factor: number): void {
+  wb.stage.camera.dolly(factor);
+  wb.redraw();
+}
+
+/** E: what is selected joins the hand; with parts in it and nothing else selected, they are put down. */
+function gripOrRelease(wb: Workbench): Promise<boolean> {
+  const targets = wb.targets();
+  const selection = wb.store.selection.peek();
+  return wb.runOf(({ gripped }) => {
+    const held = new Set(gripped);
+    const parts = targets.filter((part) => !held.has(part));
+    if (held.size > 0 && parts.every((part) => !selection.has(part))) return [["release"]];
+    if (parts.length === 0) {
+      wb.store.notify("info", "Select a part to grip first");
+      return [];
+    }
+    wb.store.selection.value = new Set();
+    return [["grip", { parts }]];
+  });
+}
+
+/** Space: stop, glide, pass, and round again. */
+function nextMode(wb: Workbench): Promise<boolean> {
+  return wb.runOf((document) => {
+    const mode = MODES[(MODES.indexOf(document.mode) + 1) % MODES.length] ?? "stop";
+    wb.say(`Contact: ${mode}`);
+    return [["set_mode", { mode }]];
+  });
+}
+
+function toggleGhost(wb: Workbench): Promise<boolean> {
+  const parts = wb.targets();
+  return wb.runOf((document) => {
+    const ghost = new Set(document.ghost);
+    return [["ghost", { parts, is_on: parts.some((part) => !ghost.has(part)) }]];
+  });
+}
+
+function toggleHidden(wb: Workbench): Promise<boolean> {
+  const parts = wb.targets();
+  return wb.runOf((document) => {
+    const hidden = new Set(document.hidden);
+    return [[parts.every((part) => hidden.has(part)) ? "show" : "hide", { parts }]];
+  });
+}
+
+/** Esc: what is nearest to the person ends first. */
+function endNearest(wb: Workbench): void {
+  const { store } = wb;
+  if (store.dialog.peek()) store.dialog.value = null;
+  else if (store.menu.peek()) store.menu.value = null;
+  else if (store.tour_step.peek() !== null) store.tour_step.value = null;
+  else if (store.measuring.peek()) stopMeasuring(wb);
+  else if (store.selection.peek().size > 0) wb.select([]);
+}
+
+function focusSearch(wb: Workbench): void {
+  const field = document.querySelector<HTMLInputElement>("#search");
+  // At once: what is typed next is meant for it.
+  if (field) field.select();
+  else {
+    wb.store.set({ is_tree_open: true });
+    // The components are drawn anew in a microtask of their own, which is before this one.
+    queueMicrotask(() => document.querySelector<HTMLInputElement>("#search")?.select());
+  }
+}
+
+const REGIONS = ["#picture", "#tree", "#panels", "#bar"] as const;
+
+/** F6: the focus goes from region to region. */
+function nextRegion(): void {
+  const found = REGIONS.map((name) => document.querySelector<HTMLElement>(name)).filter((each) => each !== null);
+  const at = found.findIndex((each) => each.contains(document.activeElement));
+  const next = found[(at + 1) % found.length];
+  const target = next?.matches("[tabindex]")
+    ? next
+    : next?.querySelector<HTMLElement>("[tabindex='0'], button:not([disabled]), input, select");
+  target?.focus();
+}
+
+/** The server goes through the record that it was opened with; the picture follows. */
+function replayRecord(wb: Workbench): void {
+  wb.job("replay", {}, "Replay")?.result.catch((error: unknown) => wb.tell(error));
+}
+
+const toggleTheme = (wb: Workbench): void =>
+  wb.store.set({ theme: wb.store.theme.peek() === "dark" ? "light" : "dark" });
+
+const panelTitles: Readonly<Record<Panel, string>> = {
+  pose: "Pose",
+  sections: "Sections",
+  measures: "Measures",
+  sequence: "Sequence",
+  findings: "Findings",
+};
+
+export const COMMANDS: readonly PageCommand[] = [
+  command("Look", "fit", "Look at the selection, or at all", "F", (wb) => wb.fit(), hasMockup),
+  ...VIEWS.map((name, k) =>
+    command(
+      "Look",
+      `view-${name}`,
+      `View from ${name === "corner" ? "a corner" : `the ${name}`}`,
+      `${k + 1}`,
+      (wb) => wb.view(k + 1),
+      hasMockup,
+    ),
+  ),
+  ...STEPS.slice(0, 4).flatMap(([key, name, [x, y]]) => [
+    command("Look", `orbit-${name}`, `Turn the view ${name}`, key, (wb) => moveView(wb, "orbit", x, y), hasMockup),
+    command(
+      "Look",
+      `pan-${name}`,
+      `Move the view ${name}`,
+      `Shift+${key}`,
+      (wb) => moveView(wb, "pan", x, y),
+      hasMockup,
+    ),
+  ]),
+  command("Look", "zoom-in", "Nearer", ["+", "="], (wb) => zoom(wb, 0.8), hasMockup),
+  command("Look", "zoom-out", "Farther", "-", (wb) => zoom(wb, 1.25), hasMockup),
+  command("Look", "snapshot", "Picture and viewpoint", "K", takeSnapshot, hasMockup),
+  command(
+    "Look",
+    "explode",
+    "Explode the mock-up, or put it together",
+    "",
+    (wb) => wb.runOf(({ explode }) => [["explode", { share: explode > 0 ? 0 : 0.5 }]]),
+    canLook,
+  ),
+
+  command("Parts", "hide", "Hide, or show again", "H", toggleHidden, hasTargets),
+  command(
+    "Parts",
+    "isolate",
+    "Isolate; again: as it was before",
+    "Shift+H",
+    (wb) => wb.run("isolate", { parts: wb.targets() }),
+    hasTargets,
+  ),
+  command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canLook),
+  command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canLook),
+  command("Parts", "ghost", "Ghost, or solid again", "X", toggleGhost, hasTargets),
+  command("Parts", "search", "Search parts", ["Ctrl+F", "/"], focusSearch, hasMockup),
+  command(
+    "Parts",
+    "select-all",
+    "Select all in sight",
+    "Ctrl+A",
+    (wb) => wb.select(wb.visible([...wb.store.paths.peek().keys()])),
+    hasMockup,
+  ),
+
+  command("Tool", "move", "Move the tool", "G", (wb) => beginTyping(wb, "move"), hasHand),
+  command("Tool", "turn", "Turn the tool", "R", (wb) => beginTyping(wb, "turn"), hasHand),
+  command("Tool", "grip", "Grip what is selected; release", "E", gripOrRelease, canGrip),
+  command("Tool", "release", "Put down what is gripped", "", (wb) => wb.run("release"), isGripping),
+  command(
+    "Tool",
+    "put-back",
+    "Put back where it was",
+    "Shift+E",
+    (wb) => {
+      const parts = wb.targets();
+      return wb.runOf(({ gripped }) => [["put_back", { parts: parts.length > 0 ? parts : gripped }]]);
+    },
+    canGrip,
+  ),
+  command("Tool", "mode", "Contact: stop, glide, pass", "Space", nextMode, canChange),
+  ...MODES.map((mode) =>
+    command("Tool", `mode-${mode}`, `Contact: ${mode}`, "", (wb) => wb.run("set_mode", { mode }), canChange),
+  ),
+  command(
+    "Tool",
+    "frame",
+    "Move along the axes of the world, or of the tool",
+    "L",
+    (wb) => wb.store.set({ frame: wb.store.settings.peek().frame === "world" ? "tool" : "world" }),
+    hasHand,
+  ),
+  command("Tool", "snapping", "Steps on, or off", "T", (wb) =>
+    wb.store.set({ is_snapping: !wb.store.settings.peek().is_snapping }),
+  ),
+  command(
+    "Tool",
+    "look-at-tool",
+    "Look at the tool",
+    "Shift+F",
+    (wb) => {
+      const center = wb.hand.center;
+      if (!center) return;
+      const { camera } = wb.stage;
+      camera.translate([center[0] - camera.target[0], center[1] - camera.target[1], center[2] - camera.target[2]]);
+      wb.redraw();
+    },
+    hasHand,
+  ),
+  command(
+    "Tool",
+    "spacemouse",
+    "Connect a SpaceMouse",
+    "",
+    (wb) => wb.connectSpaceMouse?.(),
+    (wb) => wb.connectSpaceMouse !== null,
+  ),
+  command(
+    "Tool",
+    "xr",
+    "Enter VR",
+    "",
+    (wb) => wb.toggleXr?.(),
+    (wb) => wb.store.is_xr_there.value,
+  ),
+
+  ...AXES.map((name, k) =>
+    typing(`axis-${name}`, `Along or about ${name}; again: of the other frame`, name, (wb) =>
+      chooseAxis(wb, k as 0 | 1 | 2),
+    ),
+  ),
+  ...STEPS.map(([key, name, direction]) =>
+    typing(`step-${name}`, `One step ${name}`, key, (wb) => stepTyping(wb, direction)),
+  ),
+  typing("move-again", "Move instead", "G", (wb) => beginTyping(wb, "move")),
+  typing("turn-again", "Turn instead", "R", (wb) => beginTyping(wb, "turn")),
+  typing("confirm", "Put the tool there", "Enter", confirmTyping),
+  typing("cancel", "Back to where it was", "Escape", cancelTyping),
+
+  command(
+    "Sections",
+    "sections",
+    "Cut through the selection; off, on",
+    "S",
+    toggleSections,
+    (wb) => canLook(wb) && hasMockup(wb),
+  ),
+  ...AXES.map((name, k) =>
+    command(
+      "Sections",
+      `section-${name}`,
+      `Cut across ${name}`,
+      "",
+      (wb) => {
+        const normal: Vec3 = [0, 0, 0];
+        normal[k] = 1;
+        return addSection(wb, normal);
+      },
+      (wb) => canLook(wb) && hasMockup(wb),
+    ),
+  ),
+  command(
+    "Sections",
+    "section-flip",
+    "Keep the other side of the last cut",
+    "Shift+S",
+    (wb) =>
+      wb.runOf(({ sections }) => {
+        const last = sections.at(-1);
+        return last ? [flipped(last)] : [];
+      }),
+    hasSections,
+  ),
+  command(
+    "Sections",
+    "section-remove",
+    "Remove the last cut",
+    "",
+    (wb) =>
+      wb.runOf(({ sections }) => {
+        const last = sections.at(-1);
+        return last ? [["section_remove", { id: last.id }]] : [];
+      }),
+    hasSections,
+  ),
+
+  command(
+    "Measures",
+    "measure",
+    "Measure point to point",
+    "M",
+    (wb) => startMeasuring(wb, "point"),
+    (wb) => canLook(wb) && hasMockup(wb),
+  ),
+  ...(["edge", "angle", "parts"] as const).map((type) =>
+    command(
+      "Measures",
+      `measure-${type}`,
+      `Measure: ${MEASURE_TITLES[type].toLowerCase()}`,
+      "",
+      (wb) => startMeasuring(wb, type),
+      (wb) => canChange(wb) && hasMockup(wb),
+    ),
+  ),
+  ...UNITS.map((unit) =>
+    command("Measures", `unit-${unit}`, `Show lengths in ${unit}`, "", (wb) => wb.run("set_unit", { unit }), canLook),
+  ),
+
+  ...(Object.entries(EXPORTS) as [Export, string][]).map(([name, title]) =>
+    command(
+      "Sequence",
+      name,
+      `Export: ${title}`,
+      "",
+      (wb) => exportFile(wb, name),
+      name === "page" ? canChange : hasSequence,
+    ),
+  ),
+
+  command("Sequence", "replay", "Replay the record", "", replayRecord, hasRecord),
+
+  command("Findings", "open-findings", "Open findings of a clash check", "", openFindings, canChange),
+  command("Findings", "next-finding", "Next finding", "N", (wb) => stepFinding(wb, 1), hasFindings),
+  command("Findings", "previous-finding", "Previous finding", "P", (wb) => stepFinding(wb, -1), hasFindings),
+
+  command(
+    "Edit",
+    "undo",
+    "Undo",
+    "Ctrl+Z",
+    (wb) => wb.run("undo"),
+    (wb) => canChange(wb) && (wb.store.undo_depth.value !== 0 || wb.isBusy),
+  ),
+  command(
+    "Edit",
+    "redo",
+    "Redo",
+    ["Ctrl+Y", "Ctrl+Shift+Z"],
+    (wb) => wb.run("redo"),
+    (wb) => canChange(wb) && (wb.store.redo_depth.value !== 0 || wb.isBusy),
+  ),
+  command("Edit", "escape", "End what is under way; select nothing", "Escape", endNearest),
+
+  command("Page", "palette", "All commands", "Ctrl+K", (wb) => {
+    wb.store.dialog.value = "palette";
+  }),
+  command("Page", "help", "Help", ["?", "F1"], (wb) => {
+    wb.store.dialog.value = "help";
+  }),
+  command("Page", "tour", "Tour of two minutes", "", (wb) => {
+    wb.store.tour_step.value = 0;
+  }),
+  command("Page", "settings", "Settings", "Ctrl+,", (wb) => {
+    wb.store.dialog.value = "settings";
+  }),
+  command("Page", "theme", "Dark, or light", "", toggleTheme),
+  command("Page", "next-region", "Focus the next region", "F6", nextRegion),
+  command("Page", "tree", "Tree of parts: open, close", "Ctrl+B", (wb) =>
+    wb.store.set({ is_tree_open: !wb.store.settings.peek().is_tree_open }),
+  ),
+  command("Page", "panels", "Panels: open, close", "Ctrl+J", (wb) =>
+    wb.store.set({ are_panels_open: !wb.store.settings.peek().are_panels_open }),
+  ),
+  ...PANELS.map((panel, k) =>
+    command("Page", `panel-${panel}`, `Panel: ${panelTitles[panel]}`, `Alt+${k + 1}`, (wb) => {
+      wb.store.panel.value = panel;
+      wb.store.set({ are_panels_open: true });
+    }),
+  ),
+  command("Page", "mute", "Sound off, or on", "Shift+M", (wb) =>
+    wb.store.set({ is_muted: !wb.store.settings.peek().is_muted }),
+  ),
+  command("Page", "rumble", "Rumble off, or on", "", (wb) =>
+    wb.store.set({ has_rumble: !wb.store.settings.peek().has_rumble }),
+  ),
+  ...STYLES.map((style) =>
+    command("Page", `style-${style.id}`, `Navigate as in ${style.title}`, "", (wb) =>
+      wb.store.set({ style: style.id }),
+    ),
+  ),
+];
+
+const BY_ID = new Map(COMMANDS.map((each) => [each.id, each]));
+
+/** The command of an id; a wrong one is an error of the page. */
+export function commandOf(id: string): PageCommand {
+  const found = BY_ID.get(id);
+  if (!found) throw new RangeError(`there is no command ${id}`);
+  return found;
+}
+
+/** Runs a command where it can run now; whether it did. */
+export function runCommand(wb: Workbench, id: string): boolean {
+  const found = commandOf(id);
+  if (found.when && !found.when(wb)) return false;
+  found.run(wb);
+  return true;
+}
+
+/** The keys of a command as people read them; empty where it has none. */
+export const shownKey = (key: string | undefined): string =>
+  (key ?? "")
+    .replace("Arrow", "")
+    .replace("Escape", "Esc")
+    .replace("PageUp", "Page up")
+    .replace("PageDown", "Page down");
+
+/** A button's tooltip: what it does, and the key. */
+export function hint(id: string): string {
+  const { title, keys } = commandOf(id);
+  return keys[0] ? `${title} (${shownKey(keys[0])})` : title;
+}

@@ -1,0 +1,216 @@
+// The workbench: what commands, pointers and panels act on. It knows the store, the stage, the hand and the link.
+
+import { type Job, type Link, LinkError } from "../link/link";
+import type { CommandRequest, Document, Jobs, Questions } from "../link/protocol";
+import { Turns } from "../link/turns";
+import { carry, type Pose } from "../math/matrix";
+import { type Box, corners, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
+import type { Hand } from "../model/hand";
+import { OfflineCommands } from "../model/offline-commands";
+import type { Store } from "../model/store";
+import type { Stage } from "../scene/stage";
+
+/** How a click changes the selection. */
+export type SelectHow = "only" | "toggle" | "add";
+
+export interface WorkbenchParts {
+  readonly store: Store;
+  readonly stage: Stage;
+  readonly hand: Hand;
+  /** Null: a page without a server. */
+  readonly link: Link | null;
+  /** Asks for a frame. */
+  readonly redraw: () => void;
+  /** Fetches what a job wrote. */
+  readonly fetchFile: (name: string) => Promise<Blob>;
+}
+
+export class Workbench {
+  readonly store: Store;
+  readonly stage: Stage;
+  readonly hand: Hand;
+  readonly link: Link | null;
+  readonly redraw: () => void;
+  readonly fetchFile: (name: string) => Promise<Blob>;
+  private readonly offline = new OfflineCommands();
+  private readonly turns: Turns;
+  /** The canvas, to which the focus goes back; null in tests. */
+  canvas: HTMLElement | null = null;
+  /** Opens or closes WebXR; null where the browser has none. */
+  toggleXr: (() => void) | null = null;
+  /** Asks for a SpaceMouse; null where the browser has no WebHID. */
+  connectSpaceMouse: (() => void) | null = null;
+
+  constructor(parts: WorkbenchParts) {
+    this.store = parts.store;
+    this.stage = parts.stage;
+    this.hand = parts.hand;
+    this.link = parts.link;
+    this.redraw = parts.redraw;
+    this.fetchFile = parts.fetchFile;
+    const { hand } = parts;
+    this.turns = new Turns({ isOpen: () => hand.isPutting, end: () => hand.finish() });
+  }
+
+  get document(): Document | null {
+    return this.store.document.peek();
+  }
+
+  /** Something that was asked for is not in the document yet. */
+  get isBusy(): boolean {
+    return this.turns.isBusy;
+  }
+
+  /** Sends a command in its turn; whether it was done. What was refused is told as a notice. */
+  run(...request: CommandRequest): Promise<boolean> {
+    return this.told(this.send(...request));
+  }
+
+  /** Sends what `choose` makes of the document, once all that was asked for before is in it; whether it was done. */
+  runOf(choose: (document: Document) => readonly CommandRequest[]): Promise<boolean> {
+    const work = async (): Promise<void> => {
+      const { document } = this;
+      if (document) await Promise.all(choose(document).map((request) => this.sendNow(request)));
+    };
+    return this.told(this.turns.take(work, true));
+  }
+
+  /** The tool is put down at `pose`: before all that waits for it. */
+  place(pose: Pose): Promise<boolean> {
+    return this.told(this.turns.first(() => this.sendNow(["place", { pose }])));
+  }
+
+  /** What waited for the tool to be put down goes on. */
+  goOn(): void {
+    this.turns.go();
+  }
+
+  /** Sends a command in its turn; rejects where it is refused. Without a server, what is seen is changed here. */
+  send(...request: CommandRequest): Promise<unknown> {
+    return this.turns.take(() => this.sendNow(request));
+  }
+
+  private async told(done: Promise<unknown>): Promise<boolean> {
+    try {
+      await done;
+      return true;
+    } catch (error) {
+      this.tell(error);
+      return false;
+    }
+  }
+
+  private sendNow(request: CommandRequest): Promise<unknown> {
+    if (this.link) return this.link.command(...request);
+    const document = this.document;
+    const looked = document && this.store.can_look.peek() ? this.offline.applied(document, request) : null;
+    if (!looked) return Promise.reject(readOnly(request[0]));
+    this.store.document.value = looked;
+    return Promise.resolve(null);
+  }
+
+  ask<Name extends keyof Questions>(name: Name, args: Questions[Name]["args"]): Promise<Questions[Name]["answer"]> {
+    return this.link?.ask(name, args) ?? Promise.reject(readOnly(name));
+  }
+
+  /** Starts a job and shows how far it is; null without a server. */
+  job<Name extends keyof Jobs>(name: Name, args: Jobs[Name]["args"], title: string): Job<Jobs[Name]["answer"]> | null {
+    if (!this.link) return null;
+    const { jobs } = this.store;
+    const job = this.link.job(name, args, (share) => {
+      jobs.value = jobs.peek().map((each) => (each.id === job.id ? { ...each, share } : each));
+    });
+    jobs.value = [...jobs.peek(), { id: job.id, title, share: 0, cancel: () => job.cancel() }];
+    const end = (): void => {
+      jobs.value = jobs.peek().filter((each) => each.id !== job.id);
+    };
+    job.result.then(end, end);
+    return job;
+  }
+
+  /** Shows what went wrong. */
+  tell(error: unknown): void {
+    const text = error instanceof Error ? error.message : String(error);
+    const where = error instanceof LinkError && error.where ? ` (${error.where})` : "";
+    this.store.notify("error", text + where);
+  }
+
+  /** The parts that a command is about: the selected ones, else the one under the pointer. */
+  targets(): number[] {
+    const selected = [...this.store.selection.peek()];
+    if (selected.length > 0) return selected;
+    const hover = this.store.hover.peek();
+    return hover >= 0 ? [hover] : [];
+  }
+
+  select(parts: Iterable<number>, how: SelectHow = "only"): void {
+    const { selection } = this.store;
+    const next = new Set(how === "only" ? [] : selection.peek());
+    const given = [...parts];
+    const isTaking = how !== "toggle" || given.some((part) => !next.has(part));
+    for (const part of given) {
+      if (isTaking) next.add(part);
+      else next.delete(part);
+    }
+    selection.value = next;
+    if (given.length > 0 && next.size > 0)
+      this.say(next.size === 1 ? this.path(given[0] ?? -1) : `${next.size} parts selected`);
+    this.redraw();
+  }
+
+  path(part: number): string {
+    return this.store.paths.peek()[part] ?? `part ${part}`;
+  }
+
+  /** Tells the live region. */
+  say(text: string): void {
+    this.store.spoken.value = text;
+  }
+
+  /** Looks at the parts, or at all that can be seen where there are none. */
+  fit(parts: readonly number[] = this.visible([...this.store.selection.peek()])): void {
+    const box = this.boxOf(parts);
+    this.stage.camera.fit(isEmpty(box) ? this.stage.visibleBox() : box);
+    this.redraw();
+  }
+
+  /** One of the seven views. */
+  view(n: number): void {
+    this.stage.camera.view(n, this.stage.visibleBox(), this.store.manifest.peek()?.up ?? "z");
+    this.redraw();
+  }
+
+  /** Those of the parts that are in sight. */
+  visible(parts: readonly number[]): number[] {
+    const { hidden, absent } = this.store;
+    const unseen = new Set([...hidden.peek(), ...absent.peek()]);
+    return parts.filter((part) => !unseen.has(part));
+  }
+
+  /** The box of parts where they are now; empty for none. */
+  boxOf(parts: readonly number[]): Box {
+    const box = emptyBox();
+    const manifest = this.store.manifest.peek();
+    const moved = this.document?.moved ?? {};
+    for (const part of parts) {
+      const lower = manifest?.parts.lower[part];
+      const upper = manifest?.parts.upper[part];
+      if (!lower || !upper || !(lower[0] <= upper[0])) continue;
+      const pose = moved[part];
+      for (const corner of corners({ lower, upper })) include(box, pose ? carry(pose, corner) : corner);
+    }
+    return box;
+  }
+
+  /** The world point under a pixel, else the point at the target's depth there. */
+  pointAt(x: number, y: number): Vec3 {
+    const picked = this.stage.pick(x, y);
+    if (picked) return picked.point;
+    const { camera } = this.stage;
+    const { origin, direction } = camera.ray(x, y);
+    const far = Math.hypot(...camera.position.map((value, k) => value - (camera.target[k] ?? 0)));
+    return [origin[0] + direction[0] * far, origin[1] + direction[1] * far, origin[2] + direction[2] * far];
+  }
+}
+
+const readOnly = (name: string): LinkError => new LinkError("this page only reads", name, "Open it by `feeler view`");

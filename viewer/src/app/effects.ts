@@ -1,0 +1,65 @@
+// From what is known to what is drawn: each change of the store reaches the stage once.
+
+import { effect } from "@preact/signals";
+import type { Workbench } from "../actions/workbench";
+import { saveSettings } from "../model/settings";
+import type { Loop } from "./loop";
+import { partStates } from "./part-states";
+
+/** Follows the store from now on; the function returned ends it. */
+export function followStore(wb: Workbench, loop: Loop): () => void {
+  const { store, stage, hand } = wb;
+  const ends = [
+    effect(() => {
+      const document = store.document.value;
+      const count = store.paths.value.length;
+      if (document) loop.setPartStates(partStates(count, document, store.selection.value));
+    }),
+    effect(() => {
+      // Another mock-up in the stage has its parts at home.
+      void store.manifest.value;
+      const moved = store.document.value?.moved ?? {};
+      stage.setMoved(new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]])));
+      loop.request();
+    }),
+    effect(() => {
+      void store.manifest.value;
+      stage.setExplode(store.document.value?.explode ?? 0);
+      loop.request();
+    }),
+    effect(() => {
+      stage.setSections(store.drawn_sections.value.map(({ normal, offset }) => ({ normal, offset })));
+      loop.request();
+    }),
+    effect(() => {
+      const theme = store.theme.value;
+      document.documentElement.dataset.theme = theme;
+      stage.setTheme(theme);
+      loop.request();
+    }),
+    // The figures of marks depend on the unit; measures and picks are marks themselves.
+    effect(() => {
+      void [store.unit.value, store.document.value?.measures, store.measuring.value, store.snap.value];
+      loop.remark();
+    }),
+    effect(() => {
+      hand.isLocked = store.is_read_only.value || !store.has_hand.value;
+      if (hand.isLocked) store.typed.value = null;
+      loop.request();
+    }),
+    effect(() => {
+      const settings = store.settings.value;
+      saveSettings(settings);
+      hand.step_m = settings.is_snapping ? settings.step_m : null;
+      hand.step_rad = settings.is_snapping ? settings.step_rad : null;
+      loop.request();
+    }),
+    effect(() => {
+      const name = store.document.value?.mockup?.name;
+      document.title = name ? `${name} – feeler` : "feeler";
+    }),
+  ];
+  return () => {
+    for (const end of ends) end();
+  };
+}

@@ -1,0 +1,38 @@
+// The exact outlines of the cuts, as the engine finds them, beside the picture.
+
+import { effect } from "@preact/signals";
+import type { Workbench } from "../actions/workbench";
+import type { Loop } from "./loop";
+
+/** Keeps the exact outlines of the cuts that are on beside the picture: asked for once a drag has ended. */
+export function followOutlines(wb: Workbench, loop: Loop): () => void {
+  let asked = 0;
+  return effect(() => {
+    const document = wb.store.document.value;
+    const isDragging = wb.store.section_draft.value !== null;
+    const sections = (document?.sections ?? []).filter((section) => section.is_on);
+    // What is hidden has no outline, and what was put down has its own: the engine is asked again.
+    void [document?.hidden, document?.gripped, document?.moved];
+    const mine = ++asked;
+    wb.stage.setOutlines(null);
+    // Outlines are of parts where they are: an exploded mock-up has none.
+    if (isDragging || sections.length === 0 || (document?.explode ?? 0) > 0) return;
+    if (wb.store.is_read_only.value || !wb.store.manifest.value) return;
+    wb.link
+      ?.job("outline", {})
+      .result.then((result) => {
+        if (mine !== asked) return;
+        wb.stage.setOutlines(floatsOf(result.segments));
+        loop.request();
+      })
+      .catch((error: unknown) => {
+        if (mine === asked) wb.tell(error);
+      });
+  });
+}
+
+/** Little-endian float32 out of base64. */
+function floatsOf(text: string): Float32Array {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}

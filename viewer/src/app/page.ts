@@ -1,0 +1,296 @@
+// The page of a running server: the link, the stage, the hand and the devices, joined.
+
+import { pictureFor } from "../actions/exports";
+import { Workbench } from "../actions/workbench";
+import { listenToKeys } from "../input/keys";
+import { Pointer } from "../input/mouse";
+import { Geometry } from "../link/geometry";
+import { Link, LinkError } from "../link/link";
+import type { OfflinePage } from "../link/offline-file";
+import type { Camera, Document, HeldManifest, ServerEvent, State, Welcome } from "../link/protocol";
+import { fromAxes } from "../math/matrix";
+import { formatCount } from "../math/units";
+import { scale, type Vec3 } from "../math/vectors";
+import { patched } from "../model/document";
+import { Hand } from "../model/hand";
+import { OfflineReplay } from "../model/offline-replay";
+import { Store } from "../model/store";
+import { Stage } from "../scene/stage";
+import type { PictureElements } from "../ui/app";
+import { createApi, type FeelerApi } from "./api";
+import { createDevices, type Devices } from "./devices";
+import { followStore } from "./effects";
+import { Loop } from "./loop";
+import { followOutlines } from "./outlines";
+
+/** Of what the hand holds, before anything is known of it. */
+const NO_VERSION = -1;
+
+/** The page of a running server. */
+export class Page {
+  readonly store = new Store();
+  readonly wb: Workbench;
+  readonly loop: Loop;
+  private readonly devices: Devices;
+  private readonly geometry: Geometry | null;
+  private readonly state_listeners = new Set<(state: State) => void>();
+  private come_triangles = 0;
+  private drawn_triangles = 0;
+  private is_whole = false;
+  private is_ready = false;
+  private readonly when_ready: (() => void)[] = [];
+  private first_picture_ms: number | null = null;
+  private whole_picture_ms: number | null = null;
+  private loaded_hash: string | null = null;
+  private held_version = NO_VERSION;
+
+  constructor(picture: PictureElements, token: string | null) {
+    const { store } = this;
+    const stage = new Stage(picture.canvas, { pixelRatio: 2, labels: picture.labels });
+    const base = new URL("./", location.href);
+    const listener = {
+      onStatus: (status: Link["status"]) => this.onStatus(status),
+      onWelcome: (welcome: Welcome) => this.onWelcome(welcome),
+      onState: (state: State) => this.onState(state),
+      onEvent: (event: ServerEvent) => this.onEvent(event),
+    };
+    const url = `${base.protocol === "https:" ? "wss:" : "ws:"}//${base.host}${base.pathname}`;
+    const link = token ? new Link({ url, token, listener }) : null;
+    this.geometry = token ? new Geometry(base.href, token) : null;
+    const hand = new Hand({
+      moved: () => this.loop.wished(),
+      placed: (pose) => void this.wb.place(pose),
+      ended: () => this.wb.goOn(),
+    });
+    hand.viewAxes = () => {
+      const { right, top, forward } = stage.camera;
+      return fromAxes(right, top, scale(forward, -1), [0, 0, 0]);
+    };
+    const redraw = (): void => this.loop.request();
+    this.wb = new Workbench({ store, stage, hand, link, redraw, fetchFile: (name) => fetchFile(base, token, name) });
+    this.wb.canvas = picture.canvas;
+    const pointer = new Pointer(this.wb, picture.canvas);
+    this.loop = new Loop(this.wb, pointer, picture);
+    this.devices = createDevices(this.wb, this.loop);
+    followStore(this.wb, this.loop);
+    followOutlines(this.wb, this.loop);
+    listenToKeys(this.wb);
+    stage.onRestored(redraw);
+    new ResizeObserver(redraw).observe(picture.canvas);
+    document.addEventListener("visibilitychange", redraw);
+    window.addEventListener("pagehide", () => keepCamera(store.manifest.peek()?.hash, stage.camera.toJSON()));
+    this.loop.after_frame.add(() => this.watchReady());
+    if (!link) store.connection.value = "refused";
+    link?.connect();
+  }
+
+  /** Shows what one file carries, without a server. */
+  showOffline({ document, manifest, pieces, camera, left_out }: OfflinePage): void {
+    const { store, wb } = this;
+    store.connection.value = "offline";
+    const replay = new OfflineReplay(store);
+    this.loop.each_frame.add((now) => replay.frame(now));
+    // The hand and what it held stayed with the engine.
+    store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
+    wb.stage.setManifest(manifest);
+    store.manifest.value = manifest;
+    if (camera) wb.stage.camera.fromJSON(camera);
+    for (const [k, piece] of pieces.entries()) wb.stage.addPiece(k, piece);
+    this.come_triangles = manifest.triangles;
+    this.is_whole = true;
+    if (left_out > 0) {
+      store.notify("warning", `${formatCount(left_out)} triangles of small parts had no room in this file`);
+    }
+    this.loop.request();
+  }
+
+  api(): FeelerApi {
+    return createApi({
+      wb: this.wb,
+      loop: this.loop,
+      isReady: () => this.is_ready,
+      whenReady: () => (this.is_ready ? Promise.resolve() : new Promise((resolve) => this.when_ready.push(resolve))),
+      drawn: () => ({ first_picture_ms: this.first_picture_ms, whole_picture_ms: this.whole_picture_ms }),
+      countTriangles: () => this.drawn_triangles,
+      onState: (listener) => {
+        this.state_listeners.add(listener);
+        return () => this.state_listeners.delete(listener);
+      },
+    });
+  }
+
+  private onStatus(status: Link["status"]): void {
+    this.store.connection.value = status;
+    if (status === "open") return;
+    this.devices.reset();
+    this.wb.hand.drop();
+    this.store.jobs.value = [];
+  }
+
+  private onWelcome(welcome: Welcome): void {
+    const { store } = this;
+    store.is_recording.value = welcome.recording;
+    store.has_device.value = welcome.device;
+    store.undo_depth.value = null;
+    store.redo_depth.value = null;
+    this.loop.forget();
+    this.takeDocument(welcome.document);
+    void this.takeHeld(welcome.document.held_version, welcome.held);
+  }
+
+  private onState(state: State): void {
+    this.loop.answered(state);
+    this.devices.state(state);
+    for (const listener of [...this.state_listeners]) listener(state);
+  }
+
+  private onEvent(event: ServerEvent): void {
+    const { store } = this;
+    switch (event.type) {
+      case "patch": {
+        const before = store.document.peek();
+        store.undo_depth.value = event.undo_depth;
+        store.redo_depth.value = event.redo_depth;
+        // Undo, a grip or another page put the hand elsewhere: an old wish no longer means anything.
+        if (event.fields.pose && event.command !== "place") this.wb.hand.drop();
+        if (before) this.takeDocument(patched(before, event.fields));
+        break;
+      }
+      case "impact":
+        this.devices.impact(event);
+        this.loop.request();
+        break;
+      case "notice":
+        store.notify(event.level, event.text);
+        break;
+      case "shot":
+        pictureFor(this.wb, event.width, event.height, event.camera)
+          .then((png) => this.wb.link?.shot(event.id, `shot-${event.id}`, png))
+          .catch((error: unknown) => this.wb.tell(error));
+        break;
+      case "benchmark":
+        this.api()
+          .benchmark()
+          .then((figures) => this.wb.link?.benchmarked(event.id, { ...figures }))
+          .catch((error: unknown) => this.wb.tell(error));
+        break;
+      case "held":
+        void this.takeHeld(event.version, event.manifest);
+        break;
+    }
+  }
+
+  private takeDocument(document: Document): void {
+    this.store.document.value = document;
+    const hash = document.loading || document.failed ? null : (document.mockup?.hash ?? null);
+    if (hash !== this.loaded_hash) this.loadGeometry(hash);
+  }
+
+  private loadGeometry(hash: string | null): void {
+    const { store, wb } = this;
+    this.loaded_hash = hash;
+    this.is_whole = false;
+    store.geometry_failed.value = null;
+    if (hash === null) {
+      this.geometry?.abort();
+      wb.stage.clear();
+      store.manifest.value = null;
+      store.geometry_share.value = null;
+      return;
+    }
+    store.geometry_share.value = 0;
+    this.geometry?.load({
+      onManifest: (manifest) => {
+        wb.stage.setManifest(manifest);
+        this.come_triangles = 0;
+        const camera = recallCamera(manifest.hash);
+        if (camera) wb.stage.camera.fromJSON(camera);
+        store.selection.value = new Set();
+        store.manifest.value = manifest;
+        this.loop.request();
+      },
+      onPiece: (k, data, share) => {
+        wb.stage.addPiece(k, data);
+        this.come_triangles += store.manifest.peek()?.pieces[k]?.triangles ?? 0;
+        store.geometry_share.value = share;
+        this.loop.request();
+      },
+      onDone: () => {
+        store.geometry_share.value = 1;
+        this.is_whole = true;
+        this.loop.request();
+      },
+      onFailed: (what) => {
+        store.geometry_share.value = null;
+        store.geometry_failed.value = what;
+      },
+    });
+  }
+
+  private async takeHeld(version: number, manifest: HeldManifest | null): Promise<void> {
+    const { wb } = this;
+    if (version === this.held_version) return;
+    this.held_version = version;
+    try {
+      const piece = manifest && this.geometry ? await this.geometry.loadHeld(version) : null;
+      if (version !== this.held_version) return;
+      wb.stage.setHeld(piece && manifest ? { piece, manifest } : null);
+      wb.hand.pivot = manifest ? pivotOf(manifest) : [0, 0, 0];
+      this.loop.remark();
+    } catch (error) {
+      this.held_version = NO_VERSION;
+      wb.tell(error);
+    }
+  }
+
+  /** Ready once the first picture with every piece in it is drawn, by the device as well. */
+  private watchReady(): boolean {
+    this.drawn_triangles = this.come_triangles;
+    const { isShown, isPictured } = this.wb.stage.stats;
+    if (isPictured) this.geometry?.firstDrawn();
+    if (this.is_ready) return false;
+    if (isPictured) this.first_picture_ms ??= epochMs();
+    this.is_ready = this.is_whole && isShown;
+    if (this.is_ready) {
+      this.whole_picture_ms = epochMs();
+      for (const tell of this.when_ready.splice(0)) tell();
+      if (!this.store.settings.peek().has_seen_tour) this.greet();
+    }
+    return this.is_whole && !this.is_ready;
+  }
+
+  private greet(): void {
+    this.store.notify("info", "New here? The tour takes two minutes: Ctrl+K, tour. Press ? for all keys.");
+    this.store.set({ has_seen_tour: true });
+  }
+}
+
+/** Milliseconds since 1970, to fractions of one. */
+const epochMs = (): number => performance.timeOrigin + performance.now();
+
+/** The hand turns about its own origin where that lies in what it holds, else about the middle of that. */
+function pivotOf(manifest: HeldManifest): Vec3 {
+  const { lower, upper } = manifest;
+  const isInside = [0, 1, 2].every((k) => (lower[k] ?? 0) <= 0 && 0 <= (upper[k] ?? 0));
+  if (isInside) return [0, 0, 0];
+  return [(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, (lower[2] + upper[2]) / 2];
+}
+
+const CAMERA_KEY = "feeler.camera";
+
+/** A reload of the tab looks from where one looked. */
+function keepCamera(hash: string | undefined, camera: Camera): void {
+  if (hash) sessionStorage.setItem(CAMERA_KEY, JSON.stringify({ hash, camera }));
+}
+
+function recallCamera(hash: string): Camera | null {
+  const kept = JSON.parse(sessionStorage.getItem(CAMERA_KEY) ?? "null") as { hash: string; camera: Camera } | null;
+  return kept?.hash === hash ? kept.camera : null;
+}
+
+async function fetchFile(base: URL, token: string | null, name: string): Promise<Blob> {
+  const url = new URL(`exports/${encodeURIComponent(name)}`, base);
+  const response = await fetch(url, { headers: { Authorization: `Bearer ${token ?? ""}` } });
+  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Export it again");
+  return response.blob();
+}

@@ -1,0 +1,32 @@
+// One byte a part: how it is drawn, by the document and by what the engine touches. Pure.
+
+import type { Document, State } from "../link/protocol";
+import { PartState } from "../scene/stage";
+
+/** The states of `count` parts, as `PartState` bits. */
+export function partStates(
+  count: number,
+  document: Pick<Document, "hidden" | "ghost" | "gripped" | "isolated">,
+  selection: ReadonlySet<number>,
+): Uint8Array {
+  const states = new Uint8Array(count);
+  mark(states, document.hidden, PartState.hidden);
+  mark(states, document.ghost, PartState.ghost);
+  mark(states, selection, PartState.selected);
+  mark(states, document.gripped, PartState.away);
+  return states;
+}
+
+/** The same with what the tool touches and is near. */
+export function withLit(base: Uint8Array, state: State | null): Uint8Array {
+  const states = base.slice();
+  if (state) {
+    mark(states, state.clearance_parts, PartState.near);
+    mark(states, state.parts, PartState.hit);
+  }
+  return states;
+}
+
+function mark(states: Uint8Array, parts: Iterable<number>, bit: number): void {
+  for (const part of parts) if (part < states.length) states[part] = (states[part] ?? 0) | bit;
+}

@@ -1,0 +1,153 @@
+// Reads the mock-up that one HTML file carries; `python/feeler/workbench/page.py` writes it and says how.
+//
+//     const page = await readOffline();     // null: a server is behind this page
+//
+// Pieces come as the server sends them, so that whoever draws them sees no difference.
+
+import type { Camera, Document, Manifest } from "./protocol";
+
+const VERSION = 1;
+const PREFIX_BYTES = 8;
+
+/** What the file carries. */
+export interface OfflinePage {
+  document: Document;
+  /** From where it is seen at first; null: as the page likes. */
+  camera: Camera | null;
+  manifest: Manifest;
+  /** In the manifest's order, as `GET /scene/pieces/K` answers. */
+  pieces: ArrayBuffer[];
+  /** Triangles that had no room in the file. */
+  left_out: number;
+}
+
+/** The file cannot be read: it is cut short, or of another version. */
+export class OfflineError extends Error {
+  override name = "OfflineError";
+}
+
+/** What the element `#feeler-page` carries; null where there is none. Throws `OfflineError`. */
+export async function readOffline(
+  root: { getElementById(id: string): { textContent: string | null } | null } = document,
+): Promise<OfflinePage | null> {
+  const element = root.getElementById("feeler-page");
+  if (!element) return null;
+  const packed = fromBase64((element.textContent ?? "").trim());
+  // The text is of no use any more, and large.
+  element.textContent = "";
+  return unpackOffline(await inflated(packed));
+}
+
+/** The same from the bytes after decompression. */
+export function unpackOffline(data: ArrayBuffer): OfflinePage {
+  const start = data.byteLength < PREFIX_BYTES ? Number.NaN : PREFIX_BYTES + new DataView(data).getUint32(4, true);
+  if (!(start <= data.byteLength) || new DataView(data).getUint32(0, true) !== VERSION) {
+    throw new OfflineError("This file is damaged, or was made by another version of feeler: make it again.");
+  }
+  const header: Omit<OfflinePage, "pieces"> & { grid: { lower: number[]; step: number } } = JSON.parse(
+    new TextDecoder().decode(new Uint8Array(data, PREFIX_BYTES, start - PREFIX_BYTES)),
+  );
+  const { document, camera, manifest, left_out, grid } = header;
+  let offset = start;
+  const pieces = manifest.pieces.map(({ triangles, vertices }) => {
+    const bytes = 13 * vertices + 6 * triangles;
+    if (offset + bytes > data.byteLength) {
+      throw new OfflineError("This file is cut short: copy it again.");
+    }
+    const planes = new Planes(new Uint8Array(data, offset, bytes));
+    offset += bytes;
+    return piece(planes, vertices, triangles, manifest.part_bytes, grid.lower, grid.step);
+  });
+  return { document, camera, manifest, pieces, left_out };
+}
+
+function piece(
+  planes: Planes,
+  vertices: number,
+  triangles: number,
+  partBytes: number,
+  lower: number[],
+  step: number,
+): ArrayBuffer {
+  const partsAt = 12 * vertices;
+  const indicesAt = partsAt + padded(partBytes * vertices);
+  const data = new ArrayBuffer(indicesAt + padded(6 * triangles));
+  const positions = new Float32Array(data, 0, 3 * vertices);
+  for (let axis = 0; axis < 3; axis++) {
+    const from = lower[axis] ?? 0;
+    planes.differences(vertices, 3, (i, value) => {
+      positions[3 * i + axis] = from + value * step;
+    });
+  }
+  const parts = partBytes === 2 ? new Uint16Array(data, partsAt, vertices) : new Uint32Array(data, partsAt, vertices);
+  planes.differences(vertices, 4, (i, value) => {
+    parts[i] = value;
+  });
+  const indices = new Uint16Array(data, indicesAt, 3 * triangles);
+  for (let corner = 0; corner < 3; corner++) {
+    planes.numbers(triangles, 2, (i, value) => {
+      indices[3 * i + corner] = value;
+    });
+  }
+  // A corner is so far below the first vertex that none before it named.
+  let next = 0;
+  for (let i = 0; i < indices.length; i++) {
+    const index = next - (indices[i] ?? 0);
+    if (index < 0 || index >= vertices) throw new OfflineError("This file is damaged: make it again.");
+    indices[i] = index;
+    if (index === next) next++;
+  }
+  return data;
+}
+
+/** Numbers whose bytes lie apart: all lowest bytes, then all second ones, and so on. */
+class Planes {
+  private offset = 0;
+
+  constructor(private readonly bytes: Uint8Array) {}
+
+  numbers(count: number, width: number, take: (i: number, value: number) => void): void {
+    const { bytes, offset } = this;
+    for (let i = 0; i < count; i++) {
+      let value = 0;
+      for (let k = 0; k < width; k++) value |= (bytes[offset + k * count + i] ?? 0) << (8 * k);
+      take(i, value >>> 0);
+    }
+    this.offset += width * count;
+  }
+
+  /** Numbers of which the difference to the one before is written: 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4. */
+  differences(count: number, width: number, take: (i: number, value: number) => void): void {
+    let value = 0;
+    this.numbers(count, width, (i, folded) => {
+      value += (folded >>> 1) ^ -(folded & 1);
+      take(i, value);
+    });
+  }
+}
+
+async function inflated(packed: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> {
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  try {
+    return await new Response(stream).arrayBuffer();
+  } catch {
+    throw new OfflineError("This file is cut short: copy it again.");
+  }
+}
+
+function fromBase64(text: string): Uint8Array<ArrayBuffer> {
+  const native = Uint8Array as unknown as { fromBase64?: (text: string) => Uint8Array<ArrayBuffer> };
+  try {
+    if (native.fromBase64) return native.fromBase64(text);
+    const binary = atob(text);
+    const bytes = new Uint8Array(binary.length);
+    for (let i = 0; i < bytes.length; i++) bytes[i] = binary.charCodeAt(i);
+    return bytes;
+  } catch {
+    throw new OfflineError("This file is damaged: copy it again.");
+  }
+}
+
+function padded(bytes: number): number {
+  return Math.ceil(bytes / 4) * 4;
+}

@@ -1,0 +1,78 @@
+// Lengths and angles as people read and type them. Inside, everything is metres and radians.
+
+import type { Unit } from "../link/protocol";
+
+export type { Unit };
+
+export const UNITS: readonly Unit[] = ["mm", "cm", "m", "in"];
+
+const METRES: Readonly<Record<string, number>> = {
+  mm: 1e-3,
+  cm: 1e-2,
+  m: 1,
+  in: 0.0254,
+  um: 1e-6,
+  µm: 1e-6,
+  '"': 0.0254,
+};
+const RADIANS: Readonly<Record<string, number>> = { deg: Math.PI / 180, "°": Math.PI / 180, rad: 1 };
+// So many digits after the point show a hundredth of a millimetre in each unit.
+const DECIMALS: Readonly<Record<Unit, number>> = { mm: 2, cm: 3, m: 5, in: 4 };
+
+/** How many metres one `unit` is. */
+export const metresOf = (unit: Unit): number => METRES[unit] ?? 1;
+
+/** A number without the zeros at its end, and never "-0". */
+function trimmed(value: number, decimals: number): string {
+  const text = value.toFixed(decimals);
+  const short = text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+  return short === "-0" ? "0" : short;
+}
+
+/** The figure alone, in `unit`, for an input. */
+export const lengthFigure = (metres: number, unit: Unit): string => trimmed(metres / metresOf(unit), DECIMALS[unit]);
+
+/** A length with its unit; what is not a number reads as a dash. */
+export const formatLength = (metres: number, unit: Unit): string =>
+  Number.isFinite(metres) ? `${lengthFigure(metres, unit)} ${unit}` : "–";
+
+export const angleFigure = (radians: number): string => trimmed((radians * 180) / Math.PI, 2);
+export const formatAngle = (radians: number): string => (Number.isFinite(radians) ? `${angleFigure(radians)}°` : "–");
+
+/** A force with its unit. */
+export const formatForce = (newtons: number): string =>
+  Number.isFinite(newtons) ? `${trimmed(newtons, newtons < 10 ? 2 : 1)} N` : "–";
+
+/** A share as per cent. */
+export const formatShare = (share: number): string => `${Math.round(100 * share)} %`;
+
+/** A count with narrow spaces between thousands, at which no line breaks. */
+export const formatCount = (count: number): string =>
+  Math.round(count)
+    .toString()
+    .replace(/\B(?=(\d{3})+$)/g, "\u202f");
+
+/**
+ * A typed length as metres: a number, or a fraction such as `3/8`, and a unit; `unit` where none is typed.
+ *
+ * A comma counts as the point. Null where it cannot be read.
+ */
+export function parseLength(text: string, unit: Unit): number | null {
+  return parse(text, METRES, unit);
+}
+
+/** A typed angle as radians; degrees where no unit is typed. */
+export function parseAngle(text: string): number | null {
+  return parse(text, RADIANS, "deg");
+}
+
+function parse(text: string, units: Readonly<Record<string, number>>, otherwise: string): number | null {
+  const match = /^\s*([+-]?)\s*(\d+(?:[.,]\d*)?|[.,]\d+)(?:\s*\/\s*(\d+(?:[.,]\d*)?))?\s*([a-zµ°"]*)\s*$/i.exec(text);
+  if (!match) return null;
+  const [, sign, over, under, name] = match;
+  const factor = units[(name || otherwise).toLowerCase()];
+  const divisor = under ? Number(under.replace(",", ".")) : 1;
+  if (factor === undefined || divisor === 0) return null;
+  const value = (Number((over ?? "").replace(",", ".")) / divisor) * factor;
+  return sign === "-" ? -value : value;
+}

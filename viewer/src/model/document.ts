@@ -1,0 +1,8 @@
+// The document: how a patch changes it, and in which order its modes come.
+
+import type { Document, Mode } from "../link/protocol";
+
+export const MODES: readonly Mode[] = ["stop", "glide", "pass"];
+
+/** The document with the patch's fields in place of its own. */
+export const patched = (document: Document, fields: Partial<Document>): Document => ({ ...document, ...fields });

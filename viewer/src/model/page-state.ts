@@ -1,0 +1,28 @@
+// What only the page knows of itself: how it stands with the server, and what is open in it.
+
+import type { Point, Vec3 } from "../math/vectors";
+
+/** How the page stands with the server. */
+export type Connection = "connecting" | "open" | "lost" | "refused" | "outdated" | "offline";
+
+export interface Notice {
+  readonly id: number;
+  readonly level: "info" | "warning" | "error";
+  readonly text: string;
+}
+
+/** What is on the right. */
+export type Panel = "pose" | "sections" | "measures" | "sequence" | "findings";
+export const PANELS: readonly Panel[] = ["pose", "sections", "measures", "sequence", "findings"];
+
+/** What covers the page. */
+export type Dialog = "palette" | "help" | "settings" | null;
+
+export interface ContextMenu {
+  readonly x: number;
+  readonly y: number;
+  readonly part: number;
+  readonly point: Vec3 | null;
+  /** The pixel of the picture. */
+  readonly at: Point;
+}

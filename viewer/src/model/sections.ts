@@ -1,0 +1,42 @@
+// Sections as figures: along which axis, in which range, which are drawn. Pure.
+
+import type { Section } from "../link/protocol";
+import type { Vec3 } from "../math/vectors";
+
+/** The world axis that is nearest to the view direction, towards what is farther: the near side is cut away. */
+export function axisAlong(forward: Vec3): Vec3 {
+  const sizes = forward.map(Math.abs);
+  const k = sizes.indexOf(Math.max(...sizes));
+  const normal: Vec3 = [0, 0, 0];
+  normal[k] = Math.sign(forward[k] ?? 1) || 1;
+  return normal;
+}
+
+/** 1 where a cut keeps what is farther along its axis, -1 for the near side: `sense * offset` is where it lies on it. */
+export function senseOf(normal: Vec3): 1 | -1 {
+  const sizes = normal.map(Math.abs);
+  return (normal[sizes.indexOf(Math.max(...sizes))] ?? 0) < 0 ? -1 : 1;
+}
+
+/** The least and the greatest offset at which a cut across `normal` meets the mock-up. */
+export function offsetRange(lower: Vec3, upper: Vec3, normal: Vec3): [number, number] {
+  let least = 0;
+  let most = 0;
+  for (const k of [0, 1, 2] as const) {
+    const ends = [normal[k] * lower[k], normal[k] * upper[k]];
+    least += Math.min(...ends);
+    most += Math.max(...ends);
+  }
+  return [least, most];
+}
+
+/** The cuts that are drawn: those that are on, the dragged one where it is dragged to. */
+export function drawnSections(
+  sections: readonly Section[],
+  draft: { id: number; normal: Vec3; offset: number } | null,
+): { id: number; normal: Vec3; offset: number }[] {
+  return sections
+    .filter((section) => section.is_on)
+    .map((section) => (draft?.id === section.id ? draft : section))
+    .map(({ id, normal, offset }) => ({ id, normal: [...normal] as Vec3, offset }));
+}
