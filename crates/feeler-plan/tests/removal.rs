@@ -257,7 +257,7 @@ fn in_a_closed_box_it_ends_in_time_and_says_what_is_in_the_way() {
 fn boxed(play: f64, walls: &[usize]) -> Assembly {
     let half = [0.02, 0.012, 0.005];
     let wall = |side: usize| {
-        let (axis, sense) = (side / 2, if side % 2 == 0 { -1.0 } else { 1.0 });
+        let (axis, sense) = (side / 2, if side.is_multiple_of(2) { -1.0 } else { 1.0 });
         let bound = |end: f64| -> Point {
             std::array::from_fn(|a| if a == axis { sense * (half[a] + play) } else { end * (half[a] + 0.004) })
         };
