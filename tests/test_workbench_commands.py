@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Literal
 
 import hypothesis.strategies as st
@@ -20,6 +21,8 @@ from feeler.workbench.commands import COMMANDS
 from feeler.workbench.document import JSON_FIELDS, Document
 from feeler.workbench.frames import check
 from feeler.workbench.protocol import Camera, DocumentFields, Patch, Vec3, decode_from_server, encode
+
+ROOT = Path(__file__).parent.parent
 
 
 @pytest.fixture
@@ -246,6 +249,17 @@ def test_a_wrong_command_says_what_where_and_what_to_do(bench: Bench, name: str,
 def test_a_command_reads_what_the_page_is_told_that_it_takes(shape: Shape, read: Callable[[Arguments], object]) -> None:
     with pytest.raises(TypeError, match=r"x reads parts as .*, and the table says"):
         read(Arguments("x", {"parts": None}, shape))
+
+
+OFFLINE = json.loads((ROOT / "testdata" / "workbench" / "offline_commands.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("case", OFFLINE, ids=lambda case: case["name"])
+def test_commands_do_the_same_as_in_a_page_without_a_server(case: dict[str, Any]) -> None:
+    bench = Bench(cube(), pose=at(0, 0, 0.2), absent=case.get("absent"))
+    for name, args in case["commands"]:
+        bench.command(name, **args)
+    assert {name: bench.document[name] for name in case["fields"]} == case["fields"]
 
 
 PARTS = st.one_of(st.integers(0, 4), st.sampled_from(PATHS), st.lists(st.integers(0, 4), min_size=1, max_size=5))

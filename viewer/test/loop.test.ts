@@ -137,6 +137,13 @@ test("the first wish of a frame goes out at once, the others with the next frame
     page.sent.map((wish) => position(wish.pose)[0]),
     [1, 3],
   );
+  // The wish that a frame sent is the frame's own: the next one waits, and after a frame without one it does not.
+  page.hand.move(translation([4, 0, 0]), "mouse");
+  assert.equal(page.sent.length, 2);
+  page.step(16);
+  page.step(16);
+  page.hand.move(translation([5, 0, 0]), "mouse");
+  assert.equal(page.sent.length, 4);
 });
 
 test("in a hidden tab, which draws no frames, wishes go out all the same", () => {
@@ -170,6 +177,17 @@ test("the time from an input to the picture of its answer is measured", () => {
   page.loop.answered(state(translation([1, 0, 0]), 1));
   page.step(13);
   assert.deepEqual(page.loop.input_to_drawn.values, [23]);
+});
+
+test("a wish that was lost with the connection has no time", () => {
+  const page = setUp();
+  page.loop.answered(state(IDENTITY, 0));
+  page.step(16);
+  page.hand.move(translation([1, 0, 0]), "mouse", 10);
+  page.loop.forget();
+  page.loop.answered(state(translation([1, 0, 0]), 1));
+  page.step(13);
+  assert.deepEqual(page.loop.input_to_drawn.values, []);
 });
 
 test("frames of a run are counted from one to the next", () => {

@@ -1,72 +1,51 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import type { CommandRequest, Document } from "../src/link/protocol";
 import { IDENTITY } from "../src/math/matrix";
 import { OfflineCommands } from "../src/model/offline-commands";
 
 const DOCUMENT = {
-  mockup: { name: "engine", hash: "ab", triangles: 10, parts: 4 },
+  mockup: { name: "engine", hash: "ab", triangles: 10, parts: 5 },
   absent: [],
   unit: "mm",
-  hidden: [3],
+  hidden: [],
   ghost: [],
   explode: 0,
   isolated: false,
   sections: [],
+  measures: [],
+  replaying: null,
   findings: { groups: [], status: {}, is_touching_hidden: true },
 } as unknown as Document;
 
-function after(...commands: CommandRequest[]): Document {
-  const offline = new OfflineCommands();
-  let document = DOCUMENT;
-  for (const each of commands) document = offline.applied(document, each) ?? assert.fail(each[0]);
-  return document;
+interface Case {
+  readonly name: string;
+  readonly absent?: readonly number[];
+  readonly commands: readonly CommandRequest[];
+  readonly fields: Partial<Document>;
 }
 
-test("parts are hidden, shown and made ghosts as by the server", () => {
-  assert.deepEqual(after(["hide", { parts: [1, 3] }]).hidden, [1, 3]);
-  assert.deepEqual(after(["hide", { parts: [1] }], ["show", { parts: [3] }]).hidden, [1]);
-  assert.deepEqual(after(["hide_all"]).hidden, [0, 1, 2, 3]);
-  assert.deepEqual(after(["hide_all"], ["show_all"]).hidden, []);
-  const ghost = after(["ghost", { parts: [2, 0], is_on: true }], ["ghost", { parts: [0], is_on: false }]);
-  assert.deepEqual(ghost.ghost, [2]);
-});
+// The server does the same with them: `tests/test_workbench_commands.py` reads this file too.
+const CASES: readonly Case[] = JSON.parse(
+  readFileSync(new URL("../../testdata/workbench/offline_commands.json", import.meta.url), "utf8"),
+);
 
-test("isolating the same parts again brings back what was seen before", () => {
-  const isolated = after(["isolate", { parts: [1] }]);
-  assert.deepEqual([isolated.hidden, isolated.isolated], [[0, 2, 3], true]);
-  const other = after(["isolate", { parts: [1] }], ["isolate", { parts: [2] }], ["isolate", { parts: [2] }]);
-  assert.deepEqual([other.hidden, other.isolated], [[3], false]);
-  const shown = after(["isolate", { parts: [1] }], ["show_all"], ["isolate", { parts: [1] }]);
-  assert.deepEqual(shown.hidden, [0, 2, 3], "after all were shown it isolates anew");
-});
+for (const { name, absent = [], commands, fields } of CASES) {
+  test(`as the server: ${name}`, () => {
+    const offline = new OfflineCommands();
+    let document: Document = { ...DOCUMENT, absent };
+    for (const each of commands) document = offline.applied(document, each) ?? assert.fail(each[0]);
+    const found = Object.keys(fields).map((field) => [field, document[field as keyof Document]]);
+    assert.deepEqual(Object.fromEntries(found), fields);
+  });
+}
 
-test("singled out parts are solid and in sight, and all others ghosts", () => {
-  const before: CommandRequest = ["ghost", { parts: [1, 2], is_on: true }];
-  const { hidden, ghost } = after(before, ["single_out", { parts: [2, 3] }]);
-  assert.deepEqual([hidden, ghost], [[], [0, 1]]);
-});
-
-test("parts that were left out are not hidden with all others", () => {
-  const document = { ...DOCUMENT, hidden: [], absent: [0, 2] };
+test("a line of the sequence is replayed, and findings that only touch are shown", () => {
   const offline = new OfflineCommands();
-  assert.deepEqual(offline.applied(document, ["hide_all"])?.hidden, [1, 3]);
-  assert.deepEqual(offline.applied(document, ["isolate", { parts: [3] }])?.hidden, [1]);
-});
-
-test("cuts are made, moved, switched and removed", () => {
-  const add: CommandRequest = ["section_add", { normal: [0, 0, 1], offset: 0.1 }];
-  const two = after(
-    add,
-    add,
-    ["section_move", { id: 2, normal: [1, 0, 0], offset: 0.5 }],
-    ["section_switch", { id: 1, is_on: false }],
-  );
-  assert.deepEqual(two.sections, [
-    { id: 1, normal: [0, 0, 1], offset: 0.1, is_on: false },
-    { id: 2, normal: [1, 0, 0], offset: 0.5, is_on: true },
-  ]);
-  assert.deepEqual(after(add, ["section_remove", { id: 1 }]).sections, []);
+  assert.equal(offline.applied(DOCUMENT, ["sequence_replay", { id: 3 }])?.replaying, 3);
+  const shown = offline.applied(DOCUMENT, ["finding_filter", { is_touching_hidden: false }]);
+  assert.equal(shown?.findings?.is_touching_hidden, false);
 });
 
 test("what needs the engine is refused", () => {
