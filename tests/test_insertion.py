@@ -127,3 +127,54 @@ def test_a_hand_that_holds_the_part_comes_along() -> None:
     with pytest.raises(feeler.PoseError, match="tray"):
         feeler.insertion(scene, "peg", goal=in_tray, tool=hand, grip=grip)
     assert feeler.insertion(scene, "peg", goal=in_tray).is_found
+
+
+def boxed(play: float) -> feeler.Scene:
+    """A block with this play to each of six walls."""
+    far = 0.01 + play
+    walls = {
+        f"{'xyz'[axis]}{side}": box(
+            [-0.02 if a != axis else (far if side else -0.02) for a in range(3)],
+            [0.02 if a != axis else (0.02 if side else -far) for a in range(3)],
+        )
+        for axis in range(3)
+        for side in (0, 1)
+    }
+    return feeler.Scene(mockup_of({"core": box([-0.01] * 3, [0.01] * 3), **walls}))
+
+
+def test_a_part_that_is_held_moves_within_its_play() -> None:
+    scene = boxed(0.0001)
+    for shift in ([0.00006, 0.0, 0.0], [-0.00005, 0.00004, 0.00006]):
+        start = np.eye(4)
+        start[:3, 3] = shift
+        found = feeler.insertion(scene, "core", start=start)
+        assert found.is_found and len(found.legs) == 1 and found.held_by == ()
+        assert found.path_length == pytest.approx(np.linalg.norm(shift))
+    # Farther than its play: there is no path, and that is shown.
+    outside = np.eye(4)
+    outside[0, 3] = 0.1
+    held = feeler.insertion(scene, "core", start=outside)
+    assert not held.is_found and len(held.held_by) == 6 and held.play < 0.001
+    # Where it is there is nothing to do.
+    there = feeler.insertion(scene, "core", start=np.eye(4))
+    assert there.is_found and there.legs == () and there.path_length == 0.0
+
+
+def test_progress_of_both_searches_is_one() -> None:
+    told: list[float] = []
+    feeler.insertion(scene_of(), "peg", start=lying(), seconds=20.0, progress=lambda share, _: told.append(share))
+    assert told == sorted(told) and told[0] >= 0.0 and told[-1] <= 1.0
+
+
+def test_errors_name_what_they_are_about() -> None:
+    scene, hand = scene_of(), feeler.Tool(*box([-0.02, -0.02, 0.0], [0.02, 0.02, 0.01]))
+    bent = np.diag([2.0, 1, 1, 1])
+    for options, said in (
+        ({"goal": "up"}, "goal cannot be read"),
+        ({"goal": bent}, "goal: the pose is not rigid"),
+        ({"start": bent}, "start: the pose is not rigid"),
+        ({"tool": hand, "grip": np.eye(3)}, "grip has shape"),
+    ):
+        with pytest.raises(feeler.PoseError, match=said):
+            feeler.insertion(scene, "peg", **options)  # type: ignore[arg-type]

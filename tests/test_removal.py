@@ -223,7 +223,7 @@ def test_what_cannot_be_asked(
 
 
 def test_more_that_cannot_be_asked(duct: feeler.Scene) -> None:
-    with pytest.raises(feeler.MeshError, match=r"a feeler\.Scene, not Mockup"):
+    with pytest.raises(feeler.MeshError, match=r"a feeler\.Scene is needed, not Mockup"):
         feeler.removal(duct.mockup, "cube")  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="'cube' is not in the scene"):
         feeler.removal(duct.without("cube"), "cube")

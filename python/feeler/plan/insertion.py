@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from dataclasses import replace
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
+from feeler.io.film import corners_of
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.legs import RemovalLeg
@@ -49,6 +51,8 @@ def insertion(
       are in their place, by default the identity. It must be free at `start` and `goal`.
     - all else: as `feeler.removal`; `directions` lead out of the goal.
 
+    From `start` the straight path is tried first; its `clearance` is not measured (NaN).
+
     The answer is a `Removal` whose legs and poses lead from `start` to `goal`. If no path was found, it lists the parts
     in the way at the goal if the parts could not leave it, else those at the start.
 
@@ -67,22 +71,30 @@ def insertion(
         "clearance": clearance,
         "seed": seed,
         "threads": threads,
-        "progress": progress,
+        "progress": _of_all(progress, begin, seconds),
     }
-    out = way_from(end, scene, parts, directions=directions, seconds=seconds, **options)
-    if lies is None or not out.is_found:
+    out = way_from(end, scene, parts, directions=directions, seconds=seconds, where="goal", **options)
+    if lies is None:
         return replace(turned_round(out), seconds=time.perf_counter() - begin)
-    left = max(seconds - (time.perf_counter() - begin), 1e-3)
-    away = way_from(lies, scene, parts, directions=None, seconds=left, **options)
     moving = Tool.of_parts(scene.mockup, scene.mockup.parts.select(parts))
     if tool is not None:
         moving = Tool.assembly({"parts": moving, "tool": (tool, held)})
+    rest = scene.without(scene.mockup.parts.select(parts))
+    middle = moving.bounds.mean(axis=0)
+    if clearance == 0.0 and _is_free(rest, moving, np.stack([lies, end]), allow):
+        return _straight_on(out, lies, end, middle, begin)
+    if not out.is_found:
+        if _moved_by(moving, lies, end) <= out.play:  # Within its play there may be a path, and this was not it.
+            out = replace(out, held_by=(), play=math.nan)
+        return replace(turned_round(out), seconds=time.perf_counter() - begin)
+    left = max(seconds - (time.perf_counter() - begin), 1e-3)
+    away = way_from(lies, scene, parts, directions=None, seconds=left, where="start", **options)
     link = _link(scene, parts, moving, away.poses[-1], out.poses[-1], clearance) if away.is_found else None
     if link is None:
         return replace(away, is_found=False, legs=(), poses=lies[None], seconds=time.perf_counter() - begin)
     back = turned_round(out)
-    middle = moving.bounds.mean(axis=0)
-    legs = (*away.legs, *(_straight(a, b, middle) for a, b in itertools.pairwise(link)), *back.legs)
+    between = [_straight(a, b, middle) for a, b in itertools.pairwise(link) if not np.array_equal(a, b)]
+    legs = (*away.legs, *between, *back.legs)
     return replace(
         back,
         legs=legs,
@@ -95,6 +107,46 @@ def insertion(
             method=f"{away.certificate.method}, {back.certificate.method}",
             casts=away.certificate.casts + back.certificate.casts,
         ),
+        seconds=time.perf_counter() - begin,
+    )
+
+
+def _of_all(progress: Progress | None, begin: float, seconds: float) -> Progress | None:
+    """Progress of both searches as one: the share of all the time."""
+    if not callable(progress):
+        return progress
+    told = progress
+    return lambda _, stage: told(min(1.0, (time.perf_counter() - begin) / seconds), stage)
+
+
+def _is_free(rest: Scene, moving: Tool, way: Floats, allow: Allow) -> bool:
+    """Whether a straight path is, with what touches at its ends."""
+    return rest.check_path(moving, way, touching="counts" if allow is None else "free", inside=True).is_free
+
+
+def _moved_by(moving: Tool, one: Floats, other: Floats) -> float:
+    """How far the farthest corner of its box is at another pose, metres."""
+    corners = corners_of(moving.bounds)
+    places = [corners @ pose[:3, :3].T + pose[:3, 3] for pose in (one, other)]
+    return float(np.linalg.norm(places[1] - places[0], axis=1).max())
+
+
+def _straight_on(out: Removal, lies: Floats, end: Floats, middle: Floats, begin: float) -> Removal:
+    """The path that is one straight leg; none where the parts are there."""
+    is_there = np.array_equal(lies, end)
+    legs = () if is_there else (_straight(lies, end, middle),)
+    return replace(
+        out,
+        is_found=True,
+        legs=legs,
+        poses=lies[None] if is_there else np.stack([lies, end]),
+        path_length=sum(leg.path_length for leg in legs),
+        rotation=sum(leg.rotation for leg in legs),
+        clearance=math.nan,
+        certificate=replace(out.certificate, method="straight"),
+        held_by=(),
+        play=math.nan,
+        is_out_of_time=False,
         seconds=time.perf_counter() - begin,
     )
 

@@ -190,14 +190,16 @@ def way_from(
     seed: int,
     threads: int | None,
     progress: Progress | None,
+    where: str = "start",
 ) -> Removal:
-    """`removal` of parts that lie elsewhere: `lies` `(4, 4)` is their motion until there, where the way begins."""
+    """`removal` of parts that lie elsewhere: `lies` `(4, 4)` is their motion until there, where the path begins.
+    `where`: what errors call that."""
     begin = time.perf_counter()
     chosen, rest = _chosen(scene, parts)
     mockup = scene.mockup
     own = Tool.of_parts(mockup, chosen)
     allowed = _Allowed.of(allow, mockup)
-    moving = own if tool is None else _gripped(own, tool, start, lies, rest, allowed)
+    moving = own if tool is None else _gripped(own, tool, start, (lies, where), rest, allowed)
     if tool is None and start is not None:
         raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
     answer = _core.removal(
@@ -247,10 +249,16 @@ def way_from(
 
 def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
     """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, under the name of its argument."""
-    given = np.asarray(plain(pose), dtype=np.float64)
+    try:
+        given = np.asarray(plain(pose), dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise PoseError(f"{name} cannot be read as a pose (4, 4): {error}") from error
     if given.shape != (4, 4):
         raise PoseError(f"{name} has shape {given.shape}: one pose (4, 4) is needed")
-    nearest_rigid(given)
+    try:
+        nearest_rigid(given)
+    except PoseError as error:
+        raise PoseError(f"{name}: {error}") from error
     return given
 
 
@@ -263,7 +271,7 @@ def alone(seed: int) -> Removal:
 def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
     """The parts that move, and the scene without them."""
     if not isinstance(scene, Scene):
-        raise MeshError(f"removal needs a feeler.Scene, not {type(scene).__name__}")
+        raise MeshError(f"a feeler.Scene is needed, not {type(scene).__name__}")
     chosen = scene.mockup.parts.select(parts)
     if not len(chosen):
         raise OptionError("parts names no part: name one at least")
@@ -306,13 +314,14 @@ def _gripped(
     own: Tool,
     tool: object,
     start: PoseLike | None,
-    lies: npt.NDArray[np.float64],
+    place_of_parts: tuple[npt.NDArray[np.float64], str],
     rest: Scene,
     allowed: _Allowed,
 ) -> Tool:
     """The parts with the tool that grips them, free where they lie."""
     if not isinstance(tool, Tool):
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
+    lies, where = place_of_parts
     place = np.eye(4) if start is None else rigid_pose(start, "start")
     ignore = [("*", allowed.parts)] if allowed.parts else None
     met = {int(part) for part in rest.collide(tool, lies @ place, ignore=ignore).parts}
@@ -321,7 +330,7 @@ def _gripped(
     if met:
         names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
         raise PoseError(
-            f"start: the tool {tool.name!r} meets {names} there: start it where it is free, or allow these by name"
+            f"{where}: the tool {tool.name!r} meets {names} there: put it where it is free, or allow these by name"
         )
     return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
 

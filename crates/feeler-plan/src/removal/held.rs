@@ -14,6 +14,7 @@ use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit}
 use feeler_core::{Point, Triangle};
 use feeler_world::Surroundings;
 
+use super::verify::HasTime;
 use crate::constants::{HELD_WITHIN, LEAST_HELD_WITHIN, MOST_HELD_PAIRS, MOST_WIDENED};
 use crate::error::Result;
 use crate::linear_program::least_cost;
@@ -27,13 +28,16 @@ pub struct Held {
     pub play: f64,
 }
 
-/// Shows that it is held; `None` where that could not be shown.
-pub fn held(around: &Surroundings) -> Result<Option<Held>> {
+/// Shows that it is held; `None` where that could not be shown, or there was no time for it.
+pub fn held(around: &Surroundings, has_time: HasTime<'_>) -> Result<Option<Held>> {
     let (start, seated) = (around.start(), around.seated_at_start());
     for share in HELD_WITHIN {
         let within = (share * around.size()).max(LEAST_HELD_WITHIN);
         let mut pairs = Vec::new();
         for (body, scene, tool) in around.asked(&seated) {
+            if !has_time() {
+                return Ok(None);
+            }
             let near = scene.near_pairs(tool, start, within)?;
             if pairs.len() + near.len() > MOST_HELD_PAIRS {
                 return Ok(None);
@@ -46,7 +50,7 @@ pub fn held(around: &Surroundings) -> Result<Option<Held>> {
             }));
         }
         let small = SmallMotions { pairs, centre: start.apply(around.middle()), reach: 0.5 * around.size() };
-        if let Some(held) = small.held() {
+        if let Some(held) = small.held(has_time) {
             return Ok(Some(held));
         }
     }
@@ -84,11 +88,11 @@ fn farthest(most: &[f64; 6]) -> f64 {
 
 impl SmallMotions {
     /// Bounds to first order are widened until they are true with second order, and with points that stay over their triangles.
-    fn held(&self) -> Option<Held> {
-        let mut most = self.bounds(&[0.0; 6])?.0;
+    fn held(&self, has_time: HasTime<'_>) -> Option<Held> {
+        let mut most = self.bounds(&[0.0; 6], has_time)?.0;
         for _ in 0..MOST_WIDENED {
             most = most.map(|bound| 1.15 * bound + self.rounding());
-            let (bounds, parts) = self.bounds(&most)?;
+            let (bounds, parts) = self.bounds(&most, has_time)?;
             if bounds.iter().zip(&most).all(|(bound, most)| *bound < 0.999 * most) {
                 return Some(Held { parts: parts.into_iter().collect(), play: farthest(&bounds) });
             }
@@ -103,10 +107,10 @@ impl SmallMotions {
     }
 
     /// What the pairs leave of motions of which none of the six numbers is more than `most`, and the parts that leave no more. `None`: it is
-    /// not bounded.
+    /// not bounded, or there is no time.
     ///
     /// By a linear program for each of the six numbers, both ways: the upper bound is the dual's least cost.
-    fn bounds(&self, most: &[f64; 6]) -> Option<([f64; 6], BTreeSet<u32>)> {
+    fn bounds(&self, most: &[f64; 6], has_time: HasTime<'_>) -> Option<([f64; 6], BTreeSet<u32>)> {
         let walls = self.walls(most);
         let rows: Vec<[f64; 6]> = walls.iter().map(|wall| wall.row).collect();
         let gaps: Vec<f64> = walls.iter().map(|wall| wall.gap).collect();
@@ -114,6 +118,9 @@ impl SmallMotions {
         for axis in 0..6 {
             for sense in [1.0, -1.0] {
                 let right: [f64; 6] = std::array::from_fn(|i| if i == axis { -sense } else { 0.0 });
+                if !has_time() {
+                    return None;
+                }
                 let multipliers = least_cost(&rows, &gaps, &right)?;
                 let sum = |of: &dyn Fn(usize) -> f64| multipliers.iter().map(|(wall, x)| of(*wall) * x).sum::<f64>();
                 let off: f64 = (0..6).map(|i| (sum(&|wall| rows[wall][i]) - right[i]).abs() * most[i]).sum();

@@ -154,7 +154,7 @@ pub fn removal(
     }
     if allowed.overlap == 0.0 {
         report(0.0, "what holds it")?;
-        if let Some(held) = held(&surroundings)? {
+        if let Some(held) = held(&surroundings, has_time)? {
             return Ok(Removal { held: Some(held), ..told(&surroundings, Err(false), &tally, has_time)? });
         }
     }
