@@ -26,7 +26,7 @@ from feeler.clashes.words import extent, length, sentence, title
 from feeler.errors import OptionError
 from feeler.io import WriteError
 from feeler.io.body import LIGHT_GREY
-from feeler.workbench.findings import grouped, ids, read_findings
+from feeler.workbench.document.findings import grouped, ids, read_findings
 
 WHEN = datetime.datetime(2024, 5, 6, 7, 8, 9, tzinfo=datetime.timezone.utc)
 HOSTILE = "</script><script>alert(1)</script>&\"'\x01"

@@ -11,8 +11,8 @@ from shapes import box
 import feeler
 from feeler import haptics
 from feeler._core import GuardedMove
-from feeler.workbench.parts import PartMeshes
-from feeler.workbench.world import World
+from feeler.workbench.engine.parts import PartMeshes
+from feeler.workbench.engine.world import World
 
 FAR = 0.1
 

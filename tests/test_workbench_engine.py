@@ -7,12 +7,12 @@ import pytest
 from workbench_scene import FACES, LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, corners, cube, stand
 
 import feeler
-from feeler.workbench import motion
-from feeler.workbench.engine import Engine
-from feeler.workbench.parts import PartMeshes
-from feeler.workbench.session import LEAST_TICK_S
-from feeler.workbench.snapshot import Snapshot
-from feeler.workbench.world import World
+from feeler.workbench.document import motion
+from feeler.workbench.engine.engine import Engine
+from feeler.workbench.engine.parts import PartMeshes
+from feeler.workbench.engine.snapshot import Snapshot
+from feeler.workbench.engine.world import World
+from feeler.workbench.session.session import LEAST_TICK_S
 
 HALF = 0.03125  # of the cube
 
@@ -200,7 +200,7 @@ def test_what_it_meets_from_the_start_is_no_impact() -> None:
 
 def test_hits_beyond_the_limit_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = Bench(cube(), pose=at(0.3, 0.0, 0.0), mode="pass")
-    monkeypatch.setattr("feeler.workbench.snapshot.MOST_HITS", 2)
+    monkeypatch.setattr("feeler.workbench.engine.snapshot.MOST_HITS", 2)
     message = bench.session.snapshot().message()
     assert len(message.hits) == 2 and message.hit_count == 2 + message.hit_more > 2
 
@@ -348,7 +348,7 @@ def test_no_two_rounds_begin_within_the_least_time_however_long_one_waits(monkey
         session._is_closed = len(begun) == 30
         return tick()
 
-    monkeypatch.setattr("feeler.workbench.session.time.sleep", sleep)
+    monkeypatch.setattr("feeler.workbench.session.session.time.sleep", sleep)
     monkeypatch.setattr(session, "_wake", Wake())
     monkeypatch.setattr(session.engine, "tick", waited_for)
     session._loop()

@@ -1,4 +1,4 @@
-"""Writes viewer/src/protocol.ts from python/feeler/workbench/protocol.py: what the page knows of the messages.
+"""Writes viewer/src/protocol.ts from python/feeler/workbench/document/protocol.py: what the page knows of the messages.
 
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if what is written differs
@@ -15,12 +15,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-PROTOCOL = ROOT / "python" / "feeler" / "workbench" / "protocol.py"
-FRAMES = ROOT / "python" / "feeler" / "workbench" / "frames.py"
+PROTOCOL = ROOT / "python" / "feeler" / "workbench" / "document" / "protocol.py"
+FRAMES = ROOT / "python" / "feeler" / "workbench" / "document" / "frames.py"
 WRITTEN = ROOT / "viewer" / "src" / "protocol.ts"
 
 HEAD = """\
-// Written by tools/protocol_ts.py from python/feeler/workbench/protocol.py: change it there.
+// Written by tools/protocol_ts.py from python/feeler/workbench/document/protocol.py: change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
 """
 SIMPLE = {"int": "number", "float": "number", "str": "string", "bool": "boolean", "None": "null", "Any": "unknown"}

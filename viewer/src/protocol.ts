@@ -1,4 +1,4 @@
-// Written by tools/protocol_ts.py from python/feeler/workbench/protocol.py: change it there.
+// Written by tools/protocol_ts.py from python/feeler/workbench/document/protocol.py: change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
 
 /** Of the protocol: a page of another one is told to reload. */
