@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from feeler.clashes.grouping import Group
-from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.result import Clashes, Group
+from feeler.clashes.table import Clash
 from feeler.clashes.tracking import derived_id
 from feeler.clashes.verdict import SEVERITIES, Verdict
 from feeler.clashes.words import sentence, title
@@ -58,8 +58,8 @@ def write_bcf(
     how to group, as in `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`,
     and `OptionError` if the clashes are of another mock-up or `most` is less than 1.
     """
-    from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
+    from feeler.clashes.table import check_same
 
     if most < 1:
         raise OptionError(f"most is {most!r}: give a number of topics, 1 or more")

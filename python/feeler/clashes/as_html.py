@@ -11,13 +11,13 @@ from typing import Any
 
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
-from feeler.clashes.grouping import Group
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes, Group
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import capitalised, extent, hidden, length, sentence
+from feeler.clashes.words import capitalised, extent, hidden, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
+from feeler.words import length
 
 MOST_GROUPS = 200
 """Most groups on the page, the worst first. Each has a picture, about 30 kB and 0.05 s. The table has all findings."""
@@ -65,8 +65,8 @@ def _drawn(
     clashes: Clashes, mockup: Mockup, groups: list[Group], progress: Callable[[float, str], object] | None
 ) -> list[str]:
     """The picture of each group's worst finding, as a data URL."""
-    from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
+    from feeler.clashes.table import check_same
 
     check_same(mockup, clashes)
     pictures = Pictures(mockup)

@@ -13,7 +13,7 @@ from typing import Any
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.columns import COLUMNS, cells
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 from feeler.clashes.words import capitalised, hidden
 from feeler.errors import OptionError
@@ -100,8 +100,8 @@ def write_xlsx(
 
 def _drawing(clashes: Clashes, mockup: Mockup) -> Callable[[int], bytes]:
     """The picture of a row, as PNG."""
-    from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
+    from feeler.clashes.table import check_same
 
     check_same(mockup, clashes)
     pictures = Pictures(mockup)

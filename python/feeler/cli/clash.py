@@ -109,9 +109,9 @@ def clash(
     marked as partial, and ends with 130.
     """
     from feeler import clashes as room
+    from feeler.arguments import near
     from feeler.clashes.as_xlsx import xlsx_library
     from feeler.clashes.changes import check_previous
-    from feeler.clashes.rules import near
     from feeler.cli import outputs
 
     targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
@@ -215,7 +215,7 @@ def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
     """Whether findings are such as --fail-on asks for; None where it asks for none."""
     if fail_on is None:
         return None
-    from feeler.clashes.rules import near
+    from feeler.arguments import near
     from feeler.clashes.tracking import SETTABLE
     from feeler.clashes.verdict import SEVERITIES, Verdict
 
