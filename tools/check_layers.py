@@ -212,7 +212,19 @@ TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
 }
 
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
-BASE = {"_core", "arguments", "calibrate", "errors", "mockup", "poses", "progress", "scene", "travel", "words"}
+BASE = {
+    "_core",
+    "arguments",
+    "calibrate",
+    "errors",
+    "mockup",
+    "part_meshes",
+    "poses",
+    "progress",
+    "scene",
+    "travel",
+    "words",
+}
 ROOMS: dict[str, set[str]] = {
     "_core": {"_core_results"},
     "_core_results": set(),  # a share of the stub
@@ -224,10 +236,11 @@ ROOMS: dict[str, set[str]] = {
     "poses": {"errors"},
     "parts": {"errors"},
     "mockup": {"_core", "errors", "parts", "poses", "travel"},
+    "part_meshes": {"mockup"},
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
     "calibrate": {"_core", "errors"},
     "depths": set(),
-    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "travel"},
+    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "progress", "travel"},
     "io": BASE,
     "interchange": {*BASE, "io"},
     "haptics": BASE,

@@ -19,8 +19,10 @@ def check_length(what: str, value: object, other: str = "") -> float:
     return float(value)  # type: ignore[arg-type]
 
 
-def near(asked: object, known: Iterable[str]) -> str:
-    """A hint with similar words, or with all known words."""
+def near(asked: object, known: Iterable[str], none: str = "there is none") -> str:
+    """A hint with similar words, or with all known words; `none` if there are none."""
     words = list(known)
-    alike = difflib.get_close_matches(str(asked), words, 3, 0.5)
-    return f"do you mean {' or '.join(alike)}?" if alike else f"choose {', '.join(words)}"
+    alike = difflib.get_close_matches(asked, words, 3, 0.5) if isinstance(asked, str) else []
+    if alike:
+        return f"do you mean {' or '.join(alike)}?"
+    return f"choose {', '.join(words)}" if words else none

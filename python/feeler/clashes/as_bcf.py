@@ -10,7 +10,7 @@ import datetime
 import os
 import re
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
@@ -22,6 +22,7 @@ from feeler.clashes.words import sentence, title
 from feeler.errors import OptionError
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
+from feeler.progress import Progress
 
 if TYPE_CHECKING:
     from feeler.clashes.pictures import View
@@ -50,7 +51,7 @@ def write_bcf(
     most: int = MOST_TOPICS,
     author: str = SYSTEM,
     when: datetime.datetime | None = None,
-    progress: Callable[[float, str], object] | None = None,
+    progress: Progress | None = None,
 ) -> int:
     """Writes a topic for each of the `most` worst groups, with a viewpoint and a picture. Returns the number of topics.
 

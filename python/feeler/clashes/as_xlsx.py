@@ -20,6 +20,7 @@ from feeler.errors import OptionError
 from feeler.io.atomic import atomic_file
 from feeler.io.csv_table import Cell
 from feeler.mockup import Mockup
+from feeler.progress import Progress
 
 MOST_PICTURES = 200
 """Most findings with a picture, the worst first: about 20 kB and 0.05 s each."""
@@ -49,7 +50,7 @@ def write_xlsx(
     *,
     by: str = "part",
     pictures: int = MOST_PICTURES,
-    progress: Callable[[float, str], object] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Writes a sheet with a row for each of the `MOST_ROWS` worst findings, and a sheet with the summary.
 

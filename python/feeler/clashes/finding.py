@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -22,9 +22,9 @@ from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
+from feeler.progress import Progress
 from feeler.scene import Scene
 
-Progress = Callable[[float, str], object]
 RulesLike = Rules | Mapping[str, Any] | str | Any
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
+from feeler.arguments import near
 from feeler.errors import OptionError, WorkbenchError
 from feeler.parts import Parts
 from feeler.workbench.document import motion
@@ -138,15 +138,6 @@ def replaced(items: tuple[Item, ...], place: int, item: Item) -> tuple[Item, ...
 def without(items: tuple[Item, ...], place: int) -> tuple[Item, ...]:
     """The items but one."""
     return (*items[:place], *items[place + 1 :])
-
-
-def near(asked: Any, known: Iterable[str], none: str = "there is none") -> str:
-    """What is spelt alike, or all there is."""
-    words = list(known)
-    alike = difflib.get_close_matches(asked, words, 3, 0.5) if isinstance(asked, str) else []
-    if alike:
-        return f"do you mean {' or '.join(alike)}?"
-    return f"choose {', '.join(words)}" if words else none
 
 
 def is_number(value: Any) -> bool:

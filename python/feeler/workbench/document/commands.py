@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from feeler.arguments import near
 from feeler.errors import LoadError, WorkbenchError
 from feeler.parts import Parts
 from feeler.poses import inverse
 from feeler.workbench.document import findings, motion
-from feeler.workbench.document.arguments import Arguments, near, replaced, without
+from feeler.workbench.document.arguments import Arguments, replaced, without
 from feeler.workbench.document.document import (
     MATERIALS,
     MODES,

@@ -17,6 +17,7 @@ from typing import Any
 
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.parts import Parts
+from feeler.words import length
 from feeler.workbench.document.arguments import is_number, is_sequence
 from feeler.workbench.document.document import Findings
 
@@ -113,9 +114,9 @@ def _sentence(a: str, b: str, verdict: str, depth: float | None, gap: float | No
     elif verdict in TOUCHING:
         text = f"{one} touches {other}"
     elif depth:
-        text = f"{one} is {_length(depth)} deep in {other}"
+        text = f"{one} is {length(depth)} deep in {other}"
     elif gap is not None and gap > 0.0:
-        text = f"{one} is {_length(gap)} from {other}"
+        text = f"{one} is {length(gap)} from {other}"
     else:
         text = f"{one} meets {other}"
     if isinstance(rule, str) and rule:
@@ -155,7 +156,3 @@ def _point(given: Any) -> list[float] | None:
 
 def _folder(path: str) -> str:
     return path.rpartition("/")[0].rpartition("/")[2] or path or "parts"
-
-
-def _length(metres: float) -> str:
-    return f"{metres * 1e3:.3g} mm"

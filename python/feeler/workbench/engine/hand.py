@@ -14,7 +14,7 @@ from feeler.workbench.document import motion
 from feeler.workbench.document.document import Document
 from feeler.workbench.document.motion import Row
 from feeler.workbench.engine.geometry import HeldGeometry
-from feeler.workbench.engine.parts import PartMeshes
+from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.engine.world import World
 
 _KEPT = 16
@@ -43,7 +43,7 @@ class Hands:
         """tools: those at hand; the built-in ones can be taken as well, but for their names, and are made only then."""
         self.scene, self._tools = scene, dict(tools)
         self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
-        self.meshes = PartMeshes(scene.mockup)
+        self.meshes = PartTools(scene.mockup)
         self._held: OrderedDict[HeldKey, Tool] = OrderedDict()
         self._worlds: OrderedDict[WorldKey, World] = OrderedDict()
         self._geometries: OrderedDict[int, HeldGeometry] = OrderedDict()

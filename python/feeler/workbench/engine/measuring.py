@@ -19,7 +19,7 @@ from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.commands import Measured
 from feeler.workbench.document.document import MEASURES, Document, Point
 from feeler.workbench.document.motion import Floats
-from feeler.workbench.engine.parts import PartMeshes
+from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.engine.world import World
 
 _PARALLEL = 1e-9
@@ -190,7 +190,7 @@ def _snapped_to_outline(picked: Picked, within: float, lines: Floats) -> dict[st
     return {**found, "type": "edge", "point": feet[best].tolist(), "edge": [start, end]}
 
 
-def measured(given: Arguments, document: Document, scene: Scene, meshes: PartMeshes) -> Measured:
+def measured(given: Arguments, document: Document, scene: Scene, meshes: PartTools) -> Measured:
     """What a measure comes to. Raises `WorkbenchError`.
 
     type "point": the distance of two `points`. "edge": its length, two `points`. "angle": `points` of three (in the
@@ -206,7 +206,7 @@ def measured(given: Arguments, document: Document, scene: Scene, meshes: PartMes
     return Measured(kind, points, math.dist(*points), "m", False)
 
 
-def _between_parts(given: Arguments, document: Document, scene: Scene, meshes: PartMeshes) -> Measured:
+def _between_parts(given: Arguments, document: Document, scene: Scene, meshes: PartTools) -> Measured:
     parts = given.parts("parts", scene.mockup.parts, most=2)
     if len(parts) != 2:
         raise given.fail("parts", "one part is named", "name two")

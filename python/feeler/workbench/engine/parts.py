@@ -6,32 +6,28 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Mockup, Tool
+from feeler.part_meshes import PartMeshes
 from feeler.poses import placed
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.motion import Floats, Row
 
-Ints = npt.NDArray[np.int64]
+Ints = npt.NDArray[np.intp]
 
 
-class PartMeshes:
+class PartTools:
     """Parts of a mock-up as tools of their own, each made once. Thread-safe."""
 
     def __init__(self, mockup: Mockup) -> None:
-        """Looks at every triangle once, so that no part has to."""
         self.mockup = mockup
-        owners = mockup.part_of_face
-        is_sorted = bool((owners[1:] >= owners[:-1]).all())
-        self._order = None if is_sorted else np.argsort(owners, kind="stable")
-        self._first = np.concatenate([[0], np.cumsum(mockup.part_triangles, dtype=np.int64)])
+        self._meshes = PartMeshes(mockup)
         self._kept: dict[int, tuple[Tool, Ints]] = {}
         self._lying: dict[int, tuple[Row, Scene]] = {}
 
     def of(self, part: int) -> tuple[Tool, Ints]:
         """A part in the mock-up's frame, and which of the mock-up's triangles its triangles are."""
         if part not in self._kept:
-            place = np.arange(self._first[part], self._first[part + 1])
-            ids = place if self._order is None else self._order[place]
+            ids = self._meshes.triangles(part)
             faces, vertices = self.mockup.faces[ids], self.mockup.vertices
             used = np.unique(faces)
             used = used[used < len(vertices)]

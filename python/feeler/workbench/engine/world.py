@@ -14,7 +14,7 @@ from feeler import _core
 from feeler._core import Clearance, Collision, Contacts
 from feeler.scene import Scene
 from feeler.workbench.document.motion import Row
-from feeler.workbench.engine.parts import PartMeshes
+from feeler.workbench.engine.parts import PartTools
 
 Pairs = frozenset[tuple[int, int]]
 """Pairs of a tool's and a mock-up's part."""
@@ -27,9 +27,9 @@ class World(_core.World):
     """The parts that are where they were loaded."""
     put_down: dict[int, Scene]
     """The parts that lie elsewhere, each with the scene of it alone."""
-    _meshes: PartMeshes
+    _meshes: PartTools
 
-    def __new__(cls, scene: Scene, meshes: PartMeshes, moved: Mapping[int, Row], gone: Iterable[int] = ()) -> World:
+    def __new__(cls, scene: Scene, meshes: PartTools, moved: Mapping[int, Row], gone: Iterable[int] = ()) -> World:
         """moved: `world_from_part` of parts put down elsewhere; gone: parts that are in the hand."""
         absent = sorted({*moved, *gone})
         in_place = scene.without(absent) if absent else scene

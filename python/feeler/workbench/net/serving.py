@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from feeler.progress import Progress
 from feeler.workbench.document.protocol import State
 
 
@@ -73,7 +74,7 @@ class SessionLike(Protocol):
     def ask(self, name: str, args: dict[str, Any], /) -> Any:
         """Answers a question."""
 
-    def job(self, name: str, args: dict[str, Any], on_progress: Callable[[float, str], None], /) -> JobLike:
+    def job(self, name: str, args: dict[str, Any], on_progress: Progress, /) -> JobLike:
         """Starts what takes a while."""
 
     def shot_taken(self, number: int, png: bytes, /) -> None:

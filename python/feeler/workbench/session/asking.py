@@ -17,7 +17,7 @@ from feeler.workbench.document.commands import camera_of
 from feeler.workbench.document.document import Document, plain
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
-from feeler.workbench.engine.parts import PartMeshes
+from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
 from feeler.workbench.session import export, page
 
@@ -34,7 +34,7 @@ class Place:
 
     document: Document
     scene: Scene
-    meshes: PartMeshes
+    meshes: PartTools
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]

@@ -6,9 +6,10 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from feeler.arguments import near
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
-from feeler.workbench.document.arguments import Arguments, near
+from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.document import Document
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry

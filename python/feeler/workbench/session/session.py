@@ -19,13 +19,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import near
 from feeler.errors import FeelerError, OptionError, WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench.document import motion
-from feeler.workbench.document.arguments import Arguments, near
+from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.commands import COMMANDS, Known, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, RecordFacts, patch
 from feeler.workbench.document.findings import grouped, read_findings
