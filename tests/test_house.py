@@ -545,10 +545,12 @@ def test_rooms_and_circles(name: str, layers: ModuleType, tmp_path: Path) -> Non
 
 
 KNOT = {
-    "a/__init__.py": "from a.low import thing\nfrom a.top import use\n",
+    "a/__init__.py": "from a.low import thing\nfrom a.top import use\nversion = 1\n",
     "a/low.py": "thing = 1\n",
-    "a/top.py": "from a import thing\n\ndef use():\n    from . import low\n",
+    "a/top.py": "from a import thing, version\n\ndef use():\n    from . import low\n",
     "script.py": "import beside\n",
+    "scripts/one.py": "import other\n",
+    "scripts/other.py": "",
     "beside.py": "from a import use\n",
 }
 PYTHON_CIRCLES = {
@@ -570,7 +572,11 @@ PYTHON_CIRCLES = {
         ["bench/a/low.py: imports bench/a/top"],
     ),
     "through a door": ({"a/low.py": "from a import use\n"}, ["bench/a/low.py: imports bench/a/top.py and back"]),
-    "of three, by scripts": (
+    "of scripts in a folder": (
+        {"scripts/other.py": "from one import x\n"},
+        ["bench/scripts/one.py: imports bench/scripts/other.py and back"],
+    ),
+    "of four, by scripts": (
         {"a/low.py": "import script\n"},
         ["bench/a/low.py: in a circle of 4 files, with bench/a/top.py, bench/beside.py, bench/script.py"],
     ),

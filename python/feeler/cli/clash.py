@@ -12,7 +12,7 @@ import typer
 import feeler
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
 from feeler.cli.findings import count, mesh_facts
-from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Up, Without, read_mockup
+from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Threads, Up, Without, read_mockup
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -89,7 +89,7 @@ def clash(
     only: Only = None,
     unit: MockupUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each finding.")] = None,
     xlsx: Annotated[
         Path | None, typer.Option(help="Write a workbook with a row and a picture for each (needs feeler\\[xlsx]).")

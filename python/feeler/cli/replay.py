@@ -10,7 +10,7 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool
+from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, Threads, ToolUnit, Up, Without, read_mockup, read_tool
 from feeler.progress import bar
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def replay(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     page: Annotated[
         bool,
         typer.Option("--page", help="Show it in the workbench, at the speed at which it was done, and go on there."),

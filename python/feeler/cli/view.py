@@ -15,7 +15,20 @@ import typer
 
 import feeler
 from feeler.cli.app import BAD_INPUT, command, fail
-from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool, telling
+from feeler.cli.inputs import (
+    AsJson,
+    Choice,
+    MockupFilesOrSample,
+    MockupUnit,
+    Only,
+    Threads,
+    ToolUnit,
+    Up,
+    Without,
+    read_mockup,
+    read_tool,
+    telling,
+)
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
 from feeler.progress import Progress
@@ -46,13 +59,7 @@ feeler view engine.step --findings clashes.json
 """,
 )
 def view(
-    mockup: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[MOCKUP]...",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
-        ),
-    ] = None,
+    mockup: MockupFilesOrSample = None,
     *,
     tool: Annotated[
         str | None,
@@ -88,7 +95,7 @@ def view(
     show_unit: Annotated[
         str, typer.Option(metavar="|".join(_SHOWN), help="In which the page shows lengths at first.")
     ] = "mm",
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     host: Annotated[
         str | None,
         typer.Option(help="Name or address of this machine for others to reach it by. Default: this machine alone."),
