@@ -17,8 +17,8 @@ from point_depths import Bounds, depth_bounds, distances, farthest_inside, quart
 
 import feeler
 from feeler import Verdict
-from feeler.clashes.part_meshes import PartMeshes
 from feeler.clashes.table import SHAPES
+from feeler.part_meshes import PartMeshes
 
 Corners = npt.NDArray[np.float64]
 

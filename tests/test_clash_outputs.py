@@ -22,11 +22,12 @@ from feeler import Verdict
 from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html
 from feeler.clashes.as_glb import COLOUR_OF, clash_bodies
 from feeler.clashes.columns import COLUMNS
-from feeler.clashes.words import extent, length, sentence, title
+from feeler.clashes.words import extent, sentence, title
 from feeler.errors import OptionError
 from feeler.io import WriteError
 from feeler.io.body import LIGHT_GREY
-from feeler.workbench.findings import grouped, ids, read_findings
+from feeler.words import length
+from feeler.workbench.document.findings import grouped, ids, read_findings
 
 WHEN = datetime.datetime(2024, 5, 6, 7, 8, 9, tzinfo=datetime.timezone.utc)
 HOSTILE = "</script><script>alert(1)</script>&\"'\x01"

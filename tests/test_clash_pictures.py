@@ -10,8 +10,8 @@ from clash_scene import house
 
 import feeler
 from feeler.clashes import pictures, write_html
-from feeler.clashes.part_meshes import PartMeshes
 from feeler.clashes.pictures import Pictures, _Triangles
+from feeler.part_meshes import PartMeshes
 
 
 def test_the_triangles_near_a_place_are_those_whose_boxes_meet_it(rng: np.random.Generator) -> None:

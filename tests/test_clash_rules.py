@@ -12,9 +12,9 @@ from clash_scene import FOUND, house, mockup_of, pairs
 from shapes import box
 
 import feeler
-from feeler.clashes import Exclusion, Rule, Rules, report, rules, write_rules
+from feeler.clashes import Exclusion, Rule, Rules, limits, report, write_rules
 from feeler.clashes.fastener_rule import is_fastener
-from feeler.clashes.rules import sub_assemblies
+from feeler.clashes.limits import sub_assemblies
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
@@ -192,7 +192,7 @@ def test_names_that_are_not_there_are_told_with_near_ones(mockup: feeler.Mockup)
 
 
 def test_too_many_classes_are_refused(monkeypatch: pytest.MonkeyPatch, mockup: feeler.Mockup) -> None:
-    monkeypatch.setattr(rules, "CLASS_LIMIT", 2)
+    monkeypatch.setattr(limits, "CLASS_LIMIT", 2)
     with pytest.raises(OptionError, match="patterns put the parts into 3 classes, and 2 are the most"):
         ruled(mockup, Rule("x", "house/walls", "house/pins"))
 
@@ -347,7 +347,7 @@ def test_two_rules_may_share_their_last_names(tmp_path: Path) -> None:
 
 
 def test_classes_are_as_few_as_the_patterns_tell_apart(mockup: feeler.Mockup) -> None:
-    made = rules.limits(
+    made = limits.limits(
         Rules((Rule("x", "house/walls", "house/pins"), Rule("y", "*left*"))),
         mockup.parts,
         mockup.part_paths,

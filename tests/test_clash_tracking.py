@@ -19,7 +19,7 @@ from feeler import Verdict
 from feeler.clashes.tracking import DEPTH_GROWTH_M, clash_id, part_keys
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io import WriteError
-from feeler.workbench.findings import grouped, read_findings
+from feeler.workbench.document.findings import grouped, read_findings
 
 
 @pytest.fixture(scope="module")

@@ -87,7 +87,7 @@ def test_help_loads_nothing_that_only_work_needs(words: list[str]) -> None:
     early, *loaded = done.stderr.split()
     assert early == "False" and "feeler.cli.app" in loaded
     heavy = {"trimesh", "matplotlib", "cascadio", "DracoPy", "coal", "fcl", "rich.progress", "feeler.picture"}
-    heavy |= {"feeler.workbench", "feeler.workbench.server", "websockets", "asyncio", "webbrowser"}
+    heavy |= {"feeler.workbench", "feeler.workbench.net.server", "websockets", "asyncio", "webbrowser"}
     assert not heavy.intersection(loaded)
 
 

@@ -18,8 +18,8 @@ from workbench_fake import WAIT_S, Page, bearer, fetch
 
 from feeler.cli.inputs import Choice
 from feeler.cli.view import _Opening
-from feeler.workbench import protocol
-from feeler.workbench.session import Session
+from feeler.workbench.document import protocol
+from feeler.workbench.session.session import Session
 
 PROGRAM = (
     "import signal, sys\n"

@@ -15,8 +15,9 @@ from shapes import at, box, cube, joined, mockup_of
 
 import feeler
 from feeler.errors import MeshError, OptionError
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import kind_said
-from feeler.plan.same_shapes import PartMeshes, same_shapes
+from feeler.plan.same_shapes import same_shapes
 from feeler.samples import hardware
 from feeler.samples.mesh import Mesh
 from feeler.samples.shapes import skin_loops
@@ -302,7 +303,7 @@ def test_parts_of_one_shape_are_looked_at_once() -> None:
     assert sorted(shape.parts.tolist() for shape in shapes) == [[0, 2, 4], [1, 5], [3]]
     for shape in shapes:
         for part, place in zip(shape.parts, shape.places, strict=True):
-            vertices, _ = PartMeshes(mockup)[int(part)]
+            vertices, _ = PartMeshes(mockup).mesh(int(part))
             assert np.allclose(shape.vertices @ place[:3, :3].T + place[:3, 3], vertices, atol=1e-9)
 
 

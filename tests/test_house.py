@@ -207,6 +207,26 @@ PLANTED = {
         "may not import bench.run",
     ),
     "a room without a place": ("python/feeler/attic.py", "x = 1\n", "room attic has no place"),
+    "the document imports the engine": (
+        "python/feeler/workbench/document/history.py",
+        "\ndef late():\n    from ..engine import trip\n",
+        "document may not import trip of engine",
+    ),
+    "the session imports the server": (
+        "python/feeler/workbench/session/events.py",
+        "\nfrom feeler.workbench.net.server import Server\n",
+        "session may not import Server of net",
+    ),
+    "a room of the workbench without a place": (
+        "python/feeler/workbench/attic.py",
+        "x = 1\n",
+        "room attic has no place in INNER_ROOMS",
+    ),
+    "two files of Python in a circle": (
+        "python/feeler/workbench/document/document.py",
+        "\ndef late():\n    from feeler.workbench.document import history\n",
+        "document.py: in a circle of",
+    ),
 }
 
 
@@ -522,6 +542,61 @@ def test_rooms_and_circles(name: str, layers: ModuleType, tmp_path: Path) -> Non
     for violation, complaint in zip(sorted(found), complaints, strict=True):
         at = "" if complaint.startswith(":") else "/"
         assert violation.startswith(f"crates/feeler-core/src{at}{complaint}")
+
+
+KNOT = {
+    "a/__init__.py": "from a.low import thing\nfrom a.top import use\nversion = 1\n",
+    "a/low.py": "thing = 1\n",
+    "a/top.py": "from a import thing, version\n\ndef use():\n    from . import low\n",
+    "script.py": "import beside\n",
+    "scripts/one.py": "import other\n",
+    "scripts/other.py": "",
+    "beside.py": "from a import use\n",
+}
+PYTHON_CIRCLES = {
+    "none through a door": ({}, []),
+    "at the head of a file": (
+        {"a/low.py": "from a.top import use\nthing = 1\n"},
+        [
+            "bench/a/low.py: imports bench/a/top.py and back, with no reason in TWO_FILE_CIRCLES:\n"
+            "    bench/a/low.py:1 -> bench/a/top.py: use\n"
+            "    bench/a/top.py:1 -> bench/a/low.py: thing, low"
+        ],
+    ),
+    "inside a function": (
+        {"a/low.py": "def late():\n    from .top import use\n"},
+        ["bench/a/low.py: imports bench/a/top"],
+    ),
+    "for type checkers": (
+        {"a/low.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import a.top\n"},
+        ["bench/a/low.py: imports bench/a/top"],
+    ),
+    "through a door": ({"a/low.py": "from a import use\n"}, ["bench/a/low.py: imports bench/a/top.py and back"]),
+    "of scripts in a folder": (
+        {"scripts/other.py": "from one import x\n"},
+        ["bench/scripts/one.py: imports bench/scripts/other.py and back"],
+    ),
+    "of four, by scripts": (
+        {"a/low.py": "import script\n"},
+        ["bench/a/low.py: in a circle of 4 files, with bench/a/top.py, bench/beside.py, bench/script.py"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PYTHON_CIRCLES)
+def test_circles_of_python(name: str, layers: ModuleType, tmp_path: Path) -> None:
+    changed, complaints = PYTHON_CIRCLES[name]
+    for file, text in {**KNOT, **changed}.items():
+        path = tmp_path / "bench" / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    found = list(layers.python_circles(tmp_path, {}))
+    assert len(found) == len(complaints), found
+    for violation, complaint in zip(found, complaints, strict=True):
+        assert violation.startswith(complaint)
+    if name == "inside a function":
+        reasons = {("bench/a/top.py", "bench/a/low.py"): "they share a secret"}
+        assert not list(layers.python_circles(tmp_path, reasons))
 
 
 def test_unsafe_has_its_crates(layers: ModuleType, tmp_path: Path) -> None:

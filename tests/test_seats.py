@@ -11,8 +11,8 @@ from shapes import box
 import feeler
 from feeler import haptics
 from feeler._core import GuardedMove
-from feeler.workbench.parts import PartMeshes
-from feeler.workbench.world import World
+from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.world import World
 
 FAR = 0.1
 
@@ -71,7 +71,7 @@ def turned(a: np.ndarray, b: np.ndarray) -> float:
 
 def dragged(scene: feeler.Scene, part: int, way: list[np.ndarray]) -> np.ndarray:
     """Where the page's hand brings a part along a way, in the mode that stops."""
-    meshes = PartMeshes(scene.mockup)
+    meshes = PartTools(scene.mockup)
     tool, _ = meshes.of(part)
     world = World(scene, meshes, {}, [part])
     hand, pose = GuardedMove(world, tool, way[0]), way[0]
@@ -112,7 +112,7 @@ def test_a_bolt_without_a_hole_leaves_along_its_axis_alone_in_all_rooms(engine: 
 
 
 def _mesh(scene: feeler.Scene, part: int) -> tuple[np.ndarray, np.ndarray]:
-    tool, _ = PartMeshes(scene.mockup).of(part)
+    tool, _ = PartTools(scene.mockup).of(part)
     return tool.vertices, tool.faces
 
 

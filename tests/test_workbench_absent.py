@@ -16,10 +16,10 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 import feeler
 from feeler.errors import LoadError, WorkbenchError
 from feeler.io import write_glb
-from feeler.workbench import page as page_module
-from feeler.workbench.record import read_record
-from feeler.workbench.replaying import replay
-from feeler.workbench.snapshot import NOT_DRAWN
+from feeler.workbench.engine.snapshot import NOT_DRAWN
+from feeler.workbench.session import page as page_module
+from feeler.workbench.session.record import read_record
+from feeler.workbench.session.replaying import replay
 
 WAIT_S = 60.0
 

@@ -17,9 +17,9 @@ from workbench_scene import Clock, at, cube, stand
 
 import feeler
 from feeler.errors import WorkbenchError
-from feeler.workbench import benchmark
-from feeler.workbench.outbox import MOST_STATES, Outbox
-from feeler.workbench.session import Session
+from feeler.workbench.net.outbox import MOST_STATES, Outbox
+from feeler.workbench.session import benchmark
+from feeler.workbench.session.session import Session
 
 sync_api = pytest.importorskip("playwright.sync_api")
 

@@ -16,11 +16,11 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 
 import feeler
 from feeler.errors import FeelerError, WorkbenchError
-from feeler.workbench.arguments import Arguments, Maybe, Shape
-from feeler.workbench.commands import COMMANDS
-from feeler.workbench.document import JSON_FIELDS, Document
-from feeler.workbench.frames import check
-from feeler.workbench.protocol import Camera, DocumentFields, Patch, Vec3, decode_from_server, encode
+from feeler.workbench.document.arguments import Arguments, Maybe, Shape
+from feeler.workbench.document.commands import COMMANDS
+from feeler.workbench.document.document import JSON_FIELDS, Document
+from feeler.workbench.document.frames import check
+from feeler.workbench.document.protocol import Camera, DocumentFields, Patch, Vec3, decode_from_server, encode
 
 ROOT = Path(__file__).parent.parent
 

@@ -12,7 +12,7 @@ from workbench_scene import PLATE, Bench, at, cube
 
 from feeler.errors import SessionError
 from feeler.haptics import View, devices
-from feeler.workbench.device import DeviceHand
+from feeler.workbench.engine.device import DeviceHand
 
 LOOKS = 700
 """At each place of the hand; and `PLACES`: guards against waiting for ever, no measurement."""

@@ -7,12 +7,12 @@ import pytest
 from workbench_scene import FACES, LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, corners, cube, stand
 
 import feeler
-from feeler.workbench import motion
-from feeler.workbench.engine import Engine
-from feeler.workbench.parts import PartMeshes
-from feeler.workbench.session import LEAST_TICK_S
-from feeler.workbench.snapshot import Snapshot
-from feeler.workbench.world import World
+from feeler.workbench.document import motion
+from feeler.workbench.engine.engine import Engine
+from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.snapshot import Snapshot
+from feeler.workbench.engine.world import World
+from feeler.workbench.session.session import LEAST_TICK_S
 
 HALF = 0.03125  # of the cube
 
@@ -149,7 +149,7 @@ def test_the_depth_is_the_shortest_way_out_and_not_a_contact_planes() -> None:
 
 def test_a_way_out_of_one_scene_that_leads_into_the_other_is_none() -> None:
     mockup = stand()
-    scene, meshes, tool = feeler.Scene(mockup), PartMeshes(mockup), cube()
+    scene, meshes, tool = feeler.Scene(mockup), PartTools(mockup), cube()
     pose = at(0.0, 0.0, HALF - 0.005)
     way = World(scene, meshes, {}).penetration(tool, pose, 0.002)
     assert way is not None and way.kind == "bound" and way.depth == pytest.approx(0.005, abs=1e-6)
@@ -177,7 +177,7 @@ def test_a_costly_depth_takes_a_small_share_of_the_time() -> None:
             return super().penetration(*args)  # type: ignore[arg-type]
 
     engine = Engine(clock=clock)
-    engine.set(Slow(bench.scene, PartMeshes(bench.mockup), {}), cube(), at(0, 0, 0.01), mode="pass")
+    engine.set(Slow(bench.scene, PartTools(bench.mockup), {}), cube(), at(0, 0, 0.01), mode="pass")
     begun = clock.now
     for step in range(1000):
         clock.now += 0.004
@@ -200,7 +200,7 @@ def test_what_it_meets_from_the_start_is_no_impact() -> None:
 
 def test_hits_beyond_the_limit_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = Bench(cube(), pose=at(0.3, 0.0, 0.0), mode="pass")
-    monkeypatch.setattr("feeler.workbench.snapshot.MOST_HITS", 2)
+    monkeypatch.setattr("feeler.workbench.engine.snapshot.MOST_HITS", 2)
     message = bench.session.snapshot().message()
     assert len(message.hits) == 2 and message.hit_count == 2 + message.hit_more > 2
 
@@ -268,7 +268,7 @@ def test_what_costs_more_than_the_budget_comes_at_a_lower_rate() -> None:
             return super().clearance(*args)  # type: ignore[arg-type]
 
     engine = Engine(clock=clock)
-    engine.set(Slow(bench.scene, PartMeshes(bench.mockup), {}), cube(), at(0, 0, 0.2), mode="pass")
+    engine.set(Slow(bench.scene, PartTools(bench.mockup), {}), cube(), at(0, 0, 0.2), mode="pass")
     for step in range(100):
         clock.now += 0.01
         engine.wish(at(0.001 * step, 0, 0.2), step, "mouse")
@@ -299,7 +299,7 @@ def test_what_is_costly_is_found_between_wishes_and_no_later_than_it_is_due() ->
 
         setattr(Timed, name, slow)
     engine = Engine(clock=clock)
-    engine.set(Timed(bench.scene, PartMeshes(bench.mockup), {}), cube(), at(0, 0, 0.2), mode="pass")
+    engine.set(Timed(bench.scene, PartTools(bench.mockup), {}), cube(), at(0, 0, 0.2), mode="pass")
     rounds = []
     for step in range(1000):
         if step % 4 == 0:
@@ -348,7 +348,7 @@ def test_no_two_rounds_begin_within_the_least_time_however_long_one_waits(monkey
         session._is_closed = len(begun) == 30
         return tick()
 
-    monkeypatch.setattr("feeler.workbench.session.time.sleep", sleep)
+    monkeypatch.setattr("feeler.workbench.session.session.time.sleep", sleep)
     monkeypatch.setattr(session, "_wake", Wake())
     monkeypatch.setattr(session.engine, "tick", waited_for)
     session._loop()
@@ -399,7 +399,7 @@ def test_a_gripped_part_leaves_moves_is_put_down_and_queried_where_it_lies() -> 
 
 def test_answers_of_both_scenes_are_merged_and_none_is_lost() -> None:
     mockup = Bench().mockup
-    scene, meshes = feeler.Scene(mockup), PartMeshes(mockup)
+    scene, meshes = feeler.Scene(mockup), PartTools(mockup)
     shift = at(0.1, -0.2, 0.05)
     world = World(scene, meshes, {PEG: motion.row(shift), LEFT: motion.row(np.eye(4))})
     vertices = mockup.vertices.copy()
@@ -549,7 +549,7 @@ def test_parts_of_a_mockup_in_any_order_with_defects_are_found() -> None:
     faces = np.concatenate([whole.faces[order], [[0, 1, 999]]])
     owners = np.concatenate([whole.part_of_face[order], [PEG]])
     mockup = feeler.Mockup(whole.vertices, faces, owners, whole.part_names, part_paths=whole.part_paths)
-    meshes = PartMeshes(mockup)
+    meshes = PartTools(mockup)
     for part in range(5):
         tool, ids = meshes.of(part)
         expected = feeler.Tool.of_parts(mockup, [part])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from feeler.workbench.guard import (
+from feeler.workbench.net.guard import (
     Door,
     RateLimit,
     check_bearer,

@@ -9,7 +9,7 @@ import pytest
 
 import feeler
 from feeler.workbench.files import static_files
-from feeler.workbench.session import Session
+from feeler.workbench.session.session import Session
 
 PACKAGES = ("three", "preact", "@preact/signals", "@preact/signals-core")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 
-from feeler.workbench.outbox import MOST_STATES, Outbox
+from feeler.workbench.net.outbox import MOST_STATES, Outbox
 
 
 def test_an_outbox_keeps_messages_in_order_and_counts_them() -> None:

@@ -25,9 +25,9 @@ from workbench_scene import Bench, stand
 import feeler
 from feeler.errors import WorkbenchError
 from feeler.workbench import files as files_module
+from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.files import File
-from feeler.workbench.geometry import Geometry
-from feeler.workbench.page import GRID_BITS, container, packed_piece, page
+from feeler.workbench.session.page import GRID_BITS, container, packed_piece, page
 
 CAMERA = {"position": (0.0, -2.0, 1.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 0.0, 1.0), "fov_rad": 0.75}
 SCRIPT = 'const a = "</script><!--";\r\nlet b = 1;'

@@ -10,8 +10,8 @@ import pytest
 from workbench_fake import FILES, FakeSession, fetch
 
 from feeler.errors import OptionError
-from feeler.workbench.listening import Place
-from feeler.workbench.server import Server
+from feeler.workbench.net.listening import Place
+from feeler.workbench.net.server import Server
 
 
 @pytest.fixture

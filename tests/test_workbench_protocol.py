@@ -20,9 +20,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from feeler.workbench import protocol
-from feeler.workbench.frames import MOST_DEEP, dumps
-from feeler.workbench.protocol import (
+from feeler.workbench.document import protocol
+from feeler.workbench.document.frames import MOST_DEEP, dumps
+from feeler.workbench.document.protocol import (
     ProtocolError,
     decode_from_page,
     decode_from_server,

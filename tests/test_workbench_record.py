@@ -13,11 +13,11 @@ from workbench_scene import LEFT, PEG, PLATE, RIGHT, Bench, at, cube, stand
 import feeler
 from feeler.errors import LoadError, MissingFileError, WorkbenchError
 from feeler.io import write_glb, write_stl
-from feeler.workbench import replaying
-from feeler.workbench.jobs import JobCancelledError
-from feeler.workbench.record import read_record
-from feeler.workbench.replaying import Player, replay
-from feeler.workbench.session import Session
+from feeler.workbench.session import replaying
+from feeler.workbench.session.jobs import JobCancelledError
+from feeler.workbench.session.record import read_record
+from feeler.workbench.session.replaying import Player, replay
+from feeler.workbench.session.session import Session
 
 
 def session_of(path: Path, mode: str = "stop") -> Bench:
@@ -64,7 +64,7 @@ def test_where_a_replay_parts_is_told(tmp_path: Path) -> None:
     entries = [json.loads(line) for line in lines]
     hit = next(i for i, entry in enumerate(entries) if entry["kind"] == "tick" and entry["came"])
 
-    def parted(change: int, **fields: object) -> feeler.workbench.replaying.Parted:  # type: ignore[name-defined]
+    def parted(change: int, **fields: object) -> feeler.workbench.session.replaying.Parted:  # type: ignore[name-defined]
         changed = [json.dumps({**entries[change], **fields}) if i == change else line for i, line in enumerate(lines)]
         (tmp_path / "b.jsonl").write_text("\n".join(changed) + "\n")
         found = replay(read_record(tmp_path / "b.jsonl"), bench.mockup, feeler.Scene(bench.mockup), cube())
@@ -86,7 +86,7 @@ def test_where_a_replay_parts_is_told(tmp_path: Path) -> None:
 
 def test_another_engine_answer_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bench = session_of(tmp_path / "a.jsonl")
-    monkeypatch.setattr("feeler.workbench.engine.OFF_M", 6e-7)
+    monkeypatch.setattr("feeler.workbench.engine.engine.OFF_M", 6e-7)
     found = replay(read_record(tmp_path / "a.jsonl"), bench.mockup, feeler.Scene(bench.mockup), cube())
     assert not found and "elsewhere" in found.parted.what
 

@@ -24,11 +24,11 @@ from websockets.exceptions import InvalidHandshake
 from workbench_fake import FILES, WAIT_S, FakeSession, FakeSnapshot, Page, bearer, fetch, raw_page, token_of
 
 from feeler.errors import WorkbenchError
-from feeler.workbench import protocol
+from feeler.workbench.document import protocol
 from feeler.workbench.files import static_files
-from feeler.workbench.guard import new_token
-from feeler.workbench.server import Server
-from feeler.workbench.serving import Limits
+from feeler.workbench.net.guard import new_token
+from feeler.workbench.net.server import Server
+from feeler.workbench.net.serving import Limits
 
 SECRETS = ["/scene", "/scene/pieces/0", "/held/1", "/exports/a.csv"]
 

@@ -20,12 +20,12 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 import feeler
 from feeler.errors import LoadError, MeshError, OptionError, WorkbenchError
 from feeler.io import write_glb
-from feeler.workbench import measuring
-from feeler.workbench.engine import Engine
-from feeler.workbench.events import MOST_KEPT
-from feeler.workbench.jobs import JobCancelledError, Jobs
-from feeler.workbench.record import read_record
-from feeler.workbench.session import Session
+from feeler.workbench.engine import measuring
+from feeler.workbench.engine.engine import Engine
+from feeler.workbench.session.events import MOST_KEPT
+from feeler.workbench.session.jobs import JobCancelledError, Jobs
+from feeler.workbench.session.record import read_record
+from feeler.workbench.session.session import Session
 
 WAIT_S = 60.0  # for a thread that is known to come
 
@@ -531,7 +531,7 @@ def test_a_failing_engine_lets_go_and_tells_once(monkeypatch: pytest.MonkeyPatch
         heard = threading.Event()
         session.open(mockup, feeler.Scene(mockup), cube(), pose=at(0, 0, 0.2))
         session.subscribe(lambda event: (told.append(event), heard.set()) if event["type"] == "notice" else None)
-        monkeypatch.setattr("feeler.workbench.engine.OFF_M", "broken")
+        monkeypatch.setattr("feeler.workbench.engine.engine.OFF_M", "broken")
         session.wish(at(0, 0, 0.1), 1, "mouse")
         assert heard.wait(WAIT_S)
         monkeypatch.undo()
@@ -553,9 +553,9 @@ class FakeServer:
 
 @pytest.fixture
 def served(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = types.ModuleType("feeler.workbench.server")
+    module = types.ModuleType("feeler.workbench.net.server")
     module.Server = FakeServer  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "feeler.workbench.server", module)
+    monkeypatch.setitem(sys.modules, "feeler.workbench.net.server", module)
 
 
 @pytest.mark.usefixtures("served")

@@ -18,9 +18,9 @@ from test_workbench_protocol import DOCUMENT, state
 from websockets.sync.client import ClientConnection, connect
 
 from feeler.errors import WorkbenchError
-from feeler.workbench import protocol
+from feeler.workbench.document import protocol
+from feeler.workbench.document.protocol import decode_from_server, encode
 from feeler.workbench.files import File
-from feeler.workbench.protocol import decode_from_server, encode
 
 FILES = {
     "/": File("text/html; charset=utf-8", b"<!doctype html><title>page</title>"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import feeler
-from feeler.workbench.session import Session
+from feeler.workbench.session.session import Session
 
 QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 FACES = np.array([[q[0], q[i], q[i + 1]] for q in QUADS for i in (1, 2)])

@@ -1,7 +1,7 @@
 """Checks who may know of whom: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python`, never back.
 
     python tools/check_layers.py [ROOT]              the check
-    python tools/check_layers.py --graph [CRATE]     which file imports which, and the circles
+    python tools/check_layers.py --graph [NAME]      which file imports which, and the circles: of a crate, bench, ...
 
 A new crate or a new room, of Rust or Python, fails the check until it has its place in the tables below: the tables are
 the architecture, and changing them is a decision to make in the open.
@@ -16,6 +16,7 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
+from python_modules import Sources
 from rust_modules import Arrows, Crate, blank, circles, shortest_circle
 
 if sys.version_info >= (3, 11):
@@ -190,7 +191,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
     },
 }
 
-# Files of one crate do not import each other in a circle. Two may, with the reason here; three never.
+# Files of one crate, or of Python, do not import each other in a circle. Two may, with the reason here; three never.
 TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
     (
         "crates/feeler-core/src/index/blocks/collide.rs",
@@ -211,20 +212,35 @@ TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
 }
 
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
-BASE = {"_core", "calibrate", "errors", "mockup", "poses", "progress", "scene", "travel"}
+BASE = {
+    "_core",
+    "arguments",
+    "calibrate",
+    "errors",
+    "mockup",
+    "part_meshes",
+    "poses",
+    "progress",
+    "scene",
+    "travel",
+    "words",
+}
 ROOMS: dict[str, set[str]] = {
     "_core": {"_core_results", "poses"},
     "_core_results": set(),  # a share of the stub
     "errors": set(),
     "progress": {"errors"},
+    "words": set(),
+    "arguments": {"errors"},
     "travel": {"_core", "errors"},
     "poses": {"errors"},
     "parts": {"errors"},
     "mockup": {"_core", "errors", "parts", "poses", "travel"},
+    "part_meshes": {"mockup"},
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
     "calibrate": {"_core", "errors"},
     "depths": set(),
-    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "poses", "travel"},
+    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "poses", "progress", "travel"},
     "io": BASE,
     "interchange": {*BASE, "io"},
     "haptics": BASE,
@@ -246,6 +262,26 @@ ROOMS: dict[str, set[str]] = {
     },
     "__main__": {"cli"},
 }
+# What the rooms of such a room may import of each other. Its `__init__.py` is its door, for all.
+INNER_ROOMS: dict[str, dict[str, set[str]]] = {
+    "workbench": {
+        # The page's own files.
+        "files": set(),
+        # Values and pure functions.
+        "document": set(),
+        # What the hand holds and meets; knows of no page.
+        "engine": {"document"},
+        # Document, engine, jobs and record together; knows of no socket.
+        "session": {"document", "engine", "files"},
+        # Knows the session by what it needs of one.
+        "net": {"document", "files"},
+        # `feeler.view`.
+        "scripting": {"document", "session", "net"},
+    },
+}
+# Folders of Python without circles, of imports inside functions and for type checkers neither.
+PYTHON_FOLDERS = ("python", "bench", "tools", "examples")
+
 # Beside the package, and never imported by it.
 OUTSIDE = {"bench", "tests", "tools", "examples", "docs"}
 
@@ -308,7 +344,7 @@ def module_violations(
         arrows |= own
         if name in rooms:
             yield from room_violations(root, crate, own, rooms[name])
-    yield from circle_violations(root, arrows, two_file_circles)
+    yield from circle_violations(root, arrows, written_in(".rs", two_file_circles))
 
 
 def room_violations(root: Path, crate: Crate, arrows: Arrows, rooms: Mapping[str, Collection[str]]) -> Iterator[str]:
@@ -359,18 +395,62 @@ def steps(root: Path, way: list[Path], arrows: Arrows) -> Iterator[str]:
 
 
 def graph(root: Path, wanted: str | None) -> Iterator[str]:
-    """The arrows and the circles of one crate or all, to work with."""
-    for name, folder in crate_folders(root).items():
+    """The arrows and the circles of one crate or folder, or of all, to work with."""
+    bases = {name: folder / "src" for name, folder in crate_folders(root).items()}
+    bases |= {name: root / name for name in PYTHON_FOLDERS}
+    for name, base in bases.items():
         if wanted not in {None, name}:
             continue
-        arrows = Crate(folder, name).arrows()
+        arrows = Sources(base).arrows() if name in PYTHON_FOLDERS else Crate(base.parent, name).arrows()
         for (path, into), names in sorted(arrows.items()):
-            places = [file.relative_to(folder / "src").as_posix() for file in (path, into)]
+            places = [file.relative_to(base).as_posix() for file in (path, into)]
             yield f"{name}: {places[0]} -> {places[1]}: {', '.join(names)}"
         for files in circles(arrows):
-            places = [file.relative_to(folder / "src").as_posix() for file in files]
+            places = [file.relative_to(base).as_posix() for file in files]
             yield f"{name}: a circle of {len(files)} files: {' '.join(places)}"
             yield from (f"    {step}" for step in steps(root, shortest_circle(files, arrows), arrows))
+
+
+def python_circles(root: Path, two_file_circles: Mapping[tuple[str, str], str] = TWO_FILE_CIRCLES) -> Iterator[str]:
+    """Circles of Python files."""
+    arrows: Arrows = {}
+    for name in PYTHON_FOLDERS:
+        arrows |= Sources(root / name).arrows()
+    yield from circle_violations(root, arrows, written_in(".py", two_file_circles))
+
+
+def written_in(suffix: str, circles_of_two: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], str]:
+    return {pair: reason for pair, reason in circles_of_two.items() if pair[0].endswith(suffix)}
+
+
+def inner_violations(
+    root: Path, inner_rooms: Mapping[str, Mapping[str, Collection[str]]] = INNER_ROOMS
+) -> Iterator[str]:
+    """Imports between the rooms of a room of python/feeler."""
+    sources = Sources(root / "python")
+    for outer, rooms in inner_rooms.items():
+        folder = root / "python" / "feeler" / outer
+
+        def room(path: Path, folder: Path = folder) -> str:
+            return path.relative_to(folder).parts[0].split(".")[0]
+
+        files = [path for path in sources.files() if path.is_relative_to(folder) and path != folder / "__init__.py"]
+        for path in files:
+            if room(path) not in rooms:
+                where = path.relative_to(root).as_posix()
+                yield f"{where}: room {room(path)} has no place in INNER_ROOMS of tools/check_layers.py"
+        for name in sorted({*rooms} - {room(path) for path in files}):
+            where = folder.relative_to(root).as_posix()
+            yield f"{where}: room {name} of INNER_ROOMS in tools/check_layers.py is not there"
+        for (path, into), names in sorted(sources.arrows(files).items()):
+            if not into.is_relative_to(folder):
+                continue
+            own, other = room(path), room(into)
+            if own != other and own in rooms and other not in rooms[own]:
+                allowed = ", ".join(sorted(rooms[own])) or "nothing"
+                for name, line in names.items():
+                    where = f"{path.relative_to(root).as_posix()}:{line}"
+                    yield f"{where}: {own} may not import {name} of {other} (of {outer} it may import: {allowed})"
 
 
 def python_violations(root: Path) -> Iterator[str]:
@@ -416,12 +496,13 @@ def imports(path: Path, package: Path) -> Iterator[tuple[int, str]]:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Checks who may know of whom.")
     parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).parent.parent, help="default: this tree")
-    parser.add_argument("--graph", nargs="?", const="", metavar="CRATE", help="print who imports whom, and the circles")
+    parser.add_argument("--graph", nargs="?", const="", metavar="NAME", help="print who imports whom, and the circles")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
     if arguments.graph is not None:
-        if arguments.graph and arguments.graph not in crate_folders(root):
-            parser.error(f"no crate {arguments.graph}: there are {', '.join(crate_folders(root))}")
+        known = [*crate_folders(root), *PYTHON_FOLDERS]
+        if arguments.graph and arguments.graph not in known:
+            parser.error(f"no crate {arguments.graph}: there are {', '.join(known)}")
         print("\n".join(graph(root, arguments.graph or None)))
         return 0
     violations = sorted(
@@ -430,6 +511,8 @@ def main() -> int:
             *source_violations(root),
             *module_violations(root),
             *python_violations(root),
+            *inner_violations(root),
+            *python_circles(root),
         }
     )
     for violation in violations:

@@ -1,7 +1,7 @@
 """Writes viewer/src/link/protocol.ts: what the page knows of the messages.
 
-The messages and the objects in them are those of python/feeler/workbench/protocol.py; the names, arguments and
-answers of commands, questions and jobs are the tables of commands.py and asking.py there.
+The messages and the objects in them are those of python/feeler/workbench/document/protocol.py; the names, arguments and
+answers of commands, questions and jobs are the tables of document/commands.py and session/asking.py there.
 
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if what is written differs
@@ -286,7 +286,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    names = ("protocol", "frames", "commands", "asking")
+    names = ("document/protocol", "document/frames", "document/commands", "session/asking")
     text = document(*((WORKBENCH / f"{name}.py").read_text(encoding="utf-8") for name in names))
     if not is_check:
         WRITTEN.write_text(text, encoding="utf-8", newline="\n")

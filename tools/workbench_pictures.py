@@ -20,8 +20,8 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 
 import feeler
-from feeler.workbench.server import Server
-from feeler.workbench.session import Session
+from feeler.workbench.net.server import Server
+from feeler.workbench.session.session import Session
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
 

@@ -9,7 +9,7 @@ from typing import Any
 import pages
 from pages import bold, markdown
 
-from feeler.clashes.words import length
+from feeler.words import length
 
 from . import goals, hard_cases
 from .checkers import QUERIES, Answer

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 import feeler
-from feeler import haptics
 
 from .meshes import Floats
 from .poses import moved, placed, rotation_vector
@@ -128,28 +126,3 @@ def limited(vector: Floats, most: float) -> Floats:
     """A vector no longer than that."""
     length = float(np.sqrt(vector @ vector))
     return vector if length <= most else np.asarray(vector * (most / length))
-
-
-def feeler_session(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, **options: Any) -> Face:
-    """feeler's own."""
-    return haptics.Session(scene, tool, seed=seed, **options)
-
-
-def stiffened(face: str, stiffness_n_per_m: float) -> dict[str, Any] | None:
-    """Options of a face's maker with that stiffness; None where the bench does not vary it."""
-    if face != "feeler":
-        return None
-    return {"coupling": haptics.Coupling(stiffness_n_per_m=stiffness_n_per_m)}
-
-
-def unshaded(face: str) -> MakeFace | None:
-    """A face's maker without force shading; None where there is no such option."""
-    return functools.partial(feeler_session, shading=False) if face == "feeler" else None
-
-
-def makers() -> dict[str, MakeFace]:
-    """Whatever can be felt, by name."""
-    from .penalty import Penalty
-    from .point_shell import PointShell
-
-    return {"feeler": feeler_session, "penalty": Penalty, "point-shell": PointShell}

@@ -30,7 +30,7 @@ import host
 import pages
 from command_line import listed, one_of
 
-from feel import faces, goals, plots, scenes, tables
+from feel import felt, goals, plots, scenes, tables
 from feel.experiments import energy, engine, fitting, passing, tessellation, tight
 from feeler.progress import bar
 
@@ -53,7 +53,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="the short form of each experiment")
     names = list(EXPERIMENTS)
     parser.add_argument("--only", type=listed(one_of("experiment", names)), default=names, help=", ".join(names))
-    names = list(faces.makers())
+    names = list(felt.makers())
     parser.add_argument(
         "--faces", type=listed(one_of("face", names)), default=names, help=f"what is felt ({','.join(names)})"
     )
@@ -95,42 +95,42 @@ def _throws(face: str, runs: int, seed: int, jobs: int) -> Iterator[Result]:
 
 def _throw(asked: tuple[str, int, int]) -> Result:
     face, index, seed = asked
-    return passing.one(faces.makers()[face], index, seed)
+    return passing.one(felt.makers()[face], index, seed)
 
 
 def _forces(face: str, options: argparse.Namespace) -> Result:
-    return tessellation.forces(faces.makers()[face], scenes.QUICK_CELLS if options.quick else scenes.CELLS)
+    return tessellation.forces(felt.makers()[face], scenes.QUICK_CELLS if options.quick else scenes.CELLS)
 
 
 def _sliding(face: str, options: argparse.Namespace) -> Result:
     sides = QUICK_SIDES if options.quick else SIDES
-    return tessellation.sliding(faces.makers()[face], sides, unshaded=faces.unshaded(face))
+    return tessellation.sliding(felt.makers()[face], sides, unshaded=felt.unshaded(face))
 
 
 def _closed(face: str, options: argparse.Namespace) -> Result:
     del options
-    return energy.closed(faces.makers()[face])
+    return energy.closed(felt.makers()[face])
 
 
 def _step_response(face: str, options: argparse.Namespace) -> Result:
     del options
-    return energy.step_response(faces.makers()[face], lambda stiffness: faces.stiffened(face, stiffness))
+    return energy.step_response(felt.makers()[face], lambda stiffness: felt.stiffened(face, stiffness))
 
 
 def _release(face: str, options: argparse.Namespace) -> Result:
     del options
-    return energy.release(faces.makers()[face])
+    return energy.release(felt.makers()[face])
 
 
 def _pegs(face: str, options: argparse.Namespace) -> Result:
     seeds = options.seeds if face == "feeler" else min(options.seeds, BASELINE_SEEDS)
     names = ("H11/c11",) if options.quick else ("H11/c11", "H7/g6")
-    return fitting.pegs(faces.makers()[face], seeds, names)
+    return fitting.pegs(felt.makers()[face], seeds, names)
 
 
 def _ways(face: str, options: argparse.Namespace) -> Result:
     # the baselines have no part of so large an engine: a grid of its own size would not fit
-    return fitting.ways(faces.makers()[face], SIZE if face == "feeler" and not options.quick else None)
+    return fitting.ways(felt.makers()[face], SIZE if face == "feeler" and not options.quick else None)
 
 
 def _engine(face: str, options: argparse.Namespace) -> Result | None:
@@ -138,14 +138,14 @@ def _engine(face: str, options: argparse.Namespace) -> Result | None:
         return None
     sizes = [QUICK_SIZE] if options.quick else [SIZE, *([BIG_SIZE] if options.big else [])]
     steps = QUICK_STEPS if options.quick else None
-    found = [engine.run(faces.makers()[face], size, steps, seed=options.seed) for size in sizes]
+    found = [engine.run(felt.makers()[face], size, steps, seed=options.seed) for size in sizes]
     return {"rows": [row for one in found for row in one["rows"]], "sample": "engine"}
 
 
 def _fits(face: str, options: argparse.Namespace) -> Result | None:
     if face != "feeler":
         return None
-    return tight.run(faces.makers()[face], QUICK_FIT_STEPS if options.quick else tight.STEPS)
+    return tight.run(felt.makers()[face], QUICK_FIT_STEPS if options.quick else tight.STEPS)
 
 
 EXPERIMENTS: dict[str, Callable[[str, argparse.Namespace], Result | None]] = {

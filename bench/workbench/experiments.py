@@ -14,8 +14,8 @@ import numpy as np
 import feeler
 from feeler.io import write_glb
 from feeler.workbench import files
-from feeler.workbench.benchmark import FILE
-from feeler.workbench.session import Session
+from feeler.workbench.session.benchmark import FILE
+from feeler.workbench.session.session import Session
 
 from . import stand
 

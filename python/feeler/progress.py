@@ -13,7 +13,8 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-Progress = Callable[[float, str], None]
+Progress = Callable[[float, str], object]
+"""What long calls are given: called with the share done, 0 to 1, and the stage."""
 
 SHOW_AFTER_S = 1.0
 LINE_EVERY_S = 10.0

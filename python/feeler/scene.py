@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import Any, Literal, cast, overload
 
@@ -34,9 +34,8 @@ from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike, PosesLike
+from feeler.progress import Progress
 from feeler.travel import reduced
-
-Progress = Callable[[float, str], object]
 
 STORAGES = ("blocks", "dense", "hashed")
 ESTIMATORS = ("calibrated", "area", "diagonal", "side")

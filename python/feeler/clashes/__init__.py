@@ -11,13 +11,11 @@ from feeler.clashes.as_glb import write_clash_glb
 from feeler.clashes.as_html import write_html
 from feeler.clashes.as_json import report
 from feeler.clashes.as_xlsx import write_xlsx
-from feeler.clashes.changes import Changes
 from feeler.clashes.finding import ClashInterrupted, clash
-from feeler.clashes.grouping import Group
+from feeler.clashes.result import Changes, Clashes, Group, load_clashes
 from feeler.clashes.rules import Exclusion, Rule, Rules
 from feeler.clashes.rules_file import write_rules
-from feeler.clashes.saving import load_clashes
-from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.table import Clash
 from feeler.clashes.verdict import Verdict
 
 __all__ = [

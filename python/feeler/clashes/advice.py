@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from feeler.clashes.table import Clashes
-from feeler.clashes.words import length
+from feeler.clashes.result import Clashes
+from feeler.words import length
 
 _NAMED = 3
 """How many parts a note lists by name."""

@@ -10,18 +10,19 @@ import datetime
 import os
 import re
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from feeler.clashes.grouping import Group
-from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.result import Clashes, Group
+from feeler.clashes.table import Clash
 from feeler.clashes.tracking import derived_id
 from feeler.clashes.verdict import SEVERITIES, Verdict
 from feeler.clashes.words import sentence, title
 from feeler.errors import OptionError
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
+from feeler.progress import Progress
 
 if TYPE_CHECKING:
     from feeler.clashes.pictures import View
@@ -50,7 +51,7 @@ def write_bcf(
     most: int = MOST_TOPICS,
     author: str = SYSTEM,
     when: datetime.datetime | None = None,
-    progress: Callable[[float, str], object] | None = None,
+    progress: Progress | None = None,
 ) -> int:
     """Writes a topic for each of the `most` worst groups, with a viewpoint and a picture. Returns the number of topics.
 
@@ -58,8 +59,8 @@ def write_bcf(
     how to group, as in `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`,
     and `OptionError` if the clashes are of another mock-up or `most` is less than 1.
     """
-    from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
+    from feeler.clashes.table import check_same
 
     if most < 1:
         raise OptionError(f"most is {most!r}: give a number of topics, 1 or more")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from feeler.clashes.columns import COLUMNS, cells
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes
 from feeler.io.atomic import atomic_file
 from feeler.io.csv_table import csv_table
 

@@ -7,7 +7,8 @@ import os
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes
+from feeler.clashes.table import check_same
 from feeler.clashes.verdict import Verdict
 from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, Body, Colour, body_of
@@ -57,15 +58,6 @@ def write_clash_glb(path: str | os.PathLike[str], clashes: Clashes, mockup: Mock
     if not isinstance(given, Clashes):
         raise OptionError(f"clashes is {type(given).__name__}: write_clash_glb takes path, clashes, mockup")
     return write_glb(path, *clash_bodies(mockup, clashes))
-
-
-def check_same(mockup: Mockup, clashes: Clashes) -> None:
-    """Raises `OptionError` if the findings are of another mock-up."""
-    if tuple(mockup.part_paths) != clashes.part_paths:
-        raise OptionError(
-            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "
-            "feeler.clash (clashes loaded from a file have no part numbers)"
-        )
 
 
 def _verdicts(verdict: npt.NDArray[np.uint8]) -> list[str]:

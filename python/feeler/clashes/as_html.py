@@ -5,19 +5,19 @@ from __future__ import annotations
 import base64
 import json
 import os
-from collections.abc import Callable
 from html import escape
 from typing import Any
 
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
-from feeler.clashes.grouping import Group
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes, Group
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import capitalised, extent, hidden, length, sentence
+from feeler.clashes.words import capitalised, extent, hidden, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
+from feeler.progress import Progress
+from feeler.words import length
 
 MOST_GROUPS = 200
 """Most groups on the page, the worst first. Each has a picture, about 30 kB and 0.05 s. The table has all findings."""
@@ -32,7 +32,7 @@ def write_html(
     *,
     by: str = "part",
     pictures: int = MOST_GROUPS,
-    progress: Callable[[float, str], object] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Writes the page. It needs no network.
 
@@ -61,12 +61,10 @@ def write_html(
         file.write(page.encode("utf-8", errors="replace"))
 
 
-def _drawn(
-    clashes: Clashes, mockup: Mockup, groups: list[Group], progress: Callable[[float, str], object] | None
-) -> list[str]:
+def _drawn(clashes: Clashes, mockup: Mockup, groups: list[Group], progress: Progress | None) -> list[str]:
     """The picture of each group's worst finding, as a data URL."""
-    from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
+    from feeler.clashes.table import check_same
 
     check_same(mockup, clashes)
     pictures = Pictures(mockup)

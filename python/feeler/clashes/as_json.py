@@ -6,7 +6,7 @@ from typing import Any
 
 from feeler.clashes import saving
 from feeler.clashes.advice import advice
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 
 

@@ -13,13 +13,14 @@ from typing import Any
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.columns import COLUMNS, cells
-from feeler.clashes.table import Clashes
+from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 from feeler.clashes.words import capitalised, hidden
 from feeler.errors import OptionError
 from feeler.io.atomic import atomic_file
 from feeler.io.csv_table import Cell
 from feeler.mockup import Mockup
+from feeler.progress import Progress
 
 MOST_PICTURES = 200
 """Most findings with a picture, the worst first: about 20 kB and 0.05 s each."""
@@ -49,7 +50,7 @@ def write_xlsx(
     *,
     by: str = "part",
     pictures: int = MOST_PICTURES,
-    progress: Callable[[float, str], object] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Writes a sheet with a row for each of the `MOST_ROWS` worst findings, and a sheet with the summary.
 
@@ -100,8 +101,8 @@ def write_xlsx(
 
 def _drawing(clashes: Clashes, mockup: Mockup) -> Callable[[int], bytes]:
     """The picture of a row, as PNG."""
-    from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
+    from feeler.clashes.table import check_same
 
     check_same(mockup, clashes)
     pictures = Pictures(mockup)

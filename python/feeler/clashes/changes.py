@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Generic
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_length
 from feeler.clashes.joining import joined
 from feeler.clashes.matching import PartMatch, matched
-from feeler.clashes.rules import check_length
 from feeler.clashes.shapes import PartShapes, Shapes, shapes_of, unknown
-from feeler.clashes.table import Clashes
+from feeler.clashes.table import AnyTable, Table
 from feeler.clashes.tracking import Mark, followed, part_keys
 from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
@@ -21,29 +22,10 @@ Pair = tuple[str, str, str]
 """A finding by its rule and the keys of both parts, in the order of their characters."""
 
 
-@dataclass(frozen=True)
-class Changes:
-    """The findings of a check by status, each a table. `resolved` has rows of the previous check.
-
-    parts: how many parts of the previous check are in this mock-up, and which were renamed.
-    """
-
-    new: Clashes
-    active: Clashes
-    reviewed: Clashes
-    approved: Clashes
-    resolved: Clashes
-    parts: PartMatch
-
-    def counts(self) -> dict[str, int]:
-        """The number of findings of each status."""
-        return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
-
-
-class _Known:
+class _Known(Generic[AnyTable]):
     """A table of the previous check, with the part of this check that each of its parts matches."""
 
-    def __init__(self, table: Clashes, now: Shapes) -> None:
+    def __init__(self, table: AnyTable, now: Shapes) -> None:
         self.table = table
         names = [table.keys[part] for part in np.union1d(table.a, table.b)]
         self.shapes = table.shapes.joined(unknown(names))
@@ -91,10 +73,10 @@ class _Known:
         return PartMatch(len(self.names), len(self.key_now) - len(renamed), self.altered, len(renamed), renamed)
 
 
-def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
-    """See `Clashes.diff`."""
+def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
+    """See `Clashes.diff`: gives `now` its statuses and earlier findings, and says how the parts match."""
     given: object = before
-    if not isinstance(given, Clashes):
+    if not isinstance(given, type(now)):
         raise OptionError(f"previous is {type(given).__name__}: give Clashes, such as of feeler.load_clashes")
     check_length("growth", growth)
     shapes = now.shapes.joined(unknown(now.keys))
@@ -109,11 +91,10 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
         earlier = joined(gone, [table.keys for table in gone], None, "resolved")
     now.marks.replace(marks)
     now._set_earlier(earlier)
-    found = {name: now.where(status=name) for name in ("new", "active", "reviewed", "approved")}
-    return Changes(**found, resolved=earlier.where(status="resolved"), parts=known[0].match())
+    return known[0].match()
 
 
-def _known(before: Clashes, now: Shapes) -> list[_Known]:
+def _known(before: AnyTable, now: Shapes) -> list[_Known[AnyTable]]:
     """The findings of the previous check, and the unresolved ones that it kept from earlier checks."""
     waiting = before.earlier()
     waiting = waiting[waiting.status != "resolved"]
@@ -121,7 +102,7 @@ def _known(before: Clashes, now: Shapes) -> list[_Known]:
 
 
 def _carried(
-    now: Clashes, known: Sequence[_Known], growth: float
+    now: AnyTable, known: Sequence[_Known[AnyTable]], growth: float
 ) -> tuple[dict[str, Mark], list[npt.NDArray[np.intp]]]:
     """The mark of each finding by id, and the rows of each previous table that were not found again."""
     keys = now.keys
@@ -145,13 +126,14 @@ def _carried(
     return after, left
 
 
-def _waiting(known: Sequence[_Known], left: Sequence[npt.NDArray[np.intp]], now: Shapes) -> Clashes:
+def _waiting(known: Sequence[_Known[AnyTable]], left: Sequence[npt.NDArray[np.intp]], now: Shapes) -> AnyTable:
     """Rows that were not found again, with the current keys of their parts.
 
     Leaves out a row if one of its parts is gone and another part now has its key.
     """
     taken = set(now.keys)
-    tables, keys = [], []
+    tables: list[AnyTable] = []
+    keys = []
     shapes = now
     for each, rows in zip(known, left, strict=True):
         table = each.table
@@ -166,7 +148,7 @@ def _pair(rule: str, one: str, other: str) -> Pair:
     return (rule, one, other) if one <= other else (rule, other, one)
 
 
-def check_previous(mockup: Mockup, before: Clashes) -> None:
+def check_previous(mockup: Mockup, before: Table) -> None:
     """Raises `LoadError` if no part of the previous findings is in the mock-up, by path or by shape.
 
     Compares shapes only if no path matches.
@@ -178,7 +160,7 @@ def check_previous(mockup: Mockup, before: Clashes) -> None:
         _check_match(_known(before, shapes), shapes)
 
 
-def _check_match(known: Sequence[_Known], now: Shapes) -> None:
+def _check_match(known: Sequence[_Known[AnyTable]], now: Shapes) -> None:
     names = sorted({name for each in known for name in each.names})
     if not names or any(each.key_now for each in known):
         return

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
 
-from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.result import Clashes
+from feeler.clashes.table import Clash
 from feeler.io.csv_table import Cell
 
 

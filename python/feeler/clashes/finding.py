@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -11,17 +11,20 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import check_length
 from feeler.clashes.fastener_rule import shape_of
+from feeler.clashes.limits import Limits, limits
 from feeler.clashes.openness import open_holders
-from feeler.clashes.rules import Limits, Rules, check_length, limits
+from feeler.clashes.result import Clashes
+from feeler.clashes.rules import Rules, rules_from
 from feeler.clashes.shapes import PartShapes
-from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
+from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
+from feeler.progress import Progress
 from feeler.scene import Scene
 
-Progress = Callable[[float, str], object]
 RulesLike = Rules | Mapping[str, Any] | str | Any
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
@@ -130,8 +133,6 @@ def clash(
 def _limits(
     mockup: Mockup, clearance: float, contact: float | str, rules: RulesLike | None, exclude: Exclude | None
 ) -> Limits:
-    from feeler.clashes.rules_file import rules_from
-
     pairs = _pairs(mockup, exclude)
     chord = mockup.source.chord_tolerance
     return limits(

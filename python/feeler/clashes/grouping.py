@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes.rules import check_length
-from feeler.clashes.table import Clash, Clashes
+from feeler.arguments import check_length
+from feeler.clashes.table import Table
 from feeler.clashes.tracking import part_keys
 from feeler.errors import OptionError
 
@@ -23,25 +22,8 @@ _COMPARED = 1_000_000
 """Most distances between two cells that are computed at once, 24 MB."""
 
 
-@dataclass(frozen=True)
-class Group:
-    """Some findings, the worst first. name: the key of a part, a rule, or "cluster 1"."""
-
-    name: str
-    rows: Ints
-    clashes: Clashes
-
-    @property
-    def worst(self) -> Clash:
-        """The first finding."""
-        return self.clashes[0]
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-
-def groups(clashes: Clashes, by: str, reach: float | None) -> list[Group]:
-    """See `Clashes.groups`. Rows keep their order; groups are ordered by their first row."""
+def grouped(clashes: Table, by: str, reach: float | None) -> list[tuple[str, Ints]]:
+    """Name and rows of each group: see `Clashes.groups`. Rows keep their order; groups that of their first rows."""
     if by not in _MADE:
         raise OptionError(f"groups are not made by {by!r}: choose {', '.join(_MADE)}")
     if reach is not None:
@@ -54,20 +36,18 @@ def groups(clashes: Clashes, by: str, reach: float | None) -> list[Group]:
     order = np.argsort(label, kind="stable")
     starts = np.flatnonzero(np.diff(label[order], prepend=-1))
     members = sorted(np.split(order, starts[1:]), key=lambda rows: int(rows[0]))
-    return [
-        Group(name(int(label[rows[0]]), number), rows, clashes[rows]) for number, rows in enumerate(members, start=1)
-    ]
+    return [(name(int(label[rows[0]]), number), rows) for number, rows in enumerate(members, start=1)]
 
 
 Labels = tuple[Ints, Callable[[int, int], str]]
 """The label of the group of each row, and a function from label and number of a group to its name."""
 
 
-def _by_rule(clashes: Clashes, _reach: float | None) -> Labels:
+def _by_rule(clashes: Table, _reach: float | None) -> Labels:
     return clashes.columns.rule.astype(np.intp), lambda label, _number: clashes.rules[label]
 
 
-def _by_part(clashes: Clashes, _reach: float | None) -> Labels:
+def _by_part(clashes: Table, _reach: float | None) -> Labels:
     """Assigns rows to the part with most of the remaining rows: greedy cover, ties to the lower part."""
     label = np.full(len(clashes), -1, dtype=np.intp)
     rows_of: dict[int, list[int]] = {}
@@ -94,7 +74,7 @@ def _by_part(clashes: Clashes, _reach: float | None) -> Labels:
     return label, lambda part, _number: keys[part]
 
 
-def _by_cluster(clashes: Clashes, reach: float | None) -> Labels:
+def _by_cluster(clashes: Table, reach: float | None) -> Labels:
     """Single-linkage clusters: chains of findings, each within reach of the next."""
     points = np.nan_to_num((clashes.point_a + clashes.point_b) / 2)
     if reach is None:
@@ -142,7 +122,7 @@ def _within(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64], reach:
     return False
 
 
-_MADE: dict[str, Callable[[Clashes, float | None], Labels]] = {
+_MADE: dict[str, Callable[[Table, float | None], Labels]] = {
     "part": _by_part,
     "rule": _by_rule,
     "cluster": _by_cluster,

@@ -8,13 +8,13 @@ from dataclasses import fields, replace
 import numpy as np
 
 from feeler.clashes.shapes import PartShapes
-from feeler.clashes.table import Clashes, Columns
+from feeler.clashes.table import AnyTable, Columns
 from feeler.clashes.tracking import Mark
 
 
 def joined(
-    tables: Sequence[Clashes], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: str | None = None
-) -> Clashes:
+    tables: Sequence[AnyTable], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: str | None = None
+) -> AnyTable:
     """The rows of all tables in order, with the facts of the first table. Of rows with equal ids, the first stays.
 
     keys: the key of each part of each table. status: for all rows; None keeps the status of each row.
@@ -32,7 +32,7 @@ def joined(
         moved.append(replace(columns, a=of_part[columns.a], b=of_part[columns.b], rule=of_rule[columns.rule]))
         marks_of_rows += [table.marks.of(each) for each in table.ids]
     rows = Columns(*(np.concatenate([getattr(each, f.name) for each in moved]) for f in fields(Columns)))
-    found = Clashes(rows, list(part_of_key), list(rules), facts=tables[0].facts, shapes=shapes)
+    found = type(tables[0])(rows, list(part_of_key), list(rules), facts=tables[0].facts, shapes=shapes)
     marks: dict[str, Mark] = {}
     first = []
     for row, (each, mark) in enumerate(zip(found.ids, marks_of_rows, strict=True)):

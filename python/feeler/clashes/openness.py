@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.clashes.part_meshes import PartMeshes
 from feeler.mockup import Mockup
+from feeler.part_meshes import PartMeshes
 
 Ints = npt.NDArray[np.intp]
 

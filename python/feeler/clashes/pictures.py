@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes.part_meshes import PartMeshes
 from feeler.clashes.table import Clash
 from feeler.io.body import ORANGE, RED, STEEL_BLUE, Body
 from feeler.mockup import Mockup
+from feeler.part_meshes import PartMeshes
 from feeler.picture import Camera, Section, bars, render
 from feeler.picture.camera import triple, usual_view
 from feeler.picture.png import write_png

@@ -9,12 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.clashes.fastener_rule import shape_of
-from feeler.clashes.rules import Limits, Rule, Rules, limits, unmatched
-from feeler.clashes.table import Clashes, Columns
+from feeler.clashes.limits import Limits, limits, unmatched
+from feeler.clashes.rules import Rule, Rules
+from feeler.clashes.table import AnyTable, Columns, Table, check_same
 from feeler.clashes.verdict import DEFAULT_RULE, DEPTH_KINDS, Verdict
-from feeler.clashes.words import length
 from feeler.mockup import Mockup
 from feeler.parts import Parts
+from feeler.words import length
 
 OTHERS = "others = false"
 """The key in `Clashes.hidden` for findings that no rule names."""
@@ -24,11 +25,9 @@ _ROUNDOFFS = 32.0
 largest coordinate."""
 
 
-def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes:
+def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTable:
     """See `Clashes.with_rules`."""
     if mockup is not None:
-        from feeler.clashes.as_glb import check_same
-
         check_same(mockup, clashes)
     found, notes = _limits(clashes, rules, mockup)
     rule = found.rule_of(clashes.a, clashes.b)
@@ -55,7 +54,9 @@ def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes
         notes=tuple(notes),
         rules=tuple((each.name, *_asked(clashes, each)) for each in every),
     )
-    made = Clashes(columns.rows(order), clashes.part_paths, found.names, facts=facts, is_partial=clashes.is_partial)
+    made = type(clashes)(
+        columns.rows(order), clashes.part_paths, found.names, facts=facts, is_partial=clashes.is_partial
+    )
     before = [clashes.ids[row] for row in kept[order].tolist()]
     marks = {now: clashes.marks.of(then) for now, then in zip(made.ids, before, strict=True)}
     made.marks.replace(marks)
@@ -63,7 +64,7 @@ def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes
     return made
 
 
-def _limits(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> tuple[Limits, list[str]]:
+def _limits(clashes: Table, rules: Rules, mockup: Mockup | None) -> tuple[Limits, list[str]]:
     """The limits for the parts of the findings, and notes on what needs another check."""
     paths, facts = clashes.part_paths, clashes.facts
     count = len(paths)
@@ -95,7 +96,7 @@ def _limits(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> tuple[Limi
     return limits(rules, parts, paths, facts.clearance, 0.0, 0.0, none, shaped), notes
 
 
-def _asked(clashes: Clashes, rule: Rule) -> tuple[float, float]:
+def _asked(clashes: Table, rule: Rule) -> tuple[float, float]:
     """Clearance and contact of a rule, metres; NaN for "chord", which needs the mock-up."""
     facts = clashes.facts
     clearance = facts.clearance if rule.clearance is None else rule.clearance
@@ -105,7 +106,7 @@ def _asked(clashes: Clashes, rule: Rule) -> tuple[float, float]:
     return clearance, contact
 
 
-def _contacts(clashes: Clashes) -> dict[str, float]:
+def _contacts(clashes: Table) -> dict[str, float]:
     """The contact of each rule of the check, metres."""
     return {name: contact for name, _, contact in clashes.facts.rules}
 
@@ -119,7 +120,7 @@ class _Judged:
     notes: tuple[str, ...] = ()
 
 
-def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> _Judged:
+def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
     """The verdicts under the new rules, from depth and gap.
 
     A verdict stays if the contact of its rule is "chord", which needs the mock-up. Thin walls that cross stay a clash,
@@ -162,7 +163,7 @@ def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> _Judge
     return _Judged(replace(columns, verdict=verdict, translation=translation), is_far, tuple(notes))
 
 
-def _boxes(clashes: Clashes, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
+def _boxes(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
     """The boxes of both parts of some rows, `(k, 2, 2, 3)`; 0 if unknown."""
     if not len(rows):
         return np.zeros((0, 2, 2, 3))

@@ -1,40 +1,52 @@
-"""Limits for pairs of parts, and pairs that are hidden.
+"""The rules of a clash check, from TOML or Python: limits for pairs of parts, and pairs to hide.
 
-The first rule that names a pair applies; other pairs have the `clearance` and `contact` of the call. Pairs of an
-exclusion, and of the `level` of a rule, are checked like others, then hidden and counted. The count shows when an
-exclusion hides too much.
+version = 1
+others = true                     # also check pairs that no rule names
+
+[[rule]]
+name = "rotor against casing"
+a = "*rotor*"                     # a pattern of paths, a path with all below it, or several
+b = ["*casing*", "re:.*/vane_[0-9]+"]
+clearance = 0.005                 # metres
+contact = 0.0001                  # metres, or "chord"
+severity = "critical"             # critical, major (default), minor
+level = 2                         # hide pairs with the same first two path steps
+
+[[exclude]]
+name = "seals in their grooves"
+a = "*o-ring*"
+b = "*housing*"                   # default: everything
+
+[[exclude]]
+name = "welded"
+same_assembly = 3
+
+[[exclude]]
+name = "standard parts"
+fasteners = true
 """
 
 from __future__ import annotations
 
-import difflib
-import math
 import os
-import re
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from feeler.clashes.fastener_rule import Shaped, fastener_mask
+from feeler.arguments import check_length, near
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
-from feeler.errors import OptionError
-from feeler.parts import Parts
+from feeler.errors import LoadError, MissingFileError, OptionError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+VERSION = 1
 
 Words = tuple[str, ...]
-Ints = npt.NDArray[np.uint32]
-
-_Hider = Callable[[Ints, Ints, npt.NDArray[np.int32]], npt.NDArray[np.bool_]]
-"""Returns which pairs of parts are hidden, given both parts and their rule."""
-
-NOT_ASKED = -1.0
-"""The clearance that the core takes for pairs of classes to skip."""
-
-CLASS_LIMIT = 2_048
-"""Most classes of parts. The tables of their pairs have this many rows and columns, 80 MB in all."""
-
 EVERYTHING: Words = ("*",)
 
 
@@ -113,184 +125,73 @@ class Rules:
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Rules:
         """Reads the rules of a TOML file. Raises `MissingFileError`, and `LoadError` if the file is invalid."""
-        from feeler.clashes.rules_file import read_rules
-
-        return read_rules(path)
-
-
-@dataclass(frozen=True)
-class Limits:
-    """The rules as tables for one mock-up.
-
-    names, severities: of each rule; the last is for pairs that no rule names. of_classes: `(classes, classes)`, the
-    rule of each pair of classes, -1 for pairs to skip. class_of_part: `(parts,)`. clearance, contact: `(classes,
-    classes)` metres. exclude: `(k, 2)` pairs of parts to skip. hiding: the names of exclusions and of rules with a
-    level, in the order in which they are tried. asked: name, clearance and contact of each rule, metres.
-    """
-
-    names: tuple[str, ...]
-    severities: npt.NDArray[np.uint8]
-    of_classes: npt.NDArray[np.int32]
-    class_of_part: npt.NDArray[np.uint32]
-    clearance: npt.NDArray[np.float64]
-    contact: npt.NDArray[np.float64]
-    exclude: npt.NDArray[np.uint32]
-    hiding: tuple[str, ...] = ()
-    asked: tuple[tuple[str, float, float], ...] = ()
-    _hiders: tuple[_Hider, ...] = ()
-
-    def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
-        """The rule of each pair of parts; -1 for pairs to skip."""
-        return np.array(self.of_classes[self.class_of_part[a], self.class_of_part[b]])
-
-    def hidden_by(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
-        """The first of `hiding` that hides each pair of parts; -1 for visible pairs."""
-        found = np.full(len(a), -1, dtype=np.int32)
-        rule = self.rule_of(a, b)
-        for number, hider in enumerate(self._hiders):
-            found[(found < 0) & hider(a, b, rule)] = number
-        return found
+        data = _read(path)
+        try:
+            return cls(**_parsed(data, str(Path(path))))
+        except OptionError as error:
+            raise LoadError(str(error)) from None
 
 
-def limits(
-    rules: Rules,
-    parts: Parts,
-    paths: Sequence[str],
-    clearance: float,
-    contact: float | str,
-    chord: float | None,
-    exclude: npt.NDArray[np.uint32],
-    shaped: Shaped | None = None,
-) -> Limits:
-    """Applies the rules to the parts. chord: the chordal error of the mock-up, metres, for `contact="chord"`. shaped:
-    finds parts with the shape of a fastener; None: names alone decide.
-
-    Raises `OptionError` for patterns that match no part, with similar names; for "chord" if it is not known; and for
-    rules that need more than `CLASS_LIMIT` classes of parts.
-    """
-    every = [*rules.rules, Rule(DEFAULT_RULE)]
-    named = _Named(parts, paths, rules.where)
-    sides = [named.both(f"rule {rule.name!r}", rule) for rule in every]
-    hiders = _hiders(rules, named, paths, shaped)
-    signature = np.array([side for pair in sides for side in pair], dtype=bool).T
-    kinds, class_of_part = np.unique(signature, axis=0, return_inverse=True)
-    if len(kinds) > CLASS_LIMIT:
-        raise OptionError(
-            f"{rules.where}: the patterns put the parts into {len(kinds):,} classes, and {CLASS_LIMIT:,} are the most; "
-            "use fewer rules, or patterns that overlap less"
-        )
-    of_classes = np.full((len(kinds), len(kinds)), -1, dtype=np.int32)
-    for number in range(len(every) - 1 if not rules.others else len(every)):
-        of_classes[_meets(kinds, number) & (of_classes < 0)] = number
-    near = np.array([clearance if rule.clearance is None else rule.clearance for rule in every])
-    least = [contact if rule.contact is None else rule.contact for rule in every]
-    doubled = _chord_of(least, chord, len(paths), of_classes, rules.where)
-    touch = np.array([0.0 if isinstance(each, str) else each for each in least]) + doubled
-    asked = of_classes >= 0
-    return Limits(
-        tuple(rule.name for rule in every),
-        np.array([SEVERITIES.index(rule.severity) for rule in every], dtype=np.uint8),
-        of_classes,
-        class_of_part.reshape(-1).astype(np.uint32),
-        np.where(asked, near[of_classes], NOT_ASKED),
-        np.where(asked, touch[of_classes], 0.0),
-        np.unique(exclude, axis=0).astype(np.uint32),
-        tuple(name for name, _ in hiders),
-        tuple((rule.name, float(near[i]), float(touch[i])) for i, rule in enumerate(every)),
-        tuple(hider for _, hider in hiders),
-    )
+def rules_from(rules: object) -> Rules:
+    """Rules from None, a dict, `Rules`, or a file. Raises `OptionError`, and errors as in `Rules.read`."""
+    if rules is None:
+        return Rules()
+    if isinstance(rules, Mapping):
+        return Rules(**_parsed(rules))
+    return rules if isinstance(rules, Rules) else Rules.read(rules)  # type: ignore[arg-type]
 
 
-def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | None) -> list[tuple[str, _Hider]]:
-    """Exclusions, then rules with a level, by name, each with its test for pairs to hide."""
-    found: list[tuple[str, _Hider]] = []
-    for each in rules.exclusions:
-        if each.same_assembly:
-            found.append((each.name, _within(sub_assemblies(paths, each.same_assembly))))
-        elif each.fasteners:
-            found.append((each.name, _between(fastener_mask(paths, shaped), np.ones(len(paths), dtype=bool))))
-        else:
-            found.append((each.name, _between(*named.both(f"exclusion {each.name!r}", each))))
-    for number, rule in enumerate(rules.rules):
-        if rule.level:
-            found.append((rule.name, _within(sub_assemblies(paths, rule.level), number)))
-    return found
+_TABLES = {"rule": Rule, "exclude": Exclusion}
 
 
-def _between(one: npt.NDArray[np.bool_], other: npt.NDArray[np.bool_]) -> _Hider:
-    """Hides pairs with one part in the first mask and the other part in the second."""
-    return lambda a, b, _rule: (one[a] & other[b]) | (one[b] & other[a])
+def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """What a TOML file holds: see `Rules.read`."""
+    file = Path(path)
+    try:
+        data: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise LoadError(f"{file} cannot be read: {error}") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise LoadError(f"{file} is no TOML: {error}") from None
+    return data
 
 
-def _within(assembly: npt.NDArray[np.int64], only: int | None = None) -> _Hider:
-    """Hides pairs within one sub-assembly. only: limits this to one rule."""
-
-    def hides(a: Ints, b: Ints, rule: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
-        same: npt.NDArray[np.bool_] = (assembly[a] == assembly[b]) & (assembly[a] >= 0)
-        return same if only is None else same & (rule == only)
-
-    return hides
-
-
-def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:
-    """The patterns that match no part, each with its rule or exclusion."""
-    named = _Named(parts, paths, rules.where)
-    found = []
-    every: list[tuple[str, Rule | Exclusion]] = [("rule", rule) for rule in rules.rules]
-    every += [("exclusion", each) for each in rules.exclusions]
-    for kind, each in every:
-        for pattern in [*each.a, *each.b]:
-            try:
-                if pattern != "*":
-                    named.matching(pattern)
-            except OptionError:
-                found.append(f"{pattern!r} of {kind} {each.name!r}")
-    return found
+def _parsed(data: Mapping[str, Any], where: str = "rules") -> dict[str, Any]:
+    """The arguments of the `Rules` of a TOML document as a dict. Raises `OptionError` for mistakes in it."""
+    _check_keys(data, ["version", "others", *_TABLES], where)
+    if data.get("version", VERSION) != VERSION:
+        raise OptionError(f"{where} is of version {data['version']!r}, and this feeler reads {VERSION}")
+    others = data.get("others", True)
+    if not isinstance(others, bool):
+        raise OptionError(f"{where}: others is {others!r}: give true or false")
+    made: dict[str, list[Any]] = {}
+    for name, kind in _TABLES.items():
+        tables = data.get(name, [])
+        if not isinstance(tables, list) or not all(isinstance(each, Mapping) for each in tables):
+            raise OptionError(f"{where}: {name} is no list of tables: write [[{name}]] above each")
+        made[name] = [_made(kind, each, f"{where}, {name} {number}") for number, each in enumerate(tables, 1)]
+    return {"rules": tuple(made["rule"]), "exclusions": tuple(made["exclude"]), "others": others, "where": where}
 
 
-def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
-    """A number for the first `level` steps of each path, `(parts,)`; -1 for paths that have no more steps."""
-    keys: dict[tuple[str, ...], int] = {}
-    found = np.empty(len(paths), dtype=np.int64)
-    for place, path in enumerate(paths):
-        steps = path.split("/")
-        found[place] = keys.setdefault(tuple(steps[:level]), len(keys)) if len(steps) > level else -1
-    return found
+def _made(kind: type[Any], table: Mapping[str, Any], where: str) -> Any:
+    _check_keys(table, [each.name for each in fields(kind)], where)
+    if not isinstance(table.get("name"), str) or not table["name"]:
+        raise OptionError(f"{where}: it has no name; give one, findings refer to it")
+    for name, value in table.items():
+        if name in ("optional", "fasteners") and not isinstance(value, bool):
+            raise OptionError(f"{where}: {name} is {value!r}: give true or false")
+    try:
+        return kind(**table)
+    except OptionError as error:
+        raise OptionError(f"{where}, {error}") from None
 
 
-def _meets(kinds: npt.NDArray[np.bool_], number: int) -> npt.NDArray[np.bool_]:
-    """Which pairs of classes the rule of that number names, in either order."""
-    one, other = kinds[:, 2 * number], kinds[:, 2 * number + 1]
-    found = one[:, None] & other[None, :]
-    return np.asarray(found | found.T)
-
-
-def _chord_of(
-    contacts: Sequence[float | str], chord: float | None, parts: int, of_classes: npt.NDArray[np.int32], where: str
-) -> npt.NDArray[np.float64]:
-    """The sum of both chordal errors for rules with "chord", metres; 0 for rules with a number."""
-    is_chord = np.array([isinstance(each, str) for each in contacts])
-    if is_chord[np.unique(of_classes[of_classes >= 0])].any() and chord is None:
-        raise OptionError(
-            f'contact="chord" ({where}): the chordal error is known only of STEP files, '
-            "which feeler triangulates itself; give contact in metres"
-        )
-    return np.where(is_chord, 2.0 * (chord or 0.0), 0.0)
-
-
-def check_length(what: str, value: object, other: str = "") -> float:
-    """A length in metres. Raises `OptionError` for other values."""
-    good = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
-    if not good or not 0 <= value < math.inf:  # type: ignore[operator]
-        raise OptionError(f"{what} is {value!r}: give metres, 0 or more{other}")
-    return float(value)  # type: ignore[arg-type]
-
-
-def near(asked: object, known: Iterable[str]) -> str:
-    """A hint with similar words, or with all known words."""
-    words = list(known)
-    alike = difflib.get_close_matches(str(asked), words, 3, 0.5)
-    return f"do you mean {' or '.join(alike)}?" if alike else f"choose {', '.join(words)}"
+def _check_keys(table: Mapping[str, Any], known: list[str], where: str) -> None:
+    for key in table:
+        if key not in known:
+            raise OptionError(f"{where}: there is no {key!r}: {near(key, known)}")
 
 
 def _check_words(each: Rule | Exclusion, who: str) -> None:
@@ -307,43 +208,3 @@ def _check_words(each: Rule | Exclusion, who: str) -> None:
 def _check_level(what: str, value: object) -> None:
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
         raise OptionError(f"{what} is {value!r}: give a number of steps down the paths, 1 or more; 0 for none")
-
-
-class _Named:
-    """Turns patterns into masks of parts."""
-
-    def __init__(self, parts: Parts, paths: Sequence[str], where: str) -> None:
-        self.parts, self.paths, self.where = parts, paths, where
-
-    def both(self, who: str, each: Rule | Exclusion) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """The masks of `a` and of `b`."""
-        return self._mask(who, "a", each.a, each.optional), self._mask(who, "b", each.b, each.optional)
-
-    def _mask(self, who: str, side: str, patterns: Iterable[str], optional: bool) -> npt.NDArray[np.bool_]:
-        mask = np.zeros(len(self.paths), dtype=bool)
-        for pattern in patterns:
-            if pattern == "*":
-                mask[:] = True
-                continue
-            try:
-                mask[self.matching(pattern)] = True
-            except OptionError as error:
-                if not optional:
-                    raise OptionError(
-                        f"{self.where}, {who}, {side}: {error} (optional = true lets it match nothing)"
-                    ) from None
-        return mask
-
-    def matching(self, pattern: str) -> npt.NDArray[Any]:
-        """The parts that one pattern names. Raises `OptionError` where it names none."""
-        if not pattern.startswith("re:"):
-            return self.parts.select(pattern)
-        try:
-            matches = re.compile(pattern[3:]).fullmatch
-        except re.error as error:
-            raise OptionError(f"{pattern!r} is no regular expression: {error}") from None
-        found = np.flatnonzero([matches(path) is not None for path in self.paths])
-        if not len(found):
-            near = self.paths[0] if self.paths else ""
-            raise OptionError(f"no path matches {pattern!r} as a whole; paths are such as {near!r}")
-        return found

@@ -1,119 +1,18 @@
-"""Reads rules from TOML, and writes a first file from the findings of a check.
-
-version = 1
-others = true                     # also check pairs that no rule names
-
-[[rule]]
-name = "rotor against casing"
-a = "*rotor*"                     # a pattern of paths, a path with all below it, or several
-b = ["*casing*", "re:.*/vane_[0-9]+"]
-clearance = 0.005                 # metres
-contact = 0.0001                  # metres, or "chord"
-severity = "critical"             # critical, major (default), minor
-level = 2                         # hide pairs with the same first two path steps
-
-[[exclude]]
-name = "seals in their grooves"
-a = "*o-ring*"
-b = "*housing*"                   # default: everything
-
-[[exclude]]
-name = "welded"
-same_assembly = 3
-
-[[exclude]]
-name = "standard parts"
-fasteners = true
-"""
+"""Writes a first file of rules from the findings of a check."""
 
 from __future__ import annotations
 
 import json
 import os
-import sys
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import fields
-from pathlib import Path
-from typing import Any
 
 from feeler.clashes.fastener_rule import is_fastener
-from feeler.clashes.rules import Exclusion, Rule, Rules, near
-from feeler.clashes.table import Clashes
-from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.clashes.result import Clashes
+from feeler.clashes.rules import VERSION
 from feeler.io.atomic import atomic_file
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-VERSION = 1
-_TABLES = {"rule": Rule, "exclude": Exclusion}
 _WRITTEN = 30
 """Most rules, and most pairs in contact, that `write_rules` lists. Nobody reads more."""
-
-
-def read_rules(path: str | os.PathLike[str]) -> Rules:
-    """See `Rules.read`."""
-    file = Path(path)
-    try:
-        data = tomllib.loads(file.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise LoadError(f"{file} cannot be read: {error}") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise LoadError(f"{file} is no TOML: {error}") from None
-    try:
-        return rules_of(data, str(file))
-    except OptionError as error:
-        raise LoadError(str(error)) from None
-
-
-def rules_from(rules: object) -> Rules:
-    """Rules from None, a dict, `Rules`, or a file. Raises `OptionError`, and errors as in `Rules.read`."""
-    if rules is None:
-        return Rules()
-    if isinstance(rules, Mapping):
-        return rules_of(rules)
-    return rules if isinstance(rules, Rules) else Rules.read(rules)  # type: ignore[arg-type]
-
-
-def rules_of(data: Mapping[str, Any], where: str = "rules") -> Rules:
-    """The rules of a TOML document as a dict. Raises `OptionError` for mistakes in it."""
-    _check_keys(data, ["version", "others", *_TABLES], where)
-    if data.get("version", VERSION) != VERSION:
-        raise OptionError(f"{where} is of version {data['version']!r}, and this feeler reads {VERSION}")
-    others = data.get("others", True)
-    if not isinstance(others, bool):
-        raise OptionError(f"{where}: others is {others!r}: give true or false")
-    made: dict[str, list[Any]] = {}
-    for name, kind in _TABLES.items():
-        tables = data.get(name, [])
-        if not isinstance(tables, list) or not all(isinstance(each, Mapping) for each in tables):
-            raise OptionError(f"{where}: {name} is no list of tables: write [[{name}]] above each")
-        made[name] = [_made(kind, each, f"{where}, {name} {number}") for number, each in enumerate(tables, 1)]
-    return Rules(tuple(made["rule"]), tuple(made["exclude"]), others, where)
-
-
-def _made(kind: type[Any], table: Mapping[str, Any], where: str) -> Any:
-    _check_keys(table, [each.name for each in fields(kind)], where)
-    if not isinstance(table.get("name"), str) or not table["name"]:
-        raise OptionError(f"{where}: it has no name; give one, findings refer to it")
-    for name, value in table.items():
-        if name in ("optional", "fasteners") and not isinstance(value, bool):
-            raise OptionError(f"{where}: {name} is {value!r}: give true or false")
-    try:
-        return kind(**table)
-    except OptionError as error:
-        raise OptionError(f"{where}, {error}") from None
-
-
-def _check_keys(table: Mapping[str, Any], known: list[str], where: str) -> None:
-    for key in table:
-        if key not in known:
-            raise OptionError(f"{where}: there is no {key!r}: {near(key, known)}")
 
 
 def write_rules(path: str | os.PathLike[str], clashes: Clashes) -> None:

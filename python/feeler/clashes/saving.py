@@ -18,12 +18,12 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic
 
 import numpy as np
 
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
-from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
+from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
 from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import LoadError, MissingFileError
@@ -37,7 +37,7 @@ _TRIANGLE_PAIRS = 2**32
 _HASH_DIGITS = 16
 
 
-def head(clashes: Clashes) -> dict[str, Any]:
+def head(clashes: Table) -> dict[str, Any]:
     """The fields before the findings."""
     facts = clashes.facts
     return {
@@ -55,7 +55,7 @@ def head(clashes: Clashes) -> dict[str, Any]:
     }
 
 
-def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
+def rows(clashes: Table) -> Iterator[dict[str, Any]]:
     """The findings in the order of the table, with None for NaN."""
     keys = part_keys(clashes.part_paths)
     for clash in clashes:
@@ -86,7 +86,7 @@ def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
         }
 
 
-def shape_rows(clashes: Clashes) -> list[dict[str, Any]]:
+def shape_rows(clashes: Table) -> list[dict[str, Any]]:
     """Shape and place of each part with findings, sorted by key; with `path` if it differs from the key."""
     keys = clashes.keys
     shapes = clashes.shapes.with_siblings(keys[part] for part in np.union1d(clashes.a, clashes.b))
@@ -111,7 +111,7 @@ def shape_rows(clashes: Clashes) -> list[dict[str, Any]]:
     ]
 
 
-def shapes_of_file(clashes: Clashes) -> dict[str, list[dict[str, Any]]]:
+def shapes_of_file(clashes: Table) -> dict[str, list[dict[str, Any]]]:
     """The shapes for a file: of findings, and of earlier findings that are not resolved."""
     waiting = clashes.earlier()
     waiting = waiting[waiting.status != "resolved"]
@@ -122,7 +122,7 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def save(clashes: Clashes, path: str | os.PathLike[str]) -> None:
+def save(clashes: Table, path: str | os.PathLike[str]) -> None:
     """See `Clashes.save`."""
     texts = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in head(clashes).items()]
     for name, table in (("clashes", clashes), ("earlier", clashes.earlier())):
@@ -138,12 +138,8 @@ def _list(name: str, lines: Sequence[Mapping[str, Any]]) -> str:
     return f'"{name}": [\n{inside}\n ]' if lines else f'"{name}": []'
 
 
-def load_clashes(path: str | os.PathLike[str]) -> Clashes:
-    """Loads findings that `Clashes.save` or `feeler clash --json` wrote, the worst first.
-
-    Part numbers index the `part_paths` of the table, not the mock-up. Raises `MissingFileError` if the file does not
-    exist, and `LoadError` if it has another format or version, or is cut short.
-    """
+def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
+    """See `load_clashes`."""
     file = Path(path)
     try:
         text = file.read_text(encoding="utf-8-sig")
@@ -165,20 +161,20 @@ def load_clashes(path: str | os.PathLike[str]) -> Clashes:
             f"{file} is of version {data.get('version')!r}, and this feeler reads {VERSION}: run the check again, or "
             "use the feeler that wrote it"
         )
-    reader = _Reader(file)
+    reader = _Reader(file, kind)
     found = reader.table(data, "clashes")
     if data.get("earlier"):
         found._set_earlier(reader.table(data, "earlier"))
     return found
 
 
-class _Reader:
+class _Reader(Generic[AnyTable]):
     """Turns JSON into tables. Errors name the line."""
 
-    def __init__(self, file: Path) -> None:
-        self.file = file
+    def __init__(self, file: Path, kind: type[AnyTable]) -> None:
+        self.file, self.kind = file, kind
 
-    def table(self, data: Mapping[str, Any], name: str) -> Clashes:
+    def table(self, data: Mapping[str, Any], name: str) -> AnyTable:
         lines = data.get(name)
         if not isinstance(lines, list):
             raise LoadError(f'{self.file} holds no list "{name}": give what Clashes.save wrote')
@@ -213,7 +209,7 @@ class _Reader:
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
         shapes = self._shapes(data, "shapes" if name == "clashes" else "earlier_shapes").joined(unknown(list(keys)))
-        return Clashes(
+        return self.kind(
             columns.rows(order),
             list(keys),
             list(rules),

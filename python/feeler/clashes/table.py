@@ -1,28 +1,24 @@
-"""The findings of a check: a table with a row for each pair of parts, the worst first."""
+"""Findings as data: a table with a row for each pair of parts, the worst first."""
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
-from feeler.clashes.tracking import DEPTH_GROWTH_M, Marks, clash_id, part_keys
+from feeler.clashes.tracking import Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
-
-if TYPE_CHECKING:
-    from feeler.clashes.changes import Changes
-    from feeler.clashes.grouping import Group
-    from feeler.mockup import Mockup
+from feeler.mockup import Mockup
 
 Floats = npt.NDArray[np.float64]
+AnyTable = TypeVar("AnyTable", bound="Table")
 Point = tuple[float, float, float]
 
 
@@ -161,15 +157,8 @@ class Facts:
     rules: tuple[tuple[str, float, float], ...] = ()
 
 
-class Clashes(Sequence[Clash]):
-    """The result of `feeler.clash`: a row for each pair of parts, the worst first.
-
-    `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
-    Columns are read-only arrays with an entry for each row: `.a .b .verdict .depth .depth_error .depth_kind
-    .translation .gap .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by
-    severity; then duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the
-    nearest first; then by parts.
-    """
+class Table(Sequence[Clash]):
+    """Rows for pairs of parts, with names of parts and rules, and the statuses of the rows. See `Clashes`."""
 
     def __init__(
         self,
@@ -195,7 +184,7 @@ class Clashes(Sequence[Clash]):
         self.facts = facts or Facts()
         self.is_partial = is_partial
         self._shapes = shapes
-        self._earlier: Clashes | None = None
+        self._earlier: Table | None = None
 
     @property
     def a(self) -> npt.NDArray[np.uint32]:
@@ -306,7 +295,7 @@ class Clashes(Sequence[Clash]):
             found[name] = found.get(name, 0) + count
         return found
 
-    def where(self, **where: object) -> Clashes:
+    def where(self: AnyTable, **where: object) -> AnyTable:
         """The rows with this verdict, severity, status or rule: `clashes.where(verdict="clash", rule="default")`."""
         return self[self._mask(where)]
 
@@ -330,8 +319,8 @@ class Clashes(Sequence[Clash]):
     @overload
     def __getitem__(self, index: int) -> Clash: ...
     @overload
-    def __getitem__(self, index: slice | npt.NDArray[Any]) -> Clashes: ...
-    def __getitem__(self, index: int | slice | npt.NDArray[Any]) -> Clash | Clashes:
+    def __getitem__(self: AnyTable, index: slice | npt.NDArray[Any]) -> AnyTable: ...
+    def __getitem__(self: AnyTable, index: int | slice | npt.NDArray[Any]) -> Clash | AnyTable:
         if isinstance(index, (slice, np.ndarray)):
             if isinstance(index, np.ndarray) and index.dtype == bool and index.shape != (len(self),):
                 raise OptionError(f"a mask of shape {index.shape} does not fit {len(self)} rows: give one entry each")
@@ -341,8 +330,8 @@ class Clashes(Sequence[Clash]):
     def __iter__(self) -> Iterator[Clash]:
         return (self._row(row) for row in range(len(self)))
 
-    def _some(self, columns: Columns) -> Clashes:
-        found = Clashes(
+    def _some(self: AnyTable, columns: Columns) -> AnyTable:
+        found = type(self)(
             columns,
             self.part_paths,
             self.rules,
@@ -410,17 +399,6 @@ class Clashes(Sequence[Clash]):
         columns = [each.name for each in fields(Clash)]
         return pandas.DataFrame(self.to_dicts(), columns=columns).set_index("id")
 
-    def groups(self, by: str = "part", *, reach: float | None = None) -> list[Group]:
-        """Groups the rows. The group with the worst row comes first.
-
-        by: "part" (each row goes to the part with most of the remaining rows, so one misplaced part is one group),
-        "rule", or "cluster" (chains of findings, each within `reach` metres of the next; default: a hundredth of the
-        diagonal of the box around all). Raises `OptionError` for others.
-        """
-        from feeler.clashes.grouping import groups
-
-        return groups(self, by, reach)
-
     def set_status(self, clash: str, status: str, *, by: str = "", note: str = "") -> None:
         """Sets the status of a finding: `"new"`, `"active"`, `"reviewed"` or `"approved"`. by, note: who, and why.
 
@@ -436,57 +414,18 @@ class Clashes(Sequence[Clash]):
     def _row_of(self) -> dict[str, int]:
         return {each: row for row, each in enumerate(self.ids)}
 
-    def diff(self, previous: Clashes, *, growth: float = DEPTH_GROWTH_M) -> Changes:
-        """Compares with the previous check, and takes over its statuses and notes.
-
-        Findings of both checks keep their status, except that new becomes active. Findings that did not exist, or were
-        resolved, are new. Findings that are gone are resolved. An approved finding is new again if it is more than
-        `growth` metres deeper than when it was approved. A partial check resolves nothing.
-
-        Parts match by path, even if they moved. If a path is gone (a file, root or sub-assembly was renamed, a level
-        added), or several parts have it, parts match by shape and place: another meshing, small motions, or another
-        place of the whole assembly do not matter. `changed` of such findings is "renamed" or "renumbered", and
-        `Changes.parts` counts the parts. Findings become new if their rule is renamed, if a part is renamed and also
-        moved alone or reshaped, and if one of several parts of one path moves by more than half its size. Raises
-        `LoadError` if no part of the previous findings is in this mock-up, by path or by shape.
-        """
-        from feeler.clashes.changes import changes
-
-        return changes(self, previous, growth)
-
-    def with_rules(self, rules: Any, mockup: Mockup | None = None) -> Clashes:
-        """Applies other rules to these findings, without another check: to try rules on saved findings.
-
-        rules: as in `feeler.clash`. mockup: the one that was checked, to find fasteners by shape; None: by name alone.
-        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` is counted
-        again. `facts.notes` lists what needs another check: pairs that were hidden, pairs beyond the clearance of the
-        check, and verdicts that depend on more than the depth. Raises errors as `feeler.clash` does.
-        """
-        from feeler.clashes.retried import with_rules
-        from feeler.clashes.rules_file import rules_from
-
-        return with_rules(self, rules_from(rules), mockup)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the findings and `earlier()` with their statuses as JSON, one sorted line for each.
-
-        Equal findings give equal bytes. `feeler.load_clashes` reads the file. Raises `WriteError`.
-        """
-        from feeler.clashes.saving import save
-
-        save(self, path)
-
-    def earlier(self) -> Clashes:
+    def earlier(self: AnyTable) -> AnyTable:
         """Findings of the previous check that `diff` did not find again: resolved, unless this check is partial."""
-        return self._earlier if self._earlier is not None else self[:0]
+        return cast(AnyTable, self._earlier) if self._earlier is not None else self[:0]
 
-    def _set_earlier(self, earlier: Clashes) -> None:
+    def _set_earlier(self: AnyTable, earlier: AnyTable) -> None:
         """Sets `earlier()`."""
         self._earlier = earlier
 
     def __reduce__(self) -> tuple[Any, ...]:
         columns = tuple(getattr(self.columns, each.name) for each in fields(self.columns))
         state = (
+            type(self),
             columns,
             self.part_paths,
             self.rules,
@@ -501,23 +440,33 @@ class Clashes(Sequence[Clash]):
     def __repr__(self) -> str:
         counts = [(np.count_nonzero(self.verdict == each), each.name.lower()) for each in Verdict]
         said = ", ".join(f"{count:,} {name}" for count, name in counts if count) or "none"
-        return f"Clashes({len(self):,}: {said}{'; partial' if self.is_partial else ''})"
+        return f"{type(self).__name__}({len(self):,}: {said}{'; partial' if self.is_partial else ''})"
 
 
 def _restored(
+    kind: type[AnyTable],
     columns: tuple[Any, ...],
     paths: tuple[str, ...],
     rules: tuple[str, ...],
     marks: Marks,
     facts: Facts,
     is_partial: bool,
-    earlier: Clashes | None,
-    shapes: PartShapes | None = None,
-) -> Clashes:
-    found = Clashes(Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial, shapes=shapes)
+    earlier: AnyTable | None,
+    shapes: PartShapes | None,
+) -> AnyTable:
+    found = kind(Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial, shapes=shapes)
     if earlier is not None:
         found._set_earlier(earlier)
     return found
+
+
+def check_same(mockup: Mockup, clashes: Table) -> None:
+    """Raises `OptionError` if the findings are of another mock-up."""
+    if tuple(mockup.part_paths) != clashes.part_paths:
+        raise OptionError(
+            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "
+            "feeler.clash (clashes loaded from a file have no part numbers)"
+        )
 
 
 def _point(row: Any) -> Point:

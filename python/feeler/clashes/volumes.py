@@ -5,17 +5,17 @@ from __future__ import annotations
 import importlib
 import math
 from collections import OrderedDict
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.clashes.part_meshes import PartMeshes
 from feeler.clashes.verdict import OVERLAPS
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
+from feeler.part_meshes import PartMeshes
+from feeler.progress import Progress
 
 _KEPT_TRIANGLES = 5_000_000
 """Most triangles of cached solids, about 2 GB in manifold3d."""
@@ -35,7 +35,7 @@ def shared_volumes(
     b: npt.NDArray[np.uint32],
     verdict: npt.NDArray[np.uint8],
     is_open: npt.NDArray[np.bool_],
-    progress: Callable[[float, str], object] | None = None,
+    progress: Progress | None = None,
 ) -> npt.NDArray[np.float64]:
     """The shared volume of each pair, `(n,)`, cubic metres.
 

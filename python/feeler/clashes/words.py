@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from feeler.clashes.grouping import Group
-from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.result import Clashes, Group
+from feeler.clashes.table import Clash
 from feeler.clashes.verdict import Verdict
+from feeler.words import length
 
 _ERROR_SHARE, _LEAST_ERROR_M = 1.001e-3, 1e-9
 """The largest error of a measured depth, as a share and in metres, plus rounding: see `Clash.depth_error`."""
@@ -57,15 +58,3 @@ def title(group: Group) -> str:
 def capitalised(text: str) -> str:
     """The text with a capital first letter."""
     return text[:1].upper() + text[1:]
-
-
-def length(metres: float) -> str:
-    """A length with a suitable unit."""
-    if not math.isfinite(metres):
-        return "an unknown length"
-    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")):
-        # Rounded first, so that no length reads "1000 µm".
-        shown = float(f"{metres * factor:.4g}")
-        if abs(shown) >= 1.0:
-            return f"{shown:.6g} {unit}"
-    return f"{metres:.4g} m"

@@ -1,5 +1,9 @@
 """The command line. `main` is the entry point of the `feeler` program; each command has a file of its own."""
 
-from feeler.cli.app import app, main
+from feeler.cli.app import app, main  # noqa: I001
+
+# Each registers itself with `app`, in the order in which --help lists them.
+from feeler.cli import demo, info, collide, clearance, path, clash, remove, access, swept  # noqa: F401
+from feeler.cli import feel, view, replay, sample, bench, study  # noqa: F401
 
 __all__ = ["app", "main"]

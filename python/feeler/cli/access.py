@@ -19,6 +19,7 @@ from feeler.cli.inputs import (
     MockupFiles,
     MockupUnit,
     Only,
+    Threads,
     ToolUnit,
     Up,
     Without,
@@ -86,7 +87,7 @@ def access(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each target.")] = None,
     glb: Annotated[
         Path | None,

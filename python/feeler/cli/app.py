@@ -97,8 +97,3 @@ def feeler(
 
     Exit status: 0 fine, 1 a collision was found, room is missing or a path is not free, 2 bad input.
     """
-
-
-# Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import demo, info, collide, clearance, path, clash, remove, access, swept  # noqa: E402, F401, I001
-from feeler.cli import feel, view, replay, sample, bench, study  # noqa: E402, F401

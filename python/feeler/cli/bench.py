@@ -11,7 +11,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
-from feeler.cli.inputs import AsJson, MockupUnit, ToolUnit, Up, read_both
+from feeler.cli.inputs import AsJson, BuildThreads, Hashing, MockupUnit, Storage, ToolUnit, Up, read_both
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -41,9 +41,9 @@ def bench(
     tool_unit: ToolUnit = None,
     up: Up = None,
     voxel_size: Annotated[float | None, typer.Option(help="Metres; default: predicted.")] = None,
-    storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
-    hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")] = 0.0,
-    threads: Annotated[int | None, typer.Option(help="For the build; default: all cores.")] = None,
+    storage: Storage = "blocks",
+    hashing: Hashing = 0.0,
+    threads: BuildThreads = None,
     seed: Annotated[int, typer.Option(help="Another seed, other poses.")] = 0,
     as_json: AsJson = False,
 ) -> None:

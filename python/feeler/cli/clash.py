@@ -12,7 +12,7 @@ import typer
 import feeler
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
 from feeler.cli.findings import count, mesh_facts
-from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Up, Without, read_mockup
+from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Threads, Up, Without, read_mockup
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -89,7 +89,7 @@ def clash(
     only: Only = None,
     unit: MockupUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each finding.")] = None,
     xlsx: Annotated[
         Path | None, typer.Option(help="Write a workbook with a row and a picture for each (needs feeler\\[xlsx]).")
@@ -109,9 +109,9 @@ def clash(
     marked as partial, and ends with 130.
     """
     from feeler import clashes as room
+    from feeler.arguments import near
     from feeler.clashes.as_xlsx import xlsx_library
     from feeler.clashes.changes import check_previous
-    from feeler.clashes.rules import near
     from feeler.cli import outputs
 
     targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
@@ -234,7 +234,7 @@ def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
     """Whether findings are such as --fail-on asks for; None where it asks for none."""
     if fail_on is None:
         return None
-    from feeler.clashes.rules import near
+    from feeler.arguments import near
     from feeler.clashes.tracking import SETTABLE
     from feeler.clashes.verdict import SEVERITIES, Verdict
 

@@ -26,6 +26,7 @@ from feeler.cli.findings import (
 from feeler.cli.inputs import (
     AsJson,
     At,
+    BuildThreads,
     Choice,
     MockupFiles,
     MockupUnit,
@@ -34,6 +35,7 @@ from feeler.cli.inputs import (
     PoseFile,
     Rotate,
     SnapPose,
+    Storage,
     ToolFile,
     ToolUnit,
     Touching,
@@ -80,9 +82,9 @@ def collide(
         float | None,
         typer.Option(help="Metres; default: predicted. With blocks it is the piece size."),
     ] = None,
-    storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
+    storage: Storage = "blocks",
     hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99: memory saved.")] = 0.0,
-    threads: Annotated[int | None, typer.Option(help="For the build; default: all cores.")] = None,
+    threads: BuildThreads = None,
     glb: Annotated[
         Path | None, typer.Option(help="Write mock-up and tool as GLB, colliding triangles red and orange.")
     ] = None,

@@ -16,9 +16,11 @@ from feeler.cli.app import command
 from feeler.cli.inputs import (
     AsJson,
     Choice,
+    MockupFilesOrSample,
     MockupUnit,
     Only,
     PartOption,
+    Threads,
     ToolUnit,
     Up,
     Without,
@@ -60,13 +62,7 @@ feeler feel --seconds 5 --record feel.npz
 """,
 )
 def feel(
-    mockup: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[MOCKUP]...",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
-        ),
-    ] = None,
+    mockup: MockupFilesOrSample = None,
     *,
     tool: Annotated[
         str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench.")
@@ -110,7 +106,7 @@ def feel(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
     """Moves a tool with a device, in real time: the mock-up holds it back, and the hand feels it.

@@ -28,6 +28,13 @@ MockupFiles = Annotated[
         metavar="MOCKUP", help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]]."
     ),
 ]
+MockupFilesOrSample = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[MOCKUP]...",
+        help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
+    ),
+]
 ToolFile = Annotated[str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
 PartOption = Annotated[
     list[str] | None,
@@ -70,6 +77,10 @@ Up = Annotated[
     str | None,
     typer.Option(metavar="x|y|z", help="Turn files that are known to have another axis up, so that this one is."),
 ]
+Storage = Annotated[str, typer.Option(help="blocks, dense or hashed.")]
+Hashing = Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")]
+Threads = Annotated[int | None, typer.Option(help="Default: all cores.")]
+BuildThreads = Annotated[int | None, typer.Option(help="For the build; default: all cores.")]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
 
 _SAMPLE = "sample:"

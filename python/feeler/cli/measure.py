@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 import feeler
+from feeler.progress import Progress
 
 _WARM_UP = 20
 
@@ -24,7 +24,7 @@ def collide_each(
     scene: feeler.Scene,
     tool: feeler.Tool,
     poses: npt.NDArray[np.float64],
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[npt.NDArray[np.float64], list[Any]]:
     """Seconds of each `scene.collide`, (n,), on one thread, and the collisions."""
     seconds, hits = np.empty(len(poses)), []

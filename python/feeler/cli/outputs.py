@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler import words
 from feeler.errors import OptionError
 
 if TYPE_CHECKING:
@@ -105,12 +106,7 @@ def warn(message: str) -> None:
 
 def length(metres: float) -> str:
     """Metres in the unit that reads best."""
-    if not np.isfinite(metres):
-        return str(metres)
-    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
-        if abs(metres) * factor >= 1 or unit == "µm":
-            return f"{metres * factor:.4g} {unit}"
-    return f"{metres:.4g} m"
+    return words.length(metres) if np.isfinite(metres) else str(metres)
 
 
 def duration(seconds: float) -> str:

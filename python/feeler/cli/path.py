@@ -22,6 +22,8 @@ from feeler.cli.inputs import (
     Only,
     PartOption,
     SnapPose,
+    Storage,
+    Threads,
     ToolFile,
     ToolUnit,
     Touching,
@@ -69,8 +71,8 @@ def path(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    storage: Storage = "blocks",
+    threads: Threads = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line per segment that is hit (CSV).")] = None,
     glb: Annotated[
         Path | None, typer.Option(help="Write the mock-up and the tool at the first impact as GLB, the pair coloured.")

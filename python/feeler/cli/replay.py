@@ -10,12 +10,12 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool
+from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, Threads, ToolUnit, Up, Without, read_mockup, read_tool
 from feeler.progress import bar
 
 if TYPE_CHECKING:
-    from feeler.workbench.record import Record
-    from feeler.workbench.replaying import Replayed
+    from feeler.workbench.session.record import Record
+    from feeler.workbench.session.replaying import Replayed
 
 _SAMPLE = "sample:engine"
 
@@ -43,7 +43,7 @@ def replay(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     page: Annotated[
         bool,
         typer.Option("--page", help="Show it in the workbench, at the speed at which it was done, and go on there."),
@@ -60,8 +60,8 @@ def replay(
     same --without and --only.
     """
     from feeler.cli import outputs
-    from feeler.workbench.record import read_record
-    from feeler.workbench.replaying import replay as go_through
+    from feeler.workbench.session.record import read_record
+    from feeler.workbench.session.replaying import replay as go_through
 
     read = read_record(record)
     world = read_mockup(mockup or [_SAMPLE], unit, up)
@@ -88,9 +88,9 @@ def _show_page(
     record: Record, sources: list[str], scene: feeler.Scene, tool: feeler.Tool | None, browser: bool, as_json: bool
 ) -> None:
     from feeler.cli.view import name_of, open_browser, say_where, wait_for_ctrl_c
-    from feeler.workbench.replaying import Player
-    from feeler.workbench.server import Server
-    from feeler.workbench.session import Session
+    from feeler.workbench.net.server import Server
+    from feeler.workbench.session.replaying import Player
+    from feeler.workbench.session.session import Session
 
     with contextlib.suppress(KeyboardInterrupt), Session() as session:
         Player(record, session, scene.mockup, scene, tool, name=name_of(sources))

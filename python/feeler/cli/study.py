@@ -10,7 +10,7 @@ import typer
 
 import feeler
 from feeler.cli.app import app, command
-from feeler.cli.inputs import read_mockup, read_tool
+from feeler.cli.inputs import Hashing, read_mockup, read_tool
 from feeler.errors import MissingFileError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import bar
@@ -69,7 +69,7 @@ def voxel_size(
     rounds: Rounds = 15,
     sizes: Annotated[int, typer.Option(help="Voxel sizes to measure for each pair.")] = 13,
     storage: Annotated[str, typer.Option(help="dense or hashed.")] = "dense",
-    hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")] = 0.0,
+    hashing: Hashing = 0.0,
     seed: Seed = 0,
     out: Out = _OUT,
     resume: Resume = True,

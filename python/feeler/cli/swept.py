@@ -12,7 +12,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts
-from feeler.cli.inputs import AsJson, SnapPose, ToolUnit, Up, read_poses, read_tool
+from feeler.cli.inputs import AsJson, SnapPose, Threads, ToolUnit, Up, read_poses, read_tool
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -44,7 +44,7 @@ def swept(
     snap_pose: SnapPose = False,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", help="Write it: .glb in metres, .stl in millimetres. Without it: figures alone."),

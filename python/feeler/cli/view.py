@@ -15,15 +15,28 @@ import typer
 
 import feeler
 from feeler.cli.app import BAD_INPUT, command, fail
-from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool, telling
+from feeler.cli.inputs import (
+    AsJson,
+    Choice,
+    MockupFilesOrSample,
+    MockupUnit,
+    Only,
+    Threads,
+    ToolUnit,
+    Up,
+    Without,
+    read_mockup,
+    read_tool,
+    telling,
+)
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
 from feeler.progress import Progress
 
 if TYPE_CHECKING:
-    from feeler.workbench.benchmark import Opened
-    from feeler.workbench.server import Server
-    from feeler.workbench.session import Session
+    from feeler.workbench.net.server import Server
+    from feeler.workbench.session.benchmark import Opened
+    from feeler.workbench.session.session import Session
 
 _SAMPLE, _SAMPLE_TOOL = "sample:engine", "sample:wrench"
 _SHOWN = ("mm", "cm", "m", "in")
@@ -46,13 +59,7 @@ feeler view engine.step --findings clashes.json
 """,
 )
 def view(
-    mockup: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[MOCKUP]...",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
-        ),
-    ] = None,
+    mockup: MockupFilesOrSample = None,
     *,
     tool: Annotated[
         str | None,
@@ -88,7 +95,7 @@ def view(
     show_unit: Annotated[
         str, typer.Option(metavar="|".join(_SHOWN), help="In which the page shows lengths at first.")
     ] = "mm",
-    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    threads: Threads = None,
     host: Annotated[
         str | None,
         typer.Option(help="Name or address of this machine for others to reach it by. Default: this machine alone."),
@@ -109,11 +116,11 @@ def view(
     sight meanwhile, as browsers draw nothing in hidden ones.
     """
     from feeler.io import check_target
-    from feeler.workbench.benchmark import FILE
-    from feeler.workbench.findings import read_findings
-    from feeler.workbench.listening import Place
-    from feeler.workbench.server import Server
-    from feeler.workbench.session import Session
+    from feeler.workbench.document.findings import read_findings
+    from feeler.workbench.net.listening import Place
+    from feeler.workbench.net.server import Server
+    from feeler.workbench.session.benchmark import FILE
+    from feeler.workbench.session.session import Session
 
     if show_unit not in _SHOWN:
         raise OptionError(f"--show-unit is {show_unit!r}: choose {', '.join(_SHOWN)}")
@@ -234,7 +241,7 @@ class _Opening:
 
     def _open(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
         from feeler.cli.outputs import warn
-        from feeler.workbench.benchmark import Opened
+        from feeler.workbench.session.benchmark import Opened
 
         session = self._session
         begun = time.perf_counter()
@@ -255,7 +262,7 @@ class _Opening:
         if self._findings is not None:
             session.load_findings(self._findings)
         if self._held is not None and probe is not None and not self._is_over:
-            from feeler.workbench.device import DeviceHand
+            from feeler.workbench.engine.device import DeviceHand
 
             self._hand = DeviceHand(session, self._held)
 
@@ -282,7 +289,7 @@ class _Measured:
     def _write(self, figures: dict[str, Any], opened: Opened) -> None:
         from feeler.cli import outputs
         from feeler.io.atomic import atomic_file
-        from feeler.workbench import benchmark
+        from feeler.workbench.session import benchmark
 
         written = benchmark.report(figures, self._session.document(), opened)
         facts = benchmark.rows(written)

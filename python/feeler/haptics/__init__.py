@@ -13,7 +13,7 @@ session.stop()
 from feeler.haptics import devices
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import open_device
-from feeler.haptics.record import Parted, replay
+from feeler.haptics.replaying import Parted, replay
 from feeler.haptics.running import Distribution, Granted, Statistics, Trace, View
 from feeler.haptics.session import Planes, Seat, Session, Start, Step
 

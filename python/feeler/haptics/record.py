@@ -1,45 +1,50 @@
-"""Records of sessions: what the device did, what came of it, and whether the same comes of it again."""
+"""Records of sessions: what the device did, and what came of it."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import zlib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.errors import LoadError
 from feeler.haptics.coupling import Coupling
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 
-if TYPE_CHECKING:
-    from feeler.haptics.session import Session
-
 FORMAT = 3
-_READ = (1, 2, 3)  # in 1 no parts lie elsewhere from the beginning; before 3 one part is gripped at a time
 KEPT_TRIANGLES = 200_000
 """Up to so many triangles of mock-up and tool a record has them with it; beyond, `replay` is given scene and tool."""
 
 # What happened: a step, a start, a grip, a release, a release that puts back; a part that the next grip takes, too.
 STEP, START, GRIP, RELEASE, PUT_BACK, ALSO = range(6)
+MODES = ("free", "contact", "bound", "colliding", "doubt")
+"""As records number them; `colliding` is of records of format 1 and 2 alone."""
 Floats = npt.NDArray[np.float64]
 
 
 class Recorder:
     """Keeps what happens in a session, and writes it when it is closed."""
 
-    def __init__(self, path: Path, session: Session) -> None:
+    def __init__(
+        self,
+        path: Path,
+        scene: Scene,
+        tool: Tool,
+        coupling: Coupling,
+        options: Mapping[str, Any],
+        put_down: Mapping[int, Scene],
+        ended: Callable[[], None],
+    ) -> None:
+        """Of a session of these. ended: called once, before the file is written."""
         self.path = path
-        self._session: Session | None = session
+        self._session = (scene, tool, coupling, options, put_down)
+        self._ended: Callable[[], None] | None = ended
         self._events: list[tuple[int, int]] = []
         self._inputs: list[Floats] = []
         self._outputs: list[Floats] = []
@@ -69,19 +74,20 @@ class Recorder:
 
     def close(self) -> None:
         """Writes the file; a second time does nothing."""
-        session, self._session = self._session, None
-        if session is None:
+        ended, self._ended = self._ended, None
+        if ended is None:
             return
-        session._recorder = None
-        mockup, tool = session.scene.mockup, session.tool
-        lying = {part: scene.mockup for part, scene in session._lying.items()}
+        ended()
+        scene, tool, coupling, options, put_down = self._session
+        mockup = scene.mockup
+        lying = {part: alone.mockup for part, alone in put_down.items()}
         head = {
             "format": FORMAT,
-            "options": session._options,
-            "coupling": asdict(session.coupling),
-            "mockup": _digest(mockup),
-            "tool": _digest(tool),
-            "put_down": [[part, _digest(each)] for part, each in lying.items()],
+            "options": options,
+            "coupling": asdict(coupling),
+            "mockup": digest_of(mockup),
+            "tool": digest_of(tool),
+            "put_down": [[part, digest_of(each)] for part, each in lying.items()],
         }
         meshes: dict[str, Any] = {}
         count = len(mockup.faces) + len(tool.faces) + sum(len(each.faces) for each in lying.values())
@@ -108,100 +114,12 @@ class Recorder:
         self.close()
 
 
-@dataclass(frozen=True)
-class Parted:
-    """Whether the steps of a record came out the same, bit for bit."""
-
-    steps: int
-    """Replayed."""
-    at: int | None
-    """The first step that came out otherwise; None: all are the same."""
-    by: float
-    """By how much that one did, in metres, newtons or newton metres."""
-
-    def __bool__(self) -> bool:
-        return self.at is None
-
-
-def replay(
-    path: str | Path,
-    scene: Scene | None = None,
-    tool: Tool | None = None,
-    put_down: Mapping[int, Scene] | None = None,
-) -> Parted:
-    """Runs the steps of a record again, and says whether they come out the same bit for bit, or where they part.
-
-    A record of large meshes has none with it: pass the `scene` and the `tool` it was made with, and the parts that lay
-    elsewhere (`put_down`, as of `Session`). Raises `LoadError` for what is no record, or of other meshes.
-    """
-    from feeler.haptics.session import MODES, Session
-
-    with _opened(Path(path)) as record:
-        try:
-            head = json.loads(str(record["head"]))
-            events, inputs, outputs = record["events"], record["inputs"], record["outputs"]
-            if head["format"] not in _READ:
-                raise LoadError(f"{path}: format {head['format']}, this feeler reads {FORMAT}")
-            # A record from before there was shading has none.
-            options, coupling = {"shading": False, **head["options"]}, Coupling(**head["coupling"])
-            lying = {int(part): str(digest) for part, digest in head.get("put_down", [])}
-            has_meshes = "tool.faces" in record
-            if scene is None or tool is None:
-                if not has_meshes:
-                    raise LoadError(f"{path} has no meshes with it: pass the scene and the tool it was made with")
-                scene, tool = Scene(_mockup_of(record, "mockup")), _tool_of(record)
-            if put_down is None and lying:
-                if not has_meshes:
-                    raise LoadError(f"{path} has no meshes with it: pass put_down, the parts that lay elsewhere")
-                put_down = {part: Scene(_mockup_of(record, f"put_down.{part}")) for part in lying}
-            put_down = put_down or {}
-        except (KeyError, ValueError, TypeError, BadZipFile, zlib.error) as error:
-            if isinstance(error, LoadError):
-                raise
-            raise LoadError(f"{path} is no record of a session: {error}") from error
-    for what, mesh in (("mockup", scene.mockup), ("tool", tool)):
-        if _digest(mesh) != head[what]:
-            raise LoadError(f"{path} was made with another {what}")
-    if {part: _digest(each.mockup) for part, each in put_down.items()} != lying:
-        raise LoadError(f"{path} was made with other parts put down elsewhere: it has parts {sorted(lying)}")
-    session = Session(scene, tool, coupling=coupling, put_down={part: put_down[part] for part in lying}, **options)
-    steps = 0
-    also: list[int] = []
-    for (kind, number), row in zip(events.tolist(), inputs, strict=True):
-        pose = row[:16].reshape(4, 4)
-        if kind == START:
-            session.start(pose)
-        elif kind == ALSO:
-            also.append(number)
-        elif kind == GRIP:
-            session.grip([*also, number])
-            also = []
-        elif kind in (RELEASE, PUT_BACK):
-            session.release(put_back=kind == PUT_BACK)
-        else:
-            step = session.step(pose, float(row[16]))
-            now = np.concatenate([step.world_from_proxy.ravel(), step.force, step.torque])
-            if not np.array_equal(now, outputs[steps]) or MODES.index(step.mode) != number:
-                return Parted(steps + 1, steps, float(np.abs(now - outputs[steps]).max()))
-            steps += 1
-    return Parted(steps, None, 0.0)
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    try:
-        opened = path.open("rb")
-    except FileNotFoundError as error:
-        raise LoadError(f"{path}: no such file") from error
-    with opened:
-        try:
-            record = np.load(opened, allow_pickle=False)
-        except (OSError, ValueError, EOFError, BadZipFile) as error:
-            raise LoadError(f"{path} is no record of a session: {error}") from error
-        if not isinstance(record, np.lib.npyio.NpzFile):
-            raise LoadError(f"{path} is no record of a session")
-        with record:
-            yield record
+def digest_of(mesh: Mockup | Tool) -> str:
+    """Of triangles and parts: equal for equal meshes."""
+    digest = hashlib.sha256()
+    for array in (mesh.vertices, mesh.faces, mesh.part_of_face):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
 
 
 def _arrays(name: str, mesh: Mockup | Tool) -> dict[str, Any]:
@@ -211,22 +129,3 @@ def _arrays(name: str, mesh: Mockup | Tool) -> dict[str, Any]:
         f"{name}.part_of_face": mesh.part_of_face,
         f"{name}.part_names": np.array(list(mesh.part_names) or [""]),
     }
-
-
-def _mockup_of(record: Any, name: str) -> Mockup:
-    vertices, faces, owners = (record[f"{name}.{each}"] for each in ("vertices", "faces", "part_of_face"))
-    return Mockup(vertices, faces, owners, record[f"{name}.part_names"].tolist())
-
-
-def _tool_of(record: Any) -> Tool:
-    names = record["tool.part_names"].tolist()
-    return Tool(
-        record["tool.vertices"], record["tool.faces"], part_of_face=record["tool.part_of_face"], part_names=names
-    )
-
-
-def _digest(mesh: Mockup | Tool) -> str:
-    digest = hashlib.sha256()
-    for array in (mesh.vertices, mesh.faces, mesh.part_of_face):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()

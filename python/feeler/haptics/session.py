@@ -13,15 +13,13 @@ import numpy.typing as npt
 
 from feeler.errors import OptionError, PoseError, SessionError
 from feeler.haptics.coupling import Coupling
-from feeler.haptics.record import Recorder
+from feeler.haptics.record import MODES, Recorder
 from feeler.haptics.running import Runs
 from feeler.mockup import Tool
 from feeler.poses import PoseLike, plain
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
-MODES = ("free", "contact", "bound", "colliding", "doubt")
-"""As records number them; `colliding` is of records of format 1 and 2 alone."""
 
 
 @dataclass(frozen=True)
@@ -247,8 +245,13 @@ class Session(Runs):
 
     def record(self, path: str | Path) -> Recorder:
         """Writes what happens from the next start on into a file, for `replay`; `.close()` or `with` ends it."""
-        self._recorder = Recorder(Path(path), self)
+        self._recorder = Recorder(
+            Path(path), self.scene, self.tool, self.coupling, self._options, self._lying, self._end_of_record
+        )
         return self._recorder
+
+    def _end_of_record(self) -> None:
+        self._recorder = None
 
 
 def _start_of(started: tuple[list[tuple[int, int, str, float]], list[float] | None]) -> Start:

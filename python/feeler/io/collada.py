@@ -18,16 +18,17 @@ from feeler.io.collada_nodes import local_matrix
 from feeler.io.collada_skin import Controllers
 from feeler.io.limits import MAX_DEPTH, MAX_PARTS, check_mesh
 from feeler.io.placing import IDENTITY, Matrix, facing, multiply, shift_indices, transform
-from feeler.io.raw import Axis, PathBook, Progress, RawMesh, clean_name
+from feeler.io.raw import Axis, PathBook, RawMesh, clean_name
 from feeler.io.tally import Tally
 from feeler.io.units import Unit
+from feeler.progress import Progress
 
 _UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 _LOOKS = ("library_effects", "library_materials", "library_images", "library_lights", "library_cameras")
 _NUMBERS = {"color", "float", "float2", "float3", "float4", "int", "bool"}
 
 
-def read_collada(path: Path, progress: Progress = None) -> RawMesh:
+def read_collada(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read a COLLADA file: one part for every placed geometry."""
     if progress:
         progress(0.0, f"reading {path.name}")
@@ -68,7 +69,7 @@ class _Reader:
         self.paths: list[str] = []
         self.vertex_count = self.triangle_count = 0
 
-    def read(self, progress: Progress) -> RawMesh:
+    def read(self, progress: Progress | None) -> RawMesh:
         """Walk the scene."""
         unit, up = self._asset()
         if progress:

@@ -23,13 +23,16 @@ from feeler.io.gltf_nodes import Instance, SceneGraph, Shape
 from feeler.io.limits import check_mesh
 from feeler.io.placing import facing, is_mirrored, transform, turned
 from feeler.io.placing import shift_indices as shift_indices
-from feeler.io.raw import OUT_OF_RANGE, Progress, RawMesh
+from feeler.io.raw import OUT_OF_RANGE, RawMesh
 from feeler.io.skinning import skinned
 from feeler.io.tally import Tally
 from feeler.io.units import parse_unit
+from feeler.progress import Progress
 
 
-def read_gltf(path: Path, progress: Progress = None, *, edit: Callable[[Document], None] | None = None) -> RawMesh:
+def read_gltf(
+    path: Path, progress: Progress | None = None, *, edit: Callable[[Document], None] | None = None
+) -> RawMesh:
     """Read a .glb or .gltf file. The unit is the metre, by the standard. `edit` may change the document first."""
     document = Document(path)
     if edit is not None:

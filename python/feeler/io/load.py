@@ -17,12 +17,13 @@ from feeler.io.files import Found, PathLike, collect
 from feeler.io.gltf import shift_indices
 from feeler.io.limits import check_mesh
 from feeler.io.plausible import LONGEST_M, size_note
-from feeler.io.raw import Axis, PathBook, Progress, RawMesh, portion
+from feeler.io.raw import Axis, PathBook, RawMesh, portion
 from feeler.io.readers import Watched, read
 from feeler.io.sniff import identify
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Mockup, Source, Tool
+from feeler.progress import Progress
 
 DEFAULT_UNIT = "mm"
 """What a number means in a file that does not say (STL, OBJ, PLY, OFF) when no `unit=` is given."""
@@ -36,7 +37,7 @@ def load_mockup(
     *,
     up: str | None = None,
     chord_tolerance: float | None = None,
-    progress: Progress = None,
+    progress: Progress | None = None,
 ) -> Mockup:
     """Load one file, several, or a folder as one mock-up, in metres; its `.report` says what was met.
 
@@ -81,7 +82,7 @@ def load_tool(
     name: str | None = None,
     up: str | None = None,
     chord_tolerance: float | None = None,
-    progress: Progress = None,
+    progress: Progress | None = None,
 ) -> Tool:
     """Load a tool, in metres: all of the file moves as one, called `name` (default: the file's name); parts stay parts.
 
@@ -194,7 +195,7 @@ def _load(
     unit: str | None,
     up: str | None,
     chord_tolerance: float | None,
-    progress: Progress,
+    progress: Progress | None,
 ) -> _Loaded:
     given = None if unit is None else parse_unit(unit)
     wanted = axes.parse_axis(up)

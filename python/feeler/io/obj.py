@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
-from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
+from feeler.io.raw import PathBook, RawMesh, clean_name, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
+from feeler.progress import Progress
 
 # What has a shape and is no triangle, by keyword.
 _SHAPES = {
@@ -156,7 +157,7 @@ class _Reader:
         return notes
 
 
-def read_obj(path: Path, progress: Progress = None) -> RawMesh:
+def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read an OBJ file. A part is one pair of object and group; its path is `object/group`."""
     reader = _Reader()
     data, continued = _joined(decoded(path.read_bytes()))

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from feeler.errors import LoadError
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
-from feeler.io.raw import Progress, RawMesh, seal_indices
+from feeler.io.raw import RawMesh, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
+from feeler.progress import Progress
 
 _KEYWORD = re.compile(rb"((?:ST|[CN4n])*)(?:OFF|off)(\d+)?", re.ASCII)
 _SMALL = re.compile(rb"((?:st|[cn4])*)off(\d+)?", re.ASCII)
@@ -37,7 +38,7 @@ class _Polygons(NamedTuple):
     sizes: NDArray[np.int64]
 
 
-def read_off(path: Path, progress: Progress = None) -> RawMesh:
+def read_off(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read an OFF file as one part named after the file."""
     data = decoded(path.read_bytes())
     header = _read_header(path, data)
@@ -107,7 +108,7 @@ def _read_header(path: Path, data: bytes) -> _Header:
 
 
 def _by_lines(
-    path: Path, data: bytes, header: _Header, progress: Progress
+    path: Path, data: bytes, header: _Header, progress: Progress | None
 ) -> tuple[NDArray[np.float64], _Polygons, int]:
     """Read a file with a line for each vertex and polygon; return also how many lines follow."""
     vertices = np.empty((header.vertices, 3))

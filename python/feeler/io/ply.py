@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from feeler.errors import LoadError
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
-from feeler.io.raw import Progress, RawMesh, seal_indices
+from feeler.io.raw import RawMesh, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
+from feeler.progress import Progress
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -73,7 +74,7 @@ class _Body:
                 self.strips = joined
 
 
-def read_ply(path: Path, progress: Progress = None) -> RawMesh:
+def read_ply(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read a PLY file as one part named after the file."""
     data = path.read_bytes().removeprefix(codecs.BOM_UTF8)
     if not data.startswith(b"ply"):
@@ -282,7 +283,7 @@ def _truncated(path: Path, element: _Element) -> LoadError:
 # --- text --------------------------------------------------------------------------------------------------------
 
 
-def _read_text(path: Path, data: bytes, first_line: int, elements: list[_Element], progress: Progress) -> _Body:
+def _read_text(path: Path, data: bytes, first_line: int, elements: list[_Element], progress: Progress | None) -> _Body:
     body = _Body()
     vertices: list[NDArray[np.float64]] = []
     lists: dict[str, list[_Lists]] = {"face": [], "tristrips": []}

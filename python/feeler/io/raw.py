@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -11,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.io.units import Unit
-
-Progress: TypeAlias = Callable[[float, str], None] | None
-"""None, or called with (fraction 0..1, what is being done)."""
+from feeler.progress import Progress
 
 Axis: TypeAlias = Literal["x", "y", "z"]
 """A coordinate axis, as the direction that a file calls up."""
@@ -52,7 +49,7 @@ class RawMesh:
     colours: NDArray[np.float64] | None = None
 
 
-def portion(progress: Progress, low: float, high: float) -> Progress:
+def portion(progress: Progress | None, low: float, high: float) -> Progress | None:
     """Return a progress callable that maps 0..1 onto `low..high` of the given one."""
     if progress is None:
         return None

@@ -12,13 +12,14 @@ from feeler.io.limits import check_memory
 from feeler.io.obj import read_obj
 from feeler.io.off import read_off
 from feeler.io.ply import read_ply
-from feeler.io.raw import Progress, RawMesh, weld
+from feeler.io.raw import RawMesh, weld
 from feeler.io.step import read_step
 from feeler.io.stl import read_stl
 from feeler.io.threemf import read_3mf
 from feeler.io.units import Unit
+from feeler.progress import Progress
 
-_READERS: dict[str, Callable[[Path, Progress], RawMesh]] = {
+_READERS: dict[str, Callable[[Path, Progress | None], RawMesh]] = {
     "STL": read_stl,
     "OBJ": read_obj,
     "PLY": read_ply,
@@ -32,7 +33,7 @@ _READERS: dict[str, Callable[[Path, Progress], RawMesh]] = {
 class Watched:
     """A progress callable that remembers what the caller's raised, so that it is not taken for a damaged file."""
 
-    def __init__(self, progress: Progress) -> None:
+    def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self.raised: Exception | None = None
 

@@ -21,7 +21,7 @@ from feeler.io.gltf import read_gltf
 from feeler.io.gltf_document import Document
 from feeler.io.gltf_nodes import SceneGraph
 from feeler.io.limits import machine_memory
-from feeler.io.raw import Progress, RawMesh, clean_name, portion
+from feeler.io.raw import RawMesh, clean_name, portion
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly, stated_units
 from feeler.io.step_parts import Library, ReadFile, Slot, fill
@@ -30,6 +30,7 @@ from feeler.io.step_text import plain_text
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
+from feeler.progress import Progress
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
 """Metres. Less is finer: the number of triangles of a round surface grows with its inverse square root."""
@@ -50,7 +51,7 @@ _EXPECTED_SECONDS_PER_MB = 0.4  # only for the progress bar
 
 
 def read_step(
-    path: Path, progress: Progress = None, *, chord_tolerance: float | None = None, given: Unit | None = None
+    path: Path, progress: Progress | None = None, *, chord_tolerance: float | None = None, given: Unit | None = None
 ) -> RawMesh:
     """Read a STEP file: one part for every place of a product in the assembly, with names and paths.
 
@@ -86,7 +87,7 @@ def _read(
     path: Path,
     text: bytes,
     tolerance: float,
-    progress: Progress,
+    progress: Progress | None,
     library: Library,
     chain: tuple[Path, ...],
     read_part: ReadFile,
@@ -207,7 +208,7 @@ def _check_frame(path: Path, text: bytes) -> None:
         raise LoadError(f"{path}: the STEP file has no DATA section; export it again")
 
 
-def _convert(path: Path, source: Path, target: Path, tolerance: float, progress: Progress) -> list[str]:
+def _convert(path: Path, source: Path, target: Path, tolerance: float, progress: Progress | None) -> list[str]:
     """Run the converter on `source`, made from `path`, and wait; return the lines it printed.
 
     The progress bar and Ctrl-C stay alive.

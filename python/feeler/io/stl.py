@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from feeler.errors import LoadError
 from feeler.io.limits import check_mesh
-from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, weld
+from feeler.io.raw import PathBook, RawMesh, clean_name, weld
 from feeler.io.sniff import is_binary_stl
 from feeler.io.text import Chunk, chunks_of, decoded
+from feeler.progress import Progress
 
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
@@ -59,7 +60,7 @@ def is_binary(head: bytes, size: int) -> bool:
     return b"\0" in text[:_HEADER] or not (text[:5].lower() == b"solid" or _FACET_NORMAL.search(text))
 
 
-def read_stl(path: Path, progress: Progress = None) -> RawMesh:
+def read_stl(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read an STL file of either kind. Corners that are equal bit for bit become one vertex."""
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -69,7 +70,7 @@ def read_stl(path: Path, progress: Progress = None) -> RawMesh:
     return _read_text(path, progress)
 
 
-def _read_binary(path: Path, size: int, head: bytes, progress: Progress) -> RawMesh:
+def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) -> RawMesh:
     if size < _HEADER:
         raise LoadError(
             f"{path}: {size} bytes are too few for an STL file (a binary one has at least {_HEADER}, a text one starts "
@@ -98,7 +99,7 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress) -> RawM
     return RawMesh(vertices, index.reshape(-1, 3), np.zeros(count, dtype=np.uint32), [path.stem], [""], notes=notes)
 
 
-def _read_text(path: Path, progress: Progress) -> RawMesh:
+def _read_text(path: Path, progress: Progress | None) -> RawMesh:
     data = decoded(path.read_bytes())
     try:
         return _parse(path, data, progress, relaid=False)
@@ -113,7 +114,7 @@ def _one_statement_a_line(data: bytes) -> bytes:
     return _NEXT_SOLID.sub(rb"\1\n", _STATEMENT.sub(b"\n", marked))
 
 
-def _parse(path: Path, data: bytes, progress: Progress, relaid: bool) -> RawMesh:
+def _parse(path: Path, data: bytes, progress: Progress | None, relaid: bool) -> RawMesh:
     """Read a text of one statement a line. Where it was laid out anew, triangles may stand outside of solids."""
     codes: list[NDArray[np.uint8]] = []
     lines: list[NDArray[np.int64]] = []

@@ -19,19 +19,20 @@ import numpy as np
 from feeler.errors import LoadError
 from feeler.io.limits import MAX_DEPTH, check_mesh
 from feeler.io.placing import IDENTITY, facing, multiply, shift_indices, transform
-from feeler.io.raw import PathBook, Progress, RawMesh, clean_name
+from feeler.io.raw import PathBook, RawMesh, clean_name
 from feeler.io.tally import Tally
 from feeler.io.threemf_model import Model, Object, ObjectKey, read_models
 from feeler.io.threemf_package import Package
 from feeler.io.threemf_slicers import apply_settings
 from feeler.io.units import parse_unit
+from feeler.progress import Progress
 
 _UNREACHED = "objects with triangles are reached from no item of the build and were left out"
 _TYPES = ("solidsupport", "support", "surface", "other")
 _URI_SHOWN = 120
 
 
-def read_3mf(path: Path, progress: Progress = None) -> RawMesh:
+def read_3mf(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read a 3MF file: one part for every mesh that an item of the build leads to."""
     try:
         with zipfile.ZipFile(path) as archive:

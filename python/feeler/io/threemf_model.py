@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.io.placing import IDENTITY, Matrix
-from feeler.io.raw import Progress, clean_name, seal_indices
+from feeler.io.raw import clean_name, seal_indices
 from feeler.io.tally import Tally
 from feeler.io.threemf_package import SEPARATOR, EncryptedError, Package
+from feeler.progress import Progress
 
 ObjectKey = tuple[str, str]
 """(key of the model file, object id)"""
@@ -322,7 +323,7 @@ class ModelHandler:
         return matrix
 
 
-def read_models(model: Model, root: str, progress: Progress = None) -> None:
+def read_models(model: Model, root: str, progress: Progress | None = None) -> None:
     """Read the root model and all the model files that it leads to."""
     model.take(root)
     seen: set[str] = set()

@@ -11,7 +11,7 @@ from xml.parsers import expat
 
 from feeler.errors import LoadError
 from feeler.io.limits import check_memory
-from feeler.io.raw import Progress
+from feeler.progress import Progress
 
 SEPARATOR = " "
 """Stands between namespace and name in the tags and attributes that handlers get; no namespace has a blank."""
@@ -83,7 +83,7 @@ class Package:
             return models[0]
         raise self.fail("there is no 3D model in the archive: it is no 3MF file")
 
-    def parse(self, key: str, handler: Handler, progress: Progress = None) -> None:
+    def parse(self, key: str, handler: Handler, progress: Progress | None = None) -> None:
         """Read the XML of a member, block by block; raise `EncryptedError` if it is encrypted."""
         info = self._members[key]
         self._check_size(info)

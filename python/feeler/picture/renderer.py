@@ -7,7 +7,7 @@ Flow: bodies, a chunk of triangles at a time -> cut by the section plane -> visi
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,8 +22,8 @@ from feeler.picture.camera import Camera, Section, usual_view
 from feeler.picture.clip import clip_triangles
 from feeler.picture.png import write_png
 from feeler.picture.raster import DepthBuffer
+from feeler.progress import Progress
 
-Progress = Callable[[float, str], None]
 FloatArray = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from feeler.io.body import only_faces
 from feeler.picture.camera import Camera, Section, triple, usual_view
 from feeler.picture.collision import collision_bodies
 from feeler.picture.renderer import Inset, render
+from feeler.progress import Progress
 
 _INSET = (0.615, 0.535, 0.36, 0.44)  # the close view's left, top, width and height, shares of the picture
 _WHOLES = ((0.025, 0.025, 0.79, 0.75), (0.025, 0.025, 0.565, 0.95))  # over which the close view lies; beside which
@@ -31,7 +31,7 @@ def render_collision(
     direction: npt.ArrayLike | None = None,
     up: npt.ArrayLike | None = None,
     parts: npt.ArrayLike | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
 ) -> npt.NDArray[np.uint8]:
     """The whole mock-up cut open at the tool, and a close view of what collides; returns the pixels.
 

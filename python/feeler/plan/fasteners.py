@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, overload
 
@@ -12,13 +12,14 @@ import numpy.typing as npt
 
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
+from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import kind_said, says_nothing
 from feeler.plan.fastener_shape import Looks, looks_of, rod_of
-from feeler.plan.same_shapes import PartMeshes, SameShape, same_shapes
+from feeler.plan.same_shapes import SameShape, same_shapes
+from feeler.progress import Progress
 from feeler.scene import Scene
 
-Progress = Callable[[float, str], object]
 Floats = npt.NDArray[np.float64]
 
 KINDS = ("bolt", "screw", "nut", "stud")
@@ -242,7 +243,7 @@ def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -
         for part in rest[((bounds[:, 0] <= middle) & (middle <= bounds[:, 1])).all(axis=1)].tolist():
             if part in found or kind_said(world.part_names[part]) == "other":
                 continue
-            vertices, faces = meshes[part]
+            vertices, faces = meshes.mesh(part)
             local = (vertices - nut.frame[:3, 3]) @ nut.frame[:3, :3]
             size = 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
             low, high = float(local[:, 2].min()), float(local[:, 2].max())

@@ -16,8 +16,9 @@ from feeler.io.film import corners_of
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.legs import RemovalLeg
-from feeler.plan.removal import Allow, Progress, Removal, rigid_pose, way_from
+from feeler.plan.removal import Allow, Removal, rigid_pose, way_from
 from feeler.poses import PoseLike, rotation_vector
+from feeler.progress import Progress
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]

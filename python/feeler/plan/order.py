@@ -12,8 +12,9 @@ from feeler.mockup import Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocking import BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
-from feeler.plan.removal import Allow, Progress, Removal, alone
+from feeler.plan.removal import Allow, Removal, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
+from feeler.progress import Progress
 from feeler.scene import Scene
 
 TRY_SHARE = 0.05

@@ -11,7 +11,8 @@ import numpy as np
 
 from feeler.errors import FeelerError
 from feeler.mockup import Tool
-from feeler.plan.removal import Progress, Removal, removal
+from feeler.plan.removal import Removal, removal
+from feeler.progress import Progress
 from feeler.scene import Scene
 
 TARGET = -1

@@ -19,9 +19,9 @@ from feeler.plan.fasteners import Fasteners
 from feeler.plan.swings import Swing, Swings, turned, uncovered
 from feeler.plan.tool_seat import SeatedTool, seated_tool
 from feeler.poses import nearest_rigid, placed
+from feeler.progress import Progress
 from feeler.scene import Scene
 
-Progress = Callable[[float, str], object]
 Floats = npt.NDArray[np.float64]
 Hand = Tool | tuple[Tool, npt.ArrayLike]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
@@ -20,9 +20,9 @@ from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
 from feeler.poses import PoseLike, nearest_rigid, plain
+from feeler.progress import Progress
 from feeler.scene import Scene
 
-Progress = Callable[[float, str], object]
 Allow = str | float | Part | Iterable["str | float | Part"] | None
 """What may meet: see `removal`."""
 

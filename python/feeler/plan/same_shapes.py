@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Mockup
+from feeler.part_meshes import PartMeshes
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -34,34 +35,6 @@ class SameShape:
     """(k, 4, 4): where the shape is for each part."""
 
 
-class PartMeshes:
-    """The triangles of each part of a mock-up, without searching all of them for each."""
-
-    def __init__(self, mockup: Mockup) -> None:
-        part_of_face = mockup.part_of_face
-        self._vertices, self._faces = mockup.vertices, mockup.faces
-        is_sorted = bool((part_of_face[1:] >= part_of_face[:-1]).all())
-        self._order = None if is_sorted else np.argsort(part_of_face, kind="stable")
-        counts = np.bincount(part_of_face, minlength=mockup.part_count)
-        self._starts = np.concatenate([[0], np.cumsum(counts)])
-
-    def __getitem__(self, part: int) -> tuple[Floats, Ints]:
-        """Corners (n, 3) that the part's triangles have, in the mock-up's order, and its triangles (m, 3)."""
-        begin, end = int(self._starts[part]), int(self._starts[part + 1])
-        given = self._faces[begin:end] if self._order is None else self._faces[self._order[begin:end]]
-        faces = given[(given < len(self._vertices)).all(axis=1)].astype(np.int64)
-        if not len(faces):
-            return np.empty((0, 3)), faces
-        low, high = int(faces.min()), int(faces.max()) + 1
-        if high - low <= 3 * len(faces):
-            used = np.zeros(high - low, dtype=bool)
-            used[faces - low] = True
-            index = np.cumsum(used) - 1
-            return self._vertices[low:high][used], np.asarray(index[faces - low], dtype=np.int64)
-        used_ids, index = np.unique(faces, return_inverse=True)
-        return self._vertices[used_ids], index.reshape(-1, 3).astype(np.int64)
-
-
 def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
     """The shapes of these parts: the same triangles over the same corners, but for a rigid motion.
 
@@ -70,7 +43,7 @@ def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
     meshes = PartMeshes(mockup)
     alike: dict[tuple[int, int, int], list[int]] = {}
     for part in parts.tolist():
-        vertices, faces = meshes[part]
+        vertices, faces = meshes.mesh(part)
         if len(faces) and np.isfinite(vertices).all():
             alike.setdefault((len(vertices), len(faces), hash(faces.tobytes())), []).append(part)
     for (count, _, _), group in alike.items():
@@ -78,8 +51,8 @@ def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
         step = max(1, HELD_NUMBERS // (3 * count))
         for begin in range(0, len(group), step):
             share = group[begin : begin + step]
-            corners = np.stack([meshes[part][0] for part in share])
-            yield from _told_apart(corners, meshes[share[0]][1], np.array(share))
+            corners = np.stack([meshes.mesh(part)[0] for part in share])
+            yield from _told_apart(corners, meshes.mesh(share[0])[1], np.array(share))
 
 
 def _told_apart(corners: Floats, faces: Ints, parts: Ints) -> Iterator[SameShape]:

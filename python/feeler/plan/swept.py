@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Source, Tool
+from feeler.progress import Progress
 from feeler.scene import free_memory
 
 DEFAULT_ERROR = 0.001
@@ -25,7 +25,7 @@ def swept(
     error: float = DEFAULT_ERROR,
     *,
     threads: int | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Mockup:
     """A closed mesh around all that the tool sweeps from pose to pose, and nothing farther than `error` from that.
@@ -78,7 +78,7 @@ def _whole(what: str, value: object, least: int, most: int) -> int:
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
-def _checked(progress: Callable[[float, str], None] | None) -> Callable[[float, str], None] | None:
+def _checked(progress: Progress | None) -> Progress | None:
     if progress is not None and not callable(progress):
         raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
     return progress

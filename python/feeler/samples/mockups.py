@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Set
 
 import numpy as np
 
+from feeler.progress import Progress
+
 from ..errors import OptionError
 from ..mockup import Mockup, Source
 from . import accessory
@@ -18,7 +20,7 @@ from .gearbox import add_differential
 from .layout import Surface
 from .mesh import MeshParts
 from .nacelle import add_fan, add_nacelle
-from .plan import Plan, Progress
+from .plan import Plan
 
 GEARBOX = "gearbox"
 LEAST_TRIANGLES = 10_000

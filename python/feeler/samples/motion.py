@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from feeler.progress import Progress
+
 from ..errors import OptionError
 from ..mockup import Tool
 from ..scene import Scene
 from . import rigid
 from .mesh import Floats
-from .poses import Progress, Searcher, Slide, _check_count, _generator
+from .poses import Searcher, Slide, _check_count, _generator
 
 APPROACHES = 24  # places tried; the way in with the fewest collisions is taken
 CHECKS = 12  # poses looked at along each way in

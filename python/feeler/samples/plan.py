@@ -12,11 +12,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from feeler.progress import Progress
+
 from ..errors import LimitError
 from .mesh import Floats, Ints, Mesh, MeshParts, snapped
 from .tessellation import Tolerance
 
-Progress = Callable[[float, str], None]
 Told = Callable[[float], None]
 """Hears how much of something is done, 0 to 1."""
 

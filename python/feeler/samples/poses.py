@@ -8,19 +8,18 @@ used, so the poses depend on mock-up, tool, kind and seed alone, not on storage,
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from feeler.progress import Progress
 
 from ..errors import OptionError
 from ..mockup import Tool
 from ..scene import Scene
 from . import rigid
 from .mesh import Floats
-
-Progress = Callable[[float, str], None]
 
 KINDS = ("nominal", "near", "deep")
 NOMINAL_SHARE = (0.01, 0.05)  # of the tool's triangles

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Generic, TypeVar
 
+from feeler.progress import Progress
+
 from ..mockup import Mockup, Tool
 
 Thing = TypeVar("Thing", Mockup, Tool)
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,10 @@ from feeler.mockup import Mockup, Tool
 from feeler.picture.png import write_png
 from feeler.picture.renderer import render
 from feeler.scene import Scene
-from feeler.workbench import motion
-from feeler.workbench.document import MODES
-from feeler.workbench.motion import Floats
-from feeler.workbench.session import Session
+from feeler.workbench.document import motion
+from feeler.workbench.document.document import MODES
+from feeler.workbench.document.motion import Floats
+from feeler.workbench.session.session import Session
 
 _SHOT_S = 5.0
 _SHOT_SIZE = (1280, 800)
@@ -75,7 +75,7 @@ def view(
 
 def _served(session: Session, port: int) -> Any:
     try:
-        from feeler.workbench.server import Server
+        from feeler.workbench.net.server import Server
     except ImportError as error:
         raise WorkbenchError(f"the server needs {error.name}", "view", f"pip install {error.name}") from None
     server = Server(session, port=port)

@@ -1,4 +1,4 @@
-// Reads the mock-up that one HTML file carries; `python/feeler/workbench/page.py` writes it and says how.
+// Reads the mock-up that one HTML file carries; `python/feeler/workbench/session/page.py` writes it and says how.
 //
 //     const page = await readOffline();     // null: a server is behind this page
 //

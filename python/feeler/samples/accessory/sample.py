@@ -7,6 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from feeler.progress import Progress
+
 from ...errors import OptionError
 from ..mesh import Floats, Mesh, MeshParts, snapped, times
 from . import assembly
@@ -33,7 +35,6 @@ COUNTS = {
     39: 15_600_000,
 }
 """About how many triangles there are at a level, to begin with the right one."""
-Progress = Callable[[float, str], None]
 
 
 class Drawn:

@@ -1,0 +1,120 @@
+"""The result of a check: the table of findings, and all that is made of it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.changes import compare
+from feeler.clashes.grouping import grouped
+from feeler.clashes.matching import PartMatch
+from feeler.clashes.retried import with_rules
+from feeler.clashes.rules import rules_from
+from feeler.clashes.saving import load, save
+from feeler.clashes.table import Clash, Table
+from feeler.clashes.tracking import DEPTH_GROWTH_M
+from feeler.mockup import Mockup
+
+
+class Clashes(Table):
+    """The result of `feeler.clash`: a row for each pair of parts, the worst first.
+
+    `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
+    Columns are read-only arrays with an entry for each row: `.a .b .verdict .depth .depth_error .depth_kind
+    .translation .gap .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by
+    severity; then duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the
+    nearest first; then by parts.
+    """
+
+    def groups(self, by: str = "part", *, reach: float | None = None) -> list[Group]:
+        """Groups the rows. The group with the worst row comes first.
+
+        by: "part" (each row goes to the part with most of the remaining rows, so one misplaced part is one group),
+        "rule", or "cluster" (chains of findings, each within `reach` metres of the next; default: a hundredth of the
+        diagonal of the box around all). Raises `OptionError` for others.
+        """
+        return [Group(name, rows, self[rows]) for name, rows in grouped(self, by, reach)]
+
+    def diff(self, previous: Clashes, *, growth: float = DEPTH_GROWTH_M) -> Changes:
+        """Compares with the previous check, and takes over its statuses and notes.
+
+        Findings of both checks keep their status, except that new becomes active. Findings that did not exist, or were
+        resolved, are new. Findings that are gone are resolved. An approved finding is new again if it is more than
+        `growth` metres deeper than when it was approved. A partial check resolves nothing.
+
+        Parts match by path, even if they moved. If a path is gone (a file, root or sub-assembly was renamed, a level
+        added), or several parts have it, parts match by shape and place: another meshing, small motions, or another
+        place of the whole assembly do not matter. `changed` of such findings is "renamed" or "renumbered", and
+        `Changes.parts` counts the parts. Findings become new if their rule is renamed, if a part is renamed and also
+        moved alone or reshaped, and if one of several parts of one path moves by more than half its size. Raises
+        `LoadError` if no part of the previous findings is in this mock-up, by path or by shape.
+        """
+        parts = compare(self, previous, growth)
+        found = {name: self.where(status=name) for name in ("new", "active", "reviewed", "approved")}
+        return Changes(**found, resolved=self.earlier().where(status="resolved"), parts=parts)
+
+    def with_rules(self, rules: Any, mockup: Mockup | None = None) -> Clashes:
+        """Applies other rules to these findings, without another check: to try rules on saved findings.
+
+        rules: as in `feeler.clash`. mockup: the one that was checked, to find fasteners by shape; None: by name alone.
+        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` is counted
+        again. `facts.notes` lists what needs another check: pairs that were hidden, pairs beyond the clearance of the
+        check, and verdicts that depend on more than the depth. Raises errors as `feeler.clash` does.
+        """
+        return with_rules(self, rules_from(rules), mockup)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the findings and `earlier()` with their statuses as JSON, one sorted line for each.
+
+        Equal findings give equal bytes. `feeler.load_clashes` reads the file. Raises `WriteError`.
+        """
+        save(self, path)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Some findings, the worst first. name: the key of a part, a rule, or "cluster 1"."""
+
+    name: str
+    rows: npt.NDArray[np.intp]
+    clashes: Clashes
+
+    @property
+    def worst(self) -> Clash:
+        """The first finding."""
+        return self.clashes[0]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class Changes:
+    """The findings of a check by status, each a table. `resolved` has rows of the previous check.
+
+    parts: how many parts of the previous check are in this mock-up, and which were renamed.
+    """
+
+    new: Clashes
+    active: Clashes
+    reviewed: Clashes
+    approved: Clashes
+    resolved: Clashes
+    parts: PartMatch
+
+    def counts(self) -> dict[str, int]:
+        """The number of findings of each status."""
+        return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
+
+
+def load_clashes(path: str | os.PathLike[str]) -> Clashes:
+    """Loads findings that `Clashes.save` or `feeler clash --json` wrote, the worst first.
+
+    Part numbers index the `part_paths` of the table, not the mock-up. Raises `MissingFileError` if the file does not
+    exist, and `LoadError` if it has another format or version, or is cut short.
+    """
+    return load(path, Clashes)

@@ -1,0 +1,129 @@
+"""Records of sessions gone through again: the same to the bit, or where they part."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from feeler.errors import LoadError
+from feeler.haptics.coupling import Coupling
+from feeler.haptics.record import ALSO, FORMAT, GRIP, MODES, PUT_BACK, RELEASE, START, digest_of
+from feeler.haptics.session import Session
+from feeler.mockup import Mockup, Tool
+from feeler.scene import Scene
+
+_READ = (1, 2, 3)  # in 1 no parts lie elsewhere from the beginning; before 3 one part is gripped at a time
+
+
+@dataclass(frozen=True)
+class Parted:
+    """Whether the steps of a record came out the same, bit for bit."""
+
+    steps: int
+    """Replayed."""
+    at: int | None
+    """The first step that came out otherwise; None: all are the same."""
+    by: float
+    """By how much that one did, in metres, newtons or newton metres."""
+
+    def __bool__(self) -> bool:
+        return self.at is None
+
+
+def replay(
+    path: str | Path,
+    scene: Scene | None = None,
+    tool: Tool | None = None,
+    put_down: Mapping[int, Scene] | None = None,
+) -> Parted:
+    """Runs the steps of a record again, and says whether they come out the same bit for bit, or where they part.
+
+    A record of large meshes has none with it: pass the `scene` and the `tool` it was made with, and the parts that lay
+    elsewhere (`put_down`, as of `Session`). Raises `LoadError` for what is no record, or of other meshes.
+    """
+    with _opened(Path(path)) as record:
+        try:
+            head = json.loads(str(record["head"]))
+            events, inputs, outputs = record["events"], record["inputs"], record["outputs"]
+            if head["format"] not in _READ:
+                raise LoadError(f"{path}: format {head['format']}, this feeler reads {FORMAT}")
+            # A record from before there was shading has none.
+            options, coupling = {"shading": False, **head["options"]}, Coupling(**head["coupling"])
+            lying = {int(part): str(digest) for part, digest in head.get("put_down", [])}
+            has_meshes = "tool.faces" in record
+            if scene is None or tool is None:
+                if not has_meshes:
+                    raise LoadError(f"{path} has no meshes with it: pass the scene and the tool it was made with")
+                scene, tool = Scene(_mockup_of(record, "mockup")), _tool_of(record)
+            if put_down is None and lying:
+                if not has_meshes:
+                    raise LoadError(f"{path} has no meshes with it: pass put_down, the parts that lay elsewhere")
+                put_down = {part: Scene(_mockup_of(record, f"put_down.{part}")) for part in lying}
+            put_down = put_down or {}
+        except (KeyError, ValueError, TypeError, BadZipFile, zlib.error) as error:
+            if isinstance(error, LoadError):
+                raise
+            raise LoadError(f"{path} is no record of a session: {error}") from error
+    for what, mesh in (("mockup", scene.mockup), ("tool", tool)):
+        if digest_of(mesh) != head[what]:
+            raise LoadError(f"{path} was made with another {what}")
+    if {part: digest_of(each.mockup) for part, each in put_down.items()} != lying:
+        raise LoadError(f"{path} was made with other parts put down elsewhere: it has parts {sorted(lying)}")
+    session = Session(scene, tool, coupling=coupling, put_down={part: put_down[part] for part in lying}, **options)
+    steps = 0
+    also: list[int] = []
+    for (kind, number), row in zip(events.tolist(), inputs, strict=True):
+        pose = row[:16].reshape(4, 4)
+        if kind == START:
+            session.start(pose)
+        elif kind == ALSO:
+            also.append(number)
+        elif kind == GRIP:
+            session.grip([*also, number])
+            also = []
+        elif kind in (RELEASE, PUT_BACK):
+            session.release(put_back=kind == PUT_BACK)
+        else:
+            step = session.step(pose, float(row[16]))
+            now = np.concatenate([step.world_from_proxy.ravel(), step.force, step.torque])
+            if not np.array_equal(now, outputs[steps]) or MODES.index(step.mode) != number:
+                return Parted(steps + 1, steps, float(np.abs(now - outputs[steps]).max()))
+            steps += 1
+    return Parted(steps, None, 0.0)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    try:
+        opened = path.open("rb")
+    except FileNotFoundError as error:
+        raise LoadError(f"{path}: no such file") from error
+    with opened:
+        try:
+            record = np.load(opened, allow_pickle=False)
+        except (OSError, ValueError, EOFError, BadZipFile) as error:
+            raise LoadError(f"{path} is no record of a session: {error}") from error
+        if not isinstance(record, np.lib.npyio.NpzFile):
+            raise LoadError(f"{path} is no record of a session")
+        with record:
+            yield record
+
+
+def _mockup_of(record: Any, name: str) -> Mockup:
+    vertices, faces, owners = (record[f"{name}.{each}"] for each in ("vertices", "faces", "part_of_face"))
+    return Mockup(vertices, faces, owners, record[f"{name}.part_names"].tolist())
+
+
+def _tool_of(record: Any) -> Tool:
+    names = record["tool.part_names"].tolist()
+    return Tool(
+        record["tool.vertices"], record["tool.faces"], part_of_face=record["tool.part_of_face"], part_names=names
+    )

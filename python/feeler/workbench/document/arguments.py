@@ -1,0 +1,195 @@
+"""Arguments of commands, questions and jobs: what a page or a script sent, checked."""
+
+from __future__ import annotations
+
+import math
+import types
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from feeler.arguments import near
+from feeler.errors import OptionError, WorkbenchError
+from feeler.parts import Parts
+from feeler.workbench.document import motion
+from feeler.workbench.document.document import Point
+from feeler.workbench.document.protocol import Pose, Selection, Vec3
+
+_MOST_TEXT = 10_000
+_LARGEST = 1e9
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class Maybe:
+    """Marks the type of an argument that may be absent."""
+
+    type: Any
+
+
+Shape = Mapping[str, Any]
+"""The arguments by name, and their types: those of `protocol.py`, from which the page's are made."""
+
+
+class Arguments:
+    """What came with a command. Every reading checks, and says where it failed."""
+
+    def __init__(self, command: str, given: Any, shape: Shape) -> None:
+        """Raises `WorkbenchError` for what is no object, and for names the command does not know."""
+        self.command, self._shape = command, shape
+        if not isinstance(given, Mapping):
+            raise WorkbenchError("the arguments are no object", command, "send names with their values")
+        self._given: Mapping[str, Any] = given
+        expected = list(shape)
+        for name in given:
+            if name not in expected:
+                raise WorkbenchError(
+                    f"there is no argument {name!r}", command, near(name, expected, "it takes no arguments")
+                )
+
+    def fail(self, name: str, what: str, do: str) -> WorkbenchError:
+        """An error of an argument, to be raised."""
+        return WorkbenchError(what, f"{self.command}, {name}", do)
+
+    def has(self, name: str) -> bool:
+        """Whether it was given, and is not null."""
+        return self._given.get(name) is not None
+
+    def raw(self, name: str, kind: Any) -> Any:
+        """As it came, None where it is absent. kind: its type, which has to be the one of the shape.
+
+        Raises `TypeError` where a command reads what its row in the table does not say: the page would send another.
+        """
+        declared = _bare(self._shape[name])
+        if declared != kind:
+            raise TypeError(f"{self.command} reads {name} as {kind}, and the table says {declared}")
+        return self._given.get(name)
+
+    def inner(self, name: str, kind: type) -> Arguments:
+        """An object, of a `TypedDict`, as arguments of its own."""
+        return Arguments(f"{self.command}, {name}", self.raw(name, kind), get_type_hints(kind))
+
+    def flag(self, name: str) -> bool:
+        """True or false."""
+        value = self.raw(name, bool)
+        if not isinstance(value, bool):
+            raise self.fail(name, f"{_shown(value)} is neither true nor false", "send true or false")
+        return value
+
+    def number(self, name: str, low: float = -_LARGEST, high: float = _LARGEST) -> float:
+        """A finite number within bounds."""
+        value: Any = self.raw(name, float)
+        if not is_number(value) or not low <= value <= high:
+            raise self.fail(name, f"{_shown(value)} is no number from {low:g} to {high:g}", "send one that is")
+        return float(value)
+
+    def whole(self, name: str, low: int = 0, high: int = 2**53) -> int:
+        """A whole number within bounds."""
+        value = self.raw(name, int)
+        if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+            raise self.fail(name, f"{_shown(value)} is no whole number from {low} to {high}", "send one that is")
+        return value
+
+    def text(self, name: str) -> str:
+        """A text, not empty."""
+        value = self.raw(name, str)
+        if not isinstance(value, str) or not value.strip() or len(value) > _MOST_TEXT:
+            raise self.fail(name, f"{_shown(value)} is no text, or too long", f"send 1 to {_MOST_TEXT} characters")
+        return value
+
+    def choice(self, name: str, choices: Iterable[str]) -> str:
+        """One of several words."""
+        words = list(choices)
+        # Of words that are known before, the page is told.
+        is_listed = get_origin(_bare(self._shape[name])) is Literal
+        value = self.raw(name, Literal[tuple(words)] if is_listed else str)
+        if value not in words:
+            raise self.fail(name, f"there is no {_shown(value)}", near(value, words))
+        return str(value)
+
+    def point(self, name: str) -> Point:
+        """Three numbers."""
+        return self._triple(name, self.raw(name, Vec3))
+
+    def points(self, name: str, least: int, most: int) -> tuple[Point, ...]:
+        """Several points."""
+        value: Any = self.raw(name, list[Vec3])
+        if not is_sequence(value) or not least <= len(value) <= most:
+            count = f"{least}" if least == most else f"{least} to {most}"
+            raise self.fail(name, f"{_shown(value)} is no list of {count} points", "send lists of three numbers")
+        return tuple(self._triple(name, each) for each in value)
+
+    def unit(self, name: str) -> Point:
+        """A direction, made one metre long."""
+        x, y, z = self.point(name)
+        length = math.sqrt(x * x + y * y + z * z)
+        if not 1e-12 < length < _LARGEST:
+            raise self.fail(name, f"{_shown([x, y, z])} has no direction", "send three numbers that are not all 0")
+        return (x / length, y / length, z / length)
+
+    def pose(self, name: str) -> motion.Row:
+        """16 numbers of a rigid pose."""
+        return motion.row(motion.checked(self.raw(name, Pose), f"{self.command}, {name}"))
+
+    def parts(self, name: str, parts: Parts, most: int | None = None) -> tuple[int, ...]:
+        """Parts by indices, paths or patterns: their indices, ascending. Says what is spelt alike."""
+        value: Any = self.raw(name, Selection)
+        if not isinstance(value, (int, str)) and not is_sequence(value):
+            raise self.fail(name, f"{_shown(value)} names no part", "send indices, paths or patterns")
+        try:
+            found = tuple(parts.select(value).tolist())
+        except OptionError as error:
+            raise self.fail(name, str(error), "send an index, a path or a pattern of a part that is there") from None
+        if not found or (most is not None and len(found) > most):
+            raise self.fail(name, f"{len(found)} parts are named", f"name {'one' if most == 1 else 'one at least'}")
+        return found
+
+    def place_of(self, items: Sequence[Any], name: str = "id") -> int:
+        """Where in a list the item with a number is."""
+        wanted = self.whole(name)
+        for place, item in enumerate(items):
+            if item.id == wanted:
+                return place
+        there = ", ".join(str(item.id) for item in items[:20])
+        raise self.fail(name, f"there is no {wanted}", f"there is {there}" if there else "there is none at all")
+
+    def _triple(self, name: str, value: Any) -> Point:
+        if not is_sequence(value) or len(value) != 3 or not all(is_number(each) for each in value):
+            raise self.fail(name, f"{_shown(value)} is not three numbers", "send x, y and z, metres")
+        x, y, z = (float(each) for each in value)
+        return (x, y, z)
+
+
+def _bare(kind: Any) -> Any:
+    """A type without what says that it may be absent or null."""
+    inside = kind.type if isinstance(kind, Maybe) else kind
+    if get_origin(inside) in (Union, types.UnionType):
+        some = [each for each in get_args(inside) if each is not type(None)]
+        return some[0] if len(some) == 1 else inside
+    return inside
+
+
+def replaced(items: tuple[Item, ...], place: int, item: Item) -> tuple[Item, ...]:
+    """The items, with another at a place."""
+    return (*items[:place], item, *items[place + 1 :])
+
+
+def without(items: tuple[Item, ...], place: int) -> tuple[Item, ...]:
+    """The items but one."""
+    return (*items[:place], *items[place + 1 :])
+
+
+def is_number(value: Any) -> bool:
+    """Whether it is a finite number, within what lengths can be."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
+
+
+def is_sequence(value: Any) -> bool:
+    """Whether it is a list of things."""
+    return isinstance(value, (list, tuple))
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."

@@ -1,0 +1,490 @@
+"""Every change of the document: the name of a command -> a function of the document, the arguments and what is known.
+
+The functions are pure: the same document, arguments and knowledge give the same document. What only the engine can tell
+(where the hand is, the way it went, what was measured) the session puts into `Known` before it calls one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from feeler.arguments import near
+from feeler.errors import LoadError, WorkbenchError
+from feeler.parts import Parts
+from feeler.poses import inverse
+from feeler.workbench.document import findings, motion
+from feeler.workbench.document.arguments import Arguments, Maybe, Shape, replaced, without
+from feeler.workbench.document.document import (
+    MATERIALS,
+    MODES,
+    UNITS,
+    CameraView,
+    Document,
+    Isolation,
+    Measure,
+    Removal,
+    SectionPlane,
+    ToolFacts,
+    Trip,
+    Viewpoint,
+)
+from feeler.workbench.document.motion import Row
+from feeler.workbench.document.protocol import (
+    Camera,
+    FindingStatus,
+    Material,
+    MeasureType,
+    Mode,
+    Pose,
+    Selection,
+    Unit,
+    Vec3,
+)
+
+LEAST_MOVED_M = 1e-3
+"""Parts that a release left less far from where they were gripped are no line of the sequence."""
+_GRID_M = 2.0**-10  # of the hand's place where it holds parts alone: subtracting it from a coordinate loses no digit
+_MOST_SECTIONS = 6
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a measure came to; see `document.Measure`."""
+
+    type: str
+    points: tuple[tuple[float, float, float], ...]
+    value: float
+    unit: str
+    is_exact: bool
+    parts: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Known:
+    """What commands know beside the document.
+
+    bounds: `(2, 3)` of the parts in the scene. tools: by name, the triangles of those that were made. pose: where the
+    hand is. tool_pose: where a tool that is taken is free. trip: of the parts in the hand, and their least clearance on
+    it. absent: parts that were left out of the scene from the start.
+    """
+
+    parts: Parts
+    bounds: motion.Floats
+    tools: Mapping[str, int]
+    pose: Row = motion.HOME
+    tool_pose: Row = motion.HOME
+    trip: Trip | None = None
+    least_clearance: float | None = None
+    absent: frozenset[int] = frozenset()
+    measured: Measured | None = None
+
+    @property
+    def there(self) -> tuple[int, ...]:
+        """The parts that are in the scene."""
+        return tuple(part for part in range(len(self.parts)) if part not in self.absent)
+
+
+Change = Callable[[Document, Arguments, Known], Document]
+
+
+@dataclass(frozen=True)
+class Command:
+    """A change and its arguments. moves_hand: the document it begins with has the hand where it is."""
+
+    change: Change
+    arguments: Shape = field(default_factory=dict)
+    moves_hand: bool = False
+
+
+def hide(document: Document, given: Arguments, known: Known) -> Document:
+    """Out of sight; they still collide."""
+    return replace(document, hidden=_united(document.hidden, _there(given, known)))
+
+
+def show(document: Document, given: Arguments, known: Known) -> Document:
+    """In sight again."""
+    return replace(document, hidden=_less(document.hidden, given.parts("parts", known.parts)))
+
+
+def show_all(document: Document, _given: Arguments, _known: Known) -> Document:
+    """Nothing hidden, nothing a ghost."""
+    return replace(document, hidden=(), ghost=(), isolation=None)
+
+
+def hide_all(document: Document, _given: Arguments, known: Known) -> Document:
+    """Everything hidden."""
+    return replace(document, hidden=known.there, isolation=None)
+
+
+def isolate(document: Document, given: Arguments, known: Known) -> Document:
+    """These alone in sight; the same again brings back what was hidden before."""
+    parts = _there(given, known)
+    before = document.isolation
+    if before is not None and before.parts == parts:
+        return replace(document, hidden=before.hidden_before, isolation=None)
+    hidden_before = document.hidden if before is None else before.hidden_before
+    hidden = _less(known.there, parts)
+    return replace(document, hidden=hidden, isolation=Isolation(parts, hidden_before))
+
+
+def ghost(document: Document, given: Arguments, known: Known) -> Document:
+    """See-through, or not."""
+    change = _united if given.flag("is_on") else _less
+    return replace(document, ghost=change(document.ghost, _there(given, known)))
+
+
+def single_out(document: Document, given: Arguments, known: Known) -> Document:
+    """These in sight and solid, all others see-through."""
+    parts = _there(given, known)
+    return replace(document, hidden=_less(document.hidden, parts), ghost=_less(known.there, parts))
+
+
+def explode(document: Document, given: Arguments, _known: Known) -> Document:
+    """How far apart the parts are drawn, 0 to 1."""
+    return replace(document, explode=given.number("share", 0.0, 1.0))
+
+
+def section_add(document: Document, given: Arguments, _known: Known) -> Document:
+    """A cut more."""
+    if len(document.sections) >= _MOST_SECTIONS:
+        raise WorkbenchError(f"there are {_MOST_SECTIONS} sections already", given.command, "remove one first")
+    plane = SectionPlane(document.next_id, given.unit("normal"), given.number("offset"))
+    return document.with_id(sections=(*document.sections, plane))
+
+
+def section_move(document: Document, given: Arguments, _known: Known) -> Document:
+    """A cut elsewhere."""
+    place = given.place_of(document.sections)
+    plane = replace(document.sections[place], normal=given.unit("normal"), offset=given.number("offset"))
+    return replace(document, sections=replaced(document.sections, place, plane))
+
+
+def section_switch(document: Document, given: Arguments, _known: Known) -> Document:
+    """A cut on or off."""
+    place = given.place_of(document.sections)
+    plane = replace(document.sections[place], is_on=given.flag("is_on"))
+    return replace(document, sections=replaced(document.sections, place, plane))
+
+
+def section_remove(document: Document, given: Arguments, _known: Known) -> Document:
+    """A cut less."""
+    return replace(document, sections=without(document.sections, given.place_of(document.sections)))
+
+
+def set_unit(document: Document, given: Arguments, _known: Known) -> Document:
+    """In which lengths are shown."""
+    return replace(document, unit=given.choice("unit", UNITS))
+
+
+def set_material(document: Document, given: Arguments, _known: Known) -> Document:
+    """What the mock-up sounds like; null: as steel."""
+    return replace(document, material=given.choice("material", MATERIALS) if given.has("material") else None)
+
+
+def set_mode(document: Document, given: Arguments, known: Known) -> Document:
+    """What contact does to the hand: stop, glide or pass."""
+    return replace(document, mode=given.choice("mode", MODES), pose=known.pose)
+
+
+def place(document: Document, given: Arguments, known: Known) -> Document:
+    """The hand put down: where the engine let it come, which `known.pose` says."""
+    given.pose("pose")
+    return replace(document, pose=known.pose)
+
+
+def grip(document: Document, given: Arguments, known: Known) -> Document:
+    """Parts leave the scene and join the hand where they are; more parts join those that are held."""
+    parts = tuple(part for part in given.parts("parts", known.parts) if part not in document.gripped)
+    if not parts:
+        raise WorkbenchError("the hand holds these already", given.command, "release them, or grip others")
+    empty = [known.parts[part].path for part in parts if not np.isfinite(known.parts[part].lower[0])]
+    if empty:
+        raise WorkbenchError(f"{empty[0]} has no triangle that can be queried", given.command, "grip another part")
+    gone = [known.parts[part].path for part in parts if part in known.absent]
+    if gone:
+        raise WorkbenchError(f"{gone[0]} was left out of the scene", given.command, "grip a part that is there")
+    places = {part: motion.matrix(document.moved.get(part, motion.HOME)) for part in parts}
+    pose = motion.matrix(known.pose)
+    if document.tool is None and not document.gripped:
+        # Nothing is in the hand, so it may be anywhere: in the middle of what it takes.
+        boxes = np.array([[known.parts[part].lower, known.parts[part].upper] for part in parts])
+        around = np.concatenate(
+            [
+                motion.corners(box) @ places[part][:3, :3].T + places[part][:3, 3]
+                for part, box in zip(parts, boxes, strict=True)
+            ]
+        )
+        middle = (around.min(axis=0) + around.max(axis=0)) / 2
+        pose = motion.shifted(np.round(middle / _GRID_M) * _GRID_M)
+    back = inverse(pose)
+    held = {part: motion.row(back @ place) for part, place in places.items()}
+    moved = {part: place for part, place in document.moved.items() if part not in held}
+    return replace(
+        document,
+        pose=motion.row(pose),
+        gripped=_sorted({**document.gripped, **held}),
+        moved=_sorted(moved),
+        out=_less(document.out, parts),
+        trip=None,
+    )
+
+
+def release(document: Document, given: Arguments, known: Known) -> Document:
+    """The parts stay where they are; where they moved, that is a line of the sequence."""
+    if not document.gripped:
+        raise WorkbenchError("the hand holds no part", given.command, "grip one first")
+    pose = motion.matrix(known.pose)
+    placed = {part: motion.row(pose @ motion.matrix(held)) for part, held in document.gripped.items()}
+    trip = known.trip or Trip((known.pose,))
+    first = motion.matrix(trip.way[0])
+    boxes = {part: np.array([known.parts[part].lower, known.parts[part].upper]) for part in placed}
+    outside = tuple(part for part, at in placed.items() if _is_outside(boxes[part], motion.matrix(at), known.bounds))
+    starts = {part: first @ motion.matrix(held) for part, held in document.gripped.items()}
+    moves = max(
+        motion.carried(starts[part], motion.matrix(at), motion.corners(boxes[part])) for part, at in placed.items()
+    )
+    changed = replace(
+        document,
+        pose=known.pose,
+        gripped=_sorted({}),
+        moved=_sorted({**document.moved, **placed}),
+        out=_united(document.out, outside),
+        trip=None,
+        replaying=None,
+    )
+    if moves <= LEAST_MOVED_M or document.replaying is not None:
+        return changed
+    names = [known.parts[part].name for part in placed]
+    away = {
+        part: at for part, at in starts.items() if motion.carried(np.eye(4), at, motion.corners(boxes[part])) > 1e-9
+    }
+    line = Removal(
+        id=document.next_id,
+        name=names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more",
+        parts=tuple(placed),
+        way=trip.way,
+        least_clearance=known.least_clearance,
+        touched=tuple(known.parts[part].path for part in trip.touched),
+        tool=document.tool.name if document.tool else None,
+        starts=tuple((part, motion.row(at)) for part, at in away.items()),
+    )
+    return changed.with_id(sequence=(*document.sequence, line))
+
+
+def put_back(document: Document, given: Arguments, known: Known) -> Document:
+    """Parts go home, from where they lie or from the hand."""
+    parts = given.parts("parts", known.parts)
+    away = [part for part in parts if part in document.moved or part in document.gripped]
+    if not away:
+        raise WorkbenchError("these are where they were loaded", given.command, "name parts that were moved")
+    gripped = {part: held for part, held in document.gripped.items() if part not in away}
+    return replace(
+        document,
+        pose=known.pose,
+        gripped=_sorted(gripped),
+        moved=_sorted({part: at for part, at in document.moved.items() if part not in away}),
+        out=_less(document.out, tuple(away)),
+        trip=document.trip if gripped == document.gripped else None,
+        replaying=document.replaying if gripped else None,
+    )
+
+
+def take_tool(document: Document, given: Arguments, known: Known) -> Document:
+    """Another tool in the hand, or none; where it would meet something, it is above the mock-up."""
+    if document.gripped:
+        raise WorkbenchError("the hand holds parts", given.command, "release them first")
+    if not given.has("name"):
+        return replace(document, tool=None, pose=known.pose)
+    name = given.choice("name", known.tools)
+    return replace(document, tool=ToolFacts(name, known.tools[name]), pose=known.tool_pose)
+
+
+def measure_add(document: Document, given: Arguments, known: Known) -> Document:
+    """A measure more."""
+    found = _measured(given, known)
+    name = given.text("name") if given.has("name") else f"{found.type} {document.next_id}"
+    return document.with_id(measures=(*document.measures, _measure(document.next_id, name, found)))
+
+
+def measure_edit(document: Document, given: Arguments, known: Known) -> Document:
+    """A measure with another name, or of something else."""
+    at = given.place_of(document.measures)
+    old = document.measures[at]
+    name = given.text("name") if given.has("name") else old.name
+    new = replace(old, name=name) if known.measured is None else _measure(old.id, name, known.measured)
+    return replace(document, measures=replaced(document.measures, at, new))
+
+
+def measure_remove(document: Document, given: Arguments, _known: Known) -> Document:
+    """A measure less."""
+    return replace(document, measures=without(document.measures, given.place_of(document.measures)))
+
+
+def camera_of(given: Arguments) -> CameraView:
+    """The argument "camera"."""
+    inner = given.inner("camera", Camera)
+    return CameraView(
+        inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
+    )
+
+
+def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
+    """A camera to come back to."""
+    seen = camera_of(given)
+    name = given.text("name") if given.has("name") else f"view {document.next_id}"
+    return document.with_id(viewpoints=(*document.viewpoints, Viewpoint(document.next_id, name, seen)))
+
+
+def viewpoint_remove(document: Document, given: Arguments, _known: Known) -> Document:
+    """A camera less."""
+    return replace(document, viewpoints=without(document.viewpoints, given.place_of(document.viewpoints)))
+
+
+def sequence_rename(document: Document, given: Arguments, _known: Known) -> Document:
+    """Another name for a line."""
+    at = given.place_of(document.sequence)
+    return replace(
+        document, sequence=replaced(document.sequence, at, replace(document.sequence[at], name=given.text("name")))
+    )
+
+
+def sequence_move(document: Document, given: Arguments, _known: Known) -> Document:
+    """A line elsewhere in the order."""
+    at = given.place_of(document.sequence)
+    to = given.whole("index", 0, len(document.sequence) - 1)
+    rest = without(document.sequence, at)
+    return replace(document, sequence=(*rest[:to], document.sequence[at], *rest[to:]))
+
+
+def sequence_remove(document: Document, given: Arguments, _known: Known) -> Document:
+    """A line less; the parts stay where they are."""
+    return replace(document, sequence=without(document.sequence, given.place_of(document.sequence)))
+
+
+def sequence_replay(document: Document, given: Arguments, known: Known) -> Document:
+    """The parts of a line are where they were gripped, and in the hand: the engine then moves them along the way."""
+    line = document.sequence[given.place_of(document.sequence)]
+    if document.gripped:
+        raise WorkbenchError("the hand holds parts", given.command, "release them first")
+    starts = {part: row for part, row in dict(line.starts).items() if part in line.parts}
+    moved = {part: at for part, at in document.moved.items() if part not in line.parts}
+    home = replace(document, moved=_sorted({**moved, **starts}), out=_less(document.out, line.parts), tool=None)
+    inner = Arguments(given.command, {"parts": list(line.parts)}, {"parts": Selection})
+    return replace(grip(home, inner, known), replaying=line.id)
+
+
+def findings_open(document: Document, given: Arguments, known: Known) -> Document:
+    """Findings in place of those that were open; as `feeler clash --json` writes them."""
+    try:
+        return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
+    except LoadError as error:
+        raise given.fail("findings", str(error), "choose another file") from None
+
+
+def finding_status(document: Document, given: Arguments, _known: Known) -> Document:
+    """What was decided about a finding."""
+    found = _findings(document, given)
+    name = given.text("id")
+    if name not in findings.ids(found.groups):
+        raise given.fail("id", f"there is no finding {name!r}", near(name, findings.ids(found.groups)))
+    status = {**found.status, name: given.choice("status", findings.STATUS)}
+    return replace(document, findings=replace(found, status=MappingProxyType(status)))
+
+
+def finding_filter(document: Document, given: Arguments, _known: Known) -> Document:
+    """Whether findings that only touch are hidden."""
+    found = replace(_findings(document, given), is_touching_hidden=given.flag("is_touching_hidden"))
+    return replace(document, findings=found)
+
+
+MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
+"""What a measure is of; each type needs one of them."""
+
+COMMANDS: dict[str, Command] = {
+    "hide": Command(hide, {"parts": Selection}),
+    "show": Command(show, {"parts": Selection}),
+    "show_all": Command(show_all),
+    "hide_all": Command(hide_all),
+    "isolate": Command(isolate, {"parts": Selection}),
+    "ghost": Command(ghost, {"parts": Selection, "is_on": bool}),
+    "single_out": Command(single_out, {"parts": Selection}),
+    "explode": Command(explode, {"share": float}),
+    "section_add": Command(section_add, {"normal": Vec3, "offset": float}),
+    "section_move": Command(section_move, {"id": int, "normal": Vec3, "offset": float}),
+    "section_switch": Command(section_switch, {"id": int, "is_on": bool}),
+    "section_remove": Command(section_remove, {"id": int}),
+    "set_unit": Command(set_unit, {"unit": Unit}),
+    "set_material": Command(set_material, {"material": Material | None}),
+    "set_mode": Command(set_mode, {"mode": Mode}, moves_hand=True),
+    "place": Command(place, {"pose": Pose}, moves_hand=True),
+    "grip": Command(grip, {"parts": Selection}, moves_hand=True),
+    "release": Command(release, moves_hand=True),
+    "put_back": Command(put_back, {"parts": Selection}, moves_hand=True),
+    "take_tool": Command(take_tool, {"name": str | None}, moves_hand=True),
+    "measure_add": Command(measure_add, {"type": MeasureType, **MEASURED, "name": Maybe(str)}),
+    "measure_edit": Command(measure_edit, {"id": int, "type": Maybe(MeasureType), **MEASURED, "name": Maybe(str)}),
+    "measure_remove": Command(measure_remove, {"id": int}),
+    "viewpoint_add": Command(viewpoint_add, {"name": Maybe(str), "camera": Camera}),
+    "viewpoint_remove": Command(viewpoint_remove, {"id": int}),
+    "sequence_rename": Command(sequence_rename, {"id": int, "name": str}),
+    "sequence_move": Command(sequence_move, {"id": int, "index": int}),
+    "sequence_remove": Command(sequence_remove, {"id": int}),
+    "sequence_replay": Command(sequence_replay, {"id": int}, moves_hand=True),
+    "findings_open": Command(findings_open, {"findings": Any}),
+    "finding_status": Command(finding_status, {"id": str, "status": FindingStatus}),
+    "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
+}
+STEPS = ("undo", "redo")
+"""Commands that choose between documents and make none."""
+
+
+def applied(document: Document, name: str, args: Any, known: Known) -> Document:
+    """The document after a command. Raises `WorkbenchError` for a command or arguments that cannot be."""
+    command = COMMANDS.get(name)
+    if command is None:
+        raise WorkbenchError(f"there is no command {name!r}", "command", near(name, [*COMMANDS, *STEPS]))
+    return command.change(document, Arguments(name, args, command.arguments), known)
+
+
+def _there(given: Arguments, known: Known) -> tuple[int, ...]:
+    """The argument "parts", those of them that are in the scene."""
+    return tuple(part for part in given.parts("parts", known.parts) if part not in known.absent)
+
+
+def _united(parts: tuple[int, ...], more: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(sorted({*parts, *more}))
+
+
+def _less(parts: tuple[int, ...], fewer: tuple[int, ...]) -> tuple[int, ...]:
+    gone = set(fewer)
+    return tuple(part for part in parts if part not in gone)
+
+
+def _sorted(places: dict[int, Row]) -> Mapping[int, Row]:
+    return MappingProxyType(dict(sorted(places.items())))
+
+
+def _is_outside(box: motion.Floats, place: motion.Floats, bounds: motion.Floats) -> bool:
+    around = motion.corners(box) @ place[:3, :3].T + place[:3, 3]
+    return bool((around.max(axis=0) < bounds[0]).any() or (around.min(axis=0) > bounds[1]).any())
+
+
+def _measured(given: Arguments, known: Known) -> Measured:
+    if known.measured is None:
+        raise WorkbenchError("nothing was measured", given.command, "send what to measure")
+    return known.measured
+
+
+def _measure(number: int, name: str, found: Measured) -> Measure:
+    return Measure(number, name, found.type, found.points, found.value, found.unit, found.is_exact, found.parts)
+
+
+def _findings(document: Document, given: Arguments) -> Any:
+    if document.findings is None:
+        raise WorkbenchError("there are no findings", given.command, "open what feeler clash --json wrote")
+    return document.findings

@@ -1,0 +1,728 @@
+"""The messages between the page and the server, and the JSON objects in them: the one place that says what they are.
+
+`viewer/src/link/protocol.ts` is written from this file by `tools/protocol_ts.py`. Everything is SI (metres, newtons,
+radians, seconds unless the name says otherwise), in the mock-up's frame ("world"); a pose is world_from_tool, row by
+row. `frames.py` says how a message is laid out. From the page come `FROM_PAGE`, from the server `FROM_SERVER`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, TypedDict, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.workbench.document.frames import (
+    VERSION,
+    Array,
+    Open,
+    Partial,
+    ProtocolError,
+    id_of,
+    pack,
+    unpack,
+    version_of,
+)
+
+__all__ = [
+    "FROM_PAGE",
+    "FROM_SERVER",
+    "MOST_CLEARANCES",
+    "MOST_HITS",
+    "MOST_PLANES",
+    "NOT_ALLOWED",
+    "RELOAD",
+    "VERSION",
+    "ProtocolError",
+    "decode_from_page",
+    "decode_from_server",
+    "encode",
+    "id_of",
+    "version_of",
+]
+
+NOT_ALLOWED = 1008
+"""Closes a socket without the token, or past a limit."""
+
+RELOAD = 4001
+"""Closes a socket of another protocol version: the page is to be loaded anew."""
+
+MOST_HITS = 20_000
+"""Colliding triangles listed in a state, of each side."""
+
+MOST_PLANES = 32
+"""Contact planes listed in a state."""
+
+MOST_CLEARANCES = 16
+"""Clearance rows listed in a state."""
+
+F8 = npt.NDArray[np.float64]
+F4 = npt.NDArray[np.float32]
+U4 = npt.NDArray[np.uint32]
+
+Vec3 = tuple[float, float, float]
+Pose = list[float]
+"""16 numbers of a rigid pose, row by row."""
+
+Selection = list[int | str] | int | str
+"""Parts: indices, paths or patterns."""
+
+Unit = Literal["mm", "cm", "m", "in"]
+Mode = Literal["stop", "glide", "pass"]
+UpAxis = Literal["x", "y", "z"]
+MeasureType = Literal["point", "edge", "angle", "parts"]
+Material = Literal["steel", "aluminium", "plastic", "rubber"]
+FindingStatus = Literal["new", "active", "reviewed", "approved", "resolved"]
+DepthKind = Literal["exact", "bound", "estimate"]
+Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
+
+
+# ---- JSON objects in messages ----
+
+
+class MockupFacts(TypedDict):
+    """What is known of the mock-up."""
+
+    name: str
+    hash: str
+    """Of its content, hex: the address of its geometry."""
+    triangles: int
+    """Of the parts that are in the scene."""
+    parts: int
+    """All, also those that were left out: the number of every part is below it."""
+
+
+class ToolFacts(TypedDict):
+    """What is known of the tool in hand."""
+
+    name: str
+    triangles: int
+
+
+class RecordFacts(TypedDict):
+    """A record that the job "replay" goes through."""
+
+    name: str
+    is_playing: bool
+    is_same: bool | None
+    """Whether all of it came out as it was recorded; null before that is known."""
+    verdict: str | None
+    """The same as a sentence."""
+
+
+class Loading(TypedDict):
+    """How far reading and indexing are."""
+
+    stage: str
+    share: float
+    """0 to 1."""
+
+
+class Section(TypedDict):
+    """A plane that cuts the picture: what is kept has normal . x >= offset."""
+
+    id: int
+    normal: Vec3
+    """Unit."""
+    offset: float
+    """Metres along the normal."""
+    is_on: bool
+
+
+class SequenceLine(TypedDict):
+    """One removal: parts, the way they took, and what came near."""
+
+    id: int
+    name: str
+    parts: list[int]
+    way: list[Pose]
+    """world_from_hand."""
+    least_clearance: float | None
+    """Metres; 0 where something touched, null where it is not known."""
+    touched: list[str]
+    """Part paths."""
+    tool: str | None
+
+
+class Measure(TypedDict):
+    """A measure with the points that it was taken at."""
+
+    id: int
+    name: str
+    type: MeasureType
+    points: list[Vec3]
+    """Metres."""
+    value: float
+    unit: Literal["m", "rad"]
+    is_exact: bool
+    """Taken by the engine on the triangles, not from the picture."""
+
+
+class Camera(TypedDict):
+    """Where a picture is seen from."""
+
+    position: Vec3
+    target: Vec3
+    up: Vec3
+    fov_rad: float
+    """Vertical field of view."""
+
+
+class Viewpoint(TypedDict):
+    """A camera that was kept."""
+
+    id: int
+    name: str
+    camera: Camera
+
+
+class Finding(TypedDict):
+    """What a clash check says of two parts."""
+
+    id: str
+    a: str
+    """A part path, as is `b`."""
+    b: str
+    part_a: int | None
+    """Null: the part is not in this mock-up, or was left out of the scene."""
+    part_b: int | None
+    verdict: str
+    depth: float | None
+    """Metres, as is `gap`."""
+    gap: float | None
+    point_a: Vec3 | None
+    point_b: Vec3 | None
+    is_touching: bool
+    sentence: str
+
+
+class FindingGroup(TypedDict):
+    """Findings that belong together, the deepest first."""
+
+    name: str
+    findings: list[Annotated[dict[str, Any], Open(Finding)]]
+
+
+class Findings(TypedDict):
+    """What a clash run found, as groups, and how far each finding is."""
+
+    groups: list[Annotated[dict[str, Any], Open(FindingGroup)]]
+    status: dict[str, FindingStatus]
+    """By the finding's id; "new" where there is none."""
+    is_touching_hidden: bool
+
+
+class DocumentFields(TypedDict):
+    """All that a page shows and that a command may change; what a reload brings back."""
+
+    mockup: MockupFacts | None
+    loading: Loading | None
+    """Null once the engine answers."""
+    failed: str | None
+    """Why there is no mock-up."""
+    tool: ToolFacts | None
+    tools: list[str]
+    """Names of what can be taken in hand."""
+    record: RecordFacts | None
+    absent: list[int]
+    """Parts that were left out of the scene from the start: nothing meets them, and nobody sees them."""
+    held_version: int
+    """Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty."""
+    unit: Unit
+    mode: Mode
+    hidden: list[int]
+    ghost: list[int]
+    explode: float
+    """0 to 1."""
+    isolated: bool
+    sections: list[Section]
+    pose: Pose
+    """Where the hand was last put down by a command."""
+    gripped: list[int]
+    moved: dict[str, Pose]
+    """Part id -> world_from_part: the identity is where it was loaded."""
+    out: list[int]
+    """Parts taken out of the mock-up."""
+    sequence: list[SequenceLine]
+    replaying: int | None
+    """The line of the sequence that is being replayed."""
+    measures: list[Measure]
+    viewpoints: list[Viewpoint]
+    findings: Findings | None
+    material: Material | None
+
+
+class ManifestParts(TypedDict):
+    """The parts of a mock-up by column."""
+
+    paths: list[str]
+    """Empty for those that were left out."""
+    triangles: list[int]
+    lower: list[Vec3]
+    """Of each part's box, metres; an empty part, or one that was left out, has lower above upper."""
+    upper: list[Vec3]
+    small: list[int]
+    """1: so small beside the mock-up that it may be left out while the camera moves."""
+    colours: list[int]
+    """sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page gives its own."""
+
+
+class ManifestPiece(TypedDict):
+    """One piece of geometry, `GET /scene/pieces/K`."""
+
+    triangles: int
+    vertices: int
+    first: int
+    """Packed index of its first triangle: the number of triangles in the pieces before it."""
+    bytes: int
+    lower: Vec3
+    upper: Vec3
+    small: bool
+    """Of small parts alone."""
+    parts: int
+    """How many parts have triangles in it."""
+
+
+class Manifest(TypedDict):
+    """The geometry of the mock-up, `GET /scene`: pieces, big shapes first, small parts at the end.
+
+    A piece is little-endian: float32 positions[vertices][3], metres from `middle`; the part of each vertex, uint16 or
+    uint32 as `part_bytes` says, padded to 4 bytes; uint16 index[triangles][3], padded to 4 bytes. A packed triangle is
+    the index of a triangle in the order of the pieces.
+    """
+
+    hash: str
+    name: str
+    unit: str
+    """Of the files that it was read from."""
+    up: UpAxis
+    middle: Vec3
+    lower: Vec3
+    upper: Vec3
+    triangles: int
+    """In the pieces: those that are drawn."""
+    vertices: int
+    part_bytes: Literal[2, 4]
+    parts: ManifestParts
+    pieces: list[ManifestPiece]
+
+
+class HeldManifest(TypedDict):
+    """The geometry in hand, in the hand's frame: its pieces, one after the other, are `GET /held/VERSION`."""
+
+    version: int
+    middle: Vec3
+    lower: Vec3
+    upper: Vec3
+    triangles: int
+    vertices: int
+    part_bytes: Literal[2, 4]
+    parts: list[str]
+    """Paths; the part of a vertex is an index into them."""
+    pieces: list[ManifestPiece]
+
+
+class NearestPoints(TypedDict):
+    """How far the tool is from the mock-up, and between which points."""
+
+    value: float
+    tool_point: Vec3
+    mockup_point: Vec3
+    part: int
+
+
+# What questions and jobs answer; `asking.py` has their names and arguments.
+
+
+class RayHit(TypedDict):
+    """The first thing in sight on a ray."""
+
+    distance: float
+    point: Vec3
+    normal: Vec3
+    part: int
+    triangle: int
+    """Of the mock-up; -1: the fill of a section."""
+
+
+class Snapped(RayHit):
+    """The same, with the point drawn to a corner or an edge that is near."""
+
+    type: Literal["vertex", "edge", "face"]
+    corners: tuple[Vec3, Vec3, Vec3]
+    """Of the triangle, where it is now."""
+
+
+class Measured(TypedDict):
+    """What a measure would come to."""
+
+    type: MeasureType
+    points: list[Vec3]
+    value: float
+    unit: Literal["m", "rad"]
+    is_exact: bool
+    parts: list[int]
+
+
+class PartFacts(TypedDict):
+    """What is known of a part."""
+
+    part: int
+    name: str
+    path: str
+    triangles: int
+    lower: Vec3 | None
+    """Null: the part has no triangle that can be queried."""
+    upper: Vec3 | None
+    state: Literal["gripped", "moved", "in place", "left out"]
+    is_hidden: bool
+
+
+class Outline(TypedDict):
+    """Where planes cut the mock-up."""
+
+    count: int
+    segments: str
+    """Base64 of little-endian float32 `(count, 2, 3)`: metres, world."""
+    parts: str
+    """Base64 of little-endian uint32 `(count,)`."""
+
+
+class Written(TypedDict):
+    """A file to fetch: `GET /exports/NAME`."""
+
+    name: str
+    bytes: int
+
+
+class WrittenPage(Written):
+    """One HTML file with the mock-up inside."""
+
+    left_out: int
+    """Triangles that had no room."""
+
+
+class Replayed(TypedDict):
+    """What came of a record that was gone through."""
+
+    is_same: bool
+    verdict: str
+
+
+class Trouble(TypedDict):
+    """What went wrong, where, and what to do about it; "where" and "do" may be empty."""
+
+    what: str
+    where: str
+    do: str
+
+
+# ---- page -> server ----
+
+
+@dataclass(frozen=True)
+class Hello:
+    """The first message, within 2 seconds; nothing else is read before it."""
+
+    KIND: ClassVar[str] = "hello"
+    protocol: int
+    token: str
+    session: str | None
+    """The one that the page was in before its connection broke."""
+    last_event: int
+    """The newest that it has; 0: none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """Where the hand wants to be. The newest counts."""
+
+    KIND: ClassVar[str] = "pose"
+    seq: int
+    time_ms: float
+    """By the page's clock."""
+    source: Source
+    pose: Annotated[F8, Array("f8", (4, 4))]
+    """world_from_tool, row by row."""
+
+
+@dataclass(frozen=True)
+class Ack:
+    """A state was taken. At most two are on their way unacknowledged."""
+
+    KIND: ClassVar[str] = "ack"
+    seq: int
+
+
+@dataclass(frozen=True)
+class Command:
+    """Changes the document. Answered by a reply."""
+
+    KIND: ClassVar[str] = "command"
+    id: int
+    name: str
+    args: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Ask:
+    """A question, which changes nothing. Answered by a reply."""
+
+    KIND: ClassVar[str] = "ask"
+    id: int
+    name: str
+    args: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Job:
+    """Something that takes a while: progress comes by messages of the same id, the result as a reply."""
+
+    KIND: ClassVar[str] = "job"
+    id: int
+    name: str
+    args: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Cancel:
+    """Gives up a job of this page; its reply is an error then."""
+
+    KIND: ClassVar[str] = "cancel"
+    id: int
+
+
+@dataclass(frozen=True)
+class Shot:
+    """The picture that a "shot" event asked for, or the next piece of it: a message may have 1 MiB, a picture more."""
+
+    KIND: ClassVar[str] = "shot"
+    id: int
+    name: str
+    png_base64: str
+    """Of a multiple of 4 characters in each piece but the last."""
+    more: bool
+    """Another piece follows."""
+
+
+@dataclass(frozen=True)
+class Benchmarked:
+    """What a page measured, as a "benchmark" event asked for."""
+
+    KIND: ClassVar[str] = "benchmarked"
+    id: int
+    figures: dict[str, Any]
+    """As `Figures` of `viewer/src/app/benchmark.ts`."""
+
+
+# ---- server -> page ----
+
+
+@dataclass(frozen=True)
+class Welcome:
+    """The answer to hello: everything."""
+
+    KIND: ClassVar[str] = "welcome"
+    protocol: int
+    session: str
+    document: DocumentFields
+    event: int
+    """The newest event that the document has in it; those that follow are greater."""
+    device: bool
+    """A haptic device moves the hand."""
+    recording: bool
+    held: HeldManifest | None
+    """Of the mesh in hand; null: the hand is empty, or there is no mock-up yet."""
+    versions: dict[str, str]
+    """Of the server's software, by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What the engine found at the newest pose. A newer one replaces it."""
+
+    KIND: ClassVar[str] = "state"
+    seq: int
+    pose_seq: int
+    """Of the wish that it answers."""
+    engine_us: float
+    age_ms: float
+    """From the wish to the answer."""
+    rate_hz: float
+    """Answers a second."""
+    mode: Mode
+    is_free: bool
+    """Nothing meets, nothing is inside."""
+    blocked: bool
+    """The solid tool is held back from the wish."""
+    force: Vec3
+    torque: Vec3
+    """About the tool's origin, N m."""
+    depth: float
+    """How far the tool is out of what it is in; 0: in nothing, or not found yet."""
+    depth_kind: DepthKind
+    """Of the depth: no way out is shorter, one may be, or this one does not free it."""
+    hit_count: int
+    """Colliding triangles of the mock-up, listed or not."""
+    hit_more: int
+    """Of them, those not listed."""
+    contact_more: int
+    """Contact planes not listed."""
+    distance: NearestPoints | None
+    parts: list[int]
+    """Touched, ids."""
+    pose: Annotated[F8, Array("f8", (4, 4))]
+    """The solid tool's."""
+    wish: Annotated[F8, Array("f8", (4, 4))]
+    """The hand's."""
+    hits: Annotated[U4, Array("u4", ("hits",), MOST_HITS)]
+    """Packed triangles of the mock-up."""
+    tool_hits: Annotated[U4, Array("u4", ("tool hits",), MOST_HITS)]
+    """Packed triangles of the mesh in hand."""
+    planes: Annotated[F4, Array("f4", ("planes", 8), MOST_PLANES)]
+    """A row a contact: point 3, normal 3 (from the mock-up to the tool), gap, share of the force in newtons."""
+    plane_parts: Annotated[U4, Array("u4", ("planes",), MOST_PLANES)]
+    clearance: Annotated[F4, Array("f4", ("clearances", 7), MOST_CLEARANCES)]
+    """A row a near part: distance, point on the tool 3, point on the mock-up 3."""
+    clearance_parts: Annotated[U4, Array("u4", ("clearances",), MOST_CLEARANCES)]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The document changed: the new values of some of its fields."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "patch"}
+    n: int
+    fields: Annotated[dict[str, Any], Partial(DocumentFields)]
+    command: str | None
+    """What changed it; null: not a command."""
+    undo_depth: int
+    redo_depth: int
+
+
+@dataclass(frozen=True)
+class Impact:
+    """The tool met a part that it did not touch before."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "impact"}
+    n: int
+    part: int
+    part_size_m: float
+    """The diagonal of its box."""
+    speed_m_per_s: float
+    point: Vec3
+    material: str | None
+    force: float
+    """Newtons."""
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something to tell whoever looks at the page."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "notice"}
+    n: int
+    level: Literal["info", "warning", "error"]
+    text: str
+
+
+@dataclass(frozen=True)
+class ShotWanted:
+    """A script wants a picture: one page answers by a shot of the same id."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "shot"}
+    n: int
+    id: int
+    width: int
+    height: int
+    camera: Camera | None
+    """Null: as the page stands."""
+
+
+@dataclass(frozen=True)
+class BenchmarkWanted:
+    """A page is to measure what it draws: it answers by a "benchmarked" message of the same id."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "benchmark"}
+    n: int
+    id: int
+
+
+@dataclass(frozen=True)
+class HeldChanged:
+    """The hand holds something else: fetch `/held/VERSION`."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "held"}
+    n: int
+    version: int
+    manifest: HeldManifest | None
+    """Null: the hand is empty."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a job of this page is. A newer one replaces it; it is no event, as it means nothing to other pages."""
+
+    KIND: ClassVar[str] = "progress"
+    id: int
+    share: float
+    """0 to 1."""
+    stage: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A command, question or job was done."""
+
+    KIND: ClassVar[str] = "reply"
+    TAG: ClassVar[dict[str, Any]] = {"ok": True}
+    id: int
+    result: Any
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A command, question or job was not done; or a message was none."""
+
+    KIND: ClassVar[str] = "reply"
+    TAG: ClassVar[dict[str, Any]] = {"ok": False}
+    id: int | None
+    """Null: the message had none."""
+    error: Trouble
+
+
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
+FromServer = Welcome | State | Event | Progress | Answer | Refusal
+
+FROM_PAGE: tuple[type, ...] = (Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
+FROM_SERVER: tuple[type, ...] = (
+    *(Welcome, State),
+    *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),
+    *(Progress, Answer, Refusal),
+)
+
+
+def encode(message: FromPage | FromServer) -> str | bytes:
+    """The frame of a message: text, or bytes where it has arrays.
+
+    Raises `ProtocolError` for a shape that does not fit, too many rows, and NaN or infinity in the JSON.
+    """
+    return pack(message)
+
+
+def decode_from_page(frame: str | bytes) -> FromPage:
+    """The message of a frame that a page sent. Raises `ProtocolError` for anything that is none, and nothing else."""
+    return cast(FromPage, unpack(frame, FROM_PAGE))
+
+
+def decode_from_server(frame: str | bytes) -> FromServer:
+    """The message of a frame that a server sent. Raises `ProtocolError` for anything that is none."""
+    return cast(FromServer, unpack(frame, FROM_SERVER))

@@ -1,0 +1,1 @@
+"""What the hand holds and meets: the mock-up as it stands, the moves of the hand, and questions of geometry."""

@@ -1,0 +1,113 @@
+"""What the hand holds, and the world around it, as a document says: made when asked for, and kept a while for undo."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import TypeVar
+
+from feeler.errors import WorkbenchError
+from feeler.mockup import Tool
+from feeler.samples import sample_tool, sample_tool_names
+from feeler.scene import Scene
+from feeler.workbench.document import motion
+from feeler.workbench.document.document import Document
+from feeler.workbench.document.motion import Row
+from feeler.workbench.engine.geometry import HeldGeometry
+from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.world import World
+
+_KEPT = 16
+
+
+HeldKey = tuple[str | None, tuple[tuple[int, Row], ...]]
+WorldKey = tuple[tuple[tuple[int, Row], ...], tuple[int, ...]]
+Key = TypeVar("Key")
+Made = TypeVar("Made")
+
+
+def held_key(document: Document) -> HeldKey:
+    """By what the hand's content is told apart: the tool's name, and the gripped parts with their places."""
+    return (document.tool.name if document.tool else None, tuple(document.gripped.items()))
+
+
+def world_key(document: Document) -> WorldKey:
+    """By what the world is told apart: parts put down elsewhere, and parts that are gone from it."""
+    return (tuple(document.moved.items()), tuple(document.gripped))
+
+
+class Hands:
+    """Tools, worlds and what pages get of the hand, for documents of one scene."""
+
+    def __init__(self, scene: Scene, tools: dict[str, Tool]) -> None:
+        """tools: those at hand; the built-in ones can be taken as well, but for their names, and are made only then."""
+        self.scene, self._tools = scene, dict(tools)
+        self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
+        self.meshes = PartTools(scene.mockup)
+        self._held: OrderedDict[HeldKey, Tool] = OrderedDict()
+        self._worlds: OrderedDict[WorldKey, World] = OrderedDict()
+        self._geometries: OrderedDict[int, HeldGeometry] = OrderedDict()
+        self._versions: dict[HeldKey, int] = {}
+        self._keys: dict[int, HeldKey] = {}
+
+    def tool(self, name: str) -> Tool:
+        """One of those in `names`."""
+        if name not in self._tools:
+            self._tools[name] = sample_tool(name)
+        return self._tools[name]
+
+    def counts(self) -> dict[str, int]:
+        """Triangles of all tools by name; 0 of those that nobody has taken yet."""
+        return {name: self._tools[name].triangle_count if name in self._tools else 0 for name in self.names}
+
+    def version(self, document: Document) -> int:
+        """The number of the hand's content, the same whenever it is the same; 0: it is empty."""
+        key = held_key(document)
+        if key == (None, ()):
+            return 0
+        version = self._versions.setdefault(key, len(self._versions) + 1)
+        self._keys[version] = key
+        return version
+
+    def held(self, document: Document) -> Tool | None:
+        """What the hand holds; None where it is empty."""
+        key = held_key(document)
+        return None if key == (None, ()) else self._tool(key)
+
+    def world(self, document: Document) -> World:
+        """What the hand may meet."""
+        moved, gone = world_key(document)
+        return _kept(self._worlds, (moved, gone), lambda: World(self.scene, self.meshes, dict(moved), gone))
+
+    def geometry(self, version: int) -> HeldGeometry:
+        """What pages get of the hand's content. Raises `WorkbenchError` for a version that never was."""
+        if version not in self._keys:
+            raise WorkbenchError(f"there is no version {version} of what the hand holds", "held", "reload the page")
+        return _kept(self._geometries, version, lambda: HeldGeometry(self._tool(self._keys[version]), version))
+
+    def _tool(self, key: HeldKey) -> Tool:
+        name, gripped = key
+        if not gripped and name is not None:
+            return self.tool(name)
+        return _kept(self._held, key, lambda: self._assembled(name, gripped))
+
+    def _assembled(self, name: str | None, gripped: tuple[tuple[int, Row], ...]) -> Tool:
+        items: dict[str, Tool | tuple[Tool, motion.Floats]] = {}
+        if name is not None:
+            items[name] = self.tool(name)
+        for part, place in gripped:
+            path = self.scene.mockup.part_paths[part]
+            # Paths need not be unique, and one may be called as the tool.
+            label = path if path not in items else f"{path} ({part})"
+            items[label] = (self.meshes.of(part)[0], motion.matrix(place))
+        return Tool.assembly(items, name or "parts")
+
+
+def _kept(cache: OrderedDict[Key, Made], key: Key, make: Callable[[], Made]) -> Made:
+    """The value of a key, made where it is not kept; the oldest goes."""
+    if key not in cache:
+        cache[key] = make()
+        if len(cache) > _KEPT:
+            cache.popitem(last=False)
+    cache.move_to_end(key)
+    return cache[key]

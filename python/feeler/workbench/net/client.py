@@ -1,0 +1,286 @@
+"""One page's connection: hello, what it sends, and what it is sent. Lives in the net thread.
+
+Commands are done one after the other, and so are questions, each in a thread of a pool: the net thread waits for none
+of them, and a long question holds up neither the page's commands nor other pages.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import binascii
+import logging
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Executor
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
+
+from feeler.errors import FeelerError, WorkbenchError
+from feeler.workbench.document import protocol
+from feeler.workbench.document.frames import dumps
+from feeler.workbench.net.guard import RateLimit
+from feeler.workbench.net.outbox import Outbox
+from feeler.workbench.net.serving import JobLike, Limits, SessionLike
+
+log = logging.getLogger("feeler.workbench")
+
+_NO_SHOT: tuple[None, list[str]] = (None, [])
+
+Request = protocol.Command | protocol.Ask | protocol.Job
+
+
+class Client:
+    """A page that has said hello."""
+
+    def __init__(
+        self,
+        socket: ServerConnection,
+        session: SessionLike,
+        pool: Executor,
+        state_frame: Callable[[Callable[[int], bool]], tuple[int, bytes] | None],
+        limits: Limits,
+        clock: Callable[[], float],
+    ) -> None:
+        """state_frame: the newest state's number and frame, if the number is wanted. clock: seconds, for the limit."""
+        self._socket = socket
+        self._session = session
+        self._pool = pool
+        self._state_frame = state_frame
+        self._limits = limits
+        self._clock = clock
+        self._rate = RateLimit(limits.messages_per_s)
+        self._outbox = Outbox()
+        self._wake = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+        self._commands: asyncio.Queue[Request] = asyncio.Queue()
+        self._asks: asyncio.Queue[Request] = asyncio.Queue()
+        self._requests = 0
+        self._jobs: dict[int, JobLike] = {}
+        self._shot: tuple[int | None, list[str]] = _NO_SHOT
+        self._early: list[tuple[int, str]] | None = []  # events from before the welcome was ready
+
+    # ---- what the server calls ----
+
+    async def serve(self, missed_after: int | None, welcome: Callable[[], protocol.Welcome]) -> None:
+        """Until the page is gone. missed_after: its newest event, where it comes back to the same session."""
+        tasks = [asyncio.create_task(self._send())]
+        try:
+            missed, greeting = await self._run(self._prepare, missed_after, welcome)
+            for text in missed:
+                self._put(text)
+            self._put(protocol.encode(greeting))
+            early, self._early = self._early or [], None
+            for number, text in early:
+                if number > greeting.event:
+                    self._put(text)
+            tasks += [asyncio.create_task(self._do(queue)) for queue in (self._commands, self._asks)]
+            await self._receive()
+        except ConnectionClosed:
+            pass  # the usual end
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            for job in [*self._jobs.values()]:
+                job.cancel()  # nobody is left to take what would come of it
+
+    def tell(self, number: int, text: str) -> None:
+        """An event, by its number and as it is sent."""
+        if self._early is not None:
+            self._early.append((number, text))
+        else:
+            self._put(text)
+
+    def news(self) -> None:
+        """There is a newer state."""
+        self._wake.set()
+
+    # ---- sending ----
+
+    def _prepare(
+        self, missed_after: int | None, welcome: Callable[[], protocol.Welcome]
+    ) -> tuple[list[str], protocol.Welcome]:
+        """What a page missed comes before the welcome: the page knows it by its numbers, notices and all."""
+        missed = None if missed_after is None else self._session.events_since(missed_after)
+        greeting = welcome()
+        return [event_frame(event) for event in missed or [] if event["n"] <= greeting.event], greeting
+
+    def _put(self, frame: str | bytes) -> None:
+        if self._outbox.put(frame):
+            self._wake.set()
+        else:
+            # A closing handshake would wait behind all that the page does not take.
+            self._socket.transport.abort()
+
+    async def _send(self) -> None:
+        """Sends what waits. Only this waits for a slow page."""
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            try:
+                while (frame := self._next()) is not None:
+                    await self._socket.send(frame)
+            except ConnectionClosed:
+                return
+
+    def _next(self) -> str | bytes | None:
+        frame = self._outbox.take()
+        if frame is not None or self._early is not None:
+            return frame
+        state = self._state_frame(self._outbox.wants_state)
+        if state is None:
+            return None
+        self._outbox.sent_state(state[0])
+        return state[1]
+
+    # ---- receiving ----
+
+    async def _receive(self) -> None:
+        async for frame in self._socket:
+            if not self._rate.allows(self._clock()):
+                await self._socket.close(protocol.NOT_ALLOWED, "too many messages")
+                return
+            try:
+                self._take(protocol.decode_from_page(frame))
+            except Exception as error:
+                # One message must not end the connection, whatever is wrong with it or with what takes it.
+                self._refuse(protocol.id_of(frame), error, "message")
+
+    def _take(self, message: protocol.FromPage) -> None:
+        match message:
+            case protocol.Wish():
+                self._session.wish(message.pose, message.seq, message.source)
+            case protocol.Ack():
+                self._outbox.acknowledged(message.seq)
+                self._wake.set()
+            case protocol.Cancel():
+                if (job := self._jobs.get(message.id)) is not None:
+                    job.cancel()
+            case protocol.Shot():
+                self._take_shot(message)
+            case protocol.Benchmarked():
+                self._session.benchmarked(message.id, message.figures)
+            case protocol.Hello():
+                raise WorkbenchError("hello was said already", "hello", "say it once")
+            case _:
+                self._queue(message)
+
+    def _take_shot(self, shot: protocol.Shot) -> None:
+        """A piece of a picture; the last one completes it."""
+        pieces = [] if self._shot[0] != shot.id else self._shot[1]
+        pieces.append(shot.png_base64)
+        if sum(map(len, pieces)) > self._limits.shot_bytes:
+            self._shot = _NO_SHOT
+            raise WorkbenchError(f"the picture has more than {self._limits.shot_bytes} bytes", "shot", "send less")
+        self._shot = (shot.id, pieces) if shot.more else _NO_SHOT
+        if not shot.more:
+            self._session.shot_taken(shot.id, _png("".join(pieces)))
+
+    def _queue(self, request: Request) -> None:
+        if self._requests >= self._limits.requests:
+            raise WorkbenchError(
+                f"{self._requests} requests wait already", request.name, "wait for their answers before the next"
+            )
+        if isinstance(request, protocol.Job) and request.id in self._jobs:
+            raise WorkbenchError(f"job {request.id} runs already", request.name, "give every request another id")
+        self._requests += 1
+        (self._commands if isinstance(request, protocol.Command) else self._asks).put_nowait(request)
+
+    async def _do(self, queue: asyncio.Queue[Request]) -> None:
+        """Answers one request after the other."""
+        while True:
+            request = await queue.get()
+            if isinstance(request, protocol.Job):
+                await self._start(request)
+                continue
+            work = self._session.command if isinstance(request, protocol.Command) else self._session.ask
+            try:
+                answer = await self._run(_answer, work, request)
+            except Exception as error:
+                self._refuse(request.id, error, request.name)
+            else:
+                self._put(answer)
+            self._requests -= 1
+
+    async def _start(self, request: protocol.Job) -> None:
+        def progressed(share: float, stage: str) -> None:
+            frame = dumps({"kind": "progress", "id": request.id, "share": share, "stage": stage})
+            self._call(self._progressed, request.id, frame)
+
+        try:
+            job = await self._run(self._session.job, request.name, request.args, progressed)
+        except Exception as error:
+            self._requests -= 1
+            self._refuse(request.id, error, request.name)
+            return
+        self._jobs[request.id] = job
+        job.add_done_callback(lambda done: self._call(self._finish, request, done))
+
+    def _progressed(self, job: int, frame: str) -> None:
+        if job in self._jobs:
+            self._outbox.put_progress(job, frame)
+            self._wake.set()
+
+    def _finish(self, request: protocol.Job, done: JobLike) -> None:
+        self._jobs.pop(request.id, None)
+        self._outbox.end_progress(request.id)
+        self._requests -= 1
+        try:
+            self._put(_text(protocol.Answer(request.id, done.result())))
+        except CancelledError:
+            self._refuse(request.id, WorkbenchError("was cancelled", request.name, "start it again"), request.name)
+        except Exception as error:
+            self._refuse(request.id, error, request.name)
+
+    def _refuse(self, request: int | None, error: Exception, where: str) -> None:
+        if not isinstance(error, FeelerError):
+            log.error("%s failed", where, exc_info=error)
+        self._put(_text(protocol.Refusal(request, trouble(error, where))))
+
+    async def _run(self, work: Callable[..., Any], *args: Any) -> Any:
+        return await self._loop.run_in_executor(self._pool, work, *args)
+
+    def _call(self, work: Callable[..., object], *args: Any) -> None:
+        """From any thread, into the net thread, as long as there is one."""
+        try:
+            self._loop.call_soon_threadsafe(work, *args)
+        except RuntimeError:
+            log.debug("a job ended after the server")
+
+
+def event_frame(event: dict[str, Any]) -> str:
+    """The frame of a session's event."""
+    return dumps({"kind": "event", **event}, f"event {event.get('type')}")
+
+
+def trouble(error: Exception, where: str) -> protocol.Trouble:
+    """An error as a page is told of it. What nobody foresaw is told by its type alone: its text may say anything."""
+    if isinstance(error, WorkbenchError):
+        return {"what": error.what, "where": error.where or where, "do": error.do}
+    if isinstance(error, FeelerError):
+        return {"what": str(error), "where": where, "do": ""}
+    what = f"something went wrong in the server ({type(error).__name__})"
+    return {"what": what, "where": where, "do": "see what the terminal says, and report it"}
+
+
+def _answer(work: Callable[[str, dict[str, Any]], Any], request: protocol.Command | protocol.Ask) -> str:
+    """In a thread of the pool, writing included: an answer may be long."""
+    return _text(protocol.Answer(request.id, work(request.name, request.args)))
+
+
+def _text(message: protocol.Answer | protocol.Refusal) -> str:
+    frame = protocol.encode(message)
+    assert isinstance(frame, str), "a reply has no arrays"
+    return frame
+
+
+def _png(text: str) -> bytes:
+    try:
+        data = base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        data = b""
+    if not data.startswith(b"\x89PNG\r\n\x1a\n"):
+        raise WorkbenchError("png_base64 is no PNG file in base64", "shot", "send what canvas.toBlob gives")
+    return data

@@ -1,0 +1,167 @@
+"""Questions and jobs by name: what they take, and who answers."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar, cast
+
+import numpy as np
+
+from feeler.errors import WorkbenchError
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.workbench.document.arguments import Arguments, Maybe, Shape
+from feeler.workbench.document.commands import MEASURED, camera_of
+from feeler.workbench.document.document import Document, plain
+from feeler.workbench.document.protocol import (
+    Camera,
+    Measured,
+    MeasureType,
+    Outline,
+    PartFacts,
+    RayHit,
+    Replayed,
+    Selection,
+    Snapped,
+    Vec3,
+    Written,
+    WrittenPage,
+)
+from feeler.workbench.engine import measuring
+from feeler.workbench.engine.geometry import Geometry
+from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.files import static_files
+from feeler.workbench.session import export, page
+
+PAGE = "mock-up.html"
+_SNAP_M = 0.005
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Place:
+    """What is asked about.
+
+    exports: where jobs leave what they wrote, by name. replay: goes through the record, where there is one.
+    """
+
+    document: Document
+    scene: Scene
+    meshes: PartTools
+    sight: measuring.Sight
+    geometry: Geometry
+    exports: dict[str, bytes]
+    replay: Callable[[Progress], dict[str, Any]] | None = None
+
+
+@dataclass(frozen=True)
+class Question(Generic[Found]):
+    """A question, its arguments, and the type of its answer."""
+
+    work: Callable[[Place, Arguments], Found]
+    arguments: Shape
+
+
+@dataclass(frozen=True)
+class Work(Generic[Found]):
+    """A job, its arguments, and the type of its answer."""
+
+    work: Callable[[Place, Arguments, Progress], Found]
+    arguments: Shape = field(default_factory=dict)
+
+
+def ray(place: Place, given: Arguments) -> RayHit | None:
+    """The first thing in sight on a ray; None: there is nothing."""
+    picked = place.sight.pick(given.point("origin"), given.unit("direction"))
+    return None if picked is None else cast(RayHit, picked.to_json())
+
+
+def snap(place: Place, given: Arguments) -> Snapped | None:
+    """As `ray`, with what the point snaps to; `within` in metres."""
+    within = given.number("within", 0.0, 1e3) if given.has("within") else _SNAP_M
+    picked = place.sight.pick(given.point("origin"), given.unit("direction"))
+    return None if picked is None else cast(Snapped, measuring.snapped(picked, within, place.sight))
+
+
+def measure(place: Place, given: Arguments) -> Measured:
+    """What a measure would come to; arguments as of `measure_add`."""
+    found = measuring.measured(given, place.document, place.scene, place.meshes)
+    return cast(Measured, plain(found))
+
+
+def part(place: Place, given: Arguments) -> PartFacts:
+    """What is known of a part."""
+    (number,) = given.parts("part", place.scene.mockup.parts, most=1)
+    return cast(PartFacts, measuring.part_facts(number, place.document, place.scene))
+
+
+def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
+    """The exact outlines of the sections that are on, or of one plane."""
+    if given.has("normal"):
+        planes = [(given.unit("normal"), given.number("offset"))]
+    else:
+        planes = [(each.normal, each.offset) for each in place.document.sections if each.is_on]
+    segments, owners = [np.empty((0, 2, 3))], []
+    for number, (normal, offset) in enumerate(planes):
+        progress(number / len(planes), "outlines")
+        others = [each for at, each in enumerate(planes) if at != number]
+        found, parts = measuring.clipped(*place.sight.outline(normal, offset), others)
+        segments.append(found)
+        owners += parts
+    return {
+        "count": len(owners),
+        "segments": _base64(np.concatenate(segments).astype("<f4")),
+        "parts": _base64(np.array(owners, dtype="<u4")),
+    }
+
+
+def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage:
+    """One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first."""
+    document, geometry = place.document, place.geometry
+    camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
+    data, left_out = page.page(
+        document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
+    )
+    place.exports[PAGE] = data
+    return {"name": PAGE, "bytes": len(data), "left_out": left_out}
+
+
+def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
+    """Goes through the record that the workbench was opened with."""
+    if place.replay is None:
+        raise WorkbenchError("there is no record", given.command, "start by feeler replay FILE --page")
+    return cast(Replayed, place.replay(progress))
+
+
+def _writing(name: str, write: Callable[..., bytes]) -> Work[Written]:
+    def work(place: Place, given: Arguments, progress: Progress) -> Written:
+        if not place.document.sequence:
+            raise WorkbenchError("the sequence is empty", given.command, "take a part out first")
+        data = write(place.document, place.scene.mockup, progress)
+        place.exports[name] = data
+        return {"name": name, "bytes": len(data)}
+
+    return Work(work)
+
+
+def _base64(array: Any) -> str:
+    return base64.b64encode(array.tobytes()).decode("ascii")
+
+
+ASKS: dict[str, Question[Any]] = {
+    "ray": Question(ray, {"origin": Vec3, "direction": Vec3}),
+    "snap": Question(snap, {"origin": Vec3, "direction": Vec3, "within": Maybe(float)}),
+    "measure": Question(measure, {"type": MeasureType, **MEASURED}),
+    "part": Question(part, {"part": Selection}),
+}
+JOBS: dict[str, Work[Any]] = {
+    "outline": Work(outline, {"normal": Maybe(Vec3), "offset": Maybe(float)}),
+    "export_csv": _writing("sequence.csv", export.sequence_csv),
+    "export_html": _writing("sequence.html", export.sequence_html),
+    "export_glb": _writing("sequence.glb", export.sequence_glb),
+    "page": Work(page_file, {"camera": Maybe(Camera)}),
+    "replay": Work(replay),
+}

@@ -1,0 +1,119 @@
+"""The sequence of removals for others: as a table (CSV), as a page (HTML), as a film in three dimensions (GLB)."""
+
+from __future__ import annotations
+
+import html
+
+import numpy as np
+
+from feeler.io.csv_table import Cell, csv_table
+from feeler.io.export import Motion, animated_glb
+from feeler.io.film import PAUSE_S, corners_of, moments, way_length, with_neighbours
+from feeler.mockup import Mockup, Tool
+from feeler.poses import inverse
+from feeler.progress import Progress
+from feeler.workbench.document import motion
+from feeler.workbench.document.document import UNITS, Document, Removal
+from feeler.workbench.document.motion import Floats
+
+
+def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
+    """A line for each removal, in order; lengths in the document's unit."""
+    progress(0.0, "table")
+    rows = [_cells(number, line, document, mockup) for number, line in enumerate(document.sequence, start=1)]
+    return csv_table(_headings(document.unit), rows)
+
+
+def sequence_html(document: Document, mockup: Mockup, progress: Progress) -> bytes:
+    """A page with the same table; it loads nothing from elsewhere."""
+    progress(0.0, "page")
+    name = html.escape(document.mockup.name if document.mockup else "mock-up")
+    head = "".join(f"<th>{html.escape(each)}</th>" for each in _headings(document.unit))
+    rows = "\n".join(
+        "<tr>"
+        + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in _cells(number, line, document, mockup))
+        + "</tr>"
+        for number, line in enumerate(document.sequence, start=1)
+    )
+    return f"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Removal sequence: {name}</title>
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<style>
+body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem; color: #1c2024; background: #fff; }}
+table {{ border-collapse: collapse; }}
+th, td {{ border-bottom: 1px solid #ccd2d8; padding: .4rem .8rem; text-align: left; vertical-align: top; }}
+</style></head>
+<body><h1>Removal sequence: {name}</h1>
+<table><thead><tr>{head}</tr></thead>
+<tbody>
+{rows}
+</tbody></table></body></html>
+""".encode()
+
+
+def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> bytes:
+    """The removals one after the other as an animated glTF: the parts that move, and what is near them."""
+    progress(0.0, "parts")
+    moving = sorted({part for line in document.sequence for part in line.parts})
+    shown = with_neighbours(mockup, moving, document.absent)
+    body = Tool.of_parts(mockup, shown, "sequence")
+    place = {part: number for number, part in enumerate(shown)}
+    times: dict[int, list[float]] = {part: [0.0] for part in moving}
+    poses: dict[int, list[Floats]] = {part: [_first(document, part)] for part in moving}
+    now = 0.0
+    for number, line in enumerate(document.sequence):
+        progress(number / len(document.sequence), "way")
+        way = np.stack([motion.matrix(each) for each in line.way])
+        way = way @ inverse(way[0])
+        starts = {part: motion.matrix(dict(line.starts).get(part, motion.HOME)) for part in line.parts}
+        shown_at = moments(way, _bounds_of(mockup, starts))
+        for part, start in starts.items():
+            for moment, pose in zip(shown_at.tolist(), way, strict=True):
+                if now + moment > times[part][-1]:
+                    times[part].append(now + moment)
+                    poses[part].append(pose @ start)
+        now += float(shown_at[-1]) + PAUSE_S
+        for part in line.parts:
+            # It rests until its next turn.
+            times[part].append(now)
+            poses[part].append(poses[part][-1])
+    motions = [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in moving]
+    return animated_glb(body, motions)
+
+
+def _bounds_of(mockup: Mockup, places: dict[int, Floats]) -> Floats:
+    """The box `(2, 3)` of parts at their poses."""
+    boxes = mockup.part_bounds.reshape(-1, 2, 3)
+    corners = [corners_of(boxes[part]) @ pose[:3, :3].T + pose[:3, 3] for part, pose in places.items()]
+    all_corners = np.concatenate(corners)
+    return np.stack([all_corners.min(axis=0), all_corners.max(axis=0)])
+
+
+def _first(document: Document, part: int) -> Floats:
+    line = next(each for each in document.sequence if part in each.parts)
+    return motion.matrix(dict(line.starts).get(part, motion.HOME))
+
+
+def _headings(unit: str) -> list[str]:
+    return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool"]
+
+
+def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[Cell]:
+    per_unit = UNITS[document.unit]
+    return [
+        number,
+        line.name,
+        "; ".join(mockup.part_paths[part] for part in line.parts),
+        _rounded(way_length([motion.matrix(each) for each in line.way]) / per_unit),
+        None if line.least_clearance is None else _rounded(line.least_clearance / per_unit),
+        "; ".join(line.touched),
+        line.tool or "",
+    ]
+
+
+def _rounded(length: float) -> float:
+    return float(f"{length:.4g}")
+
+
+def _shown(cell: Cell) -> str:
+    return "" if cell is None else f"{cell:.4g}" if isinstance(cell, float) else str(cell)

@@ -1,0 +1,116 @@
+"""What a session begins with: the document, the geometry and the record's first line of a mock-up that is opened."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from feeler.mockup import Mockup, Tool
+from feeler.scene import Scene
+from feeler.workbench.document import motion
+from feeler.workbench.document.document import Document, MockupFacts, ToolFacts
+from feeler.workbench.document.motion import Floats
+from feeler.workbench.engine.geometry import Geometry, absent_parts, pack_scene, scene_bounds
+from feeler.workbench.engine.hand import Hands
+from feeler.workbench.session.record import digest
+
+_ABOVE_M = 0.005
+
+
+@dataclass(frozen=True)
+class Opening:
+    """What a session has of a mock-up. header: the first line of its record."""
+
+    document: Document
+    hands: Hands
+    geometry: Geometry
+    header: dict[str, Any]
+
+
+def opening(
+    before: Document,
+    scene: Scene,
+    tool: Tool | None,
+    tools: Iterable[Tool],
+    *,
+    pose: Floats | None,
+    mode: str,
+    unit: str,
+    name: str | None,
+    seed: int,
+) -> Opening:
+    """Makes it. before: the document until now, of which the record and what is heard stay."""
+    mockup = scene.mockup
+    known = {tool.name: tool} if tool is not None else {}
+    for each in tools:
+        known.setdefault(each.name, each)
+    with ThreadPoolExecutor(1) as pool:
+        # Neither holds the lock of the interpreter: the longer one is what opening takes.
+        digested = pool.submit(digest, mockup)
+        packed = pack_scene(scene)
+        content = digested.result()
+    name = name or name_of(mockup)
+    start = above(scene, tool) if pose is None else pose
+    hands = Hands(scene, known)
+    document = Document(
+        mockup=MockupFacts(name, content, _triangles(scene), mockup.part_count),
+        tool=None if tool is None else ToolFacts(tool.name, tool.triangle_count),
+        tools=hands.names,
+        record=before.record,
+        absent=absent_parts(scene),
+        unit=unit,
+        mode=mode,
+        pose=motion.row(start),
+        material=before.material,
+    )
+    document = replace(document, held_version=hands.version(document))
+    return Opening(document, hands, Geometry(scene, content, name, packed), _header(document, mockup, tool, seed))
+
+
+def name_of(mockup: Mockup) -> str:
+    """What a mock-up is called: as its file, else as what all its parts lie in, else by where it comes from."""
+    if mockup.source.files:
+        return Path(mockup.source.files[0]).name
+    roots = {path.split("/")[0] for path in mockup.part_paths}
+    return roots.pop() if len(roots) == 1 and "" not in roots else mockup.source.format
+
+
+def above(scene: Scene, tool: Tool | None) -> Floats:
+    """Upright, over the middle of what is in the scene, a little above its box."""
+    low, high = scene_bounds(scene)
+    bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
+    offset = 0.5 * (low + high - bottom - top)
+    offset[2] = high[2] - bottom[2] + _ABOVE_M
+    return motion.shifted(offset)
+
+
+def _triangles(scene: Scene) -> int:
+    """Of the parts that are in a scene."""
+    return int(np.count_nonzero(scene.part_mask[scene.mockup.part_of_face]))
+
+
+def _header(document: Document, mockup: Mockup, tool: Tool | None, seed: int) -> dict[str, Any]:
+    from feeler import __version__
+
+    facts = document.mockup
+    assert facts is not None, "of a mock-up that is opened"
+    return {
+        "feeler": __version__,
+        "numpy": np.__version__,
+        "seed": seed,
+        "mockup": {
+            "name": name_of(mockup),
+            "hash": facts.hash,
+            "triangles": mockup.triangle_count,
+            "parts": facts.parts,
+            "absent": list(document.absent),
+        },
+        "tool": None if tool is None else {"name": tool.name, "hash": digest(tool)},
+        "options": {"unit": document.unit, "mode": document.mode},
+        "pose": list(document.pose),
+    }

@@ -1,0 +1,205 @@
+"""One HTML file to send: the page with the mock-up inside. It opens anywhere, reads only, and needs no network.
+
+The file has the page's style, its script, and in a `<script type="application/octet-stream" id="feeler-page">` the
+base64 of a gzip of
+
+    u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | data
+
+little-endian. The header has "document", "camera" (from where it is seen at first, or null), "manifest" (of the pieces
+that are inside), "left_out" (triangles that are not) and "grid": {"lower": [3], "step"}. The data are the pieces of the
+manifest, one after the other, each as planes of bytes: the lowest bytes of all numbers first, then the next, so that
+gzip finds what is alike. Of v vertices, in the order in which the triangles first name them, and t triangles:
+
+    3 times (x, y, z)  3 planes of v   difference to the vertex before, zigzag: position = lower + number * step
+    1 time (part)      4 planes of v   difference to the vertex before, zigzag
+    3 times (corners)  2 planes of t   how far a corner is below the first vertex that no corner before it named
+
+where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0.
+`viewer/src/link/offline-file.ts` reads it.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import html
+import struct
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import WorkbenchError
+from feeler.progress import Progress
+from feeler.workbench.document.frames import dumps
+from feeler.workbench.document.protocol import Camera, DocumentFields, Manifest, ManifestPiece
+from feeler.workbench.files import File
+
+VERSION = 1
+
+GRID_BITS = 18
+"""Positions are in whole steps of the longest side over 2^18: 11 micrometres of a mock-up of 3 m."""
+
+MOST_BYTES = 25_000_000
+"""Of the packed geometry. What is beyond it, the smallest parts first, is left out, and said to be."""
+
+Ints = npt.NDArray[np.int64]
+
+
+def page(
+    document: DocumentFields,
+    camera: Camera | None,
+    manifest: Manifest,
+    piece: Callable[[int], bytes],
+    files: Mapping[str, File],
+    progress: Progress,
+    most_bytes: int = MOST_BYTES,
+) -> tuple[bytes, int]:
+    """The file, and how many triangles are left out of it. piece: the bytes of a piece, by its number.
+
+    files: the page's own, `static_files()`. Raises `WorkbenchError` where its script is not among them.
+    """
+    packed, left_out = container(document, camera, manifest, piece, progress, most_bytes)
+    progress(0.9, "writing")
+    return _document(manifest["name"], files, gzip.compress(packed, 9, mtime=0)), left_out
+
+
+def container(
+    document: DocumentFields,
+    camera: Camera | None,
+    manifest: Manifest,
+    piece: Callable[[int], bytes],
+    progress: Progress,
+    most_bytes: int = MOST_BYTES,
+) -> tuple[bytes, int]:
+    """Header and data before they are compressed, and how many triangles are left out."""
+    # From the pieces' own boxes: a triangle that is not drawn has no place on the grid.
+    lower = np.min([each["lower"] for each in manifest["pieces"]], axis=0)
+    upper = np.max([each["upper"] for each in manifest["pieces"]], axis=0)
+    step = float(max((upper - lower).max(), 1e-9)) / (2**GRID_BITS - 1)
+    lower = lower - np.asarray(manifest["middle"])  # positions in pieces are from the middle
+    blocks: list[bytes] = []
+    inside: list[ManifestPiece] = []
+    size = 0
+    for number, sizes in enumerate(manifest["pieces"]):
+        progress(0.9 * number / len(manifest["pieces"]), "packing")
+        block = packed_piece(*_arrays(piece(number), sizes, manifest["part_bytes"]), lower, step)
+        # The share is of what gzip makes of it, which nobody knows before: about a third.
+        size += len(block) // 3
+        if size > most_bytes and inside:
+            break
+        blocks.append(block)
+        inside.append(sizes)
+    triangles = sum(each["triangles"] for each in inside)
+    header = {
+        "document": {**document, "loading": None},
+        "camera": camera,
+        "manifest": {
+            **manifest,
+            "triangles": triangles,
+            "vertices": sum(each["vertices"] for each in inside),
+            "pieces": inside,
+        },
+        "left_out": manifest["triangles"] - triangles,
+        "grid": {"lower": lower.tolist(), "step": step},
+    }
+    text = dumps(header, "page").encode()
+    text += b" " * (-len(text) % 8)
+    packed = b"".join([struct.pack("<II", VERSION, len(text)), text, *blocks])
+    return packed, manifest["triangles"] - triangles
+
+
+def packed_piece(
+    positions: npt.NDArray[np.float32],
+    parts: npt.NDArray[Any],
+    indices: npt.NDArray[np.uint16],
+    lower: npt.NDArray[np.float64],
+    step: float,
+) -> bytes:
+    """The planes of a piece."""
+    corners = indices.astype(np.int64).ravel()
+    used, first = np.unique(corners, return_index=True)
+    order = used[np.argsort(first)]
+    place = np.zeros(len(positions), np.int64)
+    place[order] = np.arange(len(order))
+    corners = place[corners]
+    # The first vertex that is not named yet; a corner is that one, or one before it.
+    next_new = np.concatenate([[0], np.maximum.accumulate(corners)[:-1] + 1])
+    below = (next_new - corners).reshape(-1, 3)
+    steps = np.rint((positions[order] - lower) / step).astype(np.int64)
+    columns = [_planes(_zigzag(steps[:, axis]), 3) for axis in range(3)]
+    columns.append(_planes(_zigzag(parts[order].astype(np.int64)), 4))
+    columns += [_planes(below[:, corner], 2) for corner in range(3)]
+    return b"".join(columns)
+
+
+def _arrays(
+    data: bytes, sizes: ManifestPiece, part_bytes: int
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[Any], npt.NDArray[np.uint16]]:
+    vertices, triangles = sizes["vertices"], sizes["triangles"]
+    parts_at = 12 * vertices
+    indices_at = parts_at + -(-part_bytes * vertices // 4) * 4
+    return (
+        np.frombuffer(data, "<f4", 3 * vertices).reshape(-1, 3),
+        np.frombuffer(data, f"<u{part_bytes}", vertices, parts_at),
+        np.frombuffer(data, "<u2", 3 * triangles, indices_at).reshape(-1, 3),
+    )
+
+
+def _zigzag(values: Ints) -> Ints:
+    differences = np.diff(values, prepend=0)
+    return (differences << 1) ^ (differences >> 63)
+
+
+def _planes(values: Ints, count: int) -> bytes:
+    return b"".join(((values >> (8 * i)) & 0xFF).astype(np.uint8).tobytes() for i in range(count))
+
+
+def _document(name: str, files: Mapping[str, File], compressed: bytes) -> bytes:
+    for needed in ("/main.js", "/style.css"):
+        if needed not in files:
+            raise WorkbenchError(f"the page has no {needed[1:]}", "page", "run `make build` again")
+    # A closing tag in a text of the script would end the script.
+    script = _lines(files["/main.js"]).replace("</script", "<\\/script").replace("<!--", "<\\!--")
+    style = _lines(files["/style.css"]).replace("</style", "<\\/style")
+    policy = "; ".join(
+        [
+            "default-src 'none'",
+            f"script-src {_allowed([script])}",
+            f"style-src {_allowed([style])}",
+            "img-src blob: data:",
+            "base-uri 'none'",
+            "form-action 'none'",
+        ]
+    )
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{html.escape(policy)}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="dark light">
+<title>{html.escape(name)}</title>
+<style>{style}</style>
+</head>
+<body>
+<div id="app"></div>
+<noscript>This page needs JavaScript and WebGL 2.</noscript>
+<script type="application/octet-stream" id="feeler-page">{base64.b64encode(compressed).decode("ascii")}</script>
+<script type="module">{script}</script>
+</body>
+</html>
+""".encode()
+
+
+def _lines(file: File) -> str:
+    """The text with the ends of lines that a browser makes of any, or the digests would differ."""
+    return file.data.decode().replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _allowed(texts: Iterable[str]) -> str:
+    """Source expressions for inline text, so that nothing else inline runs: names of a mock-up are in this file too."""
+    digests = (hashlib.sha256(text.encode()).digest() for text in texts)
+    return " ".join(f"'sha256-{base64.b64encode(digest).decode('ascii')}'" for digest in digests)

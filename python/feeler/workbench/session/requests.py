@@ -1,0 +1,85 @@
+"""Questions and jobs of a session: who answers, what they are asked of, and what jobs wrote."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from feeler.arguments import near
+from feeler.errors import WorkbenchError
+from feeler.progress import Progress
+from feeler.workbench.document.arguments import Arguments
+from feeler.workbench.document.document import Document
+from feeler.workbench.engine import measuring
+from feeler.workbench.engine.geometry import Geometry
+from feeler.workbench.engine.hand import Hands
+from feeler.workbench.session.asking import ASKS, JOBS, Place
+from feeler.workbench.session.jobs import Job, Jobs
+
+Replay = Callable[[Progress], dict[str, Any]]
+Places = Callable[[], Place]
+"""What is asked about, at the moment. Raises `WorkbenchError` before a mock-up is open."""
+
+
+class Requests:
+    """Thread-safe. The jobs' thread begins with the first job."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._jobs: Jobs | None = None
+        self._sight: tuple[object, measuring.Sight] | None = None
+        self._exports: dict[str, bytes] = {}
+        self.replay: Replay | None = None
+        """Goes through the record, where there is one."""
+
+    def forget(self) -> None:
+        """Another mock-up is open: what was written and seen of the one before is gone."""
+        with self._lock:
+            self._exports, self._sight = {}, None
+
+    def place(self, document: Document, hands: Hands, geometry: Geometry) -> Place:
+        """What questions and jobs are asked of: all of it immutable, so that nothing waits for them."""
+        world = hands.world(document)
+        key = (world, document.hidden, document.sections)
+        with self._lock:
+            if self._sight is None or self._sight[0] != key:
+                self._sight = (key, measuring.Sight(world, document))
+            sight = self._sight[1]
+            return Place(document, hands.scene, hands.meshes, sight, geometry, self._exports, self.replay)
+
+    def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
+        """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""
+        known = ASKS.get(name)
+        if known is None:
+            raise WorkbenchError(f"there is no question {name!r}", "ask", near(name, ASKS))
+        answer: dict[str, Any] | None = known.work(places(), Arguments(name, args, known.arguments))
+        return answer
+
+    def job(self, places: Places, name: str, args: dict[str, Any], on_progress: Progress | None) -> Job:
+        """Something that takes a while, in the jobs' thread; see `asking.JOBS`. Raises `WorkbenchError`."""
+        known = JOBS.get(name)
+        if known is None:
+            raise WorkbenchError(f"there is no job {name!r}", "job", near(name, JOBS))
+        given = Arguments(name, args, known.arguments)
+        place = places()
+
+        def work(progress: Progress) -> Any:
+            return known.work(place, given, progress)
+
+        with self._lock:
+            if self._jobs is None:
+                self._jobs = Jobs()
+            return self._jobs.start(work, on_progress or (lambda share, stage: None))
+
+    def export(self, name: str) -> bytes:
+        """What a job wrote. Raises `WorkbenchError`."""
+        data = self._exports.get(name)
+        if data is None:
+            raise WorkbenchError(f"there is no {name!r}", "exports", near(name, self._exports, "start the job first"))
+        return data
+
+    def close(self) -> None:
+        """Gives up all jobs."""
+        if self._jobs is not None:
+            self._jobs.close()

@@ -1,0 +1,547 @@
+"""The session of a workbench: document, undo, engine, jobs and record. What a server and scripts talk to; no sockets.
+
+Every change goes through `command`. The pages get it as a patch event, the record as a line, and undo has the document
+before. Everything here may be called from any thread.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.arguments import near
+from feeler.errors import FeelerError, OptionError, WorkbenchError
+from feeler.mockup import Mockup, Tool
+from feeler.poses import inverse
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.workbench.document import motion
+from feeler.workbench.document.arguments import Arguments
+from feeler.workbench.document.commands import COMMANDS, STEPS, Known, applied
+from feeler.workbench.document.document import UNITS, Document, Loading, RecordFacts, patch
+from feeler.workbench.document.findings import grouped, read_findings
+from feeler.workbench.document.history import History
+from feeler.workbench.document.motion import Floats
+from feeler.workbench.document.protocol import DocumentFields, HeldManifest, Manifest
+from feeler.workbench.engine import measuring
+from feeler.workbench.engine.engine import Bump, Engine, Ticked
+from feeler.workbench.engine.geometry import Geometry, scene_bounds
+from feeler.workbench.engine.hand import Hands, held_key, world_key
+from feeler.workbench.engine.snapshot import Snapshot
+from feeler.workbench.engine.world import World
+from feeler.workbench.session.asking import Place
+from feeler.workbench.session.events import Event, Events
+from feeler.workbench.session.jobs import Job
+from feeler.workbench.session.opening import above, opening
+from feeler.workbench.session.record import Recorder
+from feeler.workbench.session.requests import Requests
+from feeler.workbench.session.wanted import Wanted
+
+LEAST_TICK_S = 0.004
+"""The engine's thread begins no more than one round in this: 250 Hz."""
+_CLOSE_S = 10.0  # for a round of the engine that is under way
+
+
+class Session:
+    """See the module. Raises `OptionError` for a unit that is not known."""
+
+    def __init__(
+        self,
+        *,
+        unit: str = "mm",
+        record: Path | None = None,
+        seed: int = 0,
+        clock: Callable[[], float] = time.monotonic,
+        has_threads: bool = True,
+    ) -> None:
+        """record: a file for `feeler replay`. clock: seconds. has_threads: False: `engine.tick()` is called by hand."""
+        _checked_unit(unit)
+        self._lock = threading.RLock()
+        self._document = Document(unit=unit, loading=Loading("starting", 0.0))
+        self._history = History()
+        self._events = Events()
+        self._wanted = Wanted(self._events.tell)
+        self._requests = Requests()
+        self._clock, self._seed = clock, seed
+        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
+        self._recorder = None if record is None else Recorder(Path(record))
+        self._hands: Hands | None = None
+        self._geometry: Geometry | None = None
+        self.pages = 0
+        """How many pages look at the session; the server keeps it."""
+        self._snapshot_listeners: list[Callable[[], None]] = []
+        self._wake, self._is_closed, self._is_warming = threading.Event(), False, False
+        self._thread: threading.Thread | None = None
+        if has_threads:
+            self._thread = threading.Thread(target=self._loop, name="feeler engine", daemon=True)
+            self._thread.start()
+
+    # ---- opening ----
+
+    def loading(self, stage: str, share: float) -> None:
+        """Tells how far the mock-up is."""
+        self._show(replace(self._document, loading=Loading(str(stage), min(1.0, max(0.0, float(share))))), None)
+
+    def failed(self, text: str) -> None:
+        """Tells why there is no mock-up."""
+        self._show(replace(self._document, loading=None, failed=str(text)), None)
+
+    def open(
+        self,
+        mockup: Mockup,
+        scene: Scene,
+        tool: Tool | None,
+        *,
+        pose: npt.ArrayLike | None = None,
+        mode: str = "stop",
+        unit: str | None = None,
+        tools: Iterable[Tool] = (),
+        name: str | None = None,
+    ) -> None:
+        """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
+
+        tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
+        parts of the scene. unit: default as before. name: of the mock-up, default that of its file.
+        Raises `WorkbenchError`, `OptionError`.
+        """
+        unit = self._document.unit if unit is None else _checked_unit(unit)
+        if scene.mockup is not mockup:
+            raise OptionError("the scene is of another mock-up: index the one that is opened")
+        start = None if pose is None else motion.checked(pose, "pose")
+        begun = opening(
+            self._document, scene, tool, tools, pose=start, mode=mode, unit=unit, name=name, seed=self._seed
+        )
+        with self.engine.paused(), self._lock:
+            self._hands, self._geometry = begun.hands, begun.geometry
+            self._history = History()
+            self._requests.forget()
+            if self._recorder is not None:
+                self._recorder.header(begun.header)
+            self._engine_to(begun.document)
+            self._show(begun.document, None)
+            self._tell_held(begun.document)
+        # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
+        self._is_warming = True
+        try:
+            self.engine.warm_up()
+        finally:
+            self._is_warming = False
+
+    def load_findings(self, given: Any) -> None:
+        """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
+        data = read_findings(given) if isinstance(given, (str, Path)) else given
+        with self._lock:
+            found = grouped(data, self._opened().scene.mockup.parts, self._document.absent)
+            # It is no change of the user's: undo does not take it away.
+            self._history.revise(lambda each: each if each.findings else replace(each, findings=found))
+            self._show(replace(self._document, findings=found), None)
+
+    # ---- a record that is gone through again ----
+
+    def offer(self, record: RecordFacts, replay: Callable[[Progress], dict[str, Any]]) -> None:
+        """Lets pages go through a record, by the job "replay", which calls `replay`."""
+        with self._lock:
+            self._requests.replay = replay
+            self.show_record(record)
+
+    def show_record(self, record: RecordFacts) -> None:
+        """Tells what is known of the record."""
+        with self._lock:
+            self._show(replace(self._document, record=record), None)
+
+    def replaying(self) -> AbstractContextManager[None]:
+        """While a `with` of this lasts, only `replayed` and commands of a record change anything."""
+        return self.engine.held()
+
+    def replayed(self, wish: Floats, seq: int, source: str, steps: int) -> Ticked:
+        """A round of the engine as a record has it; the pages are shown it."""
+        ticked = self.engine.replayed(wish, seq, source, steps)
+        self._tell_snapshot()
+        return ticked
+
+    # ---- what is so ----
+
+    def document(self) -> DocumentFields:
+        """The document as JSON."""
+        return self._document.to_json()
+
+    def document_and_event(self) -> tuple[DocumentFields, int]:
+        """The document, and the number of the newest event that it has in it."""
+        with self._lock:
+            return self._document.to_json(), self._events.last
+
+    @property
+    def current(self) -> Document:
+        """The document itself."""
+        return self._document
+
+    @property
+    def last_event(self) -> int:
+        """The number of the newest event."""
+        return self._events.last
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether what happens is written down."""
+        return self._recorder is not None and self._recorder.trouble is None
+
+    def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
+        """Every event from now on, as JSON with its number `n`; in any thread, and it must not block."""
+        return self._events.subscribe(listener)
+
+    def events_since(self, number: int) -> list[Event] | None:
+        """The events after a number; None where a page needs the whole document."""
+        return self._events.since(number)
+
+    def tell(self, event: Event) -> None:
+        """An event of somebody else's, such as a notice or a wish for a picture."""
+        self._events.tell(event)
+
+    def snapshot(self) -> Snapshot | None:
+        """The engine's newest."""
+        return self.engine.snapshot()
+
+    def on_snapshot(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Told that there is a newer snapshot, in the engine's thread. Call the result to end that."""
+        self._snapshot_listeners.append(listener)
+
+        def end() -> None:
+            with contextlib.suppress(ValueError):
+                self._snapshot_listeners.remove(listener)
+
+        return end
+
+    def manifest(self) -> Manifest:
+        """The geometry's manifest. Raises `WorkbenchError` before a mock-up is open."""
+        return self._packed().manifest()
+
+    def piece(self, number: int) -> bytes:
+        """A packed piece. Raises `WorkbenchError` where there is none."""
+        geometry = self._packed()
+        try:
+            return geometry.piece(number)
+        except IndexError:
+            raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
+
+    def held_manifest(self, version: int) -> HeldManifest | None:
+        """The manifest of what the hand held at a version; None: nothing. Raises `WorkbenchError`."""
+        if version == 0:
+            return None
+        with self._lock:
+            return self._opened().geometry(version).manifest()
+
+    def held(self, version: int) -> bytes:
+        """What the hand held at a version, packed. Raises `WorkbenchError`."""
+        with self._lock:
+            return self._opened().geometry(version).data()
+
+    def export(self, name: str) -> bytes:
+        """What a job wrote. Raises `WorkbenchError`."""
+        return self._requests.export(name)
+
+    # ---- what is asked ----
+
+    def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
+        """Where the hand wants to be; the newest counts. Raises `WorkbenchError` for what is no pose."""
+        wished = motion.checked(pose, "pose")
+        if self.engine.is_held:
+            return
+        self.engine.wish(wished, int(seq), str(source))
+        self._wake.set()
+
+    def hand_gone(self) -> None:
+        """Nobody holds the hand any more: the tool stops where it is."""
+        with self.engine.paused():
+            if self.engine.is_held:
+                return
+            self.engine.let_go()
+            if self._recorder is not None:
+                self._recorder.let_go(self._clock())
+        self._wake.set()
+
+    def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> dict[str, Any]:
+        """Changes the document; see `commands.COMMANDS`, and `undo` and `redo`. Raises `WorkbenchError`.
+
+        The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth". is_recorded: it is
+        of a record that is gone through; others are refused meanwhile.
+        """
+        if self.engine.is_held and not is_recorded:
+            raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
+        known = COMMANDS.get(name)
+        moves_hand = name in STEPS if known is None else known.moves_hand
+        # The engine's lock before the session's, always; without it where the hand stays, so that it goes on meanwhile.
+        with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
+            now = self._clock()
+            if moves_hand:
+                self.engine.flush()
+            try:
+                before = self._document
+                after = self._stepped(name, args) if name in STEPS else self._changed(name, args)
+            except FeelerError as error:
+                if self._recorder is not None:
+                    self._recorder.command(now, str(name), args, None, str(error))
+                raise
+            self._show(after, name)
+            if after.held_version != before.held_version:
+                self._tell_held(after)
+            if self._recorder is not None:
+                self._recorder.command(now, name, args, after, None)
+            if name == "sequence_replay":
+                self._play(after)
+            added = {"id": before.next_id} if after.next_id > before.next_id else {}
+        self._wake.set()
+        return {**added, "pose": list(after.pose), **self._depths()}
+
+    def ask(self, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
+        """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""
+        return self._requests.ask(self._place, name, args)
+
+    def job(self, name: str, args: dict[str, Any], on_progress: Progress | None = None) -> Job:
+        """Something that takes a while, in the jobs thread; see `asking.JOBS`. Raises `WorkbenchError`."""
+        return self._requests.job(self._place, name, args, on_progress)
+
+    def shot(self, width: int, height: int, wait_s: float, camera: dict[str, Any] | None = None) -> bytes | None:
+        """A picture by one of the pages, as PNG; None where none sends one in time. Pages send it to `shot_taken`."""
+        return self._wanted.shot(width, height, wait_s if self.pages else 0.0, camera)
+
+    def shot_taken(self, number: int, png: bytes) -> None:
+        """A page's picture. One that nobody waits for any more, and all but the first, are dropped."""
+        self._wanted.shot_taken(number, png)
+
+    def benchmark(self) -> Future[dict[str, Any]]:
+        """Asks the pages to measure what they draw; the first answer counts. `benchmark.py` has the figures."""
+        return self._wanted.benchmark()
+
+    def benchmarked(self, number: int, figures: dict[str, Any]) -> None:
+        """What a page measured. What nobody waits for any more, and all but the first, is dropped."""
+        self._wanted.benchmarked(number, figures)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was opened. Raises `WorkbenchError` before that."""
+        return self._opened().scene
+
+    def held_tool(self) -> Tool | None:
+        """What the hand holds: the tool, gripped parts, or both as one."""
+        with self._lock:
+            return self._opened().held(self._document)
+
+    def hand_key(self) -> object:
+        """Another one whenever the hand holds something else or is placed elsewhere, or the world is another."""
+        document = self._document
+        return held_key(document), world_key(document), document.pose
+
+    def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
+        """That key, the world around the hand, what it holds, and where it is (`world_from_tool`, `(4, 4)`)."""
+        with self._lock:
+            hands, document = self._opened(), self._document
+            return self.hand_key(), hands.world(document), hands.held(document), self.engine.pose
+
+    def put_down(self) -> list[Mockup]:
+        """The parts that lie elsewhere than where they were loaded, where they lie."""
+        with self._lock:
+            return [scene.mockup for scene in self._opened().world(self._document).put_down.values()]
+
+    def close(self) -> None:
+        """Ends threads and record; a second time does nothing."""
+        self._is_closed = True
+        self._wake.set()
+        # What the first answers need is made with the engine's lock held, for seconds in large mock-ups, and cannot be
+        # stopped: its thread, a daemon, ends behind it. Nothing was done meanwhile that a record would lack.
+        is_engine_free = not self._is_warming
+        if is_engine_free and self._thread is not None and threading.current_thread() is not self._thread:
+            self._thread.join(timeout=_CLOSE_S)
+        self._requests.close()
+        if self._recorder is not None:
+            if is_engine_free:
+                self.engine.flush()
+            self._recorder.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+    # ---- changes ----
+
+    def _changed(self, name: str, args: Any) -> Document:
+        command = COMMANDS.get(name)
+        hands = self._opened()
+        before = self._document
+        if name == "take_tool" and isinstance(args, dict) and args.get("name") in hands.names:
+            hands.tool(args["name"])
+        known = self._known(hands)
+        if command is not None and command.moves_hand:
+            # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, that
+            # ends where the hand is put down, to where it began.
+            pose = before.pose if name == "place" else known.pose
+            before = replace(before, pose=pose, trip=self.engine.trip())
+            given = Arguments(name, args, command.arguments)
+            if name == "place":
+                reached = self.engine.place(motion.matrix(given.pose("pose")))
+                known = replace(known, pose=motion.row(reached))
+            elif name == "take_tool" and given.has("name"):
+                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.raw("name", str))))
+            elif name == "release" and before.trip is not None:
+                least = self.engine.least_clearance(before.trip)
+                known = replace(known, trip=before.trip, least_clearance=least)
+        elif name in ("measure_add", "measure_edit") and command is not None:
+            given = Arguments(name, args, command.arguments)
+            if name == "measure_add" or given.has("type"):
+                found = measuring.measured(given, before, hands.scene, hands.meshes)
+                known = replace(known, measured=found)
+        after = applied(before, name, args, known)
+        after = replace(after, held_version=hands.version(after))
+        if name != "place":
+            self._engine_follows(before, after)
+        self._history.changed(before)
+        return after
+
+    def _known(self, hands: Hands) -> Known:
+        return Known(
+            parts=hands.scene.mockup.parts,
+            bounds=scene_bounds(hands.scene),
+            tools=hands.counts(),
+            pose=motion.row(self.engine.pose),
+            absent=frozenset(self._document.absent),
+        )
+
+    def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
+        """Where a tool that is taken is: at the hand, where it meets nothing there; else above the mock-up."""
+        pose = self.engine.pose
+        if name not in hands.names:
+            return pose
+        tool = hands.tool(str(name))
+        is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
+        return pose if is_free else above(hands.scene, tool)
+
+    def _stepped(self, name: str, args: Any) -> Document:
+        Arguments(name, args, {})
+        now, after = self._document, self._history.next(name)
+        # What was opened meanwhile is no change of the user's.
+        after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
+        self._engine_follows(now, after)
+        self._history.stepped(name, now)
+        return after
+
+    def _engine_follows(self, before: Document, after: Document) -> None:
+        same_hand = held_key(before) == held_key(after) and world_key(before) == world_key(after)
+        if not same_hand or before.mode != after.mode or before.pose != after.pose:
+            self._engine_to(after)
+
+    def _engine_to(self, document: Document) -> None:
+        hands = self._opened()
+        tool = hands.held(document)
+        self.engine.set(
+            hands.world(document),
+            tool,
+            motion.matrix(document.pose),
+            mode=document.mode,
+            places=self._packed().places,
+            held_places=hands.geometry(document.held_version).places if tool is not None else None,
+            is_carrying=bool(document.gripped),
+            trip=document.trip,
+        )
+
+    def _play(self, document: Document) -> None:
+        line = next(each for each in document.sequence if each.id == document.replaying)
+        way = [motion.matrix(each) for each in line.way]
+        back = inverse(way[0]) @ motion.matrix(document.pose)
+        self.engine.play([pose @ back for pose in way[1:]], self._played)
+
+    def _played(self) -> None:
+        with contextlib.suppress(WorkbenchError):  # somebody has put them down already
+            self.command("release", {})
+
+    def _show(self, document: Document, command: str | None) -> None:
+        with self._lock:
+            before, self._document = self._document, document
+            fields = patch(before, document)
+            if fields or command is not None:
+                self._events.tell({"type": "patch", "fields": fields, "command": command, **self._depths()})
+
+    def _depths(self) -> dict[str, int]:
+        return {"undo_depth": self._history.undo_depth, "redo_depth": self._history.redo_depth}
+
+    def _tell_held(self, document: Document) -> None:
+        version = document.held_version
+        self._events.tell({"type": "held", "version": version, "manifest": self.held_manifest(version)})
+
+    # ---- the engine's thread ----
+
+    def _loop(self) -> None:
+        trouble = ""
+        while not self._is_closed:
+            try:
+                has_news, text = self.engine.tick(), ""
+            except Exception as error:
+                # The hand must not die of one pose: it is let go, and whoever looks is told, once.
+                self.engine.let_go()
+                has_news, text = False, f"the engine: {error}"
+                if text != trouble:
+                    self._events.tell({"type": "notice", "level": "error", "text": text})
+            trouble = text
+            if has_news:
+                self._tell_snapshot()
+            self._wake.wait(timeout=LEAST_TICK_S)
+            self._wake.clear()
+            # From when the round began, not from when it was called: it may have waited for a command.
+            gone = self._clock() - self.engine.ticked_at
+            time.sleep(min(LEAST_TICK_S, max(0.0, LEAST_TICK_S - gone)))
+
+    def _tell_snapshot(self) -> None:
+        for listener in list(self._snapshot_listeners):
+            listener()
+
+    def _bumped(self, bump: Bump) -> None:
+        hands = self._opened()
+        part = hands.scene.mockup.parts[bump.part]
+        size = float(np.linalg.norm(np.subtract(part.upper, part.lower)))
+        self._events.tell(
+            {
+                "type": "impact",
+                "part": bump.part,
+                "part_size_m": size,
+                "speed_m_per_s": bump.speed,
+                "point": bump.point.tolist(),
+                "material": self._document.material,
+                "force": bump.force,
+            }
+        )
+
+    def _ticked(self, ticked: Ticked) -> None:
+        if self._recorder is not None and self._document.mockup is not None:
+            self._recorder.ticked(ticked)
+
+    # ---- helpers ----
+
+    def _opened(self) -> Hands:
+        if self._hands is None:
+            raise WorkbenchError("no mock-up is open yet", "session", "wait until it is loaded")
+        return self._hands
+
+    def _packed(self) -> Geometry:
+        if self._geometry is None:
+            raise WorkbenchError("no mock-up is open yet", "scene", "wait until it is loaded")
+        return self._geometry
+
+    def _place(self) -> Place:
+        with self._lock:
+            return self._requests.place(self._document, self._opened(), self._packed())
+
+
+def _checked_unit(unit: str) -> str:
+    if unit not in UNITS:
+        raise OptionError(f"unit is {unit!r}: {near(unit, UNITS)}")
+    return unit

@@ -1,0 +1,86 @@
+"""Which Python file imports which: what `check_layers` asks of the package and of bench/."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from rust_modules import Arrows
+
+
+class Sources:
+    """The files below one folder that Python looks in.
+
+    root: the folder on the path, e.g. python/.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self._trees: dict[Path, ast.Module] = {}
+
+    def files(self) -> list[Path]:
+        stubs = [path for path in self.root.rglob("*.pyi") if not path.with_suffix(".py").exists()]
+        return sorted([*self.root.rglob("*.py"), *stubs])
+
+    def arrows(self, files: Collection[Path] | None = None) -> Arrows:
+        """From each file to those that define what it imports, with the names and the line of each.
+
+        Imports inside functions and for type checkers count as well: they are knowledge too. What a package's
+        `__init__.py` takes from below itself does not: it is a door, and imports through it lead to the file behind.
+        """
+        found: Arrows = {}
+        for path in self.files() if files is None else files:
+            for line, into, name in self.imports(path):
+                is_door = path.stem == "__init__" and into.is_relative_to(path.parent)
+                if into != path and not is_door:
+                    found.setdefault((path, into), {}).setdefault(name, line)
+        return found
+
+    def imports(self, path: Path) -> Iterator[tuple[int, Path, str]]:
+        """(line, file, name) of each import in the file that leads to another one here."""
+        for node in ast.walk(self._tree(path)):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    file = self._module(path, alias.name.split("."))
+                    if file is not None:
+                        yield node.lineno, file, alias.name
+            elif isinstance(node, ast.ImportFrom):
+                for alias in node.names:
+                    file = self._defining(path, node, alias.name)
+                    if file is not None:
+                        yield node.lineno, file, alias.name
+
+    def _defining(self, path: Path, node: ast.ImportFrom, name: str) -> Path | None:
+        """The file that defines `name` of a `from ... import name`: behind doors, as far as they lead."""
+        if node.level:
+            names = list(path.relative_to(self.root).parts[: -node.level])
+        else:
+            names = []
+        names += node.module.split(".") if node.module else []
+        module = self._module(path, names) if names else None
+        inner = self._module(path, [*names, name])
+        if inner is not None:
+            return inner
+        if module is None or module.stem != "__init__" or module == path:
+            return module
+        for passing in ast.walk(self._tree(module)):
+            if isinstance(passing, ast.ImportFrom):
+                for alias in passing.names:
+                    if (alias.asname or alias.name) == name:
+                        return self._defining(module, passing, alias.name) or module
+        return module
+
+    def _module(self, path: Path, names: list[str]) -> Path | None:
+        """The file of a dotted name: as Python looks, and for a script beside it."""
+        for start in (self.root, path.parent):
+            base = start.joinpath(*names)
+            for file in (base / "__init__.py", base.with_suffix(".py"), base.with_suffix(".pyi")):
+                if file.is_file():
+                    return file
+        return None
+
+    def _tree(self, path: Path) -> ast.Module:
+        if path not in self._trees:
+            self._trees[path] = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+        return self._trees[path]
