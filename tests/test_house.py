@@ -223,9 +223,9 @@ PLANTED = {
         "room attic has no place in INNER_ROOMS",
     ),
     "two files of Python in a circle": (
-        "python/feeler/workbench/document/document.py",
-        "\ndef late():\n    from feeler.workbench.document import history\n",
-        "document.py: in a circle of",
+        "python/feeler/clashes/changes.py",
+        "\ndef late():\n    from feeler.clashes.result import Clashes\n",
+        "imports python/feeler/clashes/result.py and back",
     ),
 }
 
