@@ -142,6 +142,9 @@ pub const PUSH_CASTS: u64 = 128;
 /// Pieces into which a quarter of a turn is cut where it is told by poses: few first, then more until these are free, too.
 pub const PIECES: [usize; 4] = [1, 4, 16, 64];
 
+/// A middle that is no farther than this off the axis of a screw, in lengths of the tool, is on it: rounding, and no more.
+pub const SAME_MOTION: f64 = 1e-12;
+
 /// Poses and a screw that differ by no more than this, metres, are one motion: a tenth of what touches.
 pub const SAME_PLACE_M: f64 = 1e-7;
 

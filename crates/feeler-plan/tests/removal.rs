@@ -256,6 +256,12 @@ fn in_a_closed_box_it_ends_in_time_and_says_what_is_in_the_way() {
 /// A block of 40 x 24 x 10 mm with so much play to each of some walls: the lower and the upper one along x, then y, then z.
 fn boxed(play: f64, walls: &[usize]) -> Assembly {
     let half = [0.02, 0.012, 0.005];
+    let parts = [block(half.map(|x| -x), half)].into_iter().chain(boxed_walls(play, walls));
+    Assembly::new(parts.collect())
+}
+
+fn boxed_walls(play: f64, walls: &[usize]) -> Vec<Arrays> {
+    let half = [0.02, 0.012, 0.005];
     let wall = |side: usize| {
         let (axis, sense) = (side / 2, if side.is_multiple_of(2) { -1.0 } else { 1.0 });
         let bound = |end: f64| -> Point {
@@ -269,8 +275,7 @@ fn boxed(play: f64, walls: &[usize]) -> Assembly {
         }
         block(lower, upper)
     };
-    let parts = [block(half.map(|x| -x), half)].into_iter().chain(walls.iter().map(|side| wall(*side)));
-    Assembly::new(parts.collect())
+    walls.iter().map(|side| wall(*side)).collect()
 }
 
 #[test]
@@ -312,6 +317,25 @@ fn corner() -> Assembly {
         block([0.04 + w, -w, -w], [0.06, far, w]),
         block([-w, w, -w], [0.04 - w, far, w]),
     ])
+}
+
+/// A window in a wall that a block is beside by less than its play: it moves over, and goes through.
+#[test]
+fn what_moves_over_within_its_play_and_goes_out_is_not_shown_to_be_held() {
+    let (half, play, rim) = ([0.02, 0.012, 0.005], 1e-4, 5e-5);
+    let far = half.map(|x| x + play);
+    let frame = [
+        block([far[0], -0.02, -0.02], [0.03, -half[1] + rim, 0.02]),
+        block([far[0], far[1] + 0.001, -0.02], [0.03, 0.02, 0.02]),
+        block([far[0], -half[1] + rim, far[2] + 0.001], [0.03, far[1] + 0.001, 0.02]),
+        block([far[0], -half[1] + rim, -0.02], [0.03, far[1] + 0.001, -far[2] - 0.001]),
+    ];
+    let mut parts = vec![block(half.map(|x| -x), half)];
+    parts.extend(boxed_walls(play, &[0, 2, 3, 4, 5]));
+    parts.extend(frame);
+    let found = Assembly::as_given(parts).remove(0, |task| task.directions.push([1.0, 0.0, 0.0]));
+    assert!(found.held.is_none(), "{found:?}");
+    assert!(found.method.is_some(), "{:?}", found.blockers);
 }
 
 #[test]

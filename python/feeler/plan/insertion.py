@@ -6,7 +6,8 @@ import itertools
 import math
 import time
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,7 @@ from feeler.io.film import corners_of
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.legs import RemovalLeg
-from feeler.plan.removal import Allow, Removal, rigid_pose, way_from
+from feeler.plan.removal import DIRECT, Allow, Removal, alone, rigid_pose, way_from
 from feeler.poses import PoseLike, rotation_vector
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -74,16 +75,16 @@ def insertion(
         "threads": threads,
         "progress": _of_all(progress, begin, seconds),
     }
-    out = way_from(end, scene, parts, directions=directions, seconds=seconds, where="goal", **options)
+    direct = None if lies is None or clearance > 0.0 else partial(_direct, lies, end, allow, seed)
+    out = way_from(end, scene, parts, directions=directions, seconds=seconds, where="goal", first=direct, **options)
+    if out.certificate.method == DIRECT:
+        return replace(out, seconds=time.perf_counter() - begin)
     if lies is None:
         return replace(turned_round(out), seconds=time.perf_counter() - begin)
     moving = Tool.of_parts(scene.mockup, scene.mockup.parts.select(parts))
     if tool is not None:
         moving = Tool.assembly({"parts": moving, "tool": (tool, held)})
-    rest = scene.without(scene.mockup.parts.select(parts))
     middle = moving.bounds.mean(axis=0)
-    if clearance == 0.0 and _is_free(rest, moving, np.stack([lies, end]), allow):
-        return _straight_on(out, lies, end, middle, begin)
     if not out.is_found:
         if _moved_by(moving, lies, end) <= out.play:  # Within its play there may be a path, and this was not it.
             out = replace(out, held_by=(), play=math.nan)
@@ -120,9 +121,24 @@ def _of_all(progress: Progress | None, begin: float, seconds: float) -> Progress
     return lambda _, stage: told(min(1.0, (time.perf_counter() - begin) / seconds), stage)
 
 
-def _is_free(rest: Scene, moving: Tool, way: Floats, allow: Allow) -> bool:
-    """Whether a straight path is, with what touches at its ends."""
-    return rest.check_path(moving, way, touching="counts" if allow is None else "free", inside=True).is_free
+def _direct(lies: Floats, end: Floats, allow: Allow, seed: int, rest: Scene, moving: Tool) -> Removal | None:
+    """The straight path from `lies` to `end`, without a leg where they are the same; None where it is not free. What
+    touches may slide and part, unless nothing may meet."""
+    touching: Literal["counts", "free"] = "counts" if allow is None else "free"
+    if not rest.check_path(moving, np.stack([lies, end]), touching=touching).is_free:
+        return None
+    is_there = np.array_equal(lies, end)
+    legs = () if is_there else (_straight(lies, end, moving.bounds.mean(axis=0)),)
+    found = alone(seed)
+    return replace(
+        found,
+        legs=legs,
+        poses=lies[None] if is_there else np.stack([lies, end]),
+        path_length=sum(leg.path_length for leg in legs),
+        rotation=sum(leg.rotation for leg in legs),
+        clearance=math.nan,
+        certificate=replace(found.certificate, method=DIRECT, casts=1),
+    )
 
 
 def _moved_by(moving: Tool, one: Floats, other: Floats) -> float:
@@ -130,26 +146,6 @@ def _moved_by(moving: Tool, one: Floats, other: Floats) -> float:
     corners = corners_of(moving.bounds)
     places = [corners @ pose[:3, :3].T + pose[:3, 3] for pose in (one, other)]
     return float(np.linalg.norm(places[1] - places[0], axis=1).max())
-
-
-def _straight_on(out: Removal, lies: Floats, end: Floats, middle: Floats, begin: float) -> Removal:
-    """The path that is one straight leg; none where the parts are there."""
-    is_there = np.array_equal(lies, end)
-    legs = () if is_there else (_straight(lies, end, middle),)
-    return replace(
-        out,
-        is_found=True,
-        legs=legs,
-        poses=lies[None] if is_there else np.stack([lies, end]),
-        path_length=sum(leg.path_length for leg in legs),
-        rotation=sum(leg.rotation for leg in legs),
-        clearance=math.nan,
-        certificate=replace(out.certificate, method="straight"),
-        held_by=(),
-        play=math.nan,
-        is_out_of_time=False,
-        seconds=time.perf_counter() - begin,
-    )
 
 
 def turned_round(way: Removal) -> Removal:

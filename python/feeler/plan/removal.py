@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
@@ -27,6 +27,8 @@ Allow = str | float | Part | Iterable["str | float | Part"] | None
 """What may meet: see `removal`."""
 
 _START = "start"
+DIRECT = "direct"
+"""The method of a path straight from its start to its goal."""
 _VERSIONS = (("feeler", version("feeler")),)
 _LARGEST_SEED = 2**64 - 1
 
@@ -48,7 +50,7 @@ class Certificate:
     seed: int
     method: str
     """How the way was found: "straight", "pushes", "tree 3" (of random trees, by number), "out" (it was out already),
-    "none"."""
+    "direct" (an insertion, straight from its start to its goal), "none"."""
     casts: int
     """Motions that were followed."""
     versions: tuple[tuple[str, str], ...]
@@ -191,9 +193,11 @@ def way_from(
     threads: int | None,
     progress: Progress | None,
     where: str = "start",
+    first: Callable[[Scene, Tool], Removal | None] | None = None,
 ) -> Removal:
     """`removal` of parts that lie elsewhere: `lies` `(4, 4)` is their motion until there, where the path begins.
-    `where`: what errors call that."""
+    `where`: what errors call that. `first`: an answer that is tried before, of the scene without the parts, and of what
+    moves."""
     begin = time.perf_counter()
     chosen, rest = _chosen(scene, parts)
     mockup = scene.mockup
@@ -202,21 +206,21 @@ def way_from(
     moving = own if tool is None else _gripped(own, tool, start, (lies, where), rest, allowed)
     if tool is None and start is not None:
         raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
-    answer = _core.removal(
-        rest,
-        moving,
-        lies,
-        own_parts=own.part_count,
-        allow_start=allowed.start,
-        allow_overlap=allowed.overlap,
-        allow_parts=allowed.parts,
-        directions=_directions(directions),
-        clearance=_number("clearance", clearance, "metres, 0 or more", at_least=0.0),
-        seconds=_seconds(seconds),
-        seed=_whole("seed", seed, 0, _LARGEST_SEED),
-        threads=None if threads is None else _whole("threads", threads, 1, 1024),
-        progress=_checked(progress),
-    )
+    options: dict[str, Any] = {
+        "own_parts": own.part_count,
+        "allow_start": allowed.start,
+        "allow_overlap": allowed.overlap,
+        "allow_parts": allowed.parts,
+        "directions": _directions(directions),
+        "clearance": _number("clearance", clearance, "metres, 0 or more", at_least=0.0),
+        "seconds": _seconds(seconds),
+        "seed": _whole("seed", seed, 0, _LARGEST_SEED),
+        "threads": None if threads is None else _whole("threads", threads, 1, 1024),
+        "progress": _checked(progress),
+    }
+    if first is not None and (known := first(rest, moving)) is not None:
+        return known
+    answer = _core.removal(rest, moving, lies, **options)
     found = answer.method != "none"
     rows = zip(
         answer.blockers.tolist(),

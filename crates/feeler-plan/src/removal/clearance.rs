@@ -24,6 +24,10 @@ pub fn pulled_up(
     let mut tries = 0;
     for step in PULLS.map(|share| share * around.size()) {
         for at in 0..way.len() {
+            // Each place is some dozens of queries.
+            if !has_time() {
+                return Ok(way);
+            }
             let Leg::To(pose) = way[at] else { continue };
             if matches!(way.get(at + 1), Some(Leg::Screw(_))) {
                 continue; // It would begin elsewhere.
@@ -41,7 +45,7 @@ pub fn pulled_up(
                 continue;
             }
             tries += 1;
-            if tries > MOST_PULLS || !has_time() {
+            if tries > MOST_PULLS {
                 return Ok(way);
             }
             let is_farther = self::nearest(around, &pulled, at, 1.05 * gap)?.is_none();

@@ -188,3 +188,47 @@ fn over(points: &Triangle, plane: &Triangle, normal: &Point, inside: f64) -> Vec
     }
     polygon
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feeler_shapes::box_mesh;
+
+    fn triangles(lower: Point, upper: Point) -> Vec<Triangle> {
+        let middle = std::array::from_fn(|a| 0.5 * (lower[a] + upper[a]));
+        let (vertices, faces) = box_mesh(middle, std::array::from_fn(|a| upper[a] - lower[a]), 1);
+        faces.iter().map(|face| face.map(|corner| vertices[corner as usize])).collect()
+    }
+
+    /// A plate turns farther within its play than to first order: as it turns its long side gets shorter.
+    #[test]
+    fn bounds_have_room_for_what_is_of_second_order() {
+        let (half, play) = ([0.02, 0.012, 0.005], 4e-4);
+        let plate = triangles(half.map(|x| -x), half);
+        let mut pairs = Vec::new();
+        for side in 0..6 {
+            let (axis, outside) = (side / 2, side & 1);
+            let mut ends = [half.map(|x| -x - 0.02), half.map(|x| x + 0.02)];
+            ends[1 - outside][axis] = if outside == 1 { half[axis] + play } else { -half[axis] - play };
+            for fixed in triangles(ends[0], ends[1]) {
+                pairs.extend(plate.iter().map(|moving| Facing { moving: *moving, fixed, part: side as u32 }));
+            }
+        }
+        let small = SmallMotions { pairs, centre: [0.0; 3], reach: length(&half) };
+        // In the plane of its two longer sides, by halving: 20 sin(t) + 12 cos(t) = 12 + play.
+        let (mut free, mut met) = (0.0_f64, 0.2_f64);
+        for _ in 0..60 {
+            let turn = 0.5 * (free + met);
+            if half[0] * turn.sin() + half[1] * turn.cos() <= half[1] + play {
+                free = turn;
+            } else {
+                met = turn;
+            }
+        }
+        assert!(free > 1.005 * play / half[0] && free < 0.02 + 2e-3);
+        let most = small.bounds(&[0.0; 6], &|| true).unwrap().0.map(|bound| 1.15 * bound);
+        let (bounds, parts) = small.bounds(&most, &|| true).unwrap();
+        assert!(bounds[5] >= free * small.reach, "{} is less than {}", bounds[5], free * small.reach);
+        assert_eq!(parts.len(), 6);
+    }
+}

@@ -6,7 +6,7 @@ use feeler_core::geometry::vectors::{cross, length, sub};
 use feeler_core::{Leg, Motion, Pose};
 
 use crate::blocked::Tally;
-use crate::constants::{MOST_SAME_PIECES, PIECES, SAME_PLACE_M};
+use crate::constants::{MOST_SAME_PIECES, PIECES, SAME_MOTION, SAME_PLACE_M};
 use crate::error::Result;
 use feeler_world::{Care, Span, Surroundings};
 
@@ -72,8 +72,8 @@ pub fn is_free(
     Ok(true)
 }
 
-/// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, the
-/// fewest that are as free; of a thread so many that no point is off by more than [`SAME_PLACE_M`].
+/// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, the fewest that are
+/// verified as free; where they turn more than once around, so many that no point is off by more than [`SAME_PLACE_M`], as each is a cast.
 pub fn as_poses(
     around: &Surroundings,
     legs: &[Leg],
@@ -91,10 +91,9 @@ pub fn as_poses(
     };
     let farthest = motions.iter().map(off_the_axis).fold(0.0, f64::max);
     let same = (FRAC_PI_2 * (farthest / (8.0 * SAME_PLACE_M)).sqrt()).ceil().max(1.0) as usize;
-    // Each piece is a cast.
     let turns: f64 = motions.iter().map(Motion::angle).sum();
     for pieces in PIECES {
-        let is_same = same <= pieces || (turns > TAU && same <= MOST_SAME_PIECES);
+        let is_same = farthest <= SAME_MOTION * around.size() || (turns > TAU && same <= MOST_SAME_PIECES);
         let pieces = if is_same { same } else { pieces };
         let poses: Vec<Pose> = motions.iter().flat_map(|motion| cut(motion, pieces)).collect();
         let is_free = |tally| verified(around, poses.iter().copied().map(Leg::To).collect(), has_time, tally);
