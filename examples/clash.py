@@ -32,10 +32,10 @@ def checked() -> feeler.Clashes:
 
 found = checked()
 print(f"{len(found)} findings among {mockup.part_count} parts: {found!r}")
-wrong = found[found.verdict != feeler.Verdict.CONTACT]
+wrong = found[found.verdicts != feeler.Verdict.CONTACT]
 for row in wrong:
     measured = f"{row.depth * 1e3:.2f} mm deep" if row.depth else f"{row.gap * 1e3:.2f} mm apart"
-    print(f"{row.verdict.name.lower()}, {measured}: {row.path_a} and {row.path_b}")
+    print(f"{row.verdict}, {measured}: {row.path_a} and {row.path_b}")
 
 # Somebody looks at the worst, and says that it is meant to be so. The next check remembers.
 found.set_status(found.ids[0], "approved", by="ada", note="known, and being changed")

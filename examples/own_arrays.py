@@ -39,7 +39,7 @@ for words, place in {
     world_from_tool = np.eye(4)
     world_from_tool[:3, 3] = place
     hit = scene.collide(tool, world_from_tool)
-    counts = {kind.name.lower(): int((hit.kinds == kind).sum()) for kind in feeler.PairKind}
+    counts = {str(kind): int((hit.kinds == kind).sum()) for kind in feeler.PairKind}
     print(f"{words}: {len(hit.pairs)} pairs {counts}")
     for part in hit.parts:
         print(f"    {mockup.parts[int(part)].path}")

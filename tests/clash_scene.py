@@ -10,6 +10,7 @@ from shapes import box, joined, mockup_of
 
 import feeler
 from feeler.clashes.table import SHAPES, Columns, Facts
+from feeler.clashes.verdict import Verdict
 
 PARTS = {
     "house/walls/left": box((0, 0, 0), (1, 1, 1)),
@@ -49,7 +50,7 @@ def without(*paths: str) -> feeler.Mockup:
 
 
 def pairs(clashes: feeler.Clashes) -> dict[tuple[str, str], str]:
-    return {(each.path_a, each.path_b): each.verdict.name.lower() for each in clashes}
+    return {(each.path_a, each.path_b): str(each.verdict) for each in clashes}
 
 
 def table(
@@ -60,7 +61,7 @@ def table(
 ) -> feeler.Clashes:
     """A table of rows that say what is not zero, the worst first."""
     zero = {name: np.zeros(shape, kind) for name, (kind, shape) in SHAPES.items()} | {"severity": 1}
-    values = [{**zero, "volume": np.nan, **row} for row in rows]
+    values = [{**zero, "volume": np.nan, **row, "verdict": Verdict(row.get("verdict", 0)).code} for row in rows]
     columns = Columns(
         **{
             name: np.array([each[name] for each in values], dtype=kind).reshape(-1, *shape)

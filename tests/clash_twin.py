@@ -46,7 +46,8 @@ class Rows:
         if name not in NAMES:
             raise AttributeError(name)
         kind, shape = (np.bool_, ()) if name == "is_decided" else SHAPES[name]
-        return np.array([row[name] for row in self.rows], dtype=kind).reshape(-1, *shape)
+        values = [row[name].code if name == "verdict" else row[name] for row in self.rows]
+        return np.array(values, dtype=kind).reshape(-1, *shape)
 
 
 def clash(

@@ -103,7 +103,7 @@ def test_a_part_that_moves_meets_what_the_mock_up_without_it_has(scene: feeler.S
     for pose in (at(), at(0.1, 0, 0), at(0, 0, 1.6), at(0, 0, 0.3, 20), at(0, 0, 9)):
         hit = rest.collide(unit, pose)
         expected = oracle.collide(static, by_hand, pose)
-        assert {(int(t), int(m)): int(k) for (t, m), k in zip(hit.pairs, hit.kinds, strict=True)} == {
+        assert {(int(t), int(m)): int(k) for (t, m), k in zip(hit.pairs, hit.kind_codes, strict=True)} == {
             (t, int(kept[m])): kind for (t, m), kind in expected.items()
         }
         assert not np.isin(hit.parts, [2, 3]).any()

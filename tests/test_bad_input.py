@@ -185,7 +185,7 @@ def test_huge_tiny_and_denormal_meshes_get_right_answers(store: dict[str, Any], 
     scene.validate()
     for pose in (IDENTITY, moved(scale, 0, 0), moved(-2 * scale, scale, 0), moved(9 * scale, 0, 0)):
         hit = scene.collide(tool, pose)
-        found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kinds, strict=True)}
+        found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kind_codes, strict=True)}
         assert found == oracle.collide(mockup, tool, pose)
         assert scene.is_colliding(tool, pose) == bool(found)
     assert len(scene.collide(tool, IDENTITY)) > 5
@@ -202,7 +202,7 @@ def test_a_mesh_that_spans_all_magnitudes(store: dict[str, Any]) -> None:
     for size in (5e-324, 1e-200, 1.0, 1e50, 1e99):
         tool = feeler.Tool(np.array([[1.0, 1, -1], [1, 1, 1], [2, 1, 1]]) * size, [[0, 1, 2]])
         hit = scene.collide(tool, IDENTITY)
-        found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kinds, strict=True)}
+        found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kind_codes, strict=True)}
         assert found == oracle.collide(mockup, tool)
         sizes_met[size] = {s for _, s in found}
     assert sizes_met[1.0] == {1, 2} and sizes_met[1e99] == {2}
@@ -221,7 +221,7 @@ def test_a_tool_triangle_that_rounds_to_a_point_or_a_segment(store: dict[str, An
         met = 0
         for pose in (moved(0.25, 0.25, 0), moved(0.25, 0.25, 0.5), moved(0.25, 0.25, 0.25), moved(2, 2, 2)):
             hit = scene.collide(tool, pose)
-            found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kinds, strict=True)}
+            found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kind_codes, strict=True)}
             assert found == oracle.collide(mockup, tool, pose)
             met += len(found)
         assert met
@@ -349,7 +349,7 @@ def test_an_empty_batch(scene: feeler.Scene, tool: feeler.Tool) -> None:
     assert len(batch) == 0
     assert batch.offsets.tolist() == [0]
     assert batch.pairs.shape == (0, 2)
-    assert batch.kinds.shape == (0,)
+    assert batch.kind_codes.shape == (0,)
     with pytest.raises(IndexError):
         batch[0]
 

@@ -260,30 +260,33 @@ def test_the_worst_is_first() -> None:
 
 def test_columns_and_rows_say_the_same(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
-    names = [
-        "a",
-        "b",
-        "verdict",
-        "depth",
-        "depth_error",
-        "depth_kind",
-        "gap",
-        "triangles",
-        "rule",
-        "severity",
-        "status",
-    ]
+    columns = {
+        "a": found.parts_a,
+        "b": found.parts_b,
+        "verdict": found.verdicts,
+        "depth": found.depths,
+        "depth_error": found.depth_errors,
+        "depth_kind": found.depth_kinds,
+        "gap": found.gaps,
+        "triangles": found.triangles,
+        "rule": found.rules,
+        "severity": found.severities,
+        "status": found.statuses,
+        "translation": found.translations,
+        "point_a": found.points_a,
+        "point_b": found.points_b,
+        "id": found.ids,
+    }
     for place, each in enumerate(found):
         assert found[place] == each == found[place - len(found)]
-        for name in names:
-            assert getattr(found, name)[place] == getattr(each, name), name
-        for name in ("translation", "point_a", "point_b"):
-            assert tuple(getattr(found, name)[place]) == getattr(each, name)
-        assert found.box[place].tolist() == [list(corner) for corner in each.box]
-        assert found.ids[place] == each.id
+        for name, column in columns.items():
+            value = column[place]
+            assert (tuple(value) if isinstance(value, np.ndarray) else value) == getattr(each, name), name
+        assert found.boxes[place].tolist() == [list(corner) for corner in each.box]
+        assert each.verdict == Verdict(int(found.columns.verdict[place])) == str(each.verdict)
     assert len(set(found.ids)) == len(found)
     with pytest.raises(ValueError, match="read-only"):
-        found.depth[0] = 7.0
+        found.depths[0] = 7.0
     with pytest.raises(dataclasses.FrozenInstanceError):
         found[0].depth = 7.0  # type: ignore[misc]
     with pytest.raises(IndexError):
@@ -294,8 +297,8 @@ def test_slices_are_tables_that_share_their_status(mockup: feeler.Mockup) -> Non
     found = feeler.clash(mockup)
     part = found[2:5]
     assert isinstance(part, feeler.Clashes) and len(part) == 3 and list(part) == list(found)[2:5]
-    deep = found[found.depth > 0.1]
-    assert len(deep) == np.count_nonzero(found.depth > 0.1)
+    deep = found[found.depths > 0.1]
+    assert len(deep) == np.count_nonzero(found.depths > 0.1)
     part.set_status(part.ids[0], "reviewed", by="ada", note="seen")
     assert found[2].status == "reviewed" and found[2].by == "ada" and found[2].note == "seen"
     assert list(found.where(status="reviewed")) == [found[2]]
@@ -341,7 +344,7 @@ def test_pandas_if_it_is_there(mockup: feeler.Mockup, monkeypatch: pytest.Monkey
     pandas = pytest.importorskip("pandas")
     frame = found.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and len(frame) == len(found)
-    assert frame.index.name == "id" and list(frame.depth) == found.depth.tolist()
+    assert frame.index.name == "id" and list(frame.depths) == found.depths.tolist()
     assert found[:0].to_pandas().shape[0] == 0
 
 
@@ -354,8 +357,8 @@ def test_limits(mockup: feeler.Mockup) -> None:
     assert len(feeler.clash(mockup, clearance=3.0)) == len(PARTS) * (len(PARTS) - 1) // 2
     found = feeler.clash(mockup, contact=0.0625 + 1e-9)
     touching = found.where(verdict="contact")
-    assert touching.depth.tolist() == pytest.approx([0.0625, 0.0625, 0.0, 0.0, 0.0], abs=1e-12)
-    assert not touching.translation.any() and set(touching.depth_kind) == {"measured"}
+    assert touching.depths.tolist() == pytest.approx([0.0625, 0.0625, 0.0, 0.0, 0.0], abs=1e-12)
+    assert not touching.translations.any() and set(touching.depth_kinds) == {"measured"}
     deep = pairs(found)
     # Parts that are no deeper than the contact touch.
     assert {pair: verdict for pair, verdict in deep.items() if FOUND[pair] != verdict} == {
@@ -414,14 +417,14 @@ def test_mockups_of_few_parts(count: int) -> None:
     scene = feeler.Scene(mockup)
     found = feeler.clash(mockup, scene=scene if count else scene.without("alone"))
     assert len(found) == 0 and found.ids == () and found.groups() == [] and list(found) == []
-    assert found.rule.shape == (0,) and found.status.shape == (0,) and found.box.shape == (0, 2, 3)
+    assert found.rules.shape == (0,) and found.statuses.shape == (0,) and found.boxes.shape == (0, 2, 3)
 
 
 def test_many_coincident_parts() -> None:
     number = 12
     mockup = mockup_of({f"copies/{i}": box((0, 0, 0), (1, 1, 1)) for i in range(number)})
     found = feeler.clash(mockup)
-    assert len(found) == number * (number - 1) // 2 and set(found.verdict.tolist()) == {Verdict.DUPLICATE}
+    assert len(found) == number * (number - 1) // 2 and set(found.verdicts.tolist()) == {Verdict.DUPLICATE}
     assert len(set(found.ids)) == len(found)
     assert sum(len(group) for group in found.groups()) == len(found) == len(found.groups("cluster")[0])
 
@@ -438,9 +441,9 @@ def copies(number: int) -> feeler.Mockup:
 
 def test_a_thousand_coincident_parts() -> None:
     found = feeler.clash(copies(1000))
-    assert len(found) == 1000 * 999 // 2 and set(found.verdict.tolist()) == {Verdict.DUPLICATE}
-    assert len(np.unique(np.stack([found.a, found.b]), axis=1).T) == len(found)
-    assert set(found[:1000].rule.tolist()) == {"default"} and found[499_499].b == 999
+    assert len(found) == 1000 * 999 // 2 and set(found.verdicts.tolist()) == {Verdict.DUPLICATE}
+    assert len(np.unique(np.stack([found.parts_a, found.parts_b]), axis=1).T) == len(found)
+    assert set(found[:1000].rules.tolist()) == {"default"} and found[499_499].b == 999
 
 
 @pytest.mark.slow
@@ -453,15 +456,15 @@ def test_a_part_of_millions_against_bolts(rng: np.random.Generator) -> None:
     mockup = mockup_of({f"part {i}": mesh for i, mesh in enumerate(meshes)})
     assert mockup.part_triangles[0] > 5_000_000
     found = feeler.clash(mockup, clearance=0.0)
-    against = found[found.a == 0]
-    assert len(against) == 200 and set(against.verdict.tolist()) == {Verdict.CLASH}
+    against = found[found.parts_a == 0]
+    assert len(against) == 200 and set(against.verdicts.tolist()) == {Verdict.CLASH}
     cube = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
     bolts = [((x - 0.01, y - 0.01, 0.9), (x + 0.01, y + 0.01, 1.05)) for x, y in places.tolist()]
     depth = np.array([boxes_depth(cube, bolt) for bolt in bolts])
-    measured, error = (column[np.argsort(against.b)] for column in (against.depth, against.depth_error))
+    measured, error = (column[np.argsort(against.parts_b)] for column in (against.depths, against.depth_errors))
     assert (measured <= depth + 1e-12).all() and (depth <= measured + error + 1e-12).all()
     assert (error <= np.maximum(1e-9, 1e-3 * measured)).all()
-    assert set(against.depth_kind.tolist()) == {"measured"}
+    assert set(against.depth_kinds.tolist()) == {"measured"}
     # A picture of one needs no picture of all.
     assert Pictures(mockup).png(against[0]).startswith(b"\x89PNG")
 
@@ -517,7 +520,7 @@ def test_volumes(mockup: feeler.Mockup) -> None:
     assert volume["house/walls/left", "house/copy/left"] == pytest.approx(1.0, rel=1e-9)
     assert volume["house/walls/right", "house/pins/core"] == pytest.approx(1 / 64, rel=1e-9)
     assert volume["house/walls/left", "yard/flush"] == 0.0 == volume["house/walls/right", "yard/near"]
-    assert np.isnan(feeler.clash(mockup).volume).all()
+    assert np.isnan(feeler.clash(mockup).volumes).all()
 
 
 def test_volumes_of_what_is_open_mirrored_or_far_off() -> None:
@@ -549,6 +552,16 @@ def test_progress_ends_with_1_and_never_goes_back(mockup: feeler.Mockup, volume:
     told: list[float] = []
     feeler.clash(mockup, volume=volume, progress=lambda fraction, _stage: told.append(fraction))
     assert told == sorted(told) and told[-1] == 1.0
+
+
+def test_columns_go_by_their_old_names_too(mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup)
+    with pytest.warns(DeprecationWarning, match="Clashes.depth is now Clashes.depths"):
+        assert found.depth is found.depths  # type: ignore[attr-defined]
+    with pytest.warns(DeprecationWarning, match="verdict is now"):
+        assert [Verdict(each) for each in found.verdict] == found.verdicts.tolist()  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError, match="no attribute 'deep'"):
+        found.deep  # type: ignore[attr-defined]  # noqa: B018
 
 
 def test_an_interrupted_check_leaves_what_it_found(mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch) -> None:

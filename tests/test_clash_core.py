@@ -80,7 +80,7 @@ def test_what_crosses_clashes_and_what_enters_does_too(engine: feeler.Scene, row
 
 def test_numbers_go_with_the_verdict(engine: feeler.Scene, rows: _core.ClashRows) -> None:
     n = len(rows)
-    verdict = rows.verdict
+    verdict = Verdict.words(rows.verdict)
     assert n > 300 and {Verdict.CLASH, Verdict.CONTACT, Verdict.CLEARANCE} <= {*verdict.tolist()}
     for array, shape in (
         (rows.translation, (n, 3)),
@@ -109,7 +109,7 @@ def test_numbers_go_with_the_verdict(engine: feeler.Scene, rows: _core.ClashRows
 
 
 def test_a_translation_frees_the_part_that_it_moves(engine: feeler.Scene, rows: _core.ClashRows) -> None:
-    for i in np.flatnonzero(rows.verdict == Verdict.CLASH)[::7].tolist():
+    for i in np.flatnonzero(rows.verdict == Verdict.CLASH.code)[::7].tolist():
         tool = feeler.Tool.of_parts(engine.mockup, [int(rows.a[i])])
         pose = np.eye(4)
         pose[:3, 3] = rows.translation[i]

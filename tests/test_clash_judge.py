@@ -101,7 +101,7 @@ def test_random_boxes_have_all_kinds() -> None:
     verdicts = set()
     for seed in range(12):
         mockup = mockup_of(random_boxes(np.random.default_rng(seed), 14))
-        verdicts |= {Verdict(each) for each in feeler.clash(mockup, clearance=0.3).verdict.tolist()}
+        verdicts |= {Verdict(each) for each in feeler.clash(mockup, clearance=0.3).verdicts.tolist()}
     assert verdicts == set(Verdict)
 
 

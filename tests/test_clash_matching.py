@@ -68,7 +68,7 @@ def bolts(
 
 def places(found: feeler.Clashes) -> dict[float, tuple[str, str]]:
     """Status and note of each bolt's finding by the bolt's place along the plate."""
-    middle = found.box.mean(axis=1)[:, 0].round(3).tolist()
+    middle = found.boxes.mean(axis=1)[:, 0].round(3).tolist()
     return {x: (row.status, row.note) for x, row in zip(middle, found, strict=True)}
 
 
@@ -79,7 +79,7 @@ def checked(mockup: feeler.Mockup) -> feeler.Clashes:
 def approved(mockup: feeler.Mockup, tmp_path: Path, *only: float) -> feeler.Clashes:
     """What was saved of a check in which findings, at these places or all, are approved; the note says where."""
     found = checked(mockup)
-    for x, row in zip(found.box.mean(axis=1)[:, 0].round(3).tolist(), found, strict=True):
+    for x, row in zip(found.boxes.mean(axis=1)[:, 0].round(3).tolist(), found, strict=True):
         if not only or x in only:
             found.set_status(row.id, "approved", by="ada", note=f"at {x}")
     found.save(tmp_path / "before.json")

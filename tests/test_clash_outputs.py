@@ -89,7 +89,7 @@ def test_duplicates_and_contained_parts_come_before_small_clashes() -> None:
     assert [each.verdict.name for each in found] == [
         *("CLEARANCE", "DUPLICATE", "CLASH", "CONTAINED", "CLASH", "CLASH", "CONTACT", "CLEARANCE")
     ]
-    assert np.isnan(found.depth[5])
+    assert np.isnan(found.depths[5])
     # The worst of a group is the first of these rows in it.
     assert table(rows[:7]).groups("rule")[0].worst.verdict == Verdict.DUPLICATE
 
@@ -402,7 +402,7 @@ def test_glb_reads_back_with_its_colours(tmp_path: Path, mockup: feeler.Mockup) 
     read = feeler.load_mockup(tmp_path / "a.glb")
     lines = [path for path in read.part_paths if "/witness lines/" in path]
     # A line for each way out, which duplicates have too, and for each gap.
-    assert len(lines) == np.count_nonzero(found.translation.any(axis=1) | (found.gap > 0)) == 7
+    assert len(lines) == np.count_nonzero(found.translations.any(axis=1) | (found.gaps > 0)) == 7
     assert read.triangle_count == mockup.triangle_count + 8 * len(lines)
     scene = trimesh.load(tmp_path / "a.glb")
     colour = {name: np.array(mesh.visual.material.main_color[:3]) / 255 for name, mesh in scene.geometry.items()}

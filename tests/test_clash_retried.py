@@ -59,7 +59,7 @@ def test_the_same_as_another_check(mockup: feeler.Mockup, saved: feeler.Clashes,
     again = feeler.clash(mockup, rules=rules)
     tried = saved.with_rules(rules)
     assert rows(tried) == rows(again)
-    assert tried.depth.tolist() == again.depth.tolist() and tried.gap.tolist() == again.gap.tolist()
+    assert tried.depths.tolist() == again.depths.tolist() and tried.gaps.tolist() == again.gaps.tolist()
     hidden = {name: count for name, count in tried.hidden.items() if name != "others = false"}
     assert hidden == again.hidden
 
@@ -111,10 +111,10 @@ def test_a_smaller_contact_needs_another_check(mockup: feeler.Mockup) -> None:
     rules = Rules((Rule("all", "*", contact=0.01),))
     tried = wide.with_rules(rules)
     again = feeler.clash(mockup, rules=rules)
-    assert pairs(tried) == pairs(again) and tried.depth.tolist() == again.depth.tolist()
+    assert pairs(tried) == pairs(again) and tried.depths.tolist() == again.depths.tolist()
     (note,) = tried.facts.notes
     assert note.startswith("2 contacts are clashes by these rules") and "their translation is not known" in note
-    assert np.isnan(tried.translation).all(axis=1).sum() == 2
+    assert np.isnan(tried.translations).all(axis=1).sum() == 2
     assert wide.with_rules(Rules((Rule("all", "*", contact=0.2),))).facts.notes == ()
 
 
@@ -122,7 +122,7 @@ def test_rounding_makes_no_clash(mockup: feeler.Mockup) -> None:
     rows = [{"a": 0, "b": 1, "verdict": Verdict.CONTACT, "depth": 1e-16, "point_a": (1, 1, 1)}]
     found = table(rows, tuple(mockup.part_paths), shapes=PartShapes(mockup))
     found.facts.__dict__["contact"] = 0.001
-    assert found.with_rules({}).verdict.tolist() == [Verdict.CONTACT]
+    assert found.with_rules({}).verdicts.tolist() == [Verdict.CONTACT]
 
 
 def test_walls_that_pierce_each_other_stay_a_clash(mockup: feeler.Mockup) -> None:
@@ -133,7 +133,7 @@ def test_walls_that_pierce_each_other_stay_a_clash(mockup: feeler.Mockup) -> Non
     found = table(rows, tuple(mockup.part_paths))
     found.facts.__dict__["contact"] = 0.002
     tried = found.with_rules(Rules((Rule("all", "*", contact=0.005),)))
-    verdicts = dict(zip(tried.b.tolist(), tried.verdict.tolist(), strict=True))
+    verdicts = dict(zip(tried.parts_b.tolist(), tried.verdicts.tolist(), strict=True))
     assert verdicts == {1: Verdict.CLASH, 2: Verdict.CONTACT, 3: Verdict.CONTACT}
     (note,) = tried.facts.notes
     assert note.startswith("1 clashes count as contacts by their depth, but may be thin walls that cross")

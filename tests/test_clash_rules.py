@@ -316,7 +316,7 @@ def test_a_file_is_started_from_what_was_found(tmp_path: Path, mockup: feeler.Mo
     text = (tmp_path / "clash.toml").read_text(encoding="utf-8")
     again = feeler.clash(mockup, clearance=0.0, rules=tmp_path / "clash.toml")
     assert pairs(again) == pairs(found), "nothing is lost when it is read"
-    assert set(again.rule.tolist()) == {"within house", "house against yard"}
+    assert set(again.rules.tolist()) == {"within house", "house against yard"}
     # What is left out by hand is there as a comment, ready to be used.
     commented = "".join(line[2:] if line.startswith("# ") else "" for line in text.splitlines(keepends=True))
     exclusions = commented[commented.index("[[exclude]]") :]
@@ -335,7 +335,7 @@ def test_names_from_files_are_quoted(tmp_path: Path) -> None:
     )
     write_rules(tmp_path / "clash.toml", feeler.clash(mockup))
     found = feeler.clash(mockup, rules=tmp_path / "clash.toml")
-    assert len(found) == 1 and found.rule[0] != "default"
+    assert len(found) == 1 and found.rules[0] != "default"
 
 
 def test_two_rules_may_share_their_last_names(tmp_path: Path) -> None:
@@ -343,7 +343,7 @@ def test_two_rules_may_share_their_last_names(tmp_path: Path) -> None:
     shapes |= {f"r/{i}/y": box((3 * i + 0.5, 0, 0), (3 * i + 2, 1, 1)) for i in range(2)}
     mockup = mockup_of(shapes)
     write_rules(tmp_path / "clash.toml", feeler.clash(mockup))
-    assert len(set(feeler.clash(mockup, rules=tmp_path / "clash.toml").rule.tolist())) == 2
+    assert len(set(feeler.clash(mockup, rules=tmp_path / "clash.toml").rules.tolist())) == 2
 
 
 def test_classes_are_as_few_as_the_patterns_tell_apart(mockup: feeler.Mockup) -> None:

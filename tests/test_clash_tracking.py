@@ -81,7 +81,7 @@ def test_a_file_gives_back_what_was_saved(tmp_path: Path, mockup: feeler.Mockup)
         return sorted(rows, key=lambda row: row["id"])
 
     assert told(read) == told(found)
-    assert read.depth.tolist() == found.depth.tolist() and read.gap.tolist() == found.gap.tolist()
+    assert read.depths.tolist() == found.depths.tolist() and read.gaps.tolist() == found.gaps.tolist()
     assert read.marks.of(found.ids[0]) == found.marks.of(found.ids[0])
     assert (read.facts.clearance, read.facts.contact, read.facts.parts) == (0.002, 0.0, 7)
     assert not read.is_partial and len(read.earlier()) == 0
@@ -109,7 +109,7 @@ def test_git_can_diff_a_file(tmp_path: Path, mockup: feeler.Mockup) -> None:
 
 def test_new_active_resolved_and_back(tmp_path: Path, mockup: feeler.Mockup) -> None:
     first = feeler.clash(mockup)
-    assert set(first.status.tolist()) == {"new"}
+    assert set(first.statuses.tolist()) == {"new"}
     first.save(tmp_path / "1.json")
 
     second = feeler.clash(without("house/copy/left"))
@@ -120,7 +120,7 @@ def test_new_active_resolved_and_back(tmp_path: Path, mockup: feeler.Mockup) -> 
         "resolved": len(gone),
     }
     assert {frozenset((row.path_a, row.path_b)) for row in change.resolved} == {frozenset(pair) for pair in gone}
-    assert set(change.resolved.status.tolist()) == {"resolved"} and set(second.status.tolist()) == {"active"}
+    assert set(change.resolved.statuses.tolist()) == {"resolved"} and set(second.statuses.tolist()) == {"active"}
     second.save(tmp_path / "2.json")
     assert len(feeler.load_clashes(tmp_path / "2.json").earlier()) == len(gone)
 
@@ -209,7 +209,7 @@ def test_a_partial_check_resolves_nothing(tmp_path: Path, mockup: feeler.Mockup)
     part.is_partial = True
     change = part.diff(feeler.load_clashes(tmp_path / "1.json"))
     assert len(change.resolved) == 0 and len(change.active) == 3
-    assert len(part.earlier()) == len(FOUND) - 3 and set(part.earlier().status.tolist()) == {"new", "approved"}
+    assert len(part.earlier()) == len(FOUND) - 3 and set(part.earlier().statuses.tolist()) == {"new", "approved"}
     part.save(tmp_path / "2.json")
     assert feeler.load_clashes(tmp_path / "2.json").is_partial
     # The next whole check goes on from there.
@@ -248,7 +248,7 @@ def test_files_of_another_measure_of_depth(tmp_path: Path) -> None:
         (0.001, "estimate", "approved"),
         (0.0, "estimate", "new"),
     ]
-    assert np.isnan(old.depth_error).all()
+    assert np.isnan(old.depth_errors).all()
     old.save(tmp_path / "again.json")
     again = feeler.load_clashes(tmp_path / "again.json")
     assert again.to_dicts()[0]["depth_kind"] == "estimate" and again[0].status == "approved"
@@ -304,7 +304,7 @@ def test_a_file_of_another_mock_up(saved: Path) -> None:
     )
     with pytest.raises(LoadError, match=told):
         other.diff(feeler.load_clashes(saved))
-    assert set(other.status.tolist()) == {"new"} and len(other.earlier()) == 0
+    assert set(other.statuses.tolist()) == {"new"} and len(other.earlier()) == 0
 
 
 def test_other_files(tmp_path: Path, saved: Path) -> None:

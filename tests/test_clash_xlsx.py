@@ -66,8 +66,8 @@ def test_numbers_are_numbers_with_their_units(tmp_path: Path, mockup: feeler.Moc
     rows = table_of(tmp_path / "a.xlsx")
     assert list(rows[0]) == ["picture", *(column.title for column in COLUMNS)]
     # Excel has 15 digits.
-    assert [row["depth, m"] for row in rows] == pytest.approx(found.depth.tolist(), rel=1e-15)
-    assert [row["point a x, m"] for row in rows] == pytest.approx(found.point_a[:, 0].tolist(), rel=1e-15)
+    assert [row["depth, m"] for row in rows] == pytest.approx(found.depths.tolist(), rel=1e-15)
+    assert [row["point a x, m"] for row in rows] == pytest.approx(found.points_a[:, 0].tolist(), rel=1e-15)
     assert [(row["path a"], row["path b"]) for row in rows] == [(each.path_a, each.path_b) for each in found]
     assert {row["volume, m³"] for row in rows} == {None}, "what was not measured is empty"
 

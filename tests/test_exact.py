@@ -29,7 +29,7 @@ Corners = list[list[float]]
 
 
 def as_dict(hit: Any) -> oracle.Found:
-    return {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kinds, strict=True)}
+    return {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kind_codes, strict=True)}
 
 
 def mesh(triangles: list[Corners], shared: bool = False) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
@@ -63,7 +63,7 @@ def check(
         assert scene.is_colliding(tool, pose) == bool(expected), (store, size)
         batch = scene.collide_batch(tool, np.stack([pose, pose]))
         assert batch.pairs.tolist() == 2 * hit.pairs.tolist()
-        assert batch.kinds.tolist() == 2 * hit.kinds.tolist()
+        assert batch.kind_codes.tolist() == 2 * hit.kind_codes.tolist()
     return expected
 
 

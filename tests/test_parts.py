@@ -229,7 +229,7 @@ def test_a_scene_without_parts_answers_as_one_built_without_them(
 
     hit, expected = left.collide(tool, pose), other.collide(tool, pose)
     pairs = np.column_stack([expected.pairs[:, 0], number[expected.pairs[:, 1]]])
-    assert (hit.pairs.tolist(), hit.kinds.tolist()) == (pairs.tolist(), expected.kinds.tolist())
+    assert (hit.pairs.tolist(), hit.kind_codes.tolist()) == (pairs.tolist(), expected.kind_codes.tolist())
     assert (hit.parts.tolist(), hit.tool_parts.tolist()) == (expected.parts.tolist(), expected.tool_parts.tolist())
     assert left.is_colliding(tool, pose) == bool(expected)
     assert left.is_colliding(tool, pose, touching="free") == other.is_colliding(tool, pose, touching="free")
@@ -276,7 +276,7 @@ def test_a_scene_without_parts_is_right_by_the_judge(
     scene: feeler.Scene, mockup: feeler.Mockup, tool: feeler.Tool, gone: set[int], pose: np.ndarray
 ) -> None:
     hit = scene.without(sorted(gone)).collide(tool, pose)
-    found = {(int(t), int(m)): int(kind) for (t, m), kind in zip(hit.pairs, hit.kinds, strict=True)}
+    found = {(int(t), int(m)): int(kind) for (t, m), kind in zip(hit.pairs, hit.kind_codes, strict=True)}
     expected = oracle.collide(mockup, tool, pose)
     assert found == {pair: kind for pair, kind in expected.items() if mockup.part_of_face[pair[1]] not in gone}
 

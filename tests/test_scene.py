@@ -101,14 +101,14 @@ def test_what_a_collision_holds(mockup: feeler.Mockup, tool: feeler.Tool) -> Non
     k = len(hit)
     assert k > 10 and bool(hit)
     assert (hit.pairs.shape, hit.pairs.dtype) == ((k, 2), np.uint32)
-    assert (hit.kinds.shape, hit.kinds.dtype) == ((k,), np.uint8)
+    assert (hit.kind_codes.shape, hit.kind_codes.dtype) == ((k,), np.uint8)
     assert hit.pairs.tolist() == np.unique(hit.pairs, axis=0).tolist(), "sorted by row, each once"
     for ids, column in ((hit.tool_triangles, 0), (hit.mockup_triangles, 1)):
         assert ids.dtype == np.uint32
         assert ids.tolist() == np.unique(hit.pairs[:, column]).tolist()
     assert hit.parts.tolist() == np.unique(mockup.part_of_face[hit.mockup_triangles]).tolist() == [0]
     assert f"{k} pairs" in repr(hit)
-    found = {(int(a), int(b)): int(kind) for (a, b), kind in zip(hit.pairs, hit.kinds, strict=True)}
+    found = {(int(a), int(b)): int(kind) for (a, b), kind in zip(hit.pairs, hit.kind_codes, strict=True)}
     assert found == oracle.collide(mockup, tool, touching_pose())
 
 
@@ -118,7 +118,7 @@ def test_no_contact_is_an_empty_result(mockup: feeler.Mockup, tool: feeler.Tool)
     hit = feeler.Scene(mockup).collide(tool, away)
     assert len(hit) == 0 and not hit
     assert hit.pairs.shape == (0, 2)
-    assert hit.kinds.shape == hit.tool_triangles.shape == hit.mockup_triangles.shape == hit.parts.shape == (0,)
+    assert hit.kind_codes.shape == hit.tool_triangles.shape == hit.mockup_triangles.shape == hit.parts.shape == (0,)
     assert hit.pairs.dtype == np.uint32
 
 
@@ -130,15 +130,19 @@ def test_parts_in_contact(mockup: feeler.Mockup) -> None:
 
 def test_kinds_have_names() -> None:
     assert [kind.name for kind in PairKind] == ["COPLANAR", "CROSSING", "TOUCHING"]
-    assert [int(kind) for kind in PairKind] == [0, 1, 2]
+    assert [kind.code for kind in PairKind] == [0, 1, 2]
     face = feeler.Mockup([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
     tool = feeler.Tool(
         [[1.0, 1, 0], [2, 1, 0], [1, 2, 0], [1, 1, -1], [1, 1, 1], [2, 1, 1], [1, 1, 0], [1, 1, 5], [2, 1, 5]],
         [[0, 1, 2], [3, 4, 5], [6, 7, 8]],
     )
-    kinds = feeler.Scene(face).collide(tool, np.eye(4)).kinds
-    assert [PairKind(k) for k in kinds] == [PairKind.COPLANAR, PairKind.CROSSING, PairKind.TOUCHING]
-    assert (kinds == PairKind.CROSSING).tolist() == [False, True, False]
+    hit = feeler.Scene(face).collide(tool, np.eye(4))
+    kinds = hit.kinds
+    assert kinds.tolist() == PairKind.words(hit.kind_codes).tolist() == [PairKind(k) for k in hit.kind_codes]
+    assert kinds.tolist() == [PairKind.COPLANAR, PairKind.CROSSING, PairKind.TOUCHING]
+    assert (kinds == PairKind.CROSSING).tolist() == [False, True, False] and not kinds.flags.writeable
+    with pytest.raises(ValueError, match="3 is not a valid PairKind"):
+        PairKind(3)
 
 
 @stores
@@ -170,7 +174,7 @@ def test_filters_never_change_the_answer(
         for repeats, boxes in itertools.product((True, False), repeat=2):
             hit = scene.collide(tool, pose, repeat_filter=repeats, box_filter=boxes)
             assert hit.pairs.tolist() == expected.pairs.tolist()
-            assert hit.kinds.tolist() == expected.kinds.tolist()
+            assert hit.kind_codes.tolist() == expected.kind_codes.tolist()
 
 
 @stores
@@ -182,7 +186,7 @@ def test_batches_are_single_queries_one_after_the_other(
     batch = scene.collide_batch(tool, poses)
     assert len(batch) == len(poses)
     assert (batch.offsets.shape, batch.offsets.dtype) == ((len(poses) + 1,), np.uint64)
-    assert (batch.pairs.dtype, batch.kinds.dtype) == (np.uint32, np.uint8)
+    assert (batch.pairs.dtype, batch.kind_codes.dtype) == (np.uint32, np.uint8)
     assert batch.pairs.shape == (int(batch.offsets[-1]), 2)
     assert "40 poses" in repr(batch)
     hits = 0
@@ -191,7 +195,7 @@ def test_batches_are_single_queries_one_after_the_other(
         assert batch[i].tolist() == hit.pairs.tolist()
         first, last = int(batch.offsets[i]), int(batch.offsets[i + 1])
         assert batch.pairs[first:last].tolist() == hit.pairs.tolist()
-        assert batch.kinds[first:last].tolist() == hit.kinds.tolist()
+        assert batch.kind_codes[first:last].tolist() == hit.kind_codes.tolist()
         assert scene.is_colliding(tool, pose) is (len(hit) > 0)
         hits += len(hit) > 0
     assert 10 < hits < 40
@@ -211,7 +215,7 @@ def test_every_store_size_and_thread_count_gives_the_same(
         scene = feeler.Scene(mockup, voxel_size=size, threads=threads, **store)
         for pose, pairs in zip(poses, expected, strict=False):
             hit = scene.collide(tool, pose)
-            assert {(int(a), int(b)): int(k) for (a, b), k in zip(hit.pairs, hit.kinds, strict=True)} == pairs
+            assert {(int(a), int(b)): int(k) for (a, b), k in zip(hit.pairs, hit.kind_codes, strict=True)} == pairs
 
 
 def test_triangle_ids_are_the_callers(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
@@ -417,7 +421,7 @@ def test_many_threads_query_one_scene_at_once(
     def run(job: tuple[feeler.Tool, Floats]) -> tuple[Any, ...]:
         hit = scene.collide(*job)
         batch = scene.collide_batch(job[0], job[1][None])
-        return hit.pairs.tolist(), hit.kinds.tolist(), scene.is_colliding(*job), batch.pairs.tolist(), hit.stats
+        return hit.pairs.tolist(), hit.kind_codes.tolist(), scene.is_colliding(*job), batch.pairs.tolist(), hit.stats
 
     serial = [run(job) for job in jobs]
     order = np.random.default_rng(3).permutation(len(jobs))
@@ -476,7 +480,7 @@ def test_results_are_read_only_and_outlive_everything(tool: feeler.Tool, poses: 
     mockup = feeler.Mockup(*ball(10, 0.5))
     scene = feeler.Scene(mockup)
     hit, batch = scene.collide(tool, touching_pose()), scene.collide_batch(tool, poses)
-    arrays = [hit.pairs, hit.kinds, batch.offsets, batch.pairs, batch.kinds]
+    arrays = [hit.pairs, hit.kind_codes, batch.offsets, batch.pairs, batch.kind_codes]
     copies = [array.copy() for array in arrays]
     parts = hit.parts.tolist()
     del scene, mockup, batch
@@ -542,7 +546,7 @@ def test_every_instruction_set_of_this_cpu_gives_the_same_answers(
         assert scene.simd == simd
         for pose in poses[:10]:
             expected, found = best.collide(tool, pose), scene.collide(tool, pose)
-            assert np.array_equal(found.pairs, expected.pairs) and np.array_equal(found.kinds, expected.kinds)
+            assert np.array_equal(found.pairs, expected.pairs) and np.array_equal(found.kind_codes, expected.kind_codes)
             assert scene.is_colliding(tool, pose) == best.is_colliding(tool, pose)
     with pytest.raises(feeler.OptionError, match='simd is "mmx"'):
         feeler.Scene(mockup, simd="mmx")

@@ -69,12 +69,12 @@ def test_every_sample_against_all_pairs(name: str) -> None:
         batch = scene.collide_batch(moving, poses)
         for i, pairs in enumerate(expected):
             first, last = int(batch.offsets[i]), int(batch.offsets[i + 1])
-            assert as_dict(batch.pairs[first:last], batch.kinds[first:last]) == pairs, f"{what}, pose {i}"
+            assert as_dict(batch.pairs[first:last], batch.kind_codes[first:last]) == pairs, f"{what}, pose {i}"
         if threads == 1:
             scene.validate()
             for pose, pairs in zip(poses, expected, strict=True):
                 hit = scene.collide(moving, pose)
-                assert as_dict(hit.pairs, hit.kinds) == pairs, what
+                assert as_dict(hit.pairs, hit.kind_codes) == pairs, what
                 assert scene.is_colliding(moving, pose) == bool(pairs), what
 
 
@@ -92,7 +92,7 @@ def test_a_fine_tool_against_all_pairs() -> None:
     assert expected
     for store in STORES:
         hit = feeler.Scene(static, tool=moving, **store).collide(moving, pose)
-        assert as_dict(hit.pairs, hit.kinds) == expected
+        assert as_dict(hit.pairs, hit.kind_codes) == expected
 
 
 LANES: list[dict[str, Any]] = [{"simd": "avx2"}, {"simd": "avx512"}, {"simd": "portable"}]
@@ -121,7 +121,9 @@ def test_a_sample_without_parts_is_one_built_without_them(options: dict[str, Any
         other = feeler.Scene(rest, **options)
         ours, theirs = left.collide_batch(moving, poses), other.collide_batch(moving, poses)
         assert len(ours.pairs) > 0 and 0 < len(gone) < static.part_count
-        assert ours.offsets.tolist() == theirs.offsets.tolist() and ours.kinds.tolist() == theirs.kinds.tolist()
+        assert (
+            ours.offsets.tolist() == theirs.offsets.tolist() and ours.kind_codes.tolist() == theirs.kind_codes.tolist()
+        )
         assert ours.pairs[:, 1].tolist() == kept[theirs.pairs[:, 1]].tolist()
         unfiltered = left.collide(moving, poses[-1], repeat_filter=False, box_filter=False)
         assert unfiltered.pairs.tolist() == ours[len(poses) - 1].tolist()
@@ -156,7 +158,7 @@ def test_all_stores_agree_on_a_large_engine() -> None:
         batch = feeler.Scene(static, tool=moving, **store).collide_batch(moving, poses)
         assert np.array_equal(batch.offsets, first.offsets), store
         assert np.array_equal(batch.pairs, first.pairs), store
-        assert np.array_equal(batch.kinds, first.kinds), store
+        assert np.array_equal(batch.kind_codes, first.kind_codes), store
     alone = feeler.Scene(static, threads=1).collide_batch(moving, poses)
     assert np.array_equal(alone.pairs, first.pairs)
-    assert np.array_equal(alone.kinds, first.kinds)
+    assert np.array_equal(alone.kind_codes, first.kind_codes)

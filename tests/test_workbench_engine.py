@@ -120,7 +120,7 @@ def test_pass_follows_the_hand_and_shows_what_is_cut() -> None:
     np.testing.assert_array_equal(bench.pose, goal)
     expected = bench.scene.collide(cube(), goal)
     np.testing.assert_array_equal(snapshot.hits.pairs, expected.pairs)
-    np.testing.assert_array_equal(snapshot.hits.kinds, expected.kinds)
+    np.testing.assert_array_equal(snapshot.hits.kind_codes, expected.kind_codes)
     assert snapshot.parts == [PLATE, RIGHT] and not snapshot.blocked
     message = snapshot.message()
     places = snapshot.places
@@ -411,7 +411,7 @@ def test_answers_of_both_scenes_are_merged_and_none_is_lost() -> None:
         pose, other = (at(*rng.uniform([-0.5, -0.2, 0], [0.5, 0.4, 0.3]), rng.uniform(0, 3)) for _ in range(2))
         hits, expected = world.collide(tool, pose), whole.collide(tool, pose)
         np.testing.assert_array_equal(hits.pairs, expected.pairs)
-        np.testing.assert_array_equal(hits.kinds, expected.kinds)
+        np.testing.assert_array_equal(hits.kind_codes, expected.kind_codes)
         assert hits.parts.tolist() == expected.parts.tolist() and world.is_colliding(tool, pose) == bool(expected)
         near, distance = world.distance(tool, pose, np.inf), whole.distance(tool, pose)
         assert near.value == distance.value and (near.value == 0 or near.part == distance.part)

@@ -76,7 +76,7 @@ class FeelerChecker:
         (row,) = rows
         is_apart = row.verdict in (Verdict.CONTACT, Verdict.CLEARANCE)
         figure = row.gap if is_apart else row.depth
-        return Answer(row.verdict.name.lower(), figure, None if is_apart else row.depth_kind)
+        return Answer(row.verdict, figure, None if is_apart else row.depth_kind)
 
     def whole(self, mockup: feeler.Mockup, repeats: int) -> Whole:
         """Of all pairs of parts."""
@@ -99,10 +99,10 @@ def whole(mockup: feeler.Mockup, repeats: int, threads: int | None, volume: bool
 
 def pairs_of(rows: Clashes) -> dict[str, Pairs]:
     """The pairs of each query: those that are right, by which peers are judged."""
-    deep = np.isin(rows.columns.verdict, (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE))
-    chosen = {"verdicts": rows.gap == 0.0, "clearance": rows.gap <= CLEARANCE_M, "depths": deep}
+    deep = np.isin(rows.verdicts, (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE))
+    chosen = {"verdicts": rows.gaps == 0.0, "clearance": rows.gaps <= CLEARANCE_M, "depths": deep}
     return {
-        query: {(int(a), int(b)) for a, b in zip(rows.a[mask], rows.b[mask], strict=True)}
+        query: {(int(a), int(b)) for a, b in zip(rows.parts_a[mask], rows.parts_b[mask], strict=True)}
         for query, mask in chosen.items()
     }
 

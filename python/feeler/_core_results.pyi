@@ -13,8 +13,11 @@ class Collision:
     def pairs(self) -> npt.NDArray[np.uint32]:
         """`(k, 2)`: tool triangle and mock-up triangle; unique, sorted by row, read-only."""
     @property
-    def kinds(self) -> npt.NDArray[np.uint8]:
-        """`(k,)`: a `feeler.PairKind` for each pair, read-only."""
+    def kinds(self) -> npt.NDArray[np.str_]:
+        """`(k,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call."""
+    @property
+    def kind_codes(self) -> npt.NDArray[np.uint8]:
+        """`(k,)`: the `PairKind.code` of each pair, one byte each; read-only."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
         """Triangles of the tool that meet something; unique, sorted."""
@@ -53,8 +56,11 @@ class Batch:
     def pairs(self) -> npt.NDArray[np.uint32]:
         """`(K, 2)`: tool triangle and mock-up triangle, sorted within each pose; read-only."""
     @property
-    def kinds(self) -> npt.NDArray[np.uint8]:
-        """`(K,)`: a `feeler.PairKind` for each pair, read-only."""
+    def kinds(self) -> npt.NDArray[np.str_]:
+        """`(K,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call."""
+    @property
+    def kind_codes(self) -> npt.NDArray[np.uint8]:
+        """`(K,)`: the `PairKind.code` of each pair, one byte each; read-only."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
 

@@ -6,7 +6,6 @@ import math
 import os
 import time
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import Any, Literal, cast, overload
 
 import numpy as np
@@ -29,6 +28,7 @@ from feeler._core import (
 )
 from feeler.calibrate import machine_constants
 from feeler.depths import Depths
+from feeler.enumerations import CodedEnum
 from feeler.errors import LimitError, MeshError, OptionError
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
@@ -43,14 +43,14 @@ CAST_TOLERANCE = 1e-6
 """Metres by which an impact may be given too early."""
 
 
-class PairKind(IntEnum):
-    """How two triangles meet."""
+class PairKind(CodedEnum):
+    """How two triangles meet: words, with numbers (`.code`) from 0 on in their order."""
 
-    COPLANAR = 0
+    COPLANAR = "coplanar"
     """They lie in one plane."""
-    CROSSING = 1
+    CROSSING = "crossing"
     """Two planes, each triangle has vertices strictly on both sides of the other's, and more than a point is shared."""
-    TOUCHING = 2
+    TOUCHING = "touching"
     """Every other way to meet: a vertex or an edge on a face, edge on edge, a shared point."""
 
 

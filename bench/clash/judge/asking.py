@@ -87,10 +87,10 @@ def answers(mockup: feeler.Mockup, contact: float | None = None, clearance: floa
     """All findings of a mock-up, by the indices of the parts."""
     limits: dict[str, Any] = {} if contact is None else {"contact": contact}
     found = feeler.clash(mockup, clearance=clearance, **limits)
-    names = ("a", "b", "verdict", "depth", "depth_error", "depth_kind")
+    names = ("parts_a", "parts_b", "verdicts", "depths", "depth_errors", "depth_kinds")
     columns = [np.asarray(getattr(found, name)).tolist() for name in names]
     return {
-        (a, b): Answer(feeler.Verdict(verdict).name.lower(), depth, error, str(kind))
+        (a, b): Answer(verdict, depth, error, str(kind))
         for a, b, verdict, depth, error, kind in zip(*columns, strict=True)
     }
 

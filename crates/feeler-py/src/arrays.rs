@@ -3,7 +3,10 @@
 use feeler_core::{PairKind, Pose};
 use numpy::ndarray::{Array2, ArrayView1, ArrayView2, ArrayView3};
 use numpy::npyffi::{_PyArray_GET_ITEM_DATA, NPY_ARRAY_WRITEABLE};
-use numpy::{Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyFixedUnicode, PyReadonlyArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
 use crate::errors::raise;
@@ -67,6 +70,18 @@ pub unsafe fn view<'py, T: Element>(owner: &Bound<'py, PyAny>, data: &[T]) -> Bo
 pub fn codes(kinds: &[PairKind]) -> &[u8] {
     // SAFETY: a kind is represented as its number, in one byte.
     unsafe { std::slice::from_raw_parts(kinds.as_ptr().cast(), kinds.len()) }
+}
+
+/// A word of `feeler.PairKind`.
+pub type Word = PyFixedUnicode<8>;
+
+/// The words for kinds, read-only.
+pub fn words<'py>(py: Python<'py>, kinds: &[PairKind]) -> Bound<'py, PyArray1<Word>> {
+    let letters = |word: &[u8; 8]| PyFixedUnicode(word.map(u32::from));
+    let of = [letters(b"coplanar"), letters(b"crossing"), letters(b"touching")];
+    let array = PyArray1::from_iter(py, kinds.iter().map(|kind| of[*kind as usize]));
+    set_read_only(&array);
+    array
 }
 
 /// Of an array that was just made. By way of Python it would take eight times as long as all else here.

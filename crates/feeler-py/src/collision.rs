@@ -9,7 +9,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{codes, view, view_rows};
+use crate::arrays::{codes, view, view_rows, words, Word};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 
@@ -89,9 +89,15 @@ impl Collision {
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
-    /// `(k,)`: a `feeler.PairKind` for each pair, read-only.
+    /// `(k,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call.
     #[getter]
-    fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
+    fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Word>> {
+        words(py, &self.core.kinds)
+    }
+
+    /// `(k,)`: the `PairKind.code` of each pair, one byte each; read-only.
+    #[getter]
+    fn kind_codes<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the pairs.
         unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
@@ -153,7 +159,7 @@ impl Collision {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, this) = (slf.py(), slf.get());
         let parts = (this.tool_parts(py), this.parts(py));
-        reduced(py, "Collision", (Self::pairs(slf), Self::kinds(slf), parts.0, parts.1, this.stats(py)?))
+        reduced(py, "Collision", (Self::pairs(slf), Self::kind_codes(slf), parts.0, parts.1, this.stats(py)?))
     }
 }
 
@@ -195,9 +201,15 @@ impl Batch {
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
-    /// `(K,)`: a `feeler.PairKind` for each pair, read-only.
+    /// `(K,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call.
     #[getter]
-    fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
+    fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Word>> {
+        words(py, &self.core.kinds)
+    }
+
+    /// `(K,)`: the `PairKind.code` of each pair, one byte each; read-only.
+    #[getter]
+    fn kind_codes<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the offsets.
         unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
@@ -224,6 +236,6 @@ impl Batch {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        reduced(slf.py(), "Batch", (Self::offsets(slf), Self::pairs(slf), Self::kinds(slf)))
+        reduced(slf.py(), "Batch", (Self::offsets(slf), Self::pairs(slf), Self::kind_codes(slf)))
     }
 }

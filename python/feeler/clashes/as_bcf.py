@@ -139,15 +139,15 @@ def _extensions(author: str) -> Element:
         words("TopicTypes", "TopicType", ["Clash"]),
         words("TopicStatuses", "TopicStatus", _STATUSES),
         words("Priorities", "Priority", SEVERITIES),
-        words("TopicLabels", "TopicLabel", [each.name.lower() for each in Verdict]),
+        words("TopicLabels", "TopicLabel", list(Verdict)),
         words("Users", "User", [author]),
     )
 
 
 def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, author: str, date: str) -> Element:
     members = group.clashes
-    statuses = set(members.status.tolist())
-    labels = sorted(set(members.verdict.tolist()))
+    statuses = set(members.statuses.tolist())
+    labels = sorted(set(members.verdicts.tolist()))
     lines = [f"{sentence(clash)} ({clash.path_a}; {clash.path_b}; {clash.id})" for clash in members[:MOST_LINES]]
     if len(members) > MOST_LINES:
         lines.append(f"... and {len(members) - MOST_LINES:,} more")
@@ -166,7 +166,7 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
         _element("Title", {}, _shortened(title(group))),
         _element("Priority", {}, group.worst.severity),
         _element("Index", {}, str(number)),
-        _element("Labels", {}, *(_element("Label", {}, Verdict(each).name.lower()) for each in labels)),
+        _element("Labels", {}, *(_element("Label", {}, each) for each in labels)),
         _element("CreationDate", {}, date),
         _element("CreationAuthor", {}, author),
         _element("Description", {}, "\n".join(lines)),

@@ -39,15 +39,15 @@ def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
     check_same(mockup, clashes)
     colours = np.tile(np.array(LIGHT_GREY), (mockup.part_count, 1))
     for row in range(len(clashes) - 1, -1, -1):
-        colour = COLOUR_OF[Verdict(int(clashes.verdict[row]))]
-        colours[[clashes.a[row], clashes.b[row]]] = colour
+        colour = COLOUR_OF[Verdict(clashes.columns.verdict[row])]
+        colours[[clashes.parts_a[row], clashes.parts_b[row]]] = colour
     body = body_of(mockup, colours=colours)
-    has_way_out = np.asarray(clashes.translation.any(axis=1))
-    start = np.nan_to_num(clashes.point_a)
-    way_out = clashes.point_a + np.nan_to_num(clashes.translation)
-    end = np.nan_to_num(np.where(has_way_out[:, None], way_out, clashes.point_b))
+    has_way_out = np.asarray(clashes.translations.any(axis=1))
+    start = np.nan_to_num(clashes.points_a)
+    way_out = clashes.points_a + np.nan_to_num(clashes.translations)
+    end = np.nan_to_num(np.where(has_way_out[:, None], way_out, clashes.points_b))
     size = float(np.linalg.norm(mockup.bounds[1] - mockup.bounds[0]))
-    paths = [f"witness lines/{name} {i}" for i, name in enumerate(_verdicts(clashes.verdict))]
+    paths = [f"witness lines/{name} {i}" for i, name in enumerate(clashes.verdicts.tolist())]
     lines = bars(start, end, max(_THICKNESS_SHARE * size, LEAST_THICKNESS_M), paths)
     return (body,) if lines is None else (body, lines)
 

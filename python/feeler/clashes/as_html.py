@@ -84,7 +84,7 @@ def _title(clashes: Clashes) -> str:
 def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
     facts = clashes.facts
     contact = facts.contact if isinstance(facts.contact, str) else length(facts.contact) if facts.contact else "0"
-    verdicts = [(each.name.lower(), len(clashes.where(verdict=each.name))) for each in Verdict]
+    verdicts = [(each.value, len(clashes.where(verdict=each))) for each in Verdict]
     lines = [
         ("mock-up", f"{facts.parts:,} parts, {facts.triangles:,} triangles"),
         ("looked for", f"clearance {length(facts.clearance) if facts.clearance else '0'}, contact {contact}"),
@@ -116,10 +116,10 @@ def _groups(groups: list[Group], drawn: list[str]) -> list[str]:
 
 def _table(clashes: Clashes) -> list[str]:
     choices = {
-        "verdict": [each.name.lower() for each in Verdict],
+        "verdict": [each.value for each in Verdict],
         "status": ["new", "active", "reviewed", "approved"],
         "severity": ["critical", "major", "minor"],
-        "rule": list(dict.fromkeys(clashes.rule.tolist())),
+        "rule": list(dict.fromkeys(clashes.rules.tolist())),
     }
     filters = []
     for name, values in choices.items():
@@ -146,7 +146,7 @@ def _data(clashes: Clashes, group_of: dict[int, str]) -> str:
     found: list[dict[str, Any]] = [
         {
             "id": clash.id,
-            "verdict": clash.verdict.name.lower(),
+            "verdict": clash.verdict,
             "extent": extent(clash),
             "a": clash.path_a,
             "b": clash.path_b,

@@ -21,7 +21,7 @@ def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
         **saving.head(clashes),
         "seconds": dict(clashes.facts.seconds),
         "looked_at": dict(clashes.facts.counts),
-        "counts": {each.name.lower(): len(clashes.where(verdict=each.name)) for each in Verdict},
+        "counts": {each.value: len(clashes.where(verdict=each)) for each in Verdict},
         "statuses": statuses(clashes),
         "advice": advice(clashes),
         "groups": [

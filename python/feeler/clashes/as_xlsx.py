@@ -120,7 +120,7 @@ def _write(sheet: Any, row: int, column: int, cell: Cell, style: Any = None) -> 
 
 def _summary(sheet: Any, clashes: Clashes, count: int, pictured: int, bold: Any) -> None:
     facts = clashes.facts
-    verdicts = [(each.name.lower(), len(clashes.where(verdict=each.name))) for each in Verdict]
+    verdicts = [(each.value, len(clashes.where(verdict=each))) for each in Verdict]
     lines: list[tuple[str, Cell]] = [
         ("mock-up", ", ".join(facts.files)),
         ("parts", facts.parts),

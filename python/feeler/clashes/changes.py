@@ -27,7 +27,7 @@ class _Known(Generic[AnyTable]):
 
     def __init__(self, table: AnyTable, now: Shapes) -> None:
         self.table = table
-        names = [table.keys[part] for part in np.union1d(table.a, table.b)]
+        names = [table.keys[part] for part in np.union1d(table.parts_a, table.parts_b)]
         self.shapes = table.shapes.joined(unknown(names))
         new_of_old, is_same = matched(self.shapes, now)
         row_of_key = {key: row for row, key in enumerate(self.shapes.keys)}
@@ -55,7 +55,7 @@ class _Known(Generic[AnyTable]):
     def rows(self) -> Iterator[tuple[Pair | None, str]]:
         """For each finding: its pair now, None if a part is gone; and how the keys of its parts changed."""
         keys, table = self.table.keys, self.table
-        for rule, a, b in zip(table.rule.tolist(), table.a.tolist(), table.b.tolist(), strict=True):
+        for rule, a, b in zip(table.rules.tolist(), table.parts_a.tolist(), table.parts_b.tolist(), strict=True):
             one, other = keys[a], keys[b]
             if one not in self.key_now or other not in self.key_now:
                 yield None, ""
@@ -97,7 +97,7 @@ def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
 def _known(before: AnyTable, now: Shapes) -> list[_Known[AnyTable]]:
     """The findings of the previous check, and the unresolved ones that it kept from earlier checks."""
     waiting = before.earlier()
-    waiting = waiting[waiting.status != "resolved"]
+    waiting = waiting[waiting.statuses != "resolved"]
     return [_Known(table, now) for table in ((before, waiting) if len(waiting) else (before,))]
 
 
@@ -106,7 +106,7 @@ def _carried(
 ) -> tuple[dict[str, Mark], list[npt.NDArray[np.intp]]]:
     """The mark of each finding by id, and the rows of each previous table that were not found again."""
     keys = now.keys
-    rows = zip(now.rule.tolist(), now.a.tolist(), now.b.tolist(), strict=True)
+    rows = zip(now.rules.tolist(), now.parts_a.tolist(), now.parts_b.tolist(), strict=True)
     here = {_pair(rule, keys[a], keys[b]) for rule, a, b in rows}
     before: dict[Pair, Mark] = {}
     left = []
@@ -120,8 +120,8 @@ def _carried(
                 lost.append(row)
         left.append(np.array(lost, dtype=np.intp))
     after = {}
-    rows = zip(now.rule.tolist(), now.a.tolist(), now.b.tolist(), strict=True)
-    for each_id, depth, (rule, a, b) in zip(now.ids, now.signed_depth.tolist(), rows, strict=True):
+    rows = zip(now.rules.tolist(), now.parts_a.tolist(), now.parts_b.tolist(), strict=True)
+    for each_id, depth, (rule, a, b) in zip(now.ids, now.signed_depths.tolist(), rows, strict=True):
         after[each_id] = followed(before.get(_pair(rule, keys[a], keys[b])), depth, growth)
     return after, left
 
@@ -138,7 +138,7 @@ def _waiting(known: Sequence[_Known[AnyTable]], left: Sequence[npt.NDArray[np.in
     for each, rows in zip(known, left, strict=True):
         table = each.table
         is_clear = np.array([key in each.key_now or key not in taken for key in table.keys], dtype=bool)
-        tables.append(table[rows[is_clear[table.a[rows]] & is_clear[table.b[rows]]]])
+        tables.append(table[rows[is_clear[table.parts_a[rows]] & is_clear[table.parts_b[rows]]]])
         keys.append([each.key_now.get(key, key) for key in table.keys])
         shapes = shapes.joined(each.gone())
     return joined(tables, keys, PartShapes(shapes))
@@ -154,7 +154,7 @@ def check_previous(mockup: Mockup, before: Table) -> None:
     Compares shapes only if no path matches.
     """
     keys = part_keys(mockup.part_paths)
-    names = {before.keys[part] for part in np.union1d(before.a, before.b)}
+    names = {before.keys[part] for part in np.union1d(before.parts_a, before.parts_b)}
     if names.isdisjoint(keys):
         shapes = shapes_of(mockup)
         _check_match(_known(before, shapes), shapes)

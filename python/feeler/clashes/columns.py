@@ -39,7 +39,7 @@ def _vector(name: str, get: Callable[[Clash], tuple[float, float, float]]) -> It
 
 COLUMNS = (
     *(_field(name, name) for name in ("id", "status", "severity")),
-    Column("verdict", lambda clash, _group: clash.verdict.name.lower()),
+    Column("verdict", lambda clash, _group: clash.verdict.value),
     _field("rule", "rule"),
     Column("group", lambda _clash, group: group),
     *(_field("part_a", "a"), _field("path_a", "path_a"), _field("part_b", "b"), _field("path_b", "path_b")),

@@ -44,14 +44,14 @@ Labels = tuple[Ints, Callable[[int, int], str]]
 
 
 def _by_rule(clashes: Table, _reach: float | None) -> Labels:
-    return clashes.columns.rule.astype(np.intp), lambda label, _number: clashes.rules[label]
+    return clashes.columns.rule.astype(np.intp), lambda label, _number: clashes.rule_names[label]
 
 
 def _by_part(clashes: Table, _reach: float | None) -> Labels:
     """Assigns rows to the part with most of the remaining rows: greedy cover, ties to the lower part."""
     label = np.full(len(clashes), -1, dtype=np.intp)
     rows_of: dict[int, list[int]] = {}
-    pairs = list(zip(clashes.a.tolist(), clashes.b.tolist(), strict=True))
+    pairs = list(zip(clashes.parts_a.tolist(), clashes.parts_b.tolist(), strict=True))
     for row, pair in enumerate(pairs):
         for part in pair:
             rows_of.setdefault(part, []).append(row)
@@ -76,7 +76,7 @@ def _by_part(clashes: Table, _reach: float | None) -> Labels:
 
 def _by_cluster(clashes: Table, reach: float | None) -> Labels:
     """Single-linkage clusters: chains of findings, each within reach of the next."""
-    points = np.nan_to_num((clashes.point_a + clashes.point_b) / 2)
+    points = np.nan_to_num((clashes.points_a + clashes.points_b) / 2)
     if reach is None:
         reach = REACH_SHARE * float(np.linalg.norm(np.ptp(points, axis=0)))
     label = _linked(points, reach)

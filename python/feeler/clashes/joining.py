@@ -25,9 +25,9 @@ def joined(
     marks_of_rows = []
     for table, names in zip(tables, keys, strict=True):
         of_part = np.zeros(len(names), dtype=np.uint32)
-        for part in np.union1d(table.a, table.b).tolist():
+        for part in np.union1d(table.parts_a, table.parts_b).tolist():
             of_part[part] = part_of_key.setdefault(names[part], len(part_of_key))
-        of_rule = np.array([rules.setdefault(name, len(rules)) for name in table.rules], dtype=np.uint32)
+        of_rule = np.array([rules.setdefault(name, len(rules)) for name in table.rule_names], dtype=np.uint32)
         columns = table.columns
         moved.append(replace(columns, a=of_part[columns.a], b=of_part[columns.b], rule=of_rule[columns.rule]))
         marks_of_rows += [table.marks.of(each) for each in table.ids]

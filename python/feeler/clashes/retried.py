@@ -30,8 +30,8 @@ def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTab
     if mockup is not None:
         check_same(mockup, clashes)
     found, notes = _limits(clashes, rules, mockup)
-    rule = found.rule_of(clashes.a, clashes.b)
-    hidden_by = np.where(rule < 0, len(found.hiding), found.hidden_by(clashes.a, clashes.b))
+    rule = found.rule_of(clashes.parts_a, clashes.parts_b)
+    hidden_by = np.where(rule < 0, len(found.hiding), found.hidden_by(clashes.parts_a, clashes.parts_b))
     every = [*rules.rules, Rule(DEFAULT_RULE)]
 
     def judged_rows(rows: npt.NDArray[np.intp]) -> _Judged:
@@ -130,22 +130,22 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
         return _Judged(columns, np.zeros(0, dtype=bool))
     clearance, contact = np.array([_asked(clashes, each) for each in rules]).T
     before, default = _contacts(clashes), _asked(clashes, Rule(DEFAULT_RULE))[1]
-    was = np.array([before.get(clashes.rules[each], default) for each in columns.rule.tolist()])
+    was = np.array([before.get(clashes.rule_names[each], default) for each in columns.rule.tolist()])
     verdict = columns.verdict.copy()
     is_known = ~np.isnan(contact)
     meet = columns.gap == 0.0
-    is_clash, is_contact = verdict == Verdict.CLASH, verdict == Verdict.CONTACT
+    is_clash, is_contact = verdict == Verdict.CLASH.code, verdict == Verdict.CONTACT.code
     is_pierced = is_clash & (columns.depth <= was)
     is_shallow = is_known & is_clash & ~is_pierced & (columns.depth <= contact)
     is_deep = is_known & is_contact & meet & (columns.depth > contact) & ~(contact >= was)
     boxes = _boxes(clashes, columns, np.flatnonzero(is_deep))
     is_deep[is_deep] = columns.depth[is_deep] > _ROUNDOFFS * np.spacing(np.abs(boxes).max(axis=(1, 2, 3), initial=0.0))
-    verdict[is_shallow] = Verdict.CONTACT
-    verdict[is_deep] = Verdict.CLASH
-    apart = np.flatnonzero(is_known & ((verdict == Verdict.CLEARANCE) | (is_contact & ~meet)))
-    verdict[apart] = np.where(columns.gap[apart] <= contact[apart], Verdict.CONTACT, Verdict.CLEARANCE)
-    is_far = (verdict == Verdict.CLEARANCE) & (columns.gap > clearance)
-    translation = np.where((verdict == Verdict.CONTACT)[:, None], 0.0, columns.translation)
+    verdict[is_shallow] = Verdict.CONTACT.code
+    verdict[is_deep] = Verdict.CLASH.code
+    apart = np.flatnonzero(is_known & ((verdict == Verdict.CLEARANCE.code) | (is_contact & ~meet)))
+    verdict[apart] = np.where(columns.gap[apart] <= contact[apart], Verdict.CONTACT.code, Verdict.CLEARANCE.code)
+    is_far = (verdict == Verdict.CLEARANCE.code) & (columns.gap > clearance)
+    translation = np.where((verdict == Verdict.CONTACT.code)[:, None], 0.0, columns.translation)
     translation[is_deep] = np.nan
     is_old = is_known & is_contact & meet & ~(contact >= was) & (columns.depth == 0.0)
     is_old &= columns.depth_kind == DEPTH_KINDS.index("estimate")

@@ -47,7 +47,7 @@ def _text(clashes: Clashes) -> str:
     touching = clashes.where(verdict="contact")
     mates = Counter(
         (clashes.part_paths[a], clashes.part_paths[b])
-        for a, b in zip(touching.a.tolist(), touching.b.tolist(), strict=True)
+        for a, b in zip(touching.parts_a.tolist(), touching.parts_b.tolist(), strict=True)
     )
     if mates:
         lines += ["", f"# {len(touching):,} pairs touch. Exclude those that are meant to, such as:"]
@@ -56,7 +56,7 @@ def _text(clashes: Clashes) -> str:
         lines += [f"# a = {_quoted(one)}", f"# b = {_quoted(other)}"]
     fastened = sum(
         is_fastener(clashes.part_paths[a]) is True or is_fastener(clashes.part_paths[b]) is True
-        for a, b in zip(clashes.a.tolist(), clashes.b.tolist(), strict=True)
+        for a, b in zip(clashes.parts_a.tolist(), clashes.parts_b.tolist(), strict=True)
     )
     lines += [
         *(
@@ -71,7 +71,7 @@ def _text(clashes: Clashes) -> str:
 def _assemblies(clashes: Clashes, level: int) -> list[tuple[str, str]]:
     """For each finding the sub-assemblies of both parts, sorted by name."""
     found = []
-    for a, b in zip(clashes.a.tolist(), clashes.b.tolist(), strict=True):
+    for a, b in zip(clashes.parts_a.tolist(), clashes.parts_b.tolist(), strict=True):
         one, other = sorted("/".join(clashes.part_paths[part].split("/")[:level]) for part in (a, b))
         found.append((one, other))
     return found

@@ -89,7 +89,7 @@ def rows(clashes: Table) -> Iterator[dict[str, Any]]:
 def shape_rows(clashes: Table) -> list[dict[str, Any]]:
     """Shape and place of each part with findings, sorted by key; with `path` if it differs from the key."""
     keys = clashes.keys
-    shapes = clashes.shapes.with_siblings(keys[part] for part in np.union1d(clashes.a, clashes.b))
+    shapes = clashes.shapes.with_siblings(keys[part] for part in np.union1d(clashes.parts_a, clashes.parts_b))
     return [
         {
             "part": key,
@@ -114,7 +114,7 @@ def shape_rows(clashes: Table) -> list[dict[str, Any]]:
 def shapes_of_file(clashes: Table) -> dict[str, list[dict[str, Any]]]:
     """The shapes for a file: of findings, and of earlier findings that are not resolved."""
     waiting = clashes.earlier()
-    waiting = waiting[waiting.status != "resolved"]
+    waiting = waiting[waiting.statuses != "resolved"]
     return {"shapes": shape_rows(clashes), **({"earlier_shapes": shape_rows(waiting)} if len(waiting) else {})}
 
 
@@ -258,7 +258,7 @@ class _Reader(Generic[AnyTable]):
         status = line["status"]
         if status not in STATUSES:
             raise ValueError(f"status is {status!r}")
-        if line["verdict"] not in [each.name.lower() for each in Verdict]:
+        if line["verdict"] not in list(Verdict):
             raise ValueError(f"verdict is {line['verdict']!r}")
         approved = line.get("approved_depth")
         is_old = "depth_error" not in line
@@ -285,7 +285,7 @@ class _Reader(Generic[AnyTable]):
         row: dict[str, Any] = {
             "a": keys.setdefault(a, len(keys)),
             "b": keys.setdefault(b, len(keys)),
-            "verdict": Verdict[line["verdict"].upper()],
+            "verdict": Verdict(line["verdict"]).code,
             "depth": _real(line["depth"], "depth"),
             "depth_error": _real(line.get("depth_error"), "depth_error"),
             "depth_kind": DEPTH_KINDS.index(kind),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, TypeVar, cast, overload
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -157,6 +159,26 @@ class Facts:
     rules: tuple[tuple[str, float, float], ...] = ()
 
 
+_PLURALS = {
+    "a": "parts_a",
+    "b": "parts_b",
+    "depth": "depths",
+    "depth_error": "depth_errors",
+    "depth_kind": "depth_kinds",
+    "translation": "translations",
+    "gap": "gaps",
+    "point_a": "points_a",
+    "point_b": "points_b",
+    "volume": "volumes",
+    "signed_depth": "signed_depths",
+    "box": "boxes",
+    "rule": "rules",
+    "severity": "severities",
+    "status": "statuses",
+}
+"""Fields of `Clash`, and the columns that have one entry for each row; `verdict` and `verdicts` beside them."""
+
+
 class Table(Sequence[Clash]):
     """Rows for pairs of parts, with names of parts and rules, and the statuses of the rows. See `Clashes`."""
 
@@ -179,72 +201,81 @@ class Table(Sequence[Clash]):
         for each in fields(columns):
             getattr(columns, each.name).flags.writeable = False
         self.part_paths = tuple(part_paths)
-        self.rules = tuple(rules)
+        self.rule_names = tuple(rules)
         self.marks = marks if marks is not None else Marks()
         self.facts = facts or Facts()
         self.is_partial = is_partial
         self._shapes = shapes
         self._earlier: Table | None = None
 
+    if not TYPE_CHECKING:  # Columns had the names of their rows' fields, and `verdict` was an array of numbers.
+
+        def __getattr__(self, name: str) -> object:
+            new = "columns.verdict" if name == "verdict" else _PLURALS.get(name)
+            if new is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+            warnings.warn(f"Clashes.{name} is now Clashes.{new}", DeprecationWarning, stacklevel=2)
+            return attrgetter(new)(self)
+
     @property
-    def a(self) -> npt.NDArray[np.uint32]:
+    def parts_a(self) -> npt.NDArray[np.uint32]:
         """`(n,)`: the first part of each pair."""
         return self.columns.a
 
     @property
-    def b(self) -> npt.NDArray[np.uint32]:
+    def parts_b(self) -> npt.NDArray[np.uint32]:
         """`(n,)`: the second part."""
         return self.columns.b
 
     @property
-    def verdict(self) -> npt.NDArray[np.uint8]:
-        """`(n,)`: a `feeler.Verdict` each."""
-        return self.columns.verdict
+    def verdicts(self) -> npt.NDArray[np.str_]:
+        """`(n,)`: a `feeler.Verdict` each, as words."""
+        return Verdict.words(self.columns.verdict)
 
     @property
-    def depth(self) -> Floats:
+    def depths(self) -> Floats:
         """`(n,)`: the farthest that a point of one surface is inside the other part, metres: a lower bound."""
         return self.columns.depth
 
     @property
-    def depth_error(self) -> Floats:
+    def depth_errors(self) -> Floats:
         """`(n,)`: how much more the depth can be, metres."""
         return self.columns.depth_error
 
     @property
-    def depth_kind(self) -> npt.NDArray[np.str_]:
+    def depth_kinds(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
         return np.array(DEPTH_KINDS)[self.columns.depth_kind]
 
     @property
-    def translation(self) -> Floats:
+    def translations(self) -> Floats:
         """`(n, 3)`: the shortest known translation that moves `a` out of `b`, metres: an upper bound."""
         return self.columns.translation
 
     @property
-    def gap(self) -> Floats:
+    def gaps(self) -> Floats:
         """`(n,)`: the distance of the surfaces, metres; 0 if they meet."""
         return self.columns.gap
 
     @property
-    def point_a(self) -> Floats:
+    def points_a(self) -> Floats:
         """`(n, 3)`: a point of `a`, metres."""
         return self.columns.point_a
 
     @property
-    def point_b(self) -> Floats:
+    def points_b(self) -> Floats:
         """`(n, 3)`: the point of `b` that corresponds to `point_a`, metres."""
         return self.columns.point_b
 
     @property
-    def volume(self) -> Floats:
+    def volumes(self) -> Floats:
         """`(n,)`: the shared volume, cubic metres, or NaN."""
         return self.columns.volume
 
     @property
-    def signed_depth(self) -> Floats:
+    def signed_depths(self) -> Floats:
         """`(n,)`: the depth, or the negative gap, metres. `diff` compares this between checks."""
-        return np.where(self.depth > 0.0, self.depth, -self.gap)
+        return np.where(self.depths > 0.0, self.depths, -self.gaps)
 
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
@@ -252,28 +283,28 @@ class Table(Sequence[Clash]):
         return self.columns.triangles
 
     @property
-    def box(self) -> Floats:
+    def boxes(self) -> Floats:
         """`(n, 2, 3)`: lower and upper corner of a box around the triangles that meet, metres."""
         return self.columns.box
 
     @property
-    def rule(self) -> npt.NDArray[np.str_]:
+    def rules(self) -> npt.NDArray[np.str_]:
         """`(n,)`: the name of the rule."""
-        return np.array(self.rules or ("",))[self.columns.rule]
+        return np.array(self.rule_names or ("",))[self.columns.rule]
 
     @property
-    def severity(self) -> npt.NDArray[np.str_]:
+    def severities(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"critical"`, `"major"` or `"minor"`."""
         return np.array(SEVERITIES)[self.columns.severity]
 
     @cached_property
     def ids(self) -> tuple[str, ...]:
         """Each finding's id."""
-        rows = zip(self.columns.rule.tolist(), self.a.tolist(), self.b.tolist(), strict=True)
-        return tuple(clash_id(self.rules[rule], self.keys[a], self.keys[b]) for rule, a, b in rows)
+        rows = zip(self.columns.rule.tolist(), self.parts_a.tolist(), self.parts_b.tolist(), strict=True)
+        return tuple(clash_id(self.rule_names[rule], self.keys[a], self.keys[b]) for rule, a, b in rows)
 
     @property
-    def status(self) -> npt.NDArray[np.str_]:
+    def statuses(self) -> npt.NDArray[np.str_]:
         """`(n,)`: each finding's status."""
         return np.array([self.marks.of(each).status for each in self.ids], dtype="U8")
 
@@ -303,12 +334,11 @@ class Table(Sequence[Clash]):
         mask = np.ones(len(self), dtype=bool)
         for name, value in where.items():
             if name == "verdict":
-                wanted = value if isinstance(value, Verdict) else Verdict.__members__.get(str(value).upper())
-                if wanted is None:
-                    raise OptionError(f"there is no verdict {value!r}: choose {', '.join(Verdict.__members__).lower()}")
-                mask &= self.verdict == wanted
+                if (value := str(value).lower()) not in list(Verdict):
+                    raise OptionError(f"there is no verdict {value!r}: choose {', '.join(Verdict)}")
+                mask &= self.columns.verdict == Verdict(value).code
             elif name in ("severity", "status", "rule"):
-                mask &= getattr(self, name) == value
+                mask &= getattr(self, _PLURALS[name]) == value
             else:
                 raise OptionError(f"rows are not chosen by {name!r}: give verdict, severity, status or rule")
         return mask
@@ -334,7 +364,7 @@ class Table(Sequence[Clash]):
         found = type(self)(
             columns,
             self.part_paths,
-            self.rules,
+            self.rule_names,
             marks=self.marks,
             facts=self.facts,
             is_partial=self.is_partial,
@@ -353,7 +383,7 @@ class Table(Sequence[Clash]):
             b=b,
             path_a=self.part_paths[a],
             path_b=self.part_paths[b],
-            verdict=Verdict(int(c.verdict[row])),
+            verdict=Verdict(c.verdict[row]),
             depth=float(c.depth[row]),
             # One and the same NaN, so that equal rows are equal.
             depth_error=math.nan if np.isnan(c.depth_error[row]) else float(c.depth_error[row]),
@@ -367,7 +397,7 @@ class Table(Sequence[Clash]):
             box=(_point(c.box[row, 0]), _point(c.box[row, 1])),
             is_open_a=bool(c.is_open[row, 0]),
             is_open_b=bool(c.is_open[row, 1]),
-            rule=self.rules[c.rule[row]],
+            rule=self.rule_names[c.rule[row]],
             severity=SEVERITIES[c.severity[row]],
             status=mark.status,
             by=mark.by,
@@ -381,7 +411,7 @@ class Table(Sequence[Clash]):
         found = []
         for clash in self:
             row = {name: getattr(clash, name) for name in names}
-            row["verdict"] = clash.verdict.name.lower()
+            row["verdict"] = clash.verdict.value
             found.append(row)
         return found
 
@@ -408,7 +438,7 @@ class Table(Sequence[Clash]):
         if clash not in self._row_of:
             raise OptionError(f"there is no clash {clash!r} in this table: give one of its ids")
         row = self._row_of[clash]
-        self.marks.set(clash, status, float(self.signed_depth[row]), by, note)
+        self.marks.set(clash, status, float(self.signed_depths[row]), by, note)
 
     @cached_property
     def _row_of(self) -> dict[str, int]:
@@ -428,7 +458,7 @@ class Table(Sequence[Clash]):
             type(self),
             columns,
             self.part_paths,
-            self.rules,
+            self.rule_names,
             self.marks,
             self.facts,
             self.is_partial,
@@ -438,7 +468,7 @@ class Table(Sequence[Clash]):
         return (_restored, state)
 
     def __repr__(self) -> str:
-        counts = [(np.count_nonzero(self.verdict == each), each.name.lower()) for each in Verdict]
+        counts = [(np.count_nonzero(self.columns.verdict == each.code), each.value) for each in Verdict]
         said = ", ".join(f"{count:,} {name}" for count, name in counts if count) or "none"
         return f"{type(self).__name__}({len(self):,}: {said}{'; partial' if self.is_partial else ''})"
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from feeler.enumerations import CodedEnum
 
 
-class Verdict(IntEnum):
-    """The relation of two parts."""
+class Verdict(CodedEnum):
+    """The relation of two parts: words, with numbers (`.code`) from 0 on in their order."""
 
-    CLASH = 0
+    CLASH = "clash"
     """They meet and are deeper than `contact`, or they are thin walls that cross."""
-    CONTACT = 1
+    CONTACT = "contact"
     """They meet and are at most `contact` deep, or they are at most `contact` apart."""
-    CLEARANCE = 2
+    CLEARANCE = "clearance"
     """They are farther apart than `contact`, but at most `clearance`."""
-    CONTAINED = 3
+    CONTAINED = "contained"
     """They do not cross; one is closed and contains the other."""
-    DUPLICATE = 4
+    DUPLICATE = "duplicate"
     """They have the same surface, however it is cut into triangles."""
 
 

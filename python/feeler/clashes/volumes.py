@@ -45,7 +45,7 @@ def shared_volumes(
     solids = _Solids(mockup, solids_library())
     are_closed = ~is_open.any(axis=1)
     found = np.where(are_closed, 0.0, math.nan)
-    wanted = np.flatnonzero(np.isin(verdict, OVERLAPS) & are_closed)
+    wanted = np.flatnonzero(np.isin(verdict, [each.code for each in OVERLAPS]) & are_closed)
     # Sorted by part, so that a solid is built once for all its pairs.
     for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
         one, other = solids.of(int(a[row])), solids.of(int(b[row]))

@@ -181,7 +181,7 @@ def _chord_doubt(found: feeler.Clashes, chord: float | None) -> str | None:
     """What makes small clashes doubtful: both faces were cut into triangles that are up to `chord` (metres) off."""
     if chord is None:
         return None
-    small = (found.verdict == feeler.Verdict.CLASH) & (found.depth < 2.0 * chord)
+    small = (found.verdicts == feeler.Verdict.CLASH) & (found.depths < 2.0 * chord)
     if not small.any():
         return None
     from feeler.cli import outputs
@@ -239,7 +239,7 @@ def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
     from feeler.clashes.verdict import SEVERITIES, Verdict
 
     kinds = {
-        "verdict": [each.name.lower() for each in Verdict],
+        "verdict": [each.value for each in Verdict],
         "status": [*SETTABLE],
         "severity": [*SEVERITIES],
     }
@@ -260,7 +260,7 @@ def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
 
 
 def _value(row: feeler.Clash, kind: str) -> str:
-    return row.verdict.name.lower() if kind == "verdict" else str(getattr(row, kind))
+    return str(getattr(row, kind))
 
 
 def _write(
@@ -308,7 +308,7 @@ def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dic
     out, has_previous = outputs.console(), match is not None
     if found.is_partial:
         outputs.print_finding(out, "interrupted: this is what was found until then")
-    counts = [(len(found.where(verdict=each)), each.name.lower()) for each in feeler.Verdict]
+    counts = [(len(found.where(verdict=each)), each.value) for each in feeler.Verdict]
     said = ", ".join(f"{number:,} {name}" for number, name in counts if number)
     seconds = sum(value for _, value in found.facts.seconds)
     took = f" ({outputs.duration(seconds)})" if seconds else ""  # saved findings took none
@@ -335,8 +335,8 @@ def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dic
         )
         rows: list[Any] = [
             (
-                *(row.verdict.name.lower(), extent(row), row.path_a, row.path_b),
-                *([row.rule] if len(found.rules) > 1 else []),
+                *(row.verdict, extent(row), row.path_a, row.path_b),
+                *([row.rule] if len(found.rule_names) > 1 else []),
                 *([row.status] if has_previous else []),
             )
             for row in found[:_SHOWN]
@@ -346,7 +346,7 @@ def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dic
             "Findings, the worst first",
             [
                 *(("verdict", "left"), ("depth or gap", "right"), ("part", "left"), ("other part", "left")),
-                *([("rule", "left")] if len(found.rules) > 1 else []),
+                *([("rule", "left")] if len(found.rule_names) > 1 else []),
                 *([("status", "left")] if has_previous else []),
             ],
             rows,

@@ -136,7 +136,7 @@ def collide(
             for entry, matrix in zip(results, poses, strict=True):
                 hit = scene.collide(probe, matrix)
                 entry["pair_list"] = hit.pairs
-                entry["pair_kinds"] = [feeler.PairKind(kind).name.lower() for kind in hit.kinds]
+                entry["pair_kinds"] = hit.kinds.tolist()
         outputs.print_json(
             {
                 "colliding": any(entry["colliding"] for entry in results),
@@ -176,7 +176,7 @@ def _meetings(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.floa
         seconds = time.perf_counter() - start
         return [
             {
-                **_entry(scene.mockup, tool, 0, poses[0], hit.pairs, hit.kinds),
+                **_entry(scene.mockup, tool, 0, poses[0], hit.pairs, hit.kind_codes),
                 "query_us": seconds * 1e6,
                 "stats": dict(hit.stats),
             }
@@ -184,7 +184,7 @@ def _meetings(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.floa
     with bar(f"querying {len(poses):,} poses") as progress:
         batch = scene.collide_batch(tool, poses, progress=progress)
     offsets = np.asarray(batch.offsets).astype(np.int64)
-    pairs, kinds = np.asarray(batch.pairs), np.asarray(batch.kinds)
+    pairs, kinds = np.asarray(batch.pairs), np.asarray(batch.kind_codes)
     return [
         _entry(scene.mockup, tool, i, poses[i], pairs[begin:end], kinds[begin:end])
         for i, (begin, end) in enumerate(pairwise(offsets))

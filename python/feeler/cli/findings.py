@@ -14,7 +14,7 @@ _SHOWN_PARTS = 5
 def kind_counts(kinds: Any) -> dict[str, int]:
     """How many pairs there are of each kind."""
     values = np.asarray(kinds)
-    return {kind.name.lower(): int(np.count_nonzero(values == int(kind))) for kind in feeler.PairKind}
+    return {kind.value: int(np.count_nonzero(values == kind.code)) for kind in feeler.PairKind}
 
 
 def part_findings(mockup: feeler.Mockup, tool: feeler.Tool, pairs: Any, kinds: Any) -> list[dict[str, Any]]:

@@ -126,7 +126,7 @@ class View:
         however it would come there. Raises `WorkbenchError` for what is none of these.
         """
         if isinstance(hit, Collision):
-            self.session.engine.show(np.asarray(hit.pairs), np.asarray(hit.kinds))
+            self.session.engine.show(np.asarray(hit.pairs), np.asarray(hit.kind_codes))
             return
         pose = hit.pose if isinstance(hit, Cast) else hit
         self.session.engine.jump(motion.checked(pose, "show"))

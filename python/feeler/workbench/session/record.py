@@ -48,7 +48,7 @@ def document_digest(document: Document) -> str:
 def hits_digest(hits: Collision) -> str:
     """Of the pairs of triangles that meet, and how they do; hex."""
     found = hashlib.sha256(np.ascontiguousarray(hits.pairs, dtype="<i8").data)
-    found.update(np.ascontiguousarray(hits.kinds, dtype=np.uint8).data)
+    found.update(np.ascontiguousarray(hits.kind_codes, dtype=np.uint8).data)
     return found.hexdigest()[:32]
 
 
