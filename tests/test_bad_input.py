@@ -431,7 +431,7 @@ def test_hashing_out_of_range(mockup: feeler.Mockup, bad: float) -> None:
 
 @pytest.mark.parametrize("bad", ["0.5", None, [0.5], 1j, True])
 def test_hashing_that_is_no_number(mockup: feeler.Mockup, bad: Any) -> None:
-    with pytest.raises(feeler.OptionError, match=r"hashing is .*: a number is needed"):
+    with pytest.raises(feeler.OptionError, match=r"hashing is .*: give a number"):
         feeler.Scene(mockup, storage="hashed", hashing=bad)
 
 

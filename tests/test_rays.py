@@ -209,7 +209,7 @@ def test_an_outline_has_a_row_a_triangle() -> None:
         ([0, 0, math.nan], [0, 0, 1], "point is "),
         ([0, 0], [0, 0, 1], r"point is \[0, 0\]: three numbers"),
         ([0, 0, 0], 1.0, "normal is 1.0: three numbers"),
-        ([0, 0, 0], [0, "x", 1], "normal is 'x': a number"),
+        ([0, 0, 0], [0, "x", 1], "normal is 'x': give a number"),
     ],
 )
 def test_what_is_no_plane_is_refused(point: Any, normal: Any, says: str) -> None:

@@ -133,18 +133,18 @@ def test_what_may_meet() -> None:
     up = [0.0, 0.0, 1.0]
     assert feeler.removal(scene, "plug", seconds=20.0).is_found
     for names in (["left", "right", "gasket", "strip"], "*"):
-        assert feeler.removal(scene, "plug", allow=names, directions=up).certificate.method == "straight"
+        assert feeler.removal(scene, "plug", seats=False, ignore=names, directions=up).certificate.method == "straight"
     # Sideways, or down through the gasket, since the strip is in the way and is not named.
-    way = feeler.removal(scene, "plug", allow=["start", "gasket"], directions=up)
+    way = feeler.removal(scene, "plug", ignore="gasket", directions=up)
     assert way.is_found and (abs(way.poses[-1][1, 3]) > 0.01 or way.poses[-1][2, 3] < -0.01)
-    refused = feeler.removal(scene, "plug", allow=["gasket"])
+    refused = feeler.removal(scene, "plug", seats=False, ignore=["gasket"])
     assert not refused.is_found and {b.path for b in refused.blocked_by} == {"left", "right", "strip"}
-    for nothing in (None, [], 0.0):
-        refused = feeler.removal(scene, "plug", allow=nothing)
+    for nothing in (None, []):
+        refused = feeler.removal(scene, "plug", seats=False, ignore=nothing)
         assert {b.path for b in refused.blocked_by} == {"left", "right", "strip", "gasket"}
     # By as much as the gasket is pressed.
-    assert feeler.removal(scene, "plug", allow=0.0011).is_found
-    assert not feeler.removal(scene, "plug", allow=0.0009).is_found
+    assert feeler.removal(scene, "plug", seats=False, overlap=0.0011).is_found
+    assert not feeler.removal(scene, "plug", seats=False, overlap=0.0009).is_found
 
 
 def test_what_grips_moves_along(duct: feeler.Scene) -> None:
@@ -202,11 +202,12 @@ def test_a_result_travels(found: feeler.Removal) -> None:
         ({"clearance": -0.001}, feeler.OptionError, "clearance is -0.001"),
         ({"clearance": float("inf")}, feeler.OptionError, "clearance is inf"),
         ({"clearance": "1 mm"}, feeler.OptionError, "clearance is '1 mm'"),
-        ({"allow": "*gasket*"}, feeler.OptionError, "no part is called, or matches"),
-        ({"allow": -0.1}, feeler.OptionError, "allow is -0.1"),
-        ({"allow": [0.1, 0.2]}, feeler.OptionError, "allow has 2 lengths"),
-        ({"allow": [object()]}, feeler.OptionError, "allow is"),
-        ({"allow": object()}, feeler.OptionError, "allow is"),
+        ({"ignore": "*gasket*"}, feeler.OptionError, "no part is called, or matches"),
+        ({"ignore": [0.5]}, feeler.OptionError, "0.5"),
+        ({"ignore": object()}, feeler.OptionError, "object"),
+        ({"overlap": -0.1}, feeler.OptionError, "overlap is -0.1"),
+        ({"overlap": [0.1, 0.2]}, feeler.OptionError, "overlap is"),
+        ({"seats": "start"}, feeler.OptionError, "seats is 'start': True or False"),
         ({"directions": [[0, 0, 0]]}, feeler.OptionError, "zero or not finite"),
         ({"directions": [[0, 0]]}, feeler.OptionError, r"\(1, 2\)"),
         ({"directions": "up"}, feeler.OptionError, "cannot be read"),
@@ -331,7 +332,7 @@ def test_what_its_neighbours_leave_no_way_is_held_by_them(duct: feeler.Scene) ->
         rest = {other: mesh for other, mesh in walls.items() if other != name}
         free = feeler.removal(scene_of(**core, **rest), "core")
         assert free.is_found and free.held_by == () and np.isnan(free.play)
-        assert feeler.removal(scene_of(**core, **walls), "core", allow=["start", name]).is_found
+        assert feeler.removal(scene_of(**core, **walls), "core", ignore=name).is_found
     stuck = feeler.removal(scene_of(**DUCT, lid=LID), "cube", seconds=0.5)
     assert not stuck.is_found and stuck.held_by == () and np.isnan(stuck.play)
 

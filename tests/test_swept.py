@@ -152,9 +152,9 @@ def test_progress_is_told_and_may_stop_it() -> None:
         (lambda: feeler.swept(np.eye(4), [np.eye(4)]), MeshError, "feeler.Tool"),  # type: ignore[arg-type]
         (lambda: feeler.swept(BAR, [np.eye(4)], 0.0), OptionError, "error is 0"),
         (lambda: feeler.swept(BAR, [np.eye(4)], -1), OptionError, "error is -1"),
-        (lambda: feeler.swept(BAR, [np.eye(4)], np.nan), OptionError, "error is NaN"),
+        (lambda: feeler.swept(BAR, [np.eye(4)], np.nan), OptionError, "error is nan"),
         (lambda: feeler.swept(BAR, [np.eye(4)], np.inf), OptionError, "error is inf"),
-        (lambda: feeler.swept(BAR, [np.eye(4)], 10**400), OptionError, "error is inf"),
+        (lambda: feeler.swept(BAR, [np.eye(4)], 10**400), OptionError, "error is beyond"),
         (lambda: feeler.swept(BAR, [np.eye(4)], "1mm"), OptionError, "error is '1mm'"),  # type: ignore[arg-type]
         (lambda: feeler.swept(BAR, [np.eye(4)], threads=0), OptionError, "threads is 0"),
         (lambda: feeler.swept(BAR, [np.eye(4)], memory_limit=-1), OptionError, "memory_limit is -1"),

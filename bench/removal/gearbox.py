@@ -2,7 +2,7 @@
 
     python bench/removal/gearbox.py                        100,000 triangles, 2 s a step; some minutes
     python bench/removal/gearbox.py 250000 --seed 1
-    python bench/removal/gearbox.py --allow 0.0009         accept penetration up to so many metres
+    python bench/removal/gearbox.py --overlap 0.0009        accept penetration up to so many metres
 
 Lists the steps that are not found, with what blocked them. Steps that bend a part, and loose ones, are left out. Of an
 open door all that turns with it is out. feeler's way may be another one than the truth's.
@@ -30,12 +30,13 @@ def main() -> None:
     parser.add_argument("triangles", nargs="?", type=triangles, default=100_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=2.0, help="most time of a step")
-    parser.add_argument("--allow", type=float, default=0.0, help="metres that pairs may be in each other, beside seats")
+    parser.add_argument(
+        "--overlap", type=float, default=0.0, help="metres by which pairs may overlap"
+    )
     options = parser.parse_args()
     scene = feeler.Scene(feeler.sample("gearbox", options.triangles, options.seed))
     truth = feeler.sample_truth("gearbox", options.triangles, options.seed)
     door = next(joint.parts for joint in truth.joints if joint.name == "door")
-    allow = ["start", options.allow] if options.allow else "start"
     times, missed = [], 0
     for step in truth.steps:
         if not (step.removes and step.rigid):
@@ -44,7 +45,9 @@ def main() -> None:
         out |= set(door) if step.door_open else set()
         moving = [path for path in step.parts if path not in out]
         start = time.perf_counter()
-        found = feeler.removal(scene.without(sorted(out)), moving, allow=allow, seconds=options.seconds, threads=1)
+        found = feeler.removal(
+            scene.without(sorted(out)), moving, overlap=options.overlap, seconds=options.seconds, threads=1
+        )
         if found.is_found:
             times.append(time.perf_counter() - start)
             continue

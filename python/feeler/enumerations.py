@@ -24,7 +24,7 @@ else:
 
 
 class CodedEnum(StrEnum):
-    """Words with numbers: `Verdict.CONTACT == "contact"`, `Verdict.CONTACT.code == 1`, `Verdict(1) is Verdict.CONTACT`."""
+    """Words with numbers: `Verdict.CONTACT == "contact"`, its `.code` is 1, and `Verdict(1) is Verdict.CONTACT`."""
 
     @property
     def code(self) -> int:

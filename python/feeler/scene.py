@@ -26,6 +26,7 @@ from feeler._core import (
     Screw,
     SectionOutline,
 )
+from feeler.arguments import check_number, check_progress, check_real, check_threads, check_whole
 from feeler.calibrate import machine_constants
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
@@ -99,13 +100,12 @@ class Scene(_core.Scene):
         """See the class."""
         if not isinstance(mockup, Mockup):
             raise MeshError(f"a scene needs a feeler.Mockup, not {type(mockup).__name__}")
-        if threads is not None and not 1 <= _integer("threads", threads) <= 1024:
-            raise OptionError(f"threads is {threads}: choose 1 to 1024, or None for all")
+        check_threads(threads)
         given = {"threads": threads, "memory_limit": memory_limit, "simd": simd}
         memory_limit = _memory_limit(memory_limit)
-        _check_progress(progress)
+        check_progress(progress)
         if voxel_size is None and tool is not None and storage in ("dense", "hashed"):
-            level = _real("hashing", hashing)
+            level = check_real("hashing", hashing)
             if 0.0 <= level <= 0.99 and (
                 storage == "hashed" or level == 0.0
             ):  # the core says what is wrong with others
@@ -114,9 +114,9 @@ class Scene(_core.Scene):
         self = super().__new__(
             cls,
             mockup,
-            None if voxel_size is None else _real("voxel_size", voxel_size),
+            None if voxel_size is None else check_real("voxel_size", voxel_size),
             str(storage),
-            _real("hashing", hashing),
+            check_real("hashing", hashing),
             tool,
             threads,
             progress,
@@ -160,7 +160,7 @@ class Scene(_core.Scene):
         Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. Raises `PoseError`
         naming the first pose that is not rigid, and `LimitError` when the pairs outgrow the scene's `memory_limit`.
         """
-        _check_progress(progress)
+        check_progress(progress)
         return super().collide_batch(tool, poses, progress, ignore=ignore)
 
     def clearance(
@@ -210,9 +210,9 @@ class Scene(_core.Scene):
 
         As `distance` otherwise. Raises `OptionError` also for `k` below 1.
         """
-        if not 1 <= _integer("k", k) < 2**32:
-            raise OptionError(f"k is {k}: ask for one part at least")
-        return super()._distances(tool, world_from_tool, _within(within), int(k), ignore=ignore)
+        return super()._distances(
+            tool, world_from_tool, _within(within), check_whole("k", k, 1, 2**32 - 1), ignore=ignore
+        )
 
     def distance_batch(
         self,
@@ -224,7 +224,7 @@ class Scene(_core.Scene):
         ignore: Ignore = None,
     ) -> DistanceBatch:
         """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene."""
-        _check_progress(progress)
+        check_progress(progress)
         return super().distance_batch(tool, poses, _within(within), progress, ignore=ignore)
 
     def clearance_batch(
@@ -241,7 +241,7 @@ class Scene(_core.Scene):
 
         Raises `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
-        _check_progress(progress)
+        check_progress(progress)
         return super().clearance_batch(tool, poses, _within(within), bool(triangles), progress, ignore=ignore)
 
     def cast(
@@ -268,7 +268,7 @@ class Scene(_core.Scene):
         be seated without play. At both poses that is decided exactly, as by `is_colliding`; between them two triangles
         may overlap by `tolerance`, so that what rounding does to a motion is no impact.
         """
-        tolerance = _real("tolerance", tolerance)
+        tolerance = check_number("tolerance", tolerance, "metres, more than 0", above=0.0)
         return super().cast(tool, start, end, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
     @overload
@@ -318,11 +318,11 @@ class Scene(_core.Scene):
         With `inside`, a tool that is inside a closed part at the first pose, or holds one, is not free, though it meets
         nothing (`PathCheck.containment`). `touching` as in `cast`.
         """
-        _check_progress(progress)
+        check_progress(progress)
         return super().check_path(
             tool,
             cast("PosesLike", poses),
-            tolerance=_real("tolerance", tolerance),
+            tolerance=check_number("tolerance", tolerance, "metres, more than 0", above=0.0),
             touching=touching,
             inside=bool(inside),
             progress=progress,
@@ -520,7 +520,7 @@ def optimal_voxel_size(
         return _core.optimal_voxel_size(mockup, tool, str(estimator))
     if storage not in STORAGES:
         raise OptionError(f"storage is {storage!r}: choose 'blocks', 'dense' or 'hashed'")
-    level = _real("hashing", hashing)
+    level = check_real("hashing", hashing)
     if storage != "hashed" and level != 0.0:
         raise OptionError(f"hashing is {level}, but the storage is not 'hashed': leave hashing at 0")
     limit = _memory_limit(memory_limit)
@@ -541,33 +541,13 @@ def _calibrated_size(mockup: Mockup, tool: _core.Tool, storage: str, hashing: fl
 def _memory_limit(memory_limit: int | None) -> int:
     if memory_limit is None:
         return free_memory() * 4 // 5
-    if not 0 <= _integer("memory_limit", memory_limit) < 2**64:
-        raise OptionError(f"memory_limit is {memory_limit}: a number of bytes is needed")
-    return memory_limit
-
-
-def _check_progress(progress: object) -> None:
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
+    return check_whole("memory_limit", memory_limit, 0, 2**64 - 1)
 
 
 def _within(value: float, endless: bool = True) -> float:
     """A distance to look within, metres."""
-    distance = _real("within", value)
-    if not distance >= 0.0 or (math.isinf(distance) and not endless):
-        raise OptionError(f"within is {value}: it must be a{'' if endless else ' finite'} distance of 0 metres or more")
-    return distance
-
-
-def _real(what: str, value: float) -> float:
-    if isinstance(value, (bool, str, bytes)):
-        raise OptionError(f"{what} is {value!r}: a number is needed")
-    try:
-        return float(value)
-    except (TypeError, ValueError) as error:
-        raise OptionError(f"{what} is {value!r}: a number is needed") from error
-    except OverflowError as error:
-        raise OptionError(f"{what} is beyond what a float64 can hold: a smaller number is needed") from error
+    wanted = f"a{'' if endless else ' finite'} distance of 0 metres or more"
+    return check_number("within", value, wanted, least=0.0, is_endless=endless)
 
 
 def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.float64]:
@@ -590,13 +570,7 @@ def _vector(what: str, value: npt.ArrayLike) -> list[float]:
     array = np.asarray(value, dtype=object)
     if array.shape != (3,):
         raise OptionError(f"{what} is {value!r}: three numbers are needed")
-    return [_real(what, each) for each in array]
-
-
-def _integer(what: str, value: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise OptionError(f"{what} is {value!r}: a whole number is needed")
-    return int(value)
+    return [check_real(what, each) for each in array]
 
 
 def free_memory() -> int:

@@ -26,8 +26,8 @@ class Clashes(Table):
     `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
     Columns are read-only arrays with an entry for each row: `.parts_a .parts_b .verdicts .depths .depth_errors
     .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles .boxes .rules .severities .ids .statuses`,
-    as in `Clash`. Sorted by severity; then duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the
-    nearest first; then by parts.
+    as in `Clash`. Sorted by severity; then duplicates; then clashes and contained parts, the deepest first; then
+    contacts; then clearances, the nearest first; then by parts.
     """
 
     def groups(self, by: str = "part", *, reach: float | None = None) -> list[Group]:

@@ -90,14 +90,17 @@ def remove(
     at: At = None,
     rotate: Rotate = None,
     pose: PoseFile = None,
-    allow: Annotated[
+    ignore: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="start|METRES|PATTERN",
-            help="What it may meet on its way. start (default): what it meets where it is, no deeper than there, until "
-            "they part; metres of overlap; parts by name, all along. Several are allowed.",
-        ),
+        typer.Option(metavar="PATTERN", help="Neighbours that it may meet throughout (several are allowed)."),
     ] = None,
+    overlap: Annotated[float, typer.Option(help="Metres by which each pair may overlap on the way.")] = 0.0,
+    seats: Annotated[
+        bool,
+        typer.Option(
+            help="Let pairs that are in contact at the start stay so until they separate, no deeper than there."
+        ),
+    ] = True,
     direction: Annotated[
         list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this way first (several are allowed).")
     ] = None,
@@ -130,7 +133,9 @@ def remove(
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
     options: dict[str, Any] = {
-        "allow": _allow(allow),
+        "ignore": ignore,
+        "overlap": overlap,
+        "seats": seats,
         "directions": _directions(direction),
         "clearance": clearance,
         "seconds": seconds,
@@ -292,18 +297,6 @@ def _ends(insert: bool, files: dict[str, Path | None], is_other: bool, snap: boo
             raise OptionError(f"{option} {file} has {len(read)} poses: one is needed")
         poses["start" if option == "--from" else "goal"] = read[0]
     return poses
-
-
-def _allow(given: list[str] | None) -> list[str | float]:
-    """start, metres, names."""
-
-    def value(word: str) -> str | float:
-        try:
-            return float(word)
-        except ValueError:
-            return word
-
-    return [value(word) for word in given or ["start"]]
 
 
 def _directions(given: list[str] | None) -> npt.NDArray[np.float64] | None:

@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
-from feeler.parts import Part
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
@@ -55,11 +54,8 @@ class BlockingGraph:
     def __init__(self, question: Question, clock: Clock) -> None:
         self.question, self.clock = question, clock
         self.joints = Joints(question.scene)
-        allow = question.options["allow"]
-        given = allow if isinstance(allow, list) else [allow]
-        names = [each for each in given if isinstance(each, (str, Part)) and each != "start"]
-        self.allowed = frozenset(question.scene.mockup.parts.select(names).tolist() if names else [])
-        self.overlap = max((float(each) for each in given if isinstance(each, (int, float, np.number))), default=0.0)
+        self.allowed = frozenset(question.options["ignore"])
+        self.overlap = question.options["overlap"]
         self._exits: dict[int, list[Exit]] = {}
         self._left: dict[int, Iterator[Exit]] = {}
         self._holding: dict[int, frozenset[int]] = {}

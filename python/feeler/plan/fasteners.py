@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_progress
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
@@ -182,8 +183,7 @@ def find_fasteners(
     """
     if not isinstance(mockup, (Mockup, Scene)):
         raise MeshError(f"fasteners are of a feeler.Mockup or a feeler.Scene, not of {type(mockup).__name__}")
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: give a function of (fraction, stage)")
+    check_progress(progress)
     world = mockup.mockup if isinstance(mockup, Scene) else mockup
     named = np.arange(world.part_count) if parts is None else world.parts.select(parts)
     chosen = named.astype(np.int64)

@@ -17,7 +17,7 @@ from feeler.io.film import corners_of
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.legs import RemovalLeg
-from feeler.plan.removal import DIRECT, Allow, Removal, alone, rigid_pose, way_from
+from feeler.plan.removal import DIRECT, Allowed, Removal, alone, rigid_pose, way_from
 from feeler.poses import PoseLike, rotation_vector
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -35,13 +35,16 @@ def insertion(
     goal: PoseLike | None = None,
     tool: Tool | None = None,
     grip: PoseLike | None = None,
-    allow: Allow = "start",
+    ignore: PartsLike | None = None,
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,
     seconds: float = 30.0,
     seed: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
+    *,
+    overlap: float = 0.0,
+    seats: bool = True,
 ) -> Removal:
     """A path by which parts come into their place in the mock-up of a scene, or to another place.
 
@@ -66,16 +69,17 @@ def insertion(
     if tool is None and grip is not None:
         raise OptionError("grip is the pose of a tool that holds the parts, but there is no tool: give one")
     held = np.eye(4) if grip is None else rigid_pose(grip, "grip")
+    allowed = Allowed.of(scene, ignore, overlap, seats)
     options: dict[str, Any] = {
         "tool": tool,
         "start": None if tool is None else held,
-        "allow": allow,
+        "allowed": allowed,
         "clearance": clearance,
         "seed": seed,
         "threads": threads,
         "progress": _of_all(progress, begin, seconds),
     }
-    direct = None if lies is None or clearance > 0.0 else partial(_direct, lies, end, allow, seed)
+    direct = None if lies is None or clearance > 0.0 else partial(_direct, lies, end, allowed, seed)
     out = way_from(end, scene, parts, directions=directions, seconds=seconds, where="goal", first=direct, **options)
     if out.certificate.method == DIRECT:
         return replace(out, seconds=time.perf_counter() - begin)
@@ -121,11 +125,11 @@ def _of_all(progress: Progress | None, begin: float, seconds: float) -> Progress
     return lambda _, stage: told(min(1.0, (time.perf_counter() - begin) / seconds), stage)
 
 
-def _direct(lies: Floats, end: Floats, allow: Allow, seed: int, rest: Scene, moving: Tool) -> Removal | None:
+def _direct(lies: Floats, end: Floats, allowed: Allowed, seed: int, rest: Scene, moving: Tool) -> Removal | None:
     """The straight path from `lies` to `end`, without a leg where they are the same; None where it is not free. What
-    touches may slide and part, unless nothing may meet."""
-    touching: Literal["counts", "free"] = "counts" if allow is None else "free"
-    if not rest.check_path(moving, np.stack([lies, end]), touching=touching).is_free:
+    touches may slide and part, unless there are no seats."""
+    touching: Literal["counts", "free"] = "free" if allowed.seats else "counts"
+    if not rest.check_path(moving, np.stack([lies, end]), touching=touching, ignore=allowed.pairs).is_free:
         return None
     is_there = np.array_equal(lies, end)
     legs = () if is_there else (_straight(lies, end, moving.bounds.mean(axis=0)),)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy.typing as npt
 
-from feeler.errors import OptionError
+from feeler.arguments import check_number, check_progress
 from feeler.mockup import Tool
-from feeler.parts import Part, PartsLike
+from feeler.parts import PartsLike
 from feeler.plan.blocking import BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
-from feeler.plan.removal import Allow, Removal, alone
+from feeler.plan.removal import Allowed, Removal, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -68,10 +68,10 @@ class RemovalOrder:
 
 def removal_order(
     scene: Scene,
-    part: PartsLike,
+    parts: PartsLike,
     tool: Tool | None = None,
     start: npt.ArrayLike | None = None,
-    allow: Allow = "start",
+    ignore: PartsLike | None = None,
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,
     seconds: float = 60.0,
@@ -79,10 +79,13 @@ def removal_order(
     threads: int | None = None,
     progress: Progress | None = None,
     keep: PartsLike | None = None,
+    *,
+    overlap: float = 0.0,
+    seats: bool = True,
 ) -> RemovalOrder:
     """Which parts have to go before these come out, in the fewest steps, and the way of each.
 
-    Arguments as of `feeler.removal`; `part` comes out together, with the tool; what goes before it goes without.
+    Arguments as of `feeler.removal`; `parts` come out together, with the tool; those that go before go without it.
 
     - Parts that block each other go together, in one step, where none of them comes out alone.
     - Fasteners go before the parts that they join (`find_fasteners`), unless they are kept or do not come out.
@@ -91,26 +94,30 @@ def removal_order(
     - `progress`: called with the share of the time, 0 to 1, and what is being tried.
 
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
-    random trees as well; so is `part` before it is said that others have to go.
+    random trees as well; so are `parts` before it is said that others have to go.
 
     Raises what `feeler.removal` raises; Ctrl-C ends it with `KeyboardInterrupt`.
     """
-    if not seconds > 0.0:
-        raise OptionError(f"seconds is {seconds}: give the time there is, more than 0")
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
-    if isinstance(allow, Iterable) and not isinstance(allow, (str, bytes, Part)):
-        allow = list(allow)
-    wanted = tuple(int(each) for each in scene.mockup.parts.select(part))
+    limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
+    check_progress(progress)
+    allowed = Allowed.of(scene, ignore, overlap, seats)
+    wanted = tuple(int(each) for each in scene.mockup.parts.select(parts))
     kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist()).difference(wanted)
     question = Question(
         scene,
         wanted,
         kept,
         {"tool": tool, "start": start, "directions": directions},
-        {"allow": allow, "clearance": clearance, "seed": seed, "threads": threads},
+        {
+            "ignore": list(allowed.parts),
+            "overlap": allowed.overlap,
+            "seats": allowed.seats,
+            "clearance": clearance,
+            "seed": seed,
+            "threads": threads,
+        },
     )
-    return _Search(question, Clock(seconds, progress)).order()
+    return _Search(question, Clock(limit, progress)).order()
 
 
 class _Search:

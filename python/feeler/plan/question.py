@@ -64,7 +64,7 @@ class Question:
     grip: dict[str, Any]
     """`tool`, `start` and `directions` of the wanted parts."""
     options: dict[str, Any]
-    """`allow`, `clearance`, `seed` and `threads` of each removal."""
+    """`ignore`, `overlap`, `seats`, `clearance`, `seed` and `threads` of each removal."""
 
     @property
     def node_count(self) -> int:

@@ -12,6 +12,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
 from feeler.plan.blocked import Blocker
@@ -27,7 +28,6 @@ Hand = Tool | tuple[Tool, npt.ArrayLike]
 
 LEAST_ANGLES, MOST_ANGLES = 4, 3600
 """Seats around the axis."""
-MOST_THREADS = 1024
 SIDEWAYS_ANGLES = 24
 """Angles of each free swing from which the tool is drawn off sideways: evenly spread, the middle first."""
 STRAIGHT_ANGLES = 48
@@ -175,12 +175,11 @@ def access(
     """
     if not isinstance(scene, Scene):
         raise MeshError(f"access needs a feeler.Scene, not {type(scene).__name__}")
-    needed = _number("swing_deg", swing_deg, 360.0, "degrees, above 0 up to 360")
-    way = _number("approach", approach, np.inf, "metres, above 0")
-    steps = _whole("angles", angles, (LEAST_ANGLES, MOST_ANGLES))
-    workers = (os.cpu_count() or 1) if threads is None else _whole("threads", threads, (1, MOST_THREADS))
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: give a function of (fraction, stage)")
+    needed = check_number("swing_deg", swing_deg, "degrees, above 0 up to 360", above=0.0, most=360.0)
+    way = check_number("approach", approach, "metres, above 0", above=0.0)
+    steps = check_whole("angles", angles, LEAST_ANGLES, MOST_ANGLES)
+    workers = check_threads(threads) or os.cpu_count() or 1
+    check_progress(progress)
     seated = seated_tool(tool, hand, grip)
     frames, parts = _targets(scene, targets)
     frames = _lifted(frames, lift)
@@ -384,19 +383,6 @@ def _lifted(frames: Floats, lift: float | npt.ArrayLike) -> Floats:
     lifted = frames.copy()
     lifted[:, :3, 3] += np.broadcast_to(heights, len(frames))[:, None] * frames[:, :3, 2]
     return np.asarray(lifted)
-
-
-def _number(what: str, value: object, most: float, range_: str) -> float:
-    is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    if not is_number or not 0 < value <= most or not np.isfinite(value):  # type: ignore[operator, call-overload]
-        raise OptionError(f"{what} is {value!r}: give {range_}")
-    return float(value)  # type: ignore[arg-type]
-
-
-def _whole(what: str, value: object, span: tuple[int, int]) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not span[0] <= value <= span[1]:
-        raise OptionError(f"{what} is {value!r}: give a whole number from {span[0]} to {span[1]}")
-    return int(value)
 
 
 def _shifted(pose: Floats, by: Floats) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
@@ -14,8 +14,9 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler._core import Screw
+from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError, PoseError
-from feeler.mockup import Mockup, Tool
+from feeler.mockup import Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
@@ -23,10 +24,6 @@ from feeler.poses import PoseLike, nearest_rigid, plain
 from feeler.progress import Progress
 from feeler.scene import Scene
 
-Allow = str | float | Part | Iterable["str | float | Part"] | None
-"""What may meet: see `removal`."""
-
-_START = "start"
 DIRECT = "direct"
 """The method of a path straight from its start to its goal."""
 _VERSIONS = (("feeler", version("feeler")),)
@@ -124,27 +121,55 @@ class RemovalInterrupted(KeyboardInterrupt):
         return (type(self), (self.removal,))
 
 
+@dataclass(frozen=True)
+class Allowed:
+    """The contacts that a path may have: see `removal`."""
+
+    seats: bool
+    overlap: float
+    parts: tuple[int, ...]
+
+    @classmethod
+    def of(cls, scene: object, ignore: PartsLike | None, overlap: float, seats: bool) -> Allowed:
+        """These options, checked."""
+        if not isinstance(scene, Scene):
+            raise MeshError(f"a feeler.Scene is needed, not {type(scene).__name__}")
+        if not isinstance(seats, (bool, np.bool_)):
+            raise OptionError(f"seats is {seats!r}: True or False is needed")
+        parts = () if ignore is None else tuple(scene.mockup.parts.select(ignore).tolist())
+        return cls(bool(seats), check_length("overlap", overlap), parts)
+
+    @property
+    def pairs(self) -> list[tuple[str, list[int]]] | None:
+        """The pairs of a moving part and a neighbour that queries ignore."""
+        return [("*", list(self.parts))] if self.parts else None
+
+
 def removal(
     scene: Scene,
     parts: PartsLike,
     tool: Tool | None = None,
     start: PoseLike | None = None,
-    allow: Allow = _START,
+    ignore: PartsLike | None = None,
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,
     seconds: float = 30.0,
     seed: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
+    *,
+    overlap: float = 0.0,
+    seats: bool = True,
 ) -> Removal:
     """A way by which parts come out of the mock-up of a scene.
 
     - `scene`: with these parts in their places. `parts`: as `Parts.select` takes them; they move as one.
     - `tool`: what grips them and moves with them, at the pose `start` (`world_from_tool`, by default the identity). It
       must be free there.
-    - `allow`: what may meet. `"start"`: pairs of a moving part and another that meet where they are may meet until
-      they part, no deeper than there. A `Part`, name or pattern: these parts may be met all along. A number: each pair
-      may be so many metres in each other. Several of these in a list; `None`: nothing may meet.
+    - `seats`: whether pairs of a moving part and a neighbour that are in contact at the start may stay so until they
+      separate, no deeper than there.
+    - `ignore`: neighbours that may be met throughout, as `Parts.select` takes them.
+    - `overlap`: metres by which each pair may overlap.
     - `directions`: `(k, 3)`, world, to be tried first.
     - `clearance`: metres that the way stays off all that is not seated, within 2 %.
     - `seconds`: it ends then, or at most some tenths of a second later. A way that is found does not depend on it, nor
@@ -168,7 +193,7 @@ def removal(
         parts,
         tool=tool,
         start=start,
-        allow=allow,
+        allowed=Allowed.of(scene, ignore, overlap, seats),
         directions=directions,
         clearance=clearance,
         seconds=seconds,
@@ -185,7 +210,7 @@ def way_from(
     *,
     tool: Tool | None,
     start: PoseLike | None,
-    allow: Allow,
+    allowed: Allowed,
     directions: npt.ArrayLike | None,
     clearance: float,
     seconds: float,
@@ -202,21 +227,20 @@ def way_from(
     chosen, rest = _chosen(scene, parts)
     mockup = scene.mockup
     own = Tool.of_parts(mockup, chosen)
-    allowed = _Allowed.of(allow, mockup)
     moving = own if tool is None else _gripped(own, tool, start, (lies, where), rest, allowed)
     if tool is None and start is not None:
         raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
     options: dict[str, Any] = {
         "own_parts": own.part_count,
-        "allow_start": allowed.start,
+        "allow_start": allowed.seats,
         "allow_overlap": allowed.overlap,
-        "allow_parts": allowed.parts,
+        "allow_parts": list(allowed.parts),
         "directions": _directions(directions),
-        "clearance": _number("clearance", clearance, "metres, 0 or more", at_least=0.0),
-        "seconds": _seconds(seconds),
-        "seed": _whole("seed", seed, 0, _LARGEST_SEED),
-        "threads": None if threads is None else _whole("threads", threads, 1, 1024),
-        "progress": _checked(progress),
+        "clearance": check_length("clearance", clearance),
+        "seconds": check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True),
+        "seed": check_whole("seed", seed, 0, _LARGEST_SEED),
+        "threads": check_threads(threads),
+        "progress": check_progress(progress),
     }
     if first is not None and (known := first(rest, moving)) is not None:
         return known
@@ -290,51 +314,26 @@ def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Sc
     return chosen, scene.without(chosen)
 
 
-@dataclass(frozen=True)
-class _Allowed:
-    start: bool
-    overlap: float
-    parts: list[int]
-
-    @classmethod
-    def of(cls, allow: object, mockup: Mockup) -> _Allowed:
-        one = allow is None or isinstance(allow, (str, bytes, int, float, np.number, Part))
-        if not one and not isinstance(allow, Iterable):
-            raise OptionError(f'allow is {allow!r}: give "start", names of parts, metres, or a list of these')
-        given: list[Any] = [] if allow is None else [allow] if one else list(allow)  # type: ignore[call-overload]
-        lengths = [each for each in given if isinstance(each, (int, float, np.number)) and not isinstance(each, bool)]
-        if len(lengths) > 1:
-            raise OptionError(f"allow has {len(lengths)} lengths: give one")
-        overlap = _number("allow", lengths[0], "metres, 0 or more", at_least=0.0) if lengths else 0.0
-        names = [each for each in given if isinstance(each, (str, Part))]
-        if len(names) + len(lengths) < len(given):
-            raise OptionError(f'allow is {allow!r}: give "start", names of parts, metres, or a list of these')
-        patterns = [name for name in names if name != _START]
-        parts = mockup.parts.select(patterns).tolist() if patterns else []
-        return cls(_START in names, overlap, parts)
-
-
 def _gripped(
     own: Tool,
     tool: object,
     start: PoseLike | None,
     place_of_parts: tuple[npt.NDArray[np.float64], str],
     rest: Scene,
-    allowed: _Allowed,
+    allowed: Allowed,
 ) -> Tool:
     """The parts with the tool that grips them, free where they lie."""
     if not isinstance(tool, Tool):
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
     lies, where = place_of_parts
     place = np.eye(4) if start is None else rigid_pose(start, "start")
-    ignore = [("*", allowed.parts)] if allowed.parts else None
-    met = {int(part) for part in rest.collide(tool, lies @ place, ignore=ignore).parts}
+    met = {int(part) for part in rest.collide(tool, lies @ place, ignore=allowed.pairs).parts}
     if not met:
         met = set(rest.containment(tool, lies @ place).containing.tolist()) - set(allowed.parts)
     if met:
         names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
         raise PoseError(
-            f"{where}: the tool {tool.name!r} meets {names} there: put it where it is free, or allow these by name"
+            f"{where}: the tool {tool.name!r} meets {names} there: put it where it is free, or ignore these"
         )
     return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
 
@@ -351,29 +350,3 @@ def _directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
     if not np.isfinite(rows).all() or not np.linalg.norm(rows, axis=1).all():
         raise OptionError("directions have a row that is zero or not finite: give three numbers that lead somewhere")
     return np.ascontiguousarray(rows)
-
-
-def _seconds(seconds: float) -> float:
-    limit = _number("seconds", seconds, "more than 0", at_least=0.0, endless=True)
-    if limit == 0.0:
-        raise OptionError("seconds is 0: nothing can be tried in no time, so give more")
-    return limit
-
-
-def _number(what: str, value: object, wanted: str, at_least: float, endless: bool = False) -> float:
-    good = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
-    if not good or not at_least <= value or (math.isinf(value) and not endless):  # type: ignore[operator, arg-type]
-        raise OptionError(f"{what} is {value!r}: give {wanted}")
-    return float(value)  # type: ignore[arg-type]
-
-
-def _whole(what: str, value: object, least: int, most: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
-        raise OptionError(f"{what} is {value!r}: give a whole number, {least} to {most}")
-    return int(value)
-
-
-def _checked(progress: Progress | None) -> Progress | None:
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
-    return progress

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import time
 
-import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.errors import MeshError, OptionError
+from feeler.arguments import check_number, check_progress, check_threads, check_whole
+from feeler.errors import MeshError
 from feeler.mockup import Mockup, Source, Tool
 from feeler.progress import Progress
 from feeler.scene import free_memory
 
 DEFAULT_ERROR = 0.001
 """Metres by which a swept volume may be larger than what is swept."""
-_MOST_THREADS = 1024
 
 
 def swept(
@@ -46,39 +44,17 @@ def swept(
     given: object = tool
     if not isinstance(given, Tool):
         raise MeshError(f"swept needs a feeler.Tool, not {type(given).__name__}")
-    number: object = error
-    if isinstance(number, bool) or not isinstance(number, (int, float, np.floating, np.integer)):
-        raise OptionError(f"error is {error!r}: give metres, more than 0")
+    length = check_number("error", error, "metres, more than 0", above=0.0)
     started = time.perf_counter()
     vertices, faces = _core.swept(
         tool,
         poses,
-        _float(error),
-        threads=None if threads is None else _whole("threads", threads, 1, _MOST_THREADS),
+        length,
+        threads=check_threads(threads),
         memory_limit=free_memory() * 4 // 5
         if memory_limit is None
-        else _whole("memory_limit", memory_limit, 0, 2**64 - 1),
-        progress=_checked(progress),
+        else check_whole("memory_limit", memory_limit, 0, 2**64 - 1),
+        progress=check_progress(progress),
     )
-    source = Source(format="swept", seconds=time.perf_counter() - started, chord_tolerance=float(error))
+    source = Source(format="swept", seconds=time.perf_counter() - started, chord_tolerance=length)
     return Mockup(vertices, faces, part_names=[f"{tool.name} swept"], source=source)
-
-
-def _float(error: float) -> float:
-    try:
-        return float(error)
-    except OverflowError:
-        return math.inf  # which the core refuses
-
-
-def _whole(what: str, value: object, least: int, most: int) -> int:
-    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not is_whole or not least <= value <= most:  # type: ignore[operator]
-        raise OptionError(f"{what} is {value!r}: choose a whole number from {least} to {most}, or None")
-    return int(value)  # type: ignore[call-overload, no-any-return]
-
-
-def _checked(progress: Progress | None) -> Progress | None:
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
-    return progress
