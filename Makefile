@@ -260,6 +260,7 @@ lint-page: $(INSTALLED) $(NODE_MODULES) ## TypeScript (strict), Biome, who may i
 	npm run check --prefix viewer --silent
 	$(PY) tools/check_page.py
 	$(PY) tools/protocol_ts.py --check
+	$(PY) tools/view_commands.py --check
 
 .PHONY: lint-rules
 lint-rules: $(INSTALLED) ## who may import whom; file sizes, SAFETY comments, left-overs

@@ -32,8 +32,8 @@ with feeler.view(scene, tool, pose=start, browser=is_open) as view:
 
     # What it would meet there: shown in the page, as any answer of the scene can be.
     hit = scene.collide(tool, wish)
-    view.show(wish)
-    view.show(hit)
+    view.show_hit(wish)
+    view.show_hit(hit)
     print(f"there it would meet the pump in {len(hit.pairs):,} pairs of triangles")
 
     # The pump, taken out by an empty hand. It is seated in the gearbox: it may slide out of it.

@@ -571,12 +571,21 @@ def test_view_from_a_script(tmp_path: Path) -> None:
         assert view.pose[2, 3] == pytest.approx(0.03125, abs=1e-6)
         assert moved.wait(WAIT_S)
         np.testing.assert_array_equal(seen[-1], view.pose)
-        view.command("set_mode", mode="pass")
+        view.set_mode("pass")
+        assert view.session.current.mode == "pass"
+        added = view.section_add((0, 0, 1), 0.1)
+        view.section_switch(added["id"], False)
+        assert [(each.id, each.is_on) for each in view.session.current.sections] == [(added["id"], False)]
+        view.viewpoint_add({"position": (1, 1, 1), "target": (0, 0, 0), "up": (0, 0, 1), "fov_rad": 0.7})
+        assert view.session.current.viewpoints[-1].name.startswith("view ")  # its own name, where none is given
+        view.undo()
+        view.undo()
+        view.undo()
         goal = at(0.3, 0, 0.0)
         scene = view.session.scene
-        view.show(scene.cast(cube(), at(0, 0, 0.1), at(0.5, 0, 0.1)))
+        view.show_hit(scene.cast(cube(), at(0, 0, 0.1), at(0.5, 0, 0.1)))
         assert view.pose[0, 3] == pytest.approx(0.25 - 0.03125, abs=1e-5)
-        view.show(goal)
+        view.show_hit(goal)
         np.testing.assert_array_equal(view.pose, goal)
         shown = threading.Event()
 
@@ -587,7 +596,7 @@ def test_view_from_a_script(tmp_path: Path) -> None:
 
         hit = scene.collide(cube(), goal)
         end = view.session.on_snapshot(look)
-        view.show(hit)
+        view.show_hit(hit)
         assert shown.wait(WAIT_S)
         end()
         assert set(view.touched) == {"stand/plate", "stand/posts/right"}
@@ -604,7 +613,7 @@ def test_view_from_a_script(tmp_path: Path) -> None:
         with pytest.raises(WorkbenchError, match="no pose"):
             view.pose = np.zeros((4, 4))
         with pytest.raises(WorkbenchError, match="no pose"):
-            view.show("a hit")
+            view.show_hit("a hit")
     assert view._server.is_closed
     view.close()
 

@@ -90,16 +90,21 @@ class Tables:
 
     def interface(self, name: str, table: str, doc: str, *, has_answers: bool) -> str:
         lines = [comment(doc, ""), f"export interface {name} {{\n"]
-        rows = self._dict(self._values[table])
-        if not has_answers:
-            # Without arguments, and in no table: they choose between documents.
-            rows += [(each, ast.Tuple(elts=[])) for each in ast.literal_eval(self._values["STEPS"])]
-        for key, row in rows:
-            args = self._arguments(row)
+        for key, row, text in self.rows(table):
+            args: Object = {f"{each}?" if may_lack else each: of(kind) for each, kind, may_lack in self.arguments(row)}
             if has_answers:
                 args = {"args": args, "answer": self._answer(row)}
-            lines.append(f"{comment(self._doc(row), '  ')}{member(key, args)}")
+            lines.append(f"{comment(text, '  ')}{member(key, args)}")
         return "".join([*lines, "}\n"])
+
+    def rows(self, table: str) -> Iterator[tuple[str, ast.expr, str]]:
+        """The rows of a table: name, what makes the row, and the text of its function."""
+        for key, row in self._dict(self._values[table]):
+            yield key, row, self._doc(row)
+        if table == "COMMANDS":
+            # Without arguments, and in no table: they choose between documents.
+            for name in ast.literal_eval(self._values["STEPS"]):
+                yield name, ast.Tuple(elts=[]), ""
 
     def _dict(self, node: ast.expr | None) -> list[tuple[str, ast.expr]]:
         """The items of a dict, those of others that are unpacked in it too."""
@@ -113,19 +118,16 @@ class Tables:
                 return found
         raise ShapeError(f"{ast.unparse(node) if node else 'nothing'} is no table")
 
-    def _arguments(self, row: ast.expr) -> Object:
-        """Those that may be absent with a question mark."""
+    def arguments(self, row: ast.expr) -> Iterator[tuple[str, ast.expr, bool]]:
+        """The arguments of a row: name, type, and whether it may be absent."""
         match row:
             case ast.Call(func=ast.Name(id="Command" | "Question" | "Work"), args=[_, shape]):
-                found: Object = {}
                 for name, kind in self._dict(shape):
                     match kind:
                         case ast.Call(func=ast.Name(id="Maybe"), args=[inside]):
-                            found[f"{name}?"] = of(inside)
+                            yield name, inside, True
                         case _:
-                            found[name] = of(kind)
-                return found
-        return {}
+                            yield name, kind, False
 
     def _answer(self, row: ast.expr) -> str:
         """What the function of a row returns, or the type in what makes the row."""

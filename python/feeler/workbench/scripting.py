@@ -25,6 +25,7 @@ from feeler.workbench.document import motion
 from feeler.workbench.document.document import MODES
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.session.session import Session
+from feeler.workbench.view_commands import ViewCommands
 
 _SHOT_S = 5.0
 _SHOT_SIZE = (1280, 800)
@@ -83,8 +84,8 @@ def _served(session: Session, port: int) -> Any:
     return server
 
 
-class View:
-    """An open workbench. `feeler.view` makes one."""
+class View(ViewCommands):
+    """An open workbench, which `feeler.view` makes. The commands of the page are its methods; each can be undone."""
 
     def __init__(self, session: Session, server: Any) -> None:
         """server: has `url` and `close()`."""
@@ -107,7 +108,7 @@ class View:
 
     @pose.setter
     def pose(self, world_from_tool: npt.ArrayLike) -> None:
-        self.command("place", pose=motion.row(motion.checked(world_from_tool, "pose")))
+        self.place(list(motion.row(motion.checked(world_from_tool, "pose"))))
 
     @property
     def touched(self) -> list[str]:
@@ -115,11 +116,7 @@ class View:
         snapshot, mockup = self.session.snapshot(), self._scene.mockup
         return [] if snapshot is None else [mockup.part_paths[part] for part in snapshot.parts]
 
-    def command(self, name: str, /, **args: Any) -> dict[str, Any]:
-        """A command of the workbench, such as `view.command("hide", parts="*screw*")`. Raises `WorkbenchError`."""
-        return self.session.command(name, args)
-
-    def show(self, hit: Collision | Cast | npt.ArrayLike) -> None:
+    def show_hit(self, hit: Collision | Cast | npt.ArrayLike) -> None:
         """Shows an answer of the scene until the hand moves: what collides, where a cast ends, or a pose.
 
         Of a `Collision` its triangles, at the pose where the hand is; of a `Cast`, or of a pose, the hand is there,
@@ -129,7 +126,7 @@ class View:
             self.session.engine.show(np.asarray(hit.pairs), np.asarray(hit.kind_codes))
             return
         pose = hit.pose if isinstance(hit, Cast) else hit
-        self.session.engine.jump(motion.checked(pose, "show"))
+        self.session.engine.jump(motion.checked(pose, "show_hit"))
 
     def on_pose(self, watcher: Callable[[Floats], object]) -> Callable[[], None]:
         """Calls a function with the pose `(4, 4)` whenever the hand came to another, the newest if it is slow.

@@ -27,6 +27,14 @@ export type Pose = readonly number[];
 /** Parts: indices, paths or patterns. */
 export type Selection = readonly (number | string)[] | number | string;
 
+/** What a command answers. `id`: of what it added. `pose`: of the hand. */
+export interface CommandAnswer {
+  readonly id: number;
+  readonly pose: Pose;
+  readonly undo_depth: number;
+  readonly redo_depth: number;
+}
+
 export type Unit = "mm" | "cm" | "m" | "in";
 
 export type Mode = "stop" | "glide" | "pass";
@@ -593,47 +601,47 @@ export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Ref
 
 /** The arguments of commands. */
 export interface Commands {
-  /** Out of sight; they still collide. */
+  /** Hides parts; they still collide. */
   readonly hide: { readonly parts: Selection };
-  /** In sight again. */
+  /** Shows hidden parts again. */
   readonly show: { readonly parts: Selection };
-  /** Nothing hidden, nothing a ghost. */
+  /** Shows all parts, and none as a ghost. */
   readonly show_all: Record<string, never>;
-  /** Everything hidden. */
+  /** Hides all parts. */
   readonly hide_all: Record<string, never>;
-  /** These alone in sight; the same again brings back what was hidden before. */
+  /** Shows these parts alone; the same call again restores what was hidden before. */
   readonly isolate: { readonly parts: Selection };
-  /** See-through, or not. */
+  /** Draws parts see-through, or solid again. */
   readonly ghost: { readonly parts: Selection; readonly is_on: boolean };
-  /** These in sight and solid, all others see-through. */
+  /** Draws these parts solid and all others see-through. */
   readonly single_out: { readonly parts: Selection };
-  /** How far apart the parts are drawn, 0 to 1. */
+  /** Draws the parts apart by a share, 0 to 1. */
   readonly explode: { readonly share: number };
-  /** A cut more. */
+  /** Adds a section plane; `offset` is its distance from the origin along `normal`, metres. */
   readonly section_add: { readonly normal: Vec3; readonly offset: number };
-  /** A cut elsewhere. */
+  /** Moves a section plane. */
   readonly section_move: { readonly id: number; readonly normal: Vec3; readonly offset: number };
-  /** A cut on or off. */
+  /** Switches a section plane on or off. */
   readonly section_switch: { readonly id: number; readonly is_on: boolean };
-  /** A cut less. */
+  /** Removes a section plane. */
   readonly section_remove: { readonly id: number };
-  /** In which lengths are shown. */
+  /** Sets the unit in which lengths are shown. */
   readonly set_unit: { readonly unit: Unit };
-  /** What the mock-up sounds like; null: as steel. */
+  /** Sets the material that contact sounds like; null: steel. */
   readonly set_material: { readonly material: Material | null };
-  /** What contact does to the hand: stop, glide or pass. */
+  /** Sets what contact does to the tool: stop, glide or pass. */
   readonly set_mode: { readonly mode: Mode };
-  /** The hand put down: where the engine let it come, which `known.pose` says. */
+  /** Moves the tool to a pose, as far as contact lets it: 16 numbers of world_from_tool, row by row, metres. */
   readonly place: { readonly pose: Pose };
-  /** Parts leave the scene and join the hand where they are; more parts join those that are held. */
+  /** Grips parts: they leave the scene and move with the hand, together with those that it holds already. */
   readonly grip: { readonly parts: Selection };
-  /** The parts stay where they are; where they moved, that is a line of the sequence. */
+  /** Releases the gripped parts where they are; if they moved, this adds a step to the sequence. */
   readonly release: Record<string, never>;
-  /** Parts go home, from where they lie or from the hand. */
+  /** Puts parts back into their places. */
   readonly put_back: { readonly parts: Selection };
-  /** Another tool in the hand, or none; where it would meet something, it is above the mock-up. */
+  /** Takes another tool, or none; where it would collide, it starts above the mock-up. */
   readonly take_tool: { readonly name: string | null };
-  /** A measure more. */
+  /** Adds a measure of points, parts or triangles. */
   readonly measure_add: {
     readonly type: MeasureType;
     readonly points?: readonly Vec3[];
@@ -641,7 +649,7 @@ export interface Commands {
     readonly triangles?: readonly number[];
     readonly name?: string;
   };
-  /** A measure with another name, or of something else. */
+  /** Renames a measure, or measures something else. */
   readonly measure_edit: {
     readonly id: number;
     readonly type?: MeasureType;
@@ -650,25 +658,25 @@ export interface Commands {
     readonly triangles?: readonly number[];
     readonly name?: string;
   };
-  /** A measure less. */
+  /** Removes a measure. */
   readonly measure_remove: { readonly id: number };
-  /** A camera to come back to. */
+  /** Saves a camera. */
   readonly viewpoint_add: { readonly name?: string; readonly camera: Camera };
-  /** A camera less. */
+  /** Removes a saved camera. */
   readonly viewpoint_remove: { readonly id: number };
-  /** Another name for a line. */
+  /** Renames a step of the sequence. */
   readonly sequence_rename: { readonly id: number; readonly name: string };
-  /** A line elsewhere in the order. */
+  /** Moves a step of the sequence to another place in the order. */
   readonly sequence_move: { readonly id: number; readonly index: number };
-  /** A line less; the parts stay where they are. */
+  /** Removes a step of the sequence; its parts stay where they are. */
   readonly sequence_remove: { readonly id: number };
-  /** The parts of a line are where they were gripped, and in the hand: the engine then moves them along the way. */
+  /** Replays a step of the sequence: grips its parts where they were and moves them along its path. */
   readonly sequence_replay: { readonly id: number };
-  /** Findings in place of those that were open; as `feeler clash --json` writes them. */
+  /** Opens the findings of a clash check, as `feeler clash --json` writes them. */
   readonly findings_open: { readonly findings: unknown };
-  /** What was decided about a finding. */
+  /** Sets the status of a finding. */
   readonly finding_status: { readonly id: string; readonly status: FindingStatus };
-  /** Whether findings that only touch are hidden. */
+  /** Hides or shows findings that only touch. */
   readonly finding_filter: { readonly is_touching_hidden: boolean };
   readonly undo: Record<string, never>;
   readonly redo: Record<string, never>;

@@ -102,27 +102,27 @@ class Command:
 
 
 def hide(document: Document, given: Arguments, known: Known) -> Document:
-    """Out of sight; they still collide."""
+    """Hides parts; they still collide."""
     return replace(document, hidden=_united(document.hidden, _there(given, known)))
 
 
 def show(document: Document, given: Arguments, known: Known) -> Document:
-    """In sight again."""
+    """Shows hidden parts again."""
     return replace(document, hidden=_less(document.hidden, given.parts("parts", known.parts)))
 
 
 def show_all(document: Document, _given: Arguments, _known: Known) -> Document:
-    """Nothing hidden, nothing a ghost."""
+    """Shows all parts, and none as a ghost."""
     return replace(document, hidden=(), ghost=(), isolation=None)
 
 
 def hide_all(document: Document, _given: Arguments, known: Known) -> Document:
-    """Everything hidden."""
+    """Hides all parts."""
     return replace(document, hidden=known.there, isolation=None)
 
 
 def isolate(document: Document, given: Arguments, known: Known) -> Document:
-    """These alone in sight; the same again brings back what was hidden before."""
+    """Shows these parts alone; the same call again restores what was hidden before."""
     parts = _there(given, known)
     before = document.isolation
     if before is not None and before.parts == parts:
@@ -133,24 +133,24 @@ def isolate(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def ghost(document: Document, given: Arguments, known: Known) -> Document:
-    """See-through, or not."""
+    """Draws parts see-through, or solid again."""
     change = _united if given.flag("is_on") else _less
     return replace(document, ghost=change(document.ghost, _there(given, known)))
 
 
 def single_out(document: Document, given: Arguments, known: Known) -> Document:
-    """These in sight and solid, all others see-through."""
+    """Draws these parts solid and all others see-through."""
     parts = _there(given, known)
     return replace(document, hidden=_less(document.hidden, parts), ghost=_less(known.there, parts))
 
 
 def explode(document: Document, given: Arguments, _known: Known) -> Document:
-    """How far apart the parts are drawn, 0 to 1."""
+    """Draws the parts apart by a share, 0 to 1."""
     return replace(document, explode=given.number("share", 0.0, 1.0))
 
 
 def section_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut more."""
+    """Adds a section plane; `offset` is its distance from the origin along `normal`, metres."""
     if len(document.sections) >= _MOST_SECTIONS:
         raise WorkbenchError(f"there are {_MOST_SECTIONS} sections already", given.command, "remove one first")
     plane = SectionPlane(document.next_id, given.unit("normal"), given.number("offset"))
@@ -158,47 +158,47 @@ def section_add(document: Document, given: Arguments, _known: Known) -> Document
 
 
 def section_move(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut elsewhere."""
+    """Moves a section plane."""
     place = given.place_of(document.sections)
     plane = replace(document.sections[place], normal=given.unit("normal"), offset=given.number("offset"))
     return replace(document, sections=replaced(document.sections, place, plane))
 
 
 def section_switch(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut on or off."""
+    """Switches a section plane on or off."""
     place = given.place_of(document.sections)
     plane = replace(document.sections[place], is_on=given.flag("is_on"))
     return replace(document, sections=replaced(document.sections, place, plane))
 
 
 def section_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut less."""
+    """Removes a section plane."""
     return replace(document, sections=without(document.sections, given.place_of(document.sections)))
 
 
 def set_unit(document: Document, given: Arguments, _known: Known) -> Document:
-    """In which lengths are shown."""
+    """Sets the unit in which lengths are shown."""
     return replace(document, unit=given.choice("unit", UNITS))
 
 
 def set_material(document: Document, given: Arguments, _known: Known) -> Document:
-    """What the mock-up sounds like; null: as steel."""
+    """Sets the material that contact sounds like; null: steel."""
     return replace(document, material=given.choice("material", MATERIALS) if given.has("material") else None)
 
 
 def set_mode(document: Document, given: Arguments, known: Known) -> Document:
-    """What contact does to the hand: stop, glide or pass."""
+    """Sets what contact does to the tool: stop, glide or pass."""
     return replace(document, mode=given.choice("mode", MODES), pose=known.pose)
 
 
 def place(document: Document, given: Arguments, known: Known) -> Document:
-    """The hand put down: where the engine let it come, which `known.pose` says."""
+    """Moves the tool to a pose, as far as contact lets it: 16 numbers of world_from_tool, row by row, metres."""
     given.pose("pose")
     return replace(document, pose=known.pose)
 
 
 def grip(document: Document, given: Arguments, known: Known) -> Document:
-    """Parts leave the scene and join the hand where they are; more parts join those that are held."""
+    """Grips parts: they leave the scene and move with the hand, together with those that it holds already."""
     parts = tuple(part for part in given.parts("parts", known.parts) if part not in document.gripped)
     if not parts:
         raise WorkbenchError("the hand holds these already", given.command, "release them, or grip others")
@@ -235,7 +235,7 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def release(document: Document, given: Arguments, known: Known) -> Document:
-    """The parts stay where they are; where they moved, that is a line of the sequence."""
+    """Releases the gripped parts where they are; if they moved, this adds a step to the sequence."""
     if not document.gripped:
         raise WorkbenchError("the hand holds no part", given.command, "grip one first")
     pose = motion.matrix(known.pose)
@@ -277,7 +277,7 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def put_back(document: Document, given: Arguments, known: Known) -> Document:
-    """Parts go home, from where they lie or from the hand."""
+    """Puts parts back into their places."""
     parts = given.parts("parts", known.parts)
     away = [part for part in parts if part in document.moved or part in document.gripped]
     if not away:
@@ -295,7 +295,7 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def take_tool(document: Document, given: Arguments, known: Known) -> Document:
-    """Another tool in the hand, or none; where it would meet something, it is above the mock-up."""
+    """Takes another tool, or none; where it would collide, it starts above the mock-up."""
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     if not given.has("name"):
@@ -305,14 +305,14 @@ def take_tool(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def measure_add(document: Document, given: Arguments, known: Known) -> Document:
-    """A measure more."""
+    """Adds a measure of points, parts or triangles."""
     found = _measured(given, known)
     name = given.text("name") if given.has("name") else f"{found.type} {document.next_id}"
     return document.with_id(measures=(*document.measures, _measure(document.next_id, name, found)))
 
 
 def measure_edit(document: Document, given: Arguments, known: Known) -> Document:
-    """A measure with another name, or of something else."""
+    """Renames a measure, or measures something else."""
     at = given.place_of(document.measures)
     old = document.measures[at]
     name = given.text("name") if given.has("name") else old.name
@@ -321,7 +321,7 @@ def measure_edit(document: Document, given: Arguments, known: Known) -> Document
 
 
 def measure_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A measure less."""
+    """Removes a measure."""
     return replace(document, measures=without(document.measures, given.place_of(document.measures)))
 
 
@@ -334,19 +334,19 @@ def camera_of(given: Arguments) -> CameraView:
 
 
 def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """A camera to come back to."""
+    """Saves a camera."""
     seen = camera_of(given)
     name = given.text("name") if given.has("name") else f"view {document.next_id}"
     return document.with_id(viewpoints=(*document.viewpoints, Viewpoint(document.next_id, name, seen)))
 
 
 def viewpoint_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A camera less."""
+    """Removes a saved camera."""
     return replace(document, viewpoints=without(document.viewpoints, given.place_of(document.viewpoints)))
 
 
 def sequence_rename(document: Document, given: Arguments, _known: Known) -> Document:
-    """Another name for a line."""
+    """Renames a step of the sequence."""
     at = given.place_of(document.sequence)
     return replace(
         document, sequence=replaced(document.sequence, at, replace(document.sequence[at], name=given.text("name")))
@@ -354,7 +354,7 @@ def sequence_rename(document: Document, given: Arguments, _known: Known) -> Docu
 
 
 def sequence_move(document: Document, given: Arguments, _known: Known) -> Document:
-    """A line elsewhere in the order."""
+    """Moves a step of the sequence to another place in the order."""
     at = given.place_of(document.sequence)
     to = given.whole("index", 0, len(document.sequence) - 1)
     rest = without(document.sequence, at)
@@ -362,12 +362,12 @@ def sequence_move(document: Document, given: Arguments, _known: Known) -> Docume
 
 
 def sequence_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A line less; the parts stay where they are."""
+    """Removes a step of the sequence; its parts stay where they are."""
     return replace(document, sequence=without(document.sequence, given.place_of(document.sequence)))
 
 
 def sequence_replay(document: Document, given: Arguments, known: Known) -> Document:
-    """The parts of a line are where they were gripped, and in the hand: the engine then moves them along the way."""
+    """Replays a step of the sequence: grips its parts where they were and moves them along its path."""
     line = document.sequence[given.place_of(document.sequence)]
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
@@ -379,7 +379,7 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
 
 
 def findings_open(document: Document, given: Arguments, known: Known) -> Document:
-    """Findings in place of those that were open; as `feeler clash --json` writes them."""
+    """Opens the findings of a clash check, as `feeler clash --json` writes them."""
     try:
         return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
     except LoadError as error:
@@ -387,7 +387,7 @@ def findings_open(document: Document, given: Arguments, known: Known) -> Documen
 
 
 def finding_status(document: Document, given: Arguments, _known: Known) -> Document:
-    """What was decided about a finding."""
+    """Sets the status of a finding."""
     found = _findings(document, given)
     name = given.text("id")
     if name not in findings.ids(found.groups):
@@ -397,7 +397,7 @@ def finding_status(document: Document, given: Arguments, _known: Known) -> Docum
 
 
 def finding_filter(document: Document, given: Arguments, _known: Known) -> Document:
-    """Whether findings that only touch are hidden."""
+    """Hides or shows findings that only touch."""
     found = replace(_findings(document, given), is_touching_hidden=given.flag("is_touching_hidden"))
     return replace(document, findings=found)
 

@@ -68,6 +68,16 @@ Pose = list[float]
 Selection = list[int | str] | int | str
 """Parts: indices, paths or patterns."""
 
+
+class CommandAnswer(TypedDict, total=False):
+    """What a command answers. `id`: of what it added. `pose`: of the hand."""
+
+    id: int
+    pose: Pose
+    undo_depth: int
+    redo_depth: int
+
+
 Unit = Literal["mm", "cm", "m", "in"]
 Mode = Literal["stop", "glide", "pass"]
 UpAxis = Literal["x", "y", "z"]

@@ -32,7 +32,7 @@ from feeler.workbench.document.document import UNITS, Document, Loading, RecordF
 from feeler.workbench.document.findings import grouped, read_findings
 from feeler.workbench.document.history import History
 from feeler.workbench.document.motion import Floats
-from feeler.workbench.document.protocol import DocumentFields, HeldManifest, Manifest
+from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
@@ -269,7 +269,7 @@ class Session:
                 self._recorder.let_go(self._clock())
         self._wake.set()
 
-    def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> dict[str, Any]:
+    def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> CommandAnswer:
         """Changes the document; see `commands.COMMANDS`, and `undo` and `redo`. Raises `WorkbenchError`.
 
         The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth". is_recorded: it is
@@ -298,7 +298,7 @@ class Session:
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
-            added = {"id": before.next_id} if after.next_id > before.next_id else {}
+            added: CommandAnswer = {"id": before.next_id} if after.next_id > before.next_id else {}
         self._wake.set()
         return {**added, "pose": list(after.pose), **self._depths()}
 
@@ -471,7 +471,7 @@ class Session:
             if fields or command is not None:
                 self._events.tell({"type": "patch", "fields": fields, "command": command, **self._depths()})
 
-    def _depths(self) -> dict[str, int]:
+    def _depths(self) -> CommandAnswer:
         return {"undo_depth": self._history.undo_depth, "redo_depth": self._history.redo_depth}
 
     def _tell_held(self, document: Document) -> None:

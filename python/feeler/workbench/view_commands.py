@@ -1,0 +1,193 @@
+"""The page's commands as methods.
+
+Written by tools/view_commands.py from document/commands.py: change it there.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from feeler.workbench.document.protocol import (
+    Camera,
+    CommandAnswer,
+    FindingStatus,
+    Material,
+    MeasureType,
+    Mode,
+    Pose,
+    Selection,
+    Unit,
+    Vec3,
+)
+from feeler.workbench.session.session import Session
+
+
+class ViewCommands:
+    """The commands of the page; see `View`. Each raises `WorkbenchError` for arguments that cannot be."""
+
+    session: Session
+
+    def command(self, name: str, /, **args: object) -> CommandAnswer:
+        """Runs a command of the page by its name, such as `view.command("hide", parts="*screw*")`.
+
+        The answer has the `id` of what was added, the `pose` of the hand, `undo_depth` and `redo_depth`. Raises
+        `WorkbenchError`.
+        """
+        return self.session.command(name, args)
+
+    def _command(self, name: str, /, **args: object) -> CommandAnswer:
+        """Without the arguments that are not given."""
+        return self.command(name, **{key: value for key, value in args.items() if value is not None})
+
+    def hide(self, parts: Selection) -> CommandAnswer:
+        """Hides parts; they still collide."""
+        return self.command("hide", parts=parts)
+
+    def show(self, parts: Selection) -> CommandAnswer:
+        """Shows hidden parts again."""
+        return self.command("show", parts=parts)
+
+    def show_all(self) -> CommandAnswer:
+        """Shows all parts, and none as a ghost."""
+        return self.command("show_all")
+
+    def hide_all(self) -> CommandAnswer:
+        """Hides all parts."""
+        return self.command("hide_all")
+
+    def isolate(self, parts: Selection) -> CommandAnswer:
+        """Shows these parts alone; the same call again restores what was hidden before."""
+        return self.command("isolate", parts=parts)
+
+    def ghost(self, parts: Selection, is_on: bool) -> CommandAnswer:
+        """Draws parts see-through, or solid again."""
+        return self.command("ghost", parts=parts, is_on=is_on)
+
+    def single_out(self, parts: Selection) -> CommandAnswer:
+        """Draws these parts solid and all others see-through."""
+        return self.command("single_out", parts=parts)
+
+    def explode(self, share: float) -> CommandAnswer:
+        """Draws the parts apart by a share, 0 to 1."""
+        return self.command("explode", share=share)
+
+    def section_add(self, normal: Vec3, offset: float) -> CommandAnswer:
+        """Adds a section plane; `offset` is its distance from the origin along `normal`, metres."""
+        return self.command("section_add", normal=normal, offset=offset)
+
+    def section_move(self, id: int, normal: Vec3, offset: float) -> CommandAnswer:
+        """Moves a section plane."""
+        return self.command("section_move", id=id, normal=normal, offset=offset)
+
+    def section_switch(self, id: int, is_on: bool) -> CommandAnswer:
+        """Switches a section plane on or off."""
+        return self.command("section_switch", id=id, is_on=is_on)
+
+    def section_remove(self, id: int) -> CommandAnswer:
+        """Removes a section plane."""
+        return self.command("section_remove", id=id)
+
+    def set_unit(self, unit: Unit) -> CommandAnswer:
+        """Sets the unit in which lengths are shown."""
+        return self.command("set_unit", unit=unit)
+
+    def set_material(self, material: Material | None) -> CommandAnswer:
+        """Sets the material that contact sounds like; None: steel."""
+        return self.command("set_material", material=material)
+
+    def set_mode(self, mode: Mode) -> CommandAnswer:
+        """Sets what contact does to the tool: stop, glide or pass."""
+        return self.command("set_mode", mode=mode)
+
+    def place(self, pose: Pose) -> CommandAnswer:
+        """Moves the tool to a pose, as far as contact lets it: 16 numbers of world_from_tool, row by row, metres."""
+        return self.command("place", pose=pose)
+
+    def grip(self, parts: Selection) -> CommandAnswer:
+        """Grips parts: they leave the scene and move with the hand, together with those that it holds already."""
+        return self.command("grip", parts=parts)
+
+    def release(self) -> CommandAnswer:
+        """Releases the gripped parts where they are; if they moved, this adds a step to the sequence."""
+        return self.command("release")
+
+    def put_back(self, parts: Selection) -> CommandAnswer:
+        """Puts parts back into their places."""
+        return self.command("put_back", parts=parts)
+
+    def take_tool(self, name: str | None) -> CommandAnswer:
+        """Takes another tool, or none; where it would collide, it starts above the mock-up."""
+        return self.command("take_tool", name=name)
+
+    def measure_add(
+        self,
+        type: MeasureType,
+        points: list[Vec3] | None = None,
+        parts: Selection | None = None,
+        triangles: list[int] | None = None,
+        name: str | None = None,
+    ) -> CommandAnswer:
+        """Adds a measure of points, parts or triangles."""
+        return self._command("measure_add", type=type, points=points, parts=parts, triangles=triangles, name=name)
+
+    def measure_edit(
+        self,
+        id: int,
+        type: MeasureType | None = None,
+        points: list[Vec3] | None = None,
+        parts: Selection | None = None,
+        triangles: list[int] | None = None,
+        name: str | None = None,
+    ) -> CommandAnswer:
+        """Renames a measure, or measures something else."""
+        return self._command(
+            "measure_edit", id=id, type=type, points=points, parts=parts, triangles=triangles, name=name
+        )
+
+    def measure_remove(self, id: int) -> CommandAnswer:
+        """Removes a measure."""
+        return self.command("measure_remove", id=id)
+
+    def viewpoint_add(self, camera: Camera, name: str | None = None) -> CommandAnswer:
+        """Saves a camera."""
+        return self._command("viewpoint_add", camera=camera, name=name)
+
+    def viewpoint_remove(self, id: int) -> CommandAnswer:
+        """Removes a saved camera."""
+        return self.command("viewpoint_remove", id=id)
+
+    def sequence_rename(self, id: int, name: str) -> CommandAnswer:
+        """Renames a step of the sequence."""
+        return self.command("sequence_rename", id=id, name=name)
+
+    def sequence_move(self, id: int, index: int) -> CommandAnswer:
+        """Moves a step of the sequence to another place in the order."""
+        return self.command("sequence_move", id=id, index=index)
+
+    def sequence_remove(self, id: int) -> CommandAnswer:
+        """Removes a step of the sequence; its parts stay where they are."""
+        return self.command("sequence_remove", id=id)
+
+    def sequence_replay(self, id: int) -> CommandAnswer:
+        """Replays a step of the sequence: grips its parts where they were and moves them along its path."""
+        return self.command("sequence_replay", id=id)
+
+    def findings_open(self, findings: Any) -> CommandAnswer:
+        """Opens the findings of a clash check, as `feeler clash --json` writes them."""
+        return self.command("findings_open", findings=findings)
+
+    def finding_status(self, id: str, status: FindingStatus) -> CommandAnswer:
+        """Sets the status of a finding."""
+        return self.command("finding_status", id=id, status=status)
+
+    def finding_filter(self, is_touching_hidden: bool) -> CommandAnswer:
+        """Hides or shows findings that only touch."""
+        return self.command("finding_filter", is_touching_hidden=is_touching_hidden)
+
+    def undo(self) -> CommandAnswer:
+        """Undoes the last command."""
+        return self.command("undo")
+
+    def redo(self) -> CommandAnswer:
+        """Does again what was undone."""
+        return self.command("redo")
