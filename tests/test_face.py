@@ -102,10 +102,13 @@ def test_errors_that_are_raised_can_be_imported() -> None:
     assert names >= INSIDE
 
 
+SPACES = ("feeler.clashes", "feeler.io", "feeler.picture", "feeler.samples")
+
+
 def public_members() -> dict[str, object]:
     """What a user can ask for help on: functions and classes, their methods and properties, by name."""
     found: dict[str, object] = {}
-    for space in (feeler, feeler.haptics):
+    for space in (feeler, feeler.haptics, *map(importlib.import_module, SPACES)):
         for name in space.__all__:
             value = getattr(space, name)
             if inspect.ismodule(value) or (inspect.isclass(value) and issubclass(value, BaseException)):
@@ -137,6 +140,26 @@ def test_docstrings_of_the_core_are_those_of_its_stubs() -> None:
         if name not in ("__new__", "__len__", "__getitem__", "__iter__") and told != doc:
             other[owner, name] = (told, doc)
     assert other == {}
+
+
+UNTYPED = {
+    "feeler.View.findings_open.findings": "JSON",
+    "feeler.clashes.report.return": "JSON",
+    "feeler.Clashes.to_dicts.return": "JSON",
+    "feeler.Clashes.to_pandas.return": "pandas need not be installed",
+}
+"""Public signatures with `Any`, and why no type is known."""
+
+
+def test_public_signatures_have_types() -> None:
+    found = {
+        f"{name}.{argument}"
+        for name, member in public_members().items()
+        if callable(function := getattr(member, "fget", member)) and not isinstance(function, type)
+        for argument, kind in getattr(function, "__annotations__", {}).items()
+        if re.search(r"\bAny\b", re.sub(r"NDArray\[Any\]", "", str(kind)))
+    }
+    assert {name.replace("feeler.clashes.Clashes", "feeler.Clashes") for name in found} == set(UNTYPED)
 
 
 def modules_after(code: str) -> set[str]:

@@ -231,7 +231,8 @@ ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "progress": {"errors"},
     "words": set(),
-    "arguments": {"errors"},
+    "enumerations": set(),
+    "arguments": {"errors", "progress"},
     "travel": {"_core", "errors"},
     "poses": {"errors"},
     "parts": {"errors"},
@@ -240,14 +241,17 @@ ROOMS: dict[str, set[str]] = {
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
     "calibrate": {"_core", "errors"},
     "depths": set(),
-    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "poses", "progress", "travel"},
+    "scene": {
+        *("_core", "arguments", "calibrate", "depths", "enumerations", "errors", "ignored", "mockup", "parts", "poses"),
+        *("progress", "travel"),
+    },
     "io": BASE,
     "interchange": {*BASE, "io"},
     "haptics": BASE,
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
-    "clashes": {*BASE, "ignored", "io", "parts", "picture", "plan"},
+    "clashes": {*BASE, "enumerations", "ignored", "io", "parts", "picture", "plan"},
     # Removal, order, access, swept volumes.
     "plan": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,
@@ -276,7 +280,9 @@ INNER_ROOMS: dict[str, dict[str, set[str]]] = {
         # Knows the session by what it needs of one.
         "net": {"document", "files"},
         # `feeler.view`.
-        "scripting": {"document", "session", "net"},
+        "scripting": {"document", "session", "net", "view_commands"},
+        # Its commands, as methods.
+        "view_commands": {"document", "session"},
     },
 }
 # Folders of Python without circles, of imports inside functions and for type checkers neither.

@@ -30,9 +30,7 @@ def main() -> None:
     parser.add_argument("triangles", nargs="?", type=triangles, default=100_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=2.0, help="most time of a step")
-    parser.add_argument(
-        "--overlap", type=float, default=0.0, help="metres by which pairs may overlap"
-    )
+    parser.add_argument("--overlap", type=float, default=0.0, help="metres by which pairs may overlap")
     options = parser.parse_args()
     scene = feeler.Scene(feeler.sample("gearbox", options.triangles, options.seed))
     truth = feeler.sample_truth("gearbox", options.triangles, options.seed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from feeler.clashes.fastener_rule import shape_of
 from feeler.clashes.limits import Limits, limits
 from feeler.clashes.openness import open_holders
 from feeler.clashes.result import Clashes
-from feeler.clashes.rules import Rules, rules_from
+from feeler.clashes.rules import RulesLike, rules_from
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.errors import MeshError, OptionError
@@ -25,7 +25,6 @@ from feeler.parts import PartsLike
 from feeler.progress import Progress
 from feeler.scene import Scene
 
-RulesLike = Rules | Mapping[str, Any] | str | Any
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
 _STAGES = ("finding parts that meet", "measuring clearances", "measuring depths")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ from feeler.clashes.changes import compare
 from feeler.clashes.grouping import grouped
 from feeler.clashes.matching import PartMatch
 from feeler.clashes.retried import with_rules
-from feeler.clashes.rules import rules_from
+from feeler.clashes.rules import RulesLike, rules_from
 from feeler.clashes.saving import load, save
 from feeler.clashes.table import Clash, Table
 from feeler.clashes.tracking import DEPTH_GROWTH_M
@@ -57,7 +56,7 @@ class Clashes(Table):
         found = {name: self.where(status=name) for name in ("new", "active", "reviewed", "approved")}
         return Changes(**found, resolved=self.earlier().where(status="resolved"), parts=parts)
 
-    def with_rules(self, rules: Any, mockup: Mockup | None = None) -> Clashes:
+    def with_rules(self, rules: RulesLike | None, mockup: Mockup | None = None) -> Clashes:
         """Applies other rules to these findings, without another check: to try rules on saved findings.
 
         rules: as in `feeler.clash`. mockup: the one that was checked, to find fasteners by shape; None: by name alone.

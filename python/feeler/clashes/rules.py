@@ -132,13 +132,17 @@ class Rules:
             raise LoadError(str(error)) from None
 
 
-def rules_from(rules: object) -> Rules:
+RulesLike = Rules | Mapping[str, object] | str | os.PathLike[str]
+"""Rules, a dict of them, or the path of a file."""
+
+
+def rules_from(rules: RulesLike | None) -> Rules:
     """Rules from None, a dict, `Rules`, or a file. Raises `OptionError`, and errors as in `Rules.read`."""
     if rules is None:
         return Rules()
     if isinstance(rules, Mapping):
         return Rules(**_parsed(rules))
-    return rules if isinstance(rules, Rules) else Rules.read(rules)  # type: ignore[arg-type]
+    return rules if isinstance(rules, Rules) else Rules.read(rules)
 
 
 _TABLES = {"rule": Rule, "exclude": Exclusion}

@@ -181,9 +181,9 @@ def _by_part(hits: list[dict[str, Any]]) -> list[dict[str, Any]]:
 class _Pair:
     """What a picture of a collision asks for."""
 
-    tool_triangles: npt.NDArray[np.int64]
-    mockup_triangles: npt.NDArray[np.int64]
-    parts: npt.NDArray[np.int64]
+    tool_triangles: npt.NDArray[np.uint32]
+    mockup_triangles: npt.NDArray[np.uint32]
+    parts: npt.NDArray[np.uint32]
 
 
 def _write(
@@ -205,7 +205,9 @@ def _write(
         written["csv"] = str(csv)
     first = check.first
     if glb is not None and first is not None:
-        pair = _Pair(*(np.array([i]) for i in (first.tool_triangle, first.mockup_triangle, first.part)))
+        pair = _Pair(
+            *(np.array([i], dtype=np.uint32) for i in (first.tool_triangle, first.mockup_triangle, first.part))
+        )
         with bar(f"writing {glb}"):
             write_collision_glb(glb, scene.mockup, tool, first.pose, pair, context=context, parts=scene.part_mask)
         written["glb"] = str(glb)

@@ -254,12 +254,12 @@ def _stop_all() -> None:
 class Opened(Device):
     """A device that is there. It serves one run, whose end lets go of it for good: open it again for another."""
 
-    def __init__(self, name: str, options: dict[str, Any]) -> None:
+    def __init__(self, name: str, options: dict[str, object]) -> None:
         """See `open_device`."""
         self._device = _core.HapticsDevice.open(name, options)
 
 
-def open_device(name: str, **options: Any) -> Opened:
+def open_device(name: str, **options: object) -> Opened:
     """Opens a device by the name of its driver.
 
     - `spacemouse`: through spacenavd. Options `socket`, `speed_m_per_s`, `turn_rad_per_s`, `dead_zone`, `reach_m`,

@@ -27,7 +27,7 @@ _LIBRARIES: dict[str, tuple[Callable[[Any], bool], Callable[[Assembly, Any, tupl
 }
 
 
-def from_trimesh(mesh: Any, unit: str | None = None) -> Mockup:
+def from_trimesh(mesh: object, unit: str | None = None) -> Mockup:
     """A mock-up from a `trimesh.Trimesh` or `trimesh.Scene`, or a list or dict of such.
 
     Each geometry of a scene becomes a part at every place where the scene has it, its path the names of the graph's
@@ -39,7 +39,7 @@ def from_trimesh(mesh: Any, unit: str | None = None) -> Mockup:
     return _mockup(mesh, unit, "trimesh")
 
 
-def from_pyvista(mesh: Any, unit: str | None = None) -> Mockup:
+def from_pyvista(mesh: object, unit: str | None = None) -> Mockup:
     """A mock-up from a PyVista `PolyData`, or a `MultiBlock`, whose blocks become parts; or a list or dict of such.
 
     Polygons and strips are cut into triangles; of a volume (`UnstructuredGrid`, ...) the surface is taken. `unit`: what
@@ -50,7 +50,7 @@ def from_pyvista(mesh: Any, unit: str | None = None) -> Mockup:
     return _mockup(mesh, unit, "pyvista")
 
 
-def from_open3d(mesh: Any, unit: str | None = None) -> Mockup:
+def from_open3d(mesh: object, unit: str | None = None) -> Mockup:
     """A mock-up from an Open3D `TriangleMesh`, of either API, or a `TriangleMeshModel`; or a list or dict of such.
 
     `unit`: what a number means, by default the metre, since Open3D's data say none. `feeler.Tool(mesh)` makes a tool.
@@ -60,7 +60,7 @@ def from_open3d(mesh: Any, unit: str | None = None) -> Mockup:
     return _mockup(mesh, unit, "open3d")
 
 
-def _mockup(mesh: Any, unit: str | None, library: str) -> Mockup:
+def _mockup(mesh: object, unit: str | None, library: str) -> Mockup:
     found = convert(mesh, unit, library)
     return Mockup(
         found.vertices,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -69,10 +69,22 @@ class Body:
         return np.stack([used.min(axis=0), used.max(axis=0)])
 
 
+class MeshLike(Protocol):
+    """A mock-up, a tool, a body, or anything else with vertices and faces."""
+
+    @property
+    def vertices(self) -> npt.ArrayLike:
+        """`(n, 3)`, metres."""
+
+    @property
+    def faces(self) -> npt.ArrayLike:
+        """`(m, 3)`: the vertices of each triangle."""
+
+
 def body_of(
-    mesh: Any,
+    mesh: MeshLike,
     *,
-    colours: Any = None,
+    colours: npt.ArrayLike | None = None,
     pose: npt.ArrayLike | None = None,
     cut: bool = True,
 ) -> Body:

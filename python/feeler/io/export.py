@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from feeler.errors import MeshError, OptionError
 from feeler.io.atomic import atomic_file
-from feeler.io.body import Body, FloatArray, body_of
+from feeler.io.body import Body, FloatArray, MeshLike, body_of
 from feeler.io.gltf_document import OWN_GENERATOR
 from feeler.poses import quaternion
 
@@ -31,7 +31,7 @@ _UINT16_VERTICES = 65_535  # 65535 itself is reserved by glTF as the strip resta
 _STL_PER_METRE = {"m": 1.0, "cm": 100.0, "mm": 1000.0, "in": 1.0 / 0.0254, "inch": 1.0 / 0.0254}
 
 
-def write_glb(path: str | os.PathLike[str], *meshes: Any, colours: Any = None) -> int:
+def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.ArrayLike | None = None) -> int:
     """Writes mock-ups, tools or bodies as one binary glTF 2.0 file; returns its size in bytes.
 
     One node and one mesh per part, named after the part, nested as in the part paths ("a/b/c"); a part with several
@@ -63,7 +63,7 @@ class Motion:
     poses: FloatArray
 
 
-def animated_glb(mesh: Any, motions: Sequence[Motion], *, colours: Any = None) -> bytes:
+def animated_glb(mesh: MeshLike, motions: Sequence[Motion], *, colours: npt.ArrayLike | None = None) -> bytes:
     """A binary glTF 2.0 file of a mock-up, tool or body whose parts move; `part` of a motion is one of the mesh's.
 
     As `write_glb`; between two poses a part moves straight, and turns the shorter way. Raises `MeshError`.
@@ -79,7 +79,7 @@ def animated_glb(mesh: Any, motions: Sequence[Motion], *, colours: Any = None) -
     return b"".join(chunks)
 
 
-def write_stl(path: str | os.PathLike[str], mesh: Any, *, unit: str = "mm") -> int:
+def write_stl(path: str | os.PathLike[str], mesh: MeshLike, *, unit: str = "mm") -> int:
     """Writes a binary STL, all parts in one; returns its size in bytes.
 
     STL carries no unit; `unit` says in which the numbers are written. Millimetres are what other programs, and

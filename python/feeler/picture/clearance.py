@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.io.body import Body
+from feeler._core import Clearance
+from feeler.io.body import Body, MeshLike
 from feeler.io.export import write_glb
 from feeler.picture.bars import LEAST_THICKNESS_M, bars
 from feeler.picture.collision import collision_bodies
@@ -17,10 +17,10 @@ _THICKNESS_SHARE = 0.002  # of the tool's size
 
 
 def clearance_bodies(
-    mockup: Any,
-    tool: Any,
+    mockup: MeshLike,
+    tool: MeshLike,
     world_from_tool: npt.ArrayLike,
-    clearance: Any,
+    clearance: Clearance,
     *,
     context: float | None = None,
     parts: npt.ArrayLike | None = None,
@@ -41,10 +41,10 @@ def clearance_bodies(
 
 def write_clearance_glb(
     path: str | os.PathLike[str],
-    mockup: Any,
-    tool: Any,
+    mockup: MeshLike,
+    tool: MeshLike,
     world_from_tool: npt.ArrayLike,
-    clearance: Any,
+    clearance: Clearance,
     *,
     context: float | None = None,
     parts: npt.ArrayLike | None = None,

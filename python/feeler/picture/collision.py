@@ -3,21 +3,49 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
-from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
+from feeler.io.body import (
+    LIGHT_GREY,
+    ORANGE,
+    RED,
+    STEEL_BLUE,
+    TINT,
+    Body,
+    Mark,
+    MeshLike,
+    body_of,
+    only_faces,
+    with_marks,
+)
 from feeler.io.export import write_glb
 
 
+class Hits(Protocol):
+    """The triangles and parts to be coloured: a `feeler.Collision`, or a `feeler.Clearance` with triangles."""
+
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: triangles of the tool."""
+
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: triangles of the mock-up."""
+
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: parts of the mock-up."""
+
+
 def collision_bodies(
-    mockup: Any,
-    tool: Any,
+    mockup: MeshLike,
+    tool: MeshLike,
     world_from_tool: npt.ArrayLike,
-    collision: Any,
+    collision: Hits,
     *,
     context: float | None = None,
     parts: npt.ArrayLike | None = None,
@@ -49,10 +77,10 @@ def collision_bodies(
 
 def write_collision_glb(
     path: str | os.PathLike[str],
-    mockup: Any,
-    tool: Any,
+    mockup: MeshLike,
+    tool: MeshLike,
     world_from_tool: npt.ArrayLike,
-    collision: Any,
+    collision: Hits,
     *,
     context: float | None = None,
     parts: npt.ArrayLike | None = None,

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from feeler.errors import MeshError, OptionError
 from feeler.io.atomic import atomic_file
-from feeler.io.body import Body, body_of
+from feeler.io.body import Body, MeshLike, body_of
 from feeler.picture import shade
 from feeler.picture.camera import Camera, Section, usual_view
 from feeler.picture.clip import clip_triangles
@@ -48,7 +48,7 @@ class Inset:
 
 def render(
     path: str | os.PathLike[str] | None,
-    *meshes: Any,
+    *meshes: MeshLike,
     camera: Camera | None = None,
     size: tuple[int, int] = (1600, 1000),
     section: Section | None = None,

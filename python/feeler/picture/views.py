@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.io.body import only_faces
+from feeler.io.body import MeshLike, only_faces
 from feeler.picture.camera import Camera, Section, triple, usual_view
-from feeler.picture.collision import collision_bodies
+from feeler.picture.collision import Hits, collision_bodies
 from feeler.picture.renderer import Inset, render
 from feeler.progress import Progress
 
@@ -22,10 +21,10 @@ _CLOSE = 0.28  # what the close view shows, share of the tool's diagonal
 
 def render_collision(
     path: str | os.PathLike[str] | None,
-    mockup: Any,
-    tool: Any,
+    mockup: MeshLike,
+    tool: MeshLike,
     world_from_tool: npt.ArrayLike,
-    collision: Any,
+    collision: Hits,
     *,
     size: tuple[int, int] = (1600, 1000),
     direction: npt.ArrayLike | None = None,

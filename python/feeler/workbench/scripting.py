@@ -8,7 +8,7 @@ import threading
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -74,7 +74,7 @@ def view(
     return opened
 
 
-def _served(session: Session, port: int) -> Any:
+def _served(session: Session, port: int) -> Serving:
     try:
         from feeler.workbench.net.server import Server
     except ImportError as error:
@@ -84,11 +84,21 @@ def _served(session: Session, port: int) -> Any:
     return server
 
 
+class Serving(Protocol):
+    """What serves the page of a view."""
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with its token."""
+
+    def close(self) -> None:
+        """Ends it."""
+
+
 class View(ViewCommands):
     """An open workbench, which `feeler.view` makes. The commands of the page are its methods; each can be undone."""
 
-    def __init__(self, session: Session, server: Any) -> None:
-        """server: has `url` and `close()`."""
+    def __init__(self, session: Session, server: Serving) -> None:
         self.session = session
         self._server = server
         self._watchers: list[_Watcher] = []
