@@ -9,9 +9,9 @@ class Verdict(IntEnum):
     """The relation of two parts."""
 
     CLASH = 0
-    """They meet and are deeper than `contact`, or they are thin walls that cross."""
+    """They collide and are deeper than `contact`, or they are thin walls that cross."""
     CONTACT = 1
-    """They meet and are at most `contact` deep, or they are at most `contact` apart."""
+    """They collide and are at most `contact` deep, or they are at most `contact` apart."""
     CLEARANCE = 2
     """They are farther apart than `contact`, but at most `clearance`."""
     CONTAINED = 3
