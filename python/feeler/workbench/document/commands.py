@@ -1,7 +1,7 @@
-"""Every change of the document: the name of a command -> a function of the document, the arguments and what is known.
+"""All changes of the document: command names -> functions of the document, the arguments and `Known` facts.
 
-The functions are pure: the same document, arguments and knowledge give the same document. What only the engine can tell
-(where the hand is, the way it went, what was measured) the session puts into `Known` before it calls one.
+The functions are pure: the same document, arguments and facts give the same document. Before a command, the session
+puts facts that only the engine has (pose of the hand, its path, measured values) into `Known`.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ from feeler.workbench.document.protocol import (
 )
 
 LEAST_MOVED_M = 1e-3
-"""Parts that a release left less far from where they were gripped are no line of the sequence."""
-_GRID_M = 2.0**-10  # of the hand's place where it holds parts alone: subtracting it from a coordinate loses no digit
+"""Parts that a release left nearer than this to where they were gripped add no line to the sequence."""
+_GRID_M = 2.0**-10  # of the pose of a hand that holds only parts: subtracting it from a coordinate loses no digit
 _MOST_SECTIONS = 6
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a measure came to; see `document.Measure`."""
+    """The result of a measure; see `document.Measure`."""
 
     type: str
     points: tuple[tuple[float, float, float], ...]
@@ -66,11 +66,11 @@ class Measured:
 
 @dataclass(frozen=True)
 class Known:
-    """What commands know beside the document.
+    """The facts that commands need beside the document.
 
-    bounds: `(2, 3)` of the parts in the scene. tools: by name, the triangles of those that were made. pose: where the
-    hand is. tool_pose: where a tool that is taken is free. trip: of the parts in the hand, and their least clearance on
-    it. absent: parts that were left out of the scene from the start.
+    bounds: `(2, 3)` of the parts in the scene. tools: triangles by name, of the tools made so far. pose: of the hand.
+    tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
+    absent: parts that were excluded when the mock-up was opened.
     """
 
     parts: Parts
@@ -94,7 +94,7 @@ Change = Callable[[Document, Arguments, Known], Document]
 
 @dataclass(frozen=True)
 class Command:
-    """A change and its arguments. moves_hand: the document it begins with has the hand where it is."""
+    """A change and its arguments. moves_hand: the document before it has the hand where it is."""
 
     change: Change
     arguments: Shape = field(default_factory=dict)
@@ -102,27 +102,27 @@ class Command:
 
 
 def hide(document: Document, given: Arguments, known: Known) -> Document:
-    """Out of sight; they still collide."""
+    """Hides parts; they still collide."""
     return replace(document, hidden=_united(document.hidden, _there(given, known)))
 
 
 def show(document: Document, given: Arguments, known: Known) -> Document:
-    """In sight again."""
+    """Shows hidden parts."""
     return replace(document, hidden=_less(document.hidden, given.parts("parts", known.parts)))
 
 
 def show_all(document: Document, _given: Arguments, _known: Known) -> Document:
-    """Nothing hidden, nothing a ghost."""
+    """Shows all parts, and ends all ghosts."""
     return replace(document, hidden=(), ghost=(), isolation=None)
 
 
 def hide_all(document: Document, _given: Arguments, known: Known) -> Document:
-    """Everything hidden."""
+    """Hides all parts."""
     return replace(document, hidden=known.there, isolation=None)
 
 
 def isolate(document: Document, given: Arguments, known: Known) -> Document:
-    """These alone in sight; the same again brings back what was hidden before."""
+    """Shows only these parts; a second call restores the previous visibility."""
     parts = _there(given, known)
     before = document.isolation
     if before is not None and before.parts == parts:
@@ -133,24 +133,24 @@ def isolate(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def ghost(document: Document, given: Arguments, known: Known) -> Document:
-    """See-through, or not."""
+    """Makes parts see-through, or solid."""
     change = _united if given.flag("is_on") else _less
     return replace(document, ghost=change(document.ghost, _there(given, known)))
 
 
 def single_out(document: Document, given: Arguments, known: Known) -> Document:
-    """These in sight and solid, all others see-through."""
+    """Shows these parts solid, all others see-through."""
     parts = _there(given, known)
     return replace(document, hidden=_less(document.hidden, parts), ghost=_less(known.there, parts))
 
 
 def explode(document: Document, given: Arguments, _known: Known) -> Document:
-    """How far apart the parts are drawn, 0 to 1."""
+    """Exploded view, 0 to 1."""
     return replace(document, explode=given.number("share", 0.0, 1.0))
 
 
 def section_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut more."""
+    """Adds a section."""
     if len(document.sections) >= _MOST_SECTIONS:
         raise WorkbenchError(f"there are {_MOST_SECTIONS} sections already", given.command, "remove one first")
     plane = SectionPlane(document.next_id, given.unit("normal"), given.number("offset"))
@@ -158,47 +158,47 @@ def section_add(document: Document, given: Arguments, _known: Known) -> Document
 
 
 def section_move(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut elsewhere."""
+    """Moves a section."""
     place = given.place_of(document.sections)
     plane = replace(document.sections[place], normal=given.unit("normal"), offset=given.number("offset"))
     return replace(document, sections=replaced(document.sections, place, plane))
 
 
 def section_switch(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut on or off."""
+    """Turns a section on or off."""
     place = given.place_of(document.sections)
     plane = replace(document.sections[place], is_on=given.flag("is_on"))
     return replace(document, sections=replaced(document.sections, place, plane))
 
 
 def section_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A cut less."""
+    """Removes a section."""
     return replace(document, sections=without(document.sections, given.place_of(document.sections)))
 
 
 def set_unit(document: Document, given: Arguments, _known: Known) -> Document:
-    """In which lengths are shown."""
+    """Sets the unit of lengths."""
     return replace(document, unit=given.choice("unit", UNITS))
 
 
 def set_material(document: Document, given: Arguments, _known: Known) -> Document:
-    """What the mock-up sounds like; null: as steel."""
+    """Sets the material of the sounds; null: steel."""
     return replace(document, material=given.choice("material", MATERIALS) if given.has("material") else None)
 
 
 def set_mode(document: Document, given: Arguments, known: Known) -> Document:
-    """What contact does to the hand: stop, glide or pass."""
+    """Sets the effect of contact on the hand: stop, glide or pass."""
     return replace(document, mode=given.choice("mode", MODES), pose=known.pose)
 
 
 def place(document: Document, given: Arguments, known: Known) -> Document:
-    """The hand put down: where the engine let it come, which `known.pose` says."""
+    """Places the hand; `known.pose` is where the engine let it come to."""
     given.pose("pose")
     return replace(document, pose=known.pose)
 
 
 def grip(document: Document, given: Arguments, known: Known) -> Document:
-    """Parts leave the scene and join the hand where they are; more parts join those that are held."""
+    """Grips parts: they leave the scene and join the hand in place; further parts join those already held."""
     parts = tuple(part for part in given.parts("parts", known.parts) if part not in document.gripped)
     if not parts:
         raise WorkbenchError("the hand holds these already", given.command, "release them, or grip others")
@@ -211,7 +211,7 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
     places = {part: motion.matrix(document.moved.get(part, motion.HOME)) for part in parts}
     pose = motion.matrix(known.pose)
     if document.tool is None and not document.gripped:
-        # Nothing is in the hand, so it may be anywhere: in the middle of what it takes.
+        # The hand is empty, so it may be anywhere: in the middle of the gripped parts.
         boxes = np.array([[known.parts[part].lower, known.parts[part].upper] for part in parts])
         around = np.concatenate(
             [
@@ -235,7 +235,7 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def release(document: Document, given: Arguments, known: Known) -> Document:
-    """The parts stay where they are; where they moved, that is a line of the sequence."""
+    """Releases the parts where they are; if they moved, this adds a line to the sequence."""
     if not document.gripped:
         raise WorkbenchError("the hand holds no part", given.command, "grip one first")
     pose = motion.matrix(known.pose)
@@ -277,7 +277,7 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def put_back(document: Document, given: Arguments, known: Known) -> Document:
-    """Parts go home, from where they lie or from the hand."""
+    """Returns parts to their places, from elsewhere or from the hand."""
     parts = given.parts("parts", known.parts)
     away = [part for part in parts if part in document.moved or part in document.gripped]
     if not away:
@@ -295,7 +295,7 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def take_tool(document: Document, given: Arguments, known: Known) -> Document:
-    """Another tool in the hand, or none; where it would meet something, it is above the mock-up."""
+    """Takes another tool, or none; where it would collide, it is placed above the mock-up."""
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     if not given.has("name"):
@@ -305,14 +305,14 @@ def take_tool(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def measure_add(document: Document, given: Arguments, known: Known) -> Document:
-    """A measure more."""
+    """Adds a measure."""
     found = _measured(given, known)
     name = given.text("name") if given.has("name") else f"{found.type} {document.next_id}"
     return document.with_id(measures=(*document.measures, _measure(document.next_id, name, found)))
 
 
 def measure_edit(document: Document, given: Arguments, known: Known) -> Document:
-    """A measure with another name, or of something else."""
+    """Renames a measure, or changes its object."""
     at = given.place_of(document.measures)
     old = document.measures[at]
     name = given.text("name") if given.has("name") else old.name
@@ -321,7 +321,7 @@ def measure_edit(document: Document, given: Arguments, known: Known) -> Document
 
 
 def measure_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A measure less."""
+    """Removes a measure."""
     return replace(document, measures=without(document.measures, given.place_of(document.measures)))
 
 
@@ -334,19 +334,19 @@ def camera_of(given: Arguments) -> CameraView:
 
 
 def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """A camera to come back to."""
+    """Stores a camera."""
     seen = camera_of(given)
     name = given.text("name") if given.has("name") else f"view {document.next_id}"
     return document.with_id(viewpoints=(*document.viewpoints, Viewpoint(document.next_id, name, seen)))
 
 
 def viewpoint_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A camera less."""
+    """Removes a camera."""
     return replace(document, viewpoints=without(document.viewpoints, given.place_of(document.viewpoints)))
 
 
 def sequence_rename(document: Document, given: Arguments, _known: Known) -> Document:
-    """Another name for a line."""
+    """Renames a line."""
     at = given.place_of(document.sequence)
     return replace(
         document, sequence=replaced(document.sequence, at, replace(document.sequence[at], name=given.text("name")))
@@ -354,7 +354,7 @@ def sequence_rename(document: Document, given: Arguments, _known: Known) -> Docu
 
 
 def sequence_move(document: Document, given: Arguments, _known: Known) -> Document:
-    """A line elsewhere in the order."""
+    """Moves a line in the order."""
     at = given.place_of(document.sequence)
     to = given.whole("index", 0, len(document.sequence) - 1)
     rest = without(document.sequence, at)
@@ -362,12 +362,13 @@ def sequence_move(document: Document, given: Arguments, _known: Known) -> Docume
 
 
 def sequence_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """A line less; the parts stay where they are."""
+    """Removes a line; the parts stay where they are."""
     return replace(document, sequence=without(document.sequence, given.place_of(document.sequence)))
 
 
 def sequence_replay(document: Document, given: Arguments, known: Known) -> Document:
-    """The parts of a line are where they were gripped, and in the hand: the engine then moves them along the way."""
+    """Puts the parts of a line back to where they were gripped, in the hand; the engine then moves them along the
+    way."""
     line = document.sequence[given.place_of(document.sequence)]
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
@@ -379,7 +380,7 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
 
 
 def findings_open(document: Document, given: Arguments, known: Known) -> Document:
-    """Findings in place of those that were open; as `feeler clash --json` writes them."""
+    """Replaces the open findings; in the format of `feeler clash --json`."""
     try:
         return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
     except LoadError as error:
@@ -387,7 +388,7 @@ def findings_open(document: Document, given: Arguments, known: Known) -> Documen
 
 
 def finding_status(document: Document, given: Arguments, _known: Known) -> Document:
-    """What was decided about a finding."""
+    """Sets the status of a finding."""
     found = _findings(document, given)
     name = given.text("id")
     if name not in findings.ids(found.groups):
@@ -397,13 +398,13 @@ def finding_status(document: Document, given: Arguments, _known: Known) -> Docum
 
 
 def finding_filter(document: Document, given: Arguments, _known: Known) -> Document:
-    """Whether findings that only touch are hidden."""
+    """Hides or shows contact findings."""
     found = replace(_findings(document, given), is_touching_hidden=given.flag("is_touching_hidden"))
     return replace(document, findings=found)
 
 
 MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
-"""What a measure is of; each type needs one of them."""
+"""The objects of a measure; each type needs one of them."""
 
 COMMANDS: dict[str, Command] = {
     "hide": Command(hide, {"parts": Selection}),
@@ -440,11 +441,11 @@ COMMANDS: dict[str, Command] = {
     "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
 }
 STEPS = ("undo", "redo")
-"""Commands that choose between documents and make none."""
+"""Commands that choose between documents instead of making one."""
 
 
 def applied(document: Document, name: str, args: Any, known: Known) -> Document:
-    """The document after a command. Raises `WorkbenchError` for a command or arguments that cannot be."""
+    """The document after a command. Raises `WorkbenchError` for an invalid command or arguments."""
     command = COMMANDS.get(name)
     if command is None:
         raise WorkbenchError(f"there is no command {name!r}", "command", near(name, [*COMMANDS, *STEPS]))
@@ -452,7 +453,7 @@ def applied(document: Document, name: str, args: Any, known: Known) -> Document:
 
 
 def _there(given: Arguments, known: Known) -> tuple[int, ...]:
-    """The argument "parts", those of them that are in the scene."""
+    """The argument "parts", without those that are not in the scene."""
     return tuple(part for part in given.parts("parts", known.parts) if part not in known.absent)
 
 
