@@ -175,7 +175,7 @@ def test_the_command_says_where_it_is_tight(files: tuple[str, str], tmp_path: Pa
     cubes, die = files
     words = [cubes, "--tool", die, "--at", "1.25,0.25,0.25", "--within", "1.5"]
     text = run(*words)
-    assert "Least distance: 250 mm" in text and "first" in text and "second" in text and "third" not in text
+    assert "Smallest distance: 250 mm" in text and "first" in text and "second" in text and "third" not in text
     assert "enough" in run(*words, "--require", "0.25")
     assert "too little" in run(*words, "--require", "0.26", code=1)
     document = json.loads(run(*words, "--require", "0.26", "--json", code=1))

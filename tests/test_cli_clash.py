@@ -142,7 +142,7 @@ def test_bad_input(tmp_path: Path, file: Path) -> None:
     assert "--by is 'parts': do you mean part" in error_of("clash", file, "--by", "parts")
     assert "--fail-on has 'crash': do you mean clash" in error_of("clash", file, "--fail-on", "new,crash")
     assert "resolved" in error_of("clash", file, "--fail-on", "resolved")
-    assert "--growth is for --previous" in error_of("clash", file, "--growth", "1")
+    assert "--growth compares with an earlier check" in error_of("clash", file, "--growth", "1")
     assert "--csv" in error_of("clash", file, "--csv", tmp_path / "a.txt")
     assert "must end in .json" in error_of("clash", file, "--save", tmp_path / "a.txt")
     assert "does not exist" in error_of("clash", file, "--html", tmp_path / "no" / "a.html")

@@ -246,7 +246,7 @@ def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> Non
     (tmp_path / "empty.stl").touch()
     assert "empty.stl" in error_of("info", tmp_path / "empty.stl")
     tool = ["--tool", slider]
-    assert "where is the tool" in error_of("collide", stand, *tool)
+    assert "the tool has no pose" in error_of("collide", stand, *tool)
     assert "exclude" in error_of("collide", stand, *tool, "--at", "0,0,0", "--pose", tmp_path / "p.json")
     assert "p.json does not exist" in error_of("collide", stand, *tool, "--pose", tmp_path / "p.json")
     assert "three numbers" in error_of("collide", stand, *tool, "--at", "0,zero,0")
@@ -284,7 +284,7 @@ def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> Non
         ("c.json", "[[1, 2], [3]]", "cannot be read"),
         ("d.json", "[]", "shape (0,)"),
         ("e.json", '"pose"', "cannot be read"),
-        ("f.txt", "1 0 0 0 0 1", "6 numbers are no whole number of poses"),
+        ("f.txt", "1 0 0 0 0 1", "6 numbers are not a multiple of 16"),
         ("g.txt", "1 0 0 zero", "'zero'"),
         ("h.txt", "", "holds no pose"),
         ("i.npy", "no array", "cannot be read"),

@@ -126,7 +126,7 @@ def test_touching_counts_unless_it_is_free(engine: Path, way_out: Path) -> None:
     # Pairs and parts that touch are listed all the same.
     assert document["poses"][0]["pairs"] > 0 and len(document["poses"][0]["parts"]) == 2
     text = run("collide", engine, *words, "--touching", "free").stdout
-    assert "Nothing but touches" in text and "Parts that are touched" in text and "hit" not in text.split("\n\n")[0]
+    assert "Contact only" in text and "Parts in contact" in text and "hit" not in text.split("\n\n")[0]
     text = run("collide", engine, *words, "--touching", "free", "--pose", way_out).stdout
     assert "0 of 3 poses collide" in text and text.count("touches") == 2 and "most pairs:" not in text
 
@@ -208,10 +208,10 @@ def test_a_pin_in_a_block(testdata: Path, tmp_path: Path) -> None:
     inside = [{"part": 0, "path": "contain_block", "name": "contain_block"}]
     assert document["poses"][0]["inside"] == {"containing": inside, "contained": [], "unknown": []}
     text = run("collide", *words, "--pose", tmp_path / "two.npy", code=1).stdout
-    assert "0 of 2 poses collide, and at 2 one is inside the other" in text
+    assert "0 of 2 poses collide, and 2 have one body inside the other" in text
 
     text = run("clearance", *words, *here, "--require", "0.002", code=1).stdout
-    assert "The tool is inside contain_block" in text and "95 mm" in text and "no room" in text
+    assert "The tool is inside contain_block" in text and "95 mm" in text and "no clearance" in text
     assert "enough" not in text and "No part is within 5 mm" in text
     document = run_json("clearance", *words, *here, "--require", "0.002", code=1)
     assert document["met"] is False and document["distance_m"] == pytest.approx(0.095)
@@ -253,14 +253,14 @@ def test_what_cannot_be_told_is_said(tmp_path: Path) -> None:
     words = [tmp_path / "world.glb", "--tool", tmp_path / "pea.glb"]
     for command in ("collide", "clearance"):
         text = run(command, *words, "--at", "0,0,0").stdout
-        assert "Not known whether one is inside the other, since not all is closed: world/tub" in text
+        assert "Containment not known, because these parts are open: world/tub" in text
         assert "Not known" not in run(command, *words, "--at", "10,0,0").stdout, "in a hollow there is room"
         assert "inside world/vessel" in run(command, *words, "--at", "11.5,0,0", code=1).stdout
     assert [part["name"] for part in run_json("collide", *words, "--at", "0,0,0")["poses"][0]["inside"]["unknown"]] == [
         "tub"
     ]
     np.save(tmp_path / "one.npy", np.eye(4))
-    assert "not known whether" in run("path", *words, "--poses", tmp_path / "one.npy").stdout
+    assert "containment not known" in run("path", *words, "--poses", tmp_path / "one.npy").stdout
 
 
 # --- what is refused, and help ---------------------------------------------------------------------------------------
@@ -280,7 +280,7 @@ def test_what_cannot_be_told_is_said(tmp_path: Path) -> None:
         ([*PUMP, "--only", "*pump*"], "no part of the mock-up is left"),
         (["--part", "*"], "no part of the mock-up is left"),
         ([*PUMP, "--without", "*"], "no part of the mock-up is left"),
-        ([], "what moves? Give --tool FILE, or --part PATTERN"),
+        ([], "nothing moves: give --tool FILE, or --part PATTERN"),
         ([*PUMP, "--tool", "sample:wrench"], "not both"),
         ([*PUMP, "--tool-unit", "mm"], "--tool-unit is for --tool"),
     ],

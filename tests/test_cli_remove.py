@@ -118,7 +118,7 @@ def test_an_order(chest: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((), "what is to come out"),
+        ((), "no part to take out"),
         (("--part", "pump"), "'pump'"),
         (("--part", "*"), "parts are all 4"),
         (("--part", "lid", "--seconds", 0), "seconds"),

@@ -141,8 +141,8 @@ __all__ = [
     "view",
 ]
 
-# Where each name is. A module is imported when one of its names is asked for: a script that only casts pays neither for
-# clash reports nor for haptics. Type checkers read the imports above, and know of no other names.
+# The module of each name. Modules are imported at the first access, so that a script that only casts pays neither for
+# clash reports nor for haptics. Type checkers read the imports above and reject all other names.
 _HOMES = {
     "feeler._core": (
         "Batch",
@@ -252,7 +252,7 @@ _ROOMS = ("clashes", "errors", "haptics", "io", "picture", "samples")
 if not _typing.TYPE_CHECKING:
 
     def __getattr__(name):
-        """Imports what is asked for the first time."""
+        """Imports the module of a name at its first use."""
         from importlib import import_module
 
         if name == "__version__":

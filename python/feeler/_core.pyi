@@ -1,4 +1,4 @@
-"""The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check what they pass on to it."""
+"""The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check their arguments first."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Literal, final, overload
@@ -153,7 +153,7 @@ class IgnoredPairs:
 
 @final
 class Selected:
-    """What a scene is made of that shares another's index."""
+    """The core of a scene that shares another scene's index."""
 
 @disjoint_base
 class Scene:
@@ -193,7 +193,8 @@ class Scene:
         """Raises `FeelerError` if an invariant of the index does not hold; for tests."""
     @property
     def part_mask(self) -> npt.NDArray[np.bool_]:
-        """`(parts,)`: which parts of the mock-up are there; all but of a scene `without` some."""
+        """`(parts,)`: true for the parts present in the scene; all of them unless it was made by `without` or
+        `only`."""
     def _selected_without(self, parts: Sequence[int]) -> Selected: ...
     def _selected_only(self, parts: Sequence[int]) -> Selected: ...
     def collide(
@@ -205,28 +206,30 @@ class Scene:
         box_filter: bool = True,
         ignore: _Ignore = None,
     ) -> Collision:
-        """Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
+        """Every colliding pair of triangles, with the tool at a pose `(4, 4)`; exact.
 
-        The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
-        it brings. Raises `PoseError` for a pose that is not rigid.
+        The filters skip repeated pairs and compare boxes first. They never change the answer; switch one off to measure
+        its effect. Raises `PoseError` for a pose that is not rigid.
         """
     def is_colliding(
         self, tool: Tool, world_from_tool: PoseLike, *, touching: _Touching = "counts", ignore: _Ignore = None
     ) -> bool:
-        """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
+        """Whether any two triangles collide, with the tool at a pose `(4, 4)`; stops at the first pair.
 
-        With `touching="free"`, whether one body enters the other: surfaces may lie on each other, and a pin be seated
-        without play. Pairs that cross enter; what is coplanar or touches is told by exact sides, for which it is found
-        once how both meshes hang together. Sheets have no inside: what touches
-        one from both sides goes through it. What meets at corners of triangles of both alone is taken to touch.
+        With `touching="free"`, whether one body enters the other: surfaces in contact and a pin seated without play are
+        free. Crossing pairs enter. Coplanar and touching pairs are decided by exact side tests on the connectivity of
+        both meshes, which is computed once. An open sheet has no inside: a tool that touches it from both sides goes
+        through it. Pairs that share only corners of both triangles count as touching.
         """
     def is_free(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None) -> bool:
-        """Whether, with the tool at a pose `(4, 4)`, nothing meets and nothing is inside: see `containment`."""
+        """Whether the tool at a pose `(4, 4)` neither collides nor contains anything, nor is contained
+        (`containment`)."""
     def containment(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None) -> Containment:
-        """Which closed parts the tool is inside of, and which parts are inside the tool, at a pose `(4, 4)`.
+        """Which closed parts contain the tool, and which parts the tool contains, at a pose `(4, 4)`.
 
-        Exact, by winding numbers, for each connected surface by itself: of a part of several solids some may hold the
-        tool, and a hollow holds nothing. A surface that crosses a part is not inside it; one that touches it may be.
+        Exact, by winding numbers, for each connected surface separately. One solid of a part may contain the tool; the
+        inside of a hollow counts as outside. A surface that crosses a part is not inside it; one that touches it can
+        be.
         """
     def collide_batch(
         self, tool: Tool, poses: PosesLike, progress: _Progress | None, *, ignore: _Ignore = None
@@ -329,8 +332,8 @@ class Contacts:
         """`(k, 3)`: unit, from the mock-up to the tool, world."""
     @property
     def gaps(self) -> npt.NDArray[np.float64]:
-        """`(k,)`: metres, ascending; negative: the tool is that deep behind the plane, or, where the two lie in each
-        other's hollows, what overlaps along the normal."""
+        """`(k,)`: metres, ascending. Negative: the depth of the tool behind the plane or, where both surfaces are
+        concave, their overlap along the normal."""
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
@@ -339,19 +342,19 @@ class Contacts:
         """`(k,)`: indices into `tool.parts`."""
     @property
     def ids(self) -> npt.NDArray[np.uint64]:
-        """`(k,)`: the same for the same two surfaces of tool and mock-up at every pose, in every call, thread and run.
-        No two planes of one answer share one."""
+        """`(k,)`: identify the pair of surfaces of tool and mock-up, the same at every pose and in every call, thread
+        and run. Unique within one answer."""
     @property
     def footing(self) -> npt.NDArray[np.float64]:
         """`(k, 4, 3)`: the points of the tool that carry each contact, tool frame, metres, in order around the normal.
 
-        Plane `i` has the first `footing_counts[i]`; the rest repeat the last. For turns up to one degree, holding
-        these points off the plane holds off it all of the tool that lies there, but for 1 % of how far the turn moves
-        it. Found when first asked for.
+        Plane `i` has the first `footing_counts[i]`; the rest repeat the last. If these points stay in front of the
+        plane during a turn of up to one degree, so does the part of the tool that lies there, but for 1 % of the
+        distance by which the turn moves it. Computed at the first access.
         """
     @property
     def footing_counts(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: 1 for a corner, 2 for an edge, 3 or 4 for what is flat or round."""
+        """`(k,)`: 1 for a corner, 2 for an edge, 3 or 4 for flat and round surfaces."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
         """Tool triangles behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
@@ -366,10 +369,10 @@ class Contacts:
         """`(k + 1,)`: into `mockup_triangles`."""
     @property
     def omitted(self) -> int:
-        """Planes beyond 32, the least deep or farthest, that were left out."""
+        """Number of planes left out beyond 32: the least deep or the farthest."""
     @property
     def is_meeting(self) -> bool:
-        """Whether any triangles meet."""
+        """Whether any triangles collide."""
     def __len__(self) -> int: ...
     def __bool__(self) -> bool: ...
     def __getitem__(self, index: int, /) -> ContactPlane: ...
@@ -409,24 +412,25 @@ class ContactPlane:
 
 @final
 class Containment:
-    """What is inside what, though it does not cross it; true where anything is."""
+    """Bodies inside other bodies, without colliding; true if there is any."""
 
     @property
     def containing(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of closed parts that hold the tool, or one of its connected surfaces; sorted."""
+        """Indices into `mockup.parts` of closed parts that contain the tool, or one of its connected surfaces;
+        sorted."""
     @property
     def contained(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of parts of which the tool holds a connected surface; sorted."""
+        """Indices into `mockup.parts` of parts with a connected surface inside the tool; sorted."""
     @property
     def containing_pairs(self) -> npt.NDArray[np.uint32]:
-        """`(k, 2)`: tool part that is held, and part that holds it; sorted."""
+        """`(k, 2)`: tool part inside, and the mock-up part that contains it; sorted."""
     @property
     def contained_pairs(self) -> npt.NDArray[np.uint32]:
-        """`(k, 2)`: tool part that holds, and part that it holds; sorted."""
+        """`(k, 2)`: tool part that contains, and the mock-up part inside it; sorted."""
     @property
     def unknown(self) -> npt.NDArray[np.uint32]:
-        """Parts of which it cannot be told, sorted: open ones with a corner of the tool in their box, and where the
-        tool is open those with a corner in its box."""
+        """Parts that cannot be decided, sorted: open parts with a corner of the tool in their box and, if the tool is
+        open, parts with a corner in its box."""
     def __bool__(self) -> bool: ...
 
 @final
@@ -435,14 +439,14 @@ class Penetration:
 
     @property
     def translation(self) -> npt.NDArray[np.float64]:
-        """`(3,)`: metres, world; to be added to the pose's."""
+        """`(3,)`: metres, world; add it to the pose's translation."""
     @property
     def depth(self) -> float:
         """Its length, metres."""
     @property
     def kind(self) -> str:
-        """`"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free it), or `"exact"` (the
-        tool meets nothing, or only touches)."""
+        """`"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free the tool), or
+        `"exact"` (the tool does not collide, or only touches)."""
     @property
     def contacts(self) -> Contacts:
         """The contact planes at the pose."""
@@ -453,15 +457,15 @@ class ContactTracker:
     def contacts(self, world_from_tool: PoseLike, within: float) -> Contacts: ...
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
-        """The last pose at which nothing met, `(4, 4)`."""
+        """The last pose without a collision, `(4, 4)`."""
     def _set_last_free(self, world_from_tool: PoseLike | None) -> None:
-        """Takes a pose for free, or forgets it."""
+        """Sets the last free pose, or forgets it."""
 
 @final
 class Predictor:
-    """The predicted work and time of queries, on average over places of the tool on the mock-up's surface.
+    """The predicted work and time of queries, averaged over places of the tool on the mock-up's surface.
 
-    `constants`: what a query, a tool triangle, a voxel, a list entry, a pair and a triangle test cost, seconds each.
+    `constants`: seconds for a query, a tool triangle, a voxel, a list entry, a pair and a triangle test.
     """
 
     def __new__(cls, mockup: Mockup, tool: Tool, storage: str, hashing: float) -> Self: ...
@@ -470,9 +474,9 @@ class Predictor:
     def seconds(self, voxel_size: float, constants: Sequence[float]) -> float:
         """The time of a query."""
     def bytes(self, voxel_size: float) -> float:
-        """What the store will take."""
+        """The memory of the store."""
     def optimal_size(self, constants: Sequence[float], memory_limit: int) -> float:
-        """The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes."""
+        """The voxel size (metres) with the least time, among those whose store takes at most `memory_limit` bytes."""
 
 @final
 class PiecePredictor:
@@ -480,35 +484,36 @@ class PiecePredictor:
 
     def __new__(cls, mockup: Mockup, tool: Tool) -> Self: ...
     def work(self, piece_size: float) -> tuple[float, float]:
-        """The work that depends on the piece size, of which only ratios mean something, and the number of pieces."""
+        """The work that depends on the piece size, in arbitrary units, and the number of pieces."""
     def optimal_size(self, memory_limit: int) -> float:
         """The piece size (metres) with the least work, within three pieces a triangle and the memory for building."""
 
 @final
 class PathCheck:
-    """What a tool meets on a path: the first impact of each segment, from one pose to the next.
+    """The first impact of a tool on each segment of a path, from one pose to the next.
 
-    Its length is the number of segments, one less than poses; a path of one pose has one segment that stands still.
+    Its length is the number of segments, one less than poses; a path of one pose has one segment without motion.
     """
 
     @property
     def is_free(self) -> bool:
-        """Whether no segment meets anything, and the tool is not inside anything at the first pose."""
+        """Whether no segment has an impact, and the tool neither contains a part nor is inside one at the first
+        pose."""
     @property
     def free(self) -> bool:
         """An older name of `is_free`."""
     @property
     def containment(self) -> Containment | None:
-        """What is inside what at the first pose; None where that was not asked for."""
+        """Containment at the first pose; None unless `inside` was set."""
     @property
     def fractions(self) -> npt.NDArray[np.float64]:
-        """`(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free."""
+        """`(segments,)`: the first impact of each segment, as a fraction of the segment; NaN if the segment is free."""
     @property
     def fraction(self) -> npt.NDArray[np.float64]:
         """An older name of `fractions`."""
     @property
     def segments(self) -> npt.NDArray[np.uint64]:
-        """`(k,)`: the segments with an impact, ascending. The rows of what follows belong to them."""
+        """`(k,)`: the segments with an impact, ascending. The rows of the following arrays belong to them."""
     @property
     def poses(self) -> npt.NDArray[np.float64]:
         """`(k, 4, 4)`: world_from_tool at the impact."""
@@ -552,7 +557,7 @@ def removal(
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> RemovalAnswer:
-    """A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up."""
+    """A way of a tool out of a scene, and its blockers; the tool's first `own_parts` parts are parts of the mock-up."""
 
 def clash(
     scene: Scene,
@@ -565,18 +570,18 @@ def clash(
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> ClashRows:
-    """Every pair of parts that are there and are too near each other.
+    """Every pair of present parts that are closer than required.
 
-    - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. How near parts of two classes may come (negative:
-      such pairs are not asked), and how deep they may be in each other, or how far apart, and still be in contact.
-    - `class_of_part`: `(parts,)`; default: all are of class 0.
-    - `contact_of_part`: `(parts,)`, metres: what each part adds to the contact of its pairs.
-    - `exclude`: `(k, 2)`: pairs of parts that are never asked.
+    - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. The required distance between parts of two
+      classes (negative: such pairs are skipped), and the depth or distance up to which they count as in contact.
+    - `class_of_part`: `(parts,)`; default: class 0 for all.
+    - `contact_of_part`: `(parts,)`, metres: added to the contact of each pair of the part.
+    - `exclude`: `(k, 2)`: pairs of parts to skip.
     - `threads`: default: those of the scene.
 
-    Ctrl-C ends it early: what was found so far comes back (all of it, where the last row was done), and `is_partial` is
-    true. Pairs whose depth was not measured by then have NaN. Raises `OptionError` for tables of other shapes and for
-    lengths that are none, `MeshError` for arrays of other lengths.
+    Ctrl-C ends it early: the result has the rows found so far (all of them, if only depths were missing), and
+    `is_partial` is true. Depths not measured by then are NaN. Raises `OptionError` for tables of the wrong shape and
+    invalid lengths, `MeshError` for arrays of the wrong length.
     """
 
 def swept(
@@ -588,9 +593,11 @@ def swept(
     memory_limit: int = ...,
     progress: _Progress | None = None,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
-    """The closed mesh around what a tool sweeps: vertices `(n, 3)`, metres, world, and faces `(m, 3)`, wound outwards.
+    """The closed mesh around the swept volume of a tool: vertices `(n, 3)`, metres, world, faces `(m, 3)`, wound
+    outwards.
 
-    Raises `PoseError`, `OptionError` for an error that is no positive length, `LimitError` for one that is too small.
+    Raises `PoseError`, `OptionError` for an error that is not a positive length, `LimitError` for one that is too
+    small.
     """
 
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
@@ -600,44 +607,44 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
     """
 
 def restore(kind: str, state: tuple[object, ...]) -> object:
-    """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""
+    """A result from its pickled state (`feeler.travel`). Raises `LoadError` for a state that does not fit."""
 
 @disjoint_base
 class World:
-    """A scene, and parts of its mock-up that lie elsewhere, asked as one, in the mock-up's numbers."""
+    """A scene, and parts of its mock-up that lie elsewhere, queried as one; indices are the mock-up's."""
 
     def __new__(cls, scene: Scene, put_down: Sequence[tuple[int, Scene]]) -> Self:
-        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with its scene, where it lies."""
+        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of it at its new place."""
     def collide(self, tool: Tool, world_from_tool: PoseLike) -> Collision:
-        """Every pair of triangles that meets."""
+        """Every colliding pair of triangles."""
     def collision_of(self, tool: Tool, pairs: npt.NDArray[np.uint32], kinds: npt.NDArray[np.uint8]) -> Collision:
-        """Pairs `(k, 2)` of tool and mock-up triangles that are known, and their kinds, as `collide` gives them."""
+        """The `Collision` of known pairs `(k, 2)` of tool and mock-up triangles and their kinds."""
     def is_colliding(self, tool: Tool, world_from_tool: PoseLike) -> bool:
-        """Whether anything meets."""
+        """Whether any triangles collide."""
     def cast(self, tool: Tool, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float) -> Impact | None:
-        """The first impact on the way from one pose to another, as of `Scene.cast`; None if the way is free."""
+        """The first impact between two poses, as `Scene.cast`; None if the motion is free."""
     def distance(self, tool: Tool, world_from_tool: PoseLike, within: float) -> Distance:
-        """The least distance; infinite where nothing is as near as `within`."""
+        """The smallest distance; infinite if no part is within `within`."""
     def clearance(self, tool: Tool, world_from_tool: PoseLike, within: float) -> Clearance:
-        """The parts that are near, nearest first."""
+        """The parts within `within`, nearest first."""
     def contacts(
         self, tool: Tool, world_from_tool: PoseLike, within: float, reference: PoseLike | None = None
     ) -> Contacts:
         """The contact planes, deepest first."""
     def penetration(self, tool: Tool, world_from_tool: PoseLike, within: float) -> Penetration | None:
-        """The shortest translation found that frees the tool from the body it is deepest in; None: it is in nothing."""
+        """The shortest translation found that frees the tool from the body it is deepest in; None if it is in none."""
     def is_containing(self, tool: Tool, world_from_tool: PoseLike) -> bool:
-        """Whether the tool is inside something, or something inside it."""
+        """Whether the tool is inside a part, or contains one."""
     def seated_parts(self, tool: Tool, world_from_tool: PoseLike) -> list[tuple[int, int]]:
-        """The pairs of a tool's and a mock-up's part that are together, and so are seats: unique, sorted."""
+        """The seats, as pairs of tool part and mock-up part in contact: unique, sorted."""
     def least_distance(self, tool: Tool, way: npt.ArrayLike, within: float, ignore: Sequence[tuple[int, int]]) -> float:
-        """The least distance on a path through poses `(n, 4, 4)`, at most `within`; without pairs of parts."""
+        """The smallest distance along poses `(n, 4, 4)`, at most `within`; ignores the given pairs of parts."""
     def part_of(self, triangles: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
         """The parts of some triangles of the mock-up."""
 
 @final
 class Impact:
-    """What stops a tool: the free share of its way, point and unit normal `(3,)` (mock-up to tool), world; the part."""
+    """An impact: the free fraction of the motion, point and unit normal `(3,)` (mock-up to tool), world; the part."""
 
     def __new__(cls, fraction: float, point: npt.ArrayLike, normal: npt.ArrayLike, part: int) -> Self: ...
     @property
@@ -651,17 +658,18 @@ class Impact:
 
 @final
 class GuardedMove:
-    """A tool that contact stops. What it meets where it begins is a seat: it may slide along that and part from it."""
+    """A tool that stops at contact. Parts in contact at the start are seats: it may slide along them and separate."""
 
     def __new__(cls, world: World, tool: Tool, world_from_tool: PoseLike) -> Self: ...
     def seats(self) -> list[tuple[int, int, str, float]]:
-        """What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres)."""
+        """The remaining seats: part of the tool, part of the mock-up, kind, and depth at the start (metres)."""
     def go(
         self, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float, off: float
     ) -> tuple[npt.NDArray[np.float64], Impact | None]:
-        """From a pose towards another, as far as that is free: the pose `(4, 4)`, and what stopped the tool.
+        """Moves from a pose towards another as far as possible: the pose `(4, 4)`, and the impact that stopped the
+        tool.
 
-        `tolerance`: of the casts. `off`: how far before an impact it stops, along its way. Metres.
+        `tolerance`: of the casts. `off`: the distance before an impact at which it stops. Metres.
         """
 
 @disjoint_base
@@ -679,9 +687,9 @@ class HapticsSession:
         collision_hz: float | None,
         put_down: Sequence[tuple[int, Scene]],
     ) -> Self:
-        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
+        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of that part alone."""
     def _begin(self, pose: PoseLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
-        """Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out if sunk."""
+        """Begins at a pose: its seats, as tool part, part, kind and depth (metres); and the way out if sunk."""
     def _advance(
         self, pose: PoseLike | None, dt: float
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str]:
@@ -689,9 +697,9 @@ class HapticsSession:
     def _planes(
         self,
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint64], npt.NDArray[np.bool_]]:
-        """The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each holds."""
+        """The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each is active."""
     def _swap(self, scene: Scene) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
-        """Another scene: what the proxy meets there, as of `begin`."""
+        """Changes the scene: the seats of the proxy there, as `_begin`."""
     def _take(self, parts: Sequence[int]) -> None: ...
     def _put_down(self) -> None: ...
     def _put_back(self) -> None: ...
@@ -704,7 +712,7 @@ class HapticsSession:
 
 @disjoint_base
 class HapticsDevice:
-    """A device, until a run takes it; what the classes of `feeler.haptics.devices` are made of."""
+    """A device, until a run takes it; the base of the classes of `feeler.haptics.devices`."""
 
     @staticmethod
     def simulated(
@@ -763,7 +771,7 @@ class HapticsRun:
         is_realtime: bool,
     ) -> Self: ...
     def stop(self) -> tuple[str | None, str | None, str | None]:
-        """Ends it. What the threads died of, and why device and contacts failed the last time."""
+        """Ends it. Returns the errors of the threads, and why device and contacts failed the last time."""
     def statistics(self) -> dict[str, Any]: ...
     def view(self) -> dict[str, Any]: ...
     def trace(

@@ -1,4 +1,4 @@
-"""Results and values of `feeler._core`. No module of its own: the stub of `feeler._core` takes them in."""
+"""Results and values of `feeler._core`. Not a module: the stub of `feeler._core` imports them."""
 
 from typing import final
 
@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 @final
 class Collision:
-    """The pairs of triangles that meet at one pose; false when there are none."""
+    """The colliding pairs of triangles at one pose; false when there are none."""
 
     @property
     def pairs(self) -> npt.NDArray[np.uint32]:
@@ -20,27 +20,27 @@ class Collision:
         """`(k,)`: the `PairKind.code` of each pair, one byte each; read-only."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """Triangles of the tool that meet something; unique, sorted."""
+        """Colliding triangles of the tool; unique, sorted."""
     @property
     def mockup_triangles(self) -> npt.NDArray[np.uint32]:
-        """Triangles of the mock-up that meet something; unique, sorted."""
+        """Colliding triangles of the mock-up; unique, sorted."""
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of the parts that are met; unique, sorted."""
+        """Indices into `mockup.parts` of the colliding parts; unique, sorted."""
     @property
     def tool_parts(self) -> npt.NDArray[np.uint32]:
-        """Indices into `tool.parts` of the tool's parts that meet something; unique, sorted."""
+        """Indices into `tool.parts` of the colliding parts; unique, sorted."""
     @property
     def stats(self) -> dict[str, int]:
-        """What the query did, stage by stage.
+        """Counters of the query, stage by stage.
 
         - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
-        - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
-        - `repeats_skipped`: pairs skipped because they had been seen.
-        - `box_survivors`: pairs whose triangles' boxes meet.
+        - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces with overlapping boxes.
+        - `repeats_skipped`: repeated pairs skipped.
+        - `box_survivors`: pairs of triangles with overlapping boxes.
         - `triangle_tests`: triangle tests.
-        - `exact_tests`: triangle tests that float64 arithmetic could not decide, so that exact arithmetic did.
-        - `pairs`: distinct pairs that meet.
+        - `exact_tests`: triangle tests that needed exact arithmetic because float64 could not decide them.
+        - `pairs`: distinct colliding pairs.
         """
     def __len__(self) -> int: ...
     def __bool__(self) -> bool: ...
@@ -66,20 +66,20 @@ class Batch:
 
 @final
 class Distance:
-    """The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
+    """The distance of tool and mock-up, or of the tool and one part; 0 if they collide.
 
-    When nothing lies within `within`, `value` is infinite and all else is None.
+    If no part is within `within`, `value` is infinite and all else is None.
     """
 
     @property
     def value(self) -> float:
-        """Metres; 0 if and only if triangles meet, infinite when nothing lies within `within`."""
+        """Metres; 0 if and only if triangles collide, infinite if no part is within `within`."""
     @property
     def point_on_tool(self) -> npt.NDArray[np.float64] | None:
-        """`(3,)`: the point of the tool that is closest, world, metres."""
+        """`(3,)`: the closest point of the tool, world, metres."""
     @property
     def point_on_mockup(self) -> npt.NDArray[np.float64] | None:
-        """`(3,)`: the point of the mock-up that is closest, world, metres; where they meet, the same point."""
+        """`(3,)`: the closest point of the mock-up, world, metres; the same point if they collide."""
     @property
     def tool_triangle(self) -> int | None:
         """The tool's triangle that the point lies on."""
@@ -97,12 +97,12 @@ class Distance:
 class DistanceBatch:
     """The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
 
-    Where nothing lies within `within`, the value is infinite, points are NaN and ids -1.
+    Where no part is within `within`, the value is infinite, points are NaN and ids -1.
     """
 
     @property
     def values(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: metres; 0 where they meet."""
+        """`(n,)`: metres; 0 where they collide."""
     @property
     def points_on_tool(self) -> npt.NDArray[np.float64]:
         """`(n, 3)`: world, metres."""
@@ -126,7 +126,7 @@ class DistanceBatch:
 
 @final
 class Clearance:
-    """What is near at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles."""
+    """Clearances at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles."""
 
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
@@ -136,7 +136,7 @@ class Clearance:
         """`(k,)`: indices into `tool.parts`."""
     @property
     def distances(self) -> npt.NDArray[np.float64]:
-        """`(k,)`: metres, ascending; 0 where they meet."""
+        """`(k,)`: metres, ascending; 0 where they collide."""
     @property
     def points_on_tool(self) -> npt.NDArray[np.float64]:
         """`(k, 3)`: the closest point of the tool, world, metres."""
@@ -153,14 +153,14 @@ class Clearance:
 
 @final
 class ClearanceBatch:
-    """What is near at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`."""
+    """Clearances at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`."""
 
     @property
     def offsets(self) -> npt.NDArray[np.uint64]:
         """`(n + 1,)`: where the rows of each pose begin."""
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
-        """`(K,)`: as of `Clearance`, and so are the others."""
+        """`(K,)`: as in `Clearance`, and so are the others."""
     @property
     def tool_parts(self) -> npt.NDArray[np.uint32]:
         """`(K,)`: parts of the tool."""
@@ -191,30 +191,30 @@ class Packed:
         """Large parts first, small ones last."""
     @property
     def order(self) -> npt.NDArray[np.uint32]:
-        """`(m,)`: the triangle of the mesh that each packed one is."""
+        """`(m,)`: the mesh's triangle of each packed triangle."""
     @property
     def places(self) -> npt.NDArray[np.uint32]:
-        """`(triangles of the mesh,)`: the packed one of each; 2**32 - 1 for defects, which are not drawn."""
+        """`(triangles of the mesh,)`: the packed triangle of each; 2**32 - 1 for defects, which are not drawn."""
     @property
     def middle(self) -> npt.NDArray[np.float64]:
-        """`(3,)`: what positions are relative to, in the mesh's frame, metres: the middle of its box."""
+        """`(3,)`: the origin of positions, in the mesh's frame, metres: the middle of its box."""
 
 @final
 class PackedPiece:
-    """What is drawn at once: whole parts, or the share of a large one. Arrays are read-only."""
+    """One draw call: whole parts, or a section of a large one. Arrays are read-only."""
 
     @property
     def positions(self) -> npt.NDArray[np.float32]:
-        """`(v, 3)`: metres, from `Packed.middle`; of one part no two are the same, but where the part is cut."""
+        """`(v, 3)`: metres, from `Packed.middle`; distinct within a part, except where the part is cut."""
     @property
     def parts(self) -> npt.NDArray[np.uint16] | npt.NDArray[np.uint32]:
         """`(v,)`: the part of each vertex; uint32 where the mesh has more than 65,535 parts, else uint16."""
     @property
     def indices(self) -> npt.NDArray[np.uint16]:
-        """`(t, 3)`: triangles, as places among the positions, wound as given."""
+        """`(t, 3)`: triangles, as indices into `positions`, wound as given."""
     @property
     def is_small(self) -> bool:
-        """Whether it has parts that were called small."""
+        """Whether it has parts that were named small."""
     @property
     def first(self) -> int:
         """The number of its first triangle among the packed ones."""
@@ -224,24 +224,24 @@ class PackedPiece:
 
 @final
 class Rays:
-    """What each of many rays meets first."""
+    """The first hit of each of many rays."""
 
     @property
     def distances(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: from the origin, metres; infinite where nothing is met."""
+        """`(n,)`: from the origin, metres; infinite without a hit."""
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: where, world, metres; NaN where nothing is met."""
+        """`(n, 3)`: the hit, world, metres; NaN without a hit."""
     @property
     def normals(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: the triangle's, unit, world, turned against the ray; as the triangle is wound where the ray lies in
-        its plane; NaN where nothing is met."""
+        """`(n, 3)`: of the triangle, unit, world, turned against the ray; if the ray lies in the triangle's plane, as
+        the triangle is wound; NaN without a hit."""
     @property
     def triangles(self) -> npt.NDArray[np.int64]:
-        """`(n,)`: -1 where nothing is met."""
+        """`(n,)`: -1 without a hit."""
     @property
     def parts(self) -> npt.NDArray[np.int64]:
-        """`(n,)`: indices into `mockup.parts`; -1 where nothing is met."""
+        """`(n,)`: indices into `mockup.parts`; -1 without a hit."""
     def __len__(self) -> int: ...
 
 @final
@@ -250,11 +250,11 @@ class SectionOutline:
 
     @property
     def segments(self) -> npt.NDArray[np.float64]:
-        """`(k, 2, 3)`: both ends, world, metres. Seen from where the plane's normal points to, the body is on the left
-        where triangles are wound outwards. Segments of triangles that share an edge share its point to the last bit."""
+        """`(k, 2, 3)`: both ends, world, metres. Seen from the side that the plane's normal points to, the body is on
+        the left if triangles are wound outwards. Segments of triangles that share an edge share its point exactly."""
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: the triangle that each is of; ascending."""
+        """`(k,)`: the triangle of each segment; ascending."""
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
@@ -262,76 +262,76 @@ class SectionOutline:
 
 @final
 class ClashRows:
-    """Pairs of parts that are too near each other, as columns of one length, sorted by `a`, then `b`."""
+    """Pairs of parts that are closer than required, as columns of one length, sorted by `a`, then `b`."""
 
     def __len__(self) -> int: ...
     @property
     def a(self) -> npt.NDArray[np.uint32]:
-        """`(n,)`: one part, the lesser."""
+        """`(n,)`: the part with the smaller index."""
     @property
     def b(self) -> npt.NDArray[np.uint32]:
-        """`(n,)`: the other."""
+        """`(n,)`: the other part."""
     @property
     def verdict(self) -> npt.NDArray[np.uint8]:
         """`(n,)`: a `feeler.Verdict` for each pair."""
     @property
     def depth(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: the farthest that a point of one surface is inside the other part, metres: a lower bound. 0 where
+        """`(n,)`: how far the deepest point of one surface lies inside the other part, metres: a lower bound. 0 where
         they only touch or are apart; NaN where it was not measured."""
     @property
     def depth_error(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: how much more the depth can be, metres; NaN of two open parts, and where it was not measured."""
+        """`(n,)`: how much larger the depth can be, metres; NaN for two open parts, and where it was not measured."""
     @property
     def depth_kind(self) -> npt.NDArray[np.uint8]:
-        """`(n,)`: 0: measured within its error; 1: an estimate, as a part is open."""
+        """`(n,)`: 0: measured within its error; 1: an estimate, because a part is open."""
     @property
     def translation(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: moves `a` out of `b`, metres, world: the shortest way known (`b` moves the other way). Zero where
-        they only touch or are apart."""
+        """`(n, 3)`: moves `a` out of `b`, metres, world: the shortest one known (`b` moves the opposite way). Zero
+        where they only touch or are apart."""
     @property
     def gap(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: how far their surfaces are apart, metres; 0 where they meet."""
+        """`(n,)`: the distance between their surfaces, metres; 0 where they collide."""
     @property
     def point_a(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: on `a`, metres: where they are closest, touch, or are deepest in each other."""
+        """`(n, 3)`: on `a`, metres: the closest, touching or deepest point."""
     @property
     def point_b(self) -> npt.NDArray[np.float64]:
         """`(n, 3)`: the same on `b`."""
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
-        """`(n,)`: how many pairs of triangles meet."""
+        """`(n,)`: the number of colliding pairs of triangles."""
     @property
     def box(self) -> npt.NDArray[np.float64]:
-        """`(n, 2, 3)`: lower and upper corner of the box around where they meet, metres; else around the points."""
+        """`(n, 2, 3)`: lower and upper corner of the box around the collision, metres; else around the points."""
     @property
     def is_open(self) -> npt.NDArray[np.bool_]:
-        """`(n, 2)`: whether `a`, and `b`, has no inside: none of its surfaces is closed."""
+        """`(n, 2)`: whether `a`, and `b`, has no closed surface and so no inside."""
     @property
     def counts(self) -> dict[str, int]:
-        """Pairs by what was found first: `crossing`, `touching`, `contained`, `duplicates`, `near`."""
+        """Number of pairs by first verdict: `crossing`, `touching`, `contained`, `duplicates`, `near`."""
     @property
     def seconds(self) -> dict[str, float]:
-        """What the stages took: `verdicts`, `clearance`, `depths`."""
+        """Seconds by stage: `verdicts`, `clearance`, `depths`."""
     @property
     def is_partial(self) -> bool:
-        """Whether it was stopped."""
+        """Whether it was interrupted."""
 
 @final
 class RemovalAnswer:
-    """What `_core.removal` found; `feeler.Removal` is made of it."""
+    """The answer of `_core.removal`, from which `feeler.Removal` is made."""
 
     @property
     def method(self) -> str:
-        """How the way was found; "none": it was not."""
+        """How the way was found; "none" if none was."""
     @property
     def leg_screws(self) -> list[Screw | None]:
-        """By leg: the screw, or None of a leg to a pose."""
+        """By leg: the screw, or None for a leg to a pose."""
     @property
     def leg_ends(self) -> npt.NDArray[np.float64]:
         """`(legs, 4, 4)`: the motion of the parts at the end of each leg."""
     @property
     def leg_lengths(self) -> npt.NDArray[np.float64]:
-        """`(legs,)`: how far the middle of the box goes, metres."""
+        """`(legs,)`: the travel of the middle of the box, metres."""
     @property
     def leg_angles(self) -> npt.NDArray[np.float64]:
         """`(legs,)`: radians."""
@@ -346,54 +346,54 @@ class RemovalAnswer:
         """Radians."""
     @property
     def clearance(self) -> float:
-        """Metres; NaN where time was up before it was known."""
+        """Metres; NaN if time ran out before it was measured."""
     @property
     def casts(self) -> int:
-        """Motions that were followed."""
+        """Number of casts."""
     @property
     def is_out_of_time(self) -> bool:
-        """Whether time was up before all was tried."""
+        """Whether time ran out before the search was complete."""
     @property
     def is_interrupted(self) -> bool:
-        """Whether Ctrl-C ended it."""
+        """Whether Ctrl-C interrupted it."""
     @property
     def blockers(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: parts that stopped it."""
+        """`(k,)`: parts that stopped an attempt."""
     @property
     def blocker_counts(self) -> npt.NDArray[np.uint64]:
-        """`(k,)`: tries that each stopped."""
+        """`(k,)`: attempts stopped by each."""
     @property
     def blocker_reaches(self) -> npt.NDArray[np.float64]:
-        """`(k,)`: how far the best of them got, metres."""
+        """`(k,)`: the travel of the best of these attempts, metres."""
     @property
     def blocker_poses(self) -> npt.NDArray[np.float64]:
-        """`(k, 4, 4)`: where it was stopped."""
+        """`(k, 4, 4)`: where that attempt was stopped."""
     @property
     def holders(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: parts that are shown to hold it; none where that is not shown."""
+        """`(k,)`: parts proven to hold it in place; empty without a proof."""
     @property
     def play(self) -> float:
-        """No point can move farther, metres; NaN where that is not shown."""
+        """A proven bound on the motion of every point, metres; NaN without a proof."""
 
 @final
 class Cast:
-    """The first impact of a tool on its way between two poses."""
+    """The first impact of a tool on a motion between two poses."""
 
     @property
     def fraction(self) -> float:
-        """When, as a share of the way, 0 to 1; never late."""
+        """The time of impact, as a fraction of the motion, 0 to 1; never late."""
     @property
     def pose(self) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: world_from_tool then."""
+        """`(4, 4)`: world_from_tool at the impact."""
     @property
     def point(self) -> npt.NDArray[np.float64]:
-        """`(3,)`: where the mock-up is met, metres, world."""
+        """`(3,)`: the point of impact on the mock-up, metres, world."""
     @property
     def normal(self) -> npt.NDArray[np.float64]:
         """`(3,)`: unit normal of the contact, from mock-up to tool, world."""
     @property
     def distance(self) -> float:
-        """How far apart the two triangles still are at the pose, metres: at most the tolerance; 0 where they meet."""
+        """The remaining distance of the two triangles at the pose, metres: at most the tolerance; 0 if they collide."""
     @property
     def tool_triangle(self) -> int:
         """The tool's triangle."""
@@ -402,14 +402,14 @@ class Cast:
         """The mock-up's triangle."""
     @property
     def part(self) -> int:
-        """Index into `mockup.parts` of the part that is met."""
+        """Index into `mockup.parts` of the part hit."""
     @property
     def tool_part(self) -> int:
-        """Index into `tool.parts` of the tool's part that meets it."""
+        """Index into `tool.parts` of the tool's part that hits it."""
 
 @final
 class Screw:
-    """A turn about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
+    """A rotation about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
 
     `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
     most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
@@ -433,8 +433,8 @@ class Screw:
     def advance(self) -> float:
         """Metres along the axis for the whole angle."""
     def reversed(self) -> Screw:
-        """The way back."""
+        """The reverse motion."""
     def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: what has a pose is there after a share of the screw, 0 to 1. Raises `PoseError`."""
+        """`(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...

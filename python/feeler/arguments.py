@@ -1,4 +1,4 @@
-"""Arguments of calls, checked: what is refused, and the hint that goes with it."""
+"""Checks of arguments, and the hints in their error messages."""
 
 from __future__ import annotations
 

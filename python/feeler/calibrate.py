@@ -1,7 +1,7 @@
-"""What the steps of a query cost on this machine: measured once, in less than a second, and kept in the user's cache.
+"""The cost of each step of a query on this machine: measured once, in less than a second, and kept in the user's cache.
 
-The core predicts how often a query does each step (`feeler._core.Predictor`); times these constants that is its time.
-They are found by least squares from the times and the counters of real queries in a small made-up scene.
+The core predicts how often a query runs each step (`feeler._core.Predictor`); these counts times the constants give the
+predicted time. A least-squares fit finds the constants from times and counters of real queries in a small test scene.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ from feeler import _core
 Constants = tuple[float, float, float, float, float, float]
 
 NAMES = ("query", "tool_triangle", "voxel", "entry", "pair", "test")
-"""What is counted; the constants are seconds for one of each, in this order."""
+"""The counted steps; the constants are seconds for one of each, in this order."""
 
 TYPICAL: Constants = (1.2e-5, 4.0e-8, 3.0e-9, 4.0e-10, 9.0e-9, 3.5e-8)
 
-_LAYOUT = 1  # of the file; another one is measured anew
+_LAYOUT = 1  # of the file; a file with another number is measured anew
 _SIZES_M = (0.008, 0.014, 0.024, 0.042, 0.072)
 _POSES = 8
 _ROUNDS = 3
-_PULL = 0.02  # how strongly what the measurements cannot tell apart is drawn to the typical ratios
+_PULL = 0.02  # weight of the typical ratios, which decide what the measurements cannot separate
 
 _lock = threading.Lock()
 _known: Constants | None = None
 
 
 def _unlock() -> None:
-    """In a forked process, where the thread that holds the lock is not."""
+    """In a forked process, which has no copy of the thread that holds the lock."""
     global _lock
     _lock = threading.Lock()
 
@@ -51,9 +51,9 @@ if hasattr(os, "register_at_fork"):
 
 
 def query_clock() -> Callable[[], float]:
-    """The clock that queries are timed with, seconds.
+    """The clock that times queries, seconds.
 
-    The thread's processor time, which other programs do not lengthen, where the system tells it finely enough.
+    It is the thread's processor time, which other programs do not lengthen, if its resolution is fine enough.
     """
     try:
         return time.thread_time if time.get_clock_info("thread_time").resolution <= 1e-6 else time.perf_counter
@@ -62,7 +62,7 @@ def query_clock() -> Callable[[], float]:
 
 
 def machine_constants() -> Constants:
-    """Seconds that each step of a query costs here: from this process, the user's cache, or measured now."""
+    """Seconds for each step of a query: from this process, from the user's cache, or measured now."""
     global _known
     with _lock:
         if _known is None:
@@ -74,7 +74,7 @@ def machine_constants() -> Constants:
 
 
 def cache_file() -> Path:
-    """Where the constants of this machine and this version are kept."""
+    """The file with the constants of this machine and this version."""
     from importlib.metadata import version
 
     words = [version("feeler"), str(_LAYOUT), platform.node(), platform.machine(), cpu_name()]
@@ -82,7 +82,7 @@ def cache_file() -> Path:
 
 
 def measure_constants() -> Constants:
-    """Measures, whatever is in the cache."""
+    """Measures the constants and ignores the cache."""
     mockup = _core.Mockup(*_clutter(60, 20), None, 1)
     rng = np.random.default_rng(5)
     poses = np.array([_pose(rng, 0.45) for _ in range(_POSES)])
@@ -104,15 +104,15 @@ def measure_constants() -> Constants:
 
 
 def counted(stats: dict[str, int], tool_triangles: int) -> list[float]:
-    """How often a query did each step of `NAMES`, by its counters (storage dense or hashed)."""
+    """How often a query ran each step of `NAMES`, from its counters (storage dense or hashed)."""
     pairs = stats["entries_scanned"] - stats["repeats_skipped"]
     return [1.0, tool_triangles, stats["voxels_visited"], stats["entries_scanned"], pairs, stats["box_survivors"]]
 
 
 def fit_constants(steps: npt.NDArray[np.float64], seconds: npt.NDArray[np.float64]) -> Constants:
-    """The constants, none negative, with the least sum of squared relative errors. steps: (n, 6); seconds: (n,).
+    """The non-negative constants with the least sum of squared relative errors. steps: (n, 6); seconds: (n,).
 
-    Steps that always come together cannot be told apart by time: a weak pull to the typical ratios decides there.
+    Steps that always occur together cannot be separated by time: a weak pull to the typical ratios decides there.
     """
     seconds = np.maximum(seconds, 1e-9)
     share = steps * np.array(TYPICAL) / seconds[:, None]  # of the time, at typical cost
@@ -129,7 +129,7 @@ def fit_constants(steps: npt.NDArray[np.float64], seconds: npt.NDArray[np.float6
 
 
 def _clutter(sheets: int, cells: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
-    """Wavy sheets of triangles, at random places and angles in a cube of a metre."""
+    """Wavy sheets of triangles, at random places and angles in a cube with an edge of one metre."""
     rng = np.random.default_rng(3)
     u, v = np.meshgrid(*[np.linspace(-0.5, 0.5, cells + 1)] * 2, indexing="ij")
     corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
@@ -171,7 +171,7 @@ def _pose(rng: np.random.Generator, reach: float) -> npt.NDArray[np.float64]:
 
 
 def _read(path: Path) -> Constants | None:
-    """The constants of a file, if it holds some that make sense."""
+    """The constants of a file, if they are plausible."""
     try:
         values = json.loads(path.read_text(encoding="utf-8"))["seconds"]
         query, triangle, voxel, entry, pair, test = (float(values[name]) for name in NAMES)
@@ -183,7 +183,7 @@ def _read(path: Path) -> Constants | None:
 
 
 def _write(path: Path, constants: Constants) -> None:
-    """Keeps the constants, if that can be done: a cache that cannot be written costs a second, no more."""
+    """Saves the constants if possible; a cache that cannot be written only costs a second each time."""
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         text = json.dumps({"seconds": dict(zip(NAMES, constants, strict=True))}, indent=1)
@@ -213,7 +213,7 @@ def _cache_folder() -> Path:
 
 
 def cpu_name() -> str:
-    """The processor's name, as far as the system tells."""
+    """The processor's name, if the system reports it."""
     with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8", errors="replace") as lines:
         for line in lines:
             if line.startswith("model name"):

@@ -1,4 +1,4 @@
-"""How deep a tool is in the parts of a mock-up."""
+"""The depth of a tool in the parts of a mock-up."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 @dataclass(frozen=True, eq=False)
 class Depths:
-    """The depth of a tool at one pose: a row for each part that it meets, holds or is inside; the deepest first.
+    """The depth of a tool at one pose: a row for each part that it collides with, contains or is inside; deepest first.
 
     Metres, world. All arrays are read-only.
     """
@@ -21,12 +21,12 @@ class Depths:
     tool_parts: npt.NDArray[np.uint32]
     """`(k,)`: indices into `tool.parts`: the part of the tool that is deepest there."""
     depths: npt.NDArray[np.float64]
-    """`(k,)`: the farthest that a point of one surface is inside the other part: a lower bound. 0 for contact."""
+    """`(k,)`: how far the deepest point of one surface lies inside the other part: a lower bound. 0 for contact."""
     errors: npt.NDArray[np.float64]
-    """`(k,)`: how much more the depth can be: at most a thousandth of it, or a nanometre."""
+    """`(k,)`: how much larger the depth can be: at most a thousandth of it, or a nanometre."""
     is_estimate: npt.NDArray[np.bool_]
-    """`(k,)`: one of the two is open, so only points of the open surface inside the closed part count; of two open
-    ones nothing does, and the depth is 0."""
+    """`(k,)`: one of the two is open, so that only points of the open surface inside the closed part count; for two
+    open parts the depth is 0."""
     points_on_tool: npt.NDArray[np.float64]
     """`(k, 3)`: the point of the tool where the depth is measured."""
     points_on_mockup: npt.NDArray[np.float64]
@@ -37,7 +37,7 @@ class Depths:
             column.flags.writeable = False
 
     def __reduce__(self) -> tuple[type[Depths], tuple[npt.NDArray[Any], ...]]:
-        return (type(self), tuple(vars(self).values()))  # through `__post_init__`: a copy is read-only, too
+        return (type(self), tuple(vars(self).values()))  # through `__post_init__`, so that a copy is read-only, too
 
     def __len__(self) -> int:
         return len(self.parts)

@@ -1,8 +1,8 @@
 """The exceptions feeler raises.
 
-Every one is a `FeelerError`. Each also derives from the built-in a caller would expect (`ValueError`,
-`FileNotFoundError`, `MemoryError`), so existing handlers keep working. A message says what was wrong, where, and what
-to do.
+Every one is a `FeelerError`. Each also derives from the built-in that a caller would expect (`ValueError`,
+`FileNotFoundError`, `MemoryError`), so existing handlers keep working. A message says what is wrong, where, and what to
+do.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class OptionError(FeelerError, ValueError):
 
 
 class LimitError(FeelerError, MemoryError):
-    """What was asked for would need more memory, or more voxels, than allowed. Raised before anything is allocated."""
+    """The call would need more memory, or more voxels, than allowed. Raised before anything is allocated."""
 
 
 class SessionError(FeelerError, RuntimeError):
@@ -33,13 +33,13 @@ class SessionError(FeelerError, RuntimeError):
 
 
 class DeviceError(FeelerError, OSError):
-    """A haptic device is not there, does not answer, or is in use."""
+    """A haptic device is missing, does not answer, or is in use."""
 
 
 class WorkbenchError(FeelerError, RuntimeError):
-    """The workbench cannot do what a command, a question or a job asks.
+    """The workbench cannot run a command, a question or a job.
 
-    what: is wrong; where: in which command and argument; do: what helps.
+    what: the problem; where: the command and argument; do: the remedy.
     """
 
     def __init__(self, what: str, where: str = "", do: str = "") -> None:

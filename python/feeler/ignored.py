@@ -1,4 +1,4 @@
-"""Pairs of parts that queries leave out: what may touch, as in a robot's matrix of allowed collisions."""
+"""Pairs of parts that queries skip because they may touch, as in a robot's allowed collision matrix."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from feeler.travel import reduced
 
 
 class IgnoredPairs(_core.IgnoredPairs):
-    """Pairs of a tool's and a mock-up's part that queries are not to look at, for their `ignore=`.
+    """Pairs of a tool part and a mock-up part that queries skip: pass it as their `ignore=`.
 
-    `pairs`: of parts of the tool and parts of the mock-up, each as `Parts.select` takes them: `[("hand", "*gasket*"),
-    ("*", 17)]`; every pair of the two is meant. An integer array `(k, 2)` of indices will do as well. Queries take such
-    a list for `ignore=` too; made once, it need not be looked up for each.
+    `pairs`: a list of pairs of tool parts and mock-up parts, each as `Parts.select` takes them: `[("hand", "*gasket*"),
+    ("*", 17)]` means every combination of the two. An integer array `(k, 2)` of indices works as well. `ignore=` also
+    takes such a list directly; an `IgnoredPairs` saves looking it up at each query.
 
-    Raises `OptionError` for parts that are not there, and for what is no pair.
+    Raises `OptionError` for parts that do not exist, and for entries that are not pairs.
     """
 
     pairs: npt.NDArray[np.uint32]
@@ -62,7 +62,7 @@ Ignore = IgnoredPairs | Iterable[tuple[PartsLike, PartsLike]] | None
 
 
 def ignored(ignore: Ignore, tool: _core.Tool, mockup: Mockup) -> IgnoredPairs | None:
-    """What a query is given for `ignore=`, looked up."""
+    """The argument `ignore=` of a query, looked up."""
     if ignore is None or isinstance(ignore, IgnoredPairs):
         return ignore
     if not isinstance(tool, Tool):
@@ -79,7 +79,7 @@ def pairs_of_parts(
 ) -> npt.NDArray[np.uint32]:
     """Pairs of parts as `IgnoredPairs` takes them, as indices `(k, 2)`; unique, sorted.
 
-    option, whose: how an error calls the argument and the two. Raises `OptionError`.
+    option, whose: the names of the argument and the two meshes in errors. Raises `OptionError`.
     """
     if isinstance(pairs, np.ndarray):
         if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":

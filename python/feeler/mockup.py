@@ -20,16 +20,16 @@ from feeler.travel import reduced
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
-"""Most vertices of a piece for drawing: its indices have 16 bits."""
+"""The most vertices of a piece for drawing: its indices have 16 bits."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where a mesh came from, as its loader saw it.
+    """Where a mesh came from, as reported by its loader.
 
-    up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those of the notes that put answers about the
-    mesh in doubt: files left out, a size or axes that are hardly meant. chord_tolerance: how far a triangle may be from
-    the surface that it stands for, metres; None where that is not known.
+    up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those notes that put results in doubt:
+    skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
+    unknown.
     """
 
     files: tuple[str, ...] = ()
@@ -45,7 +45,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Defect:
-    """How many triangles have a kind of defect, and the first ids."""
+    """The number of triangles with one kind of defect, and the first ids."""
 
     count: int
     first: tuple[int, ...]
@@ -53,7 +53,7 @@ class Defect:
 
 @dataclass(frozen=True)
 class LoadReport:
-    """What was loaded and what is wrong with it. `str()` is for people, `to_dict()` for machines.
+    """The contents and defects of a mesh. `str()` is for people, `to_dict()` for machines.
 
     `defects` maps each kind to its count and first ids. Triangles counted under `index_out_of_range`, `non_finite`,
     `too_large` (beyond 1e100 m) or `zero_area` are kept but not queried; `duplicate` ones (the same corners as an
@@ -76,7 +76,7 @@ class LoadReport:
 
     @property
     def not_queried(self) -> int:
-        """Number of triangles that queries leave out because of a defect."""
+        """Number of triangles that queries skip because of a defect."""
         return sum(defect.count for kind, defect in self.defects.items() if kind != "duplicate")
 
     def to_dict(self) -> dict[str, Any]:
@@ -122,7 +122,7 @@ class LoadReport:
 
 
 class Meshes(NamedTuple):
-    """Meshes in one: what `Mockup` takes. Vertices are in metres."""
+    """Several meshes joined into one, as `Mockup` takes them. Vertices are in metres."""
 
     vertices: npt.NDArray[np.float64]
     faces: npt.NDArray[Any]
@@ -137,7 +137,7 @@ _converters: list[Converter] = []
 
 
 def register_converter(converter: Converter) -> None:
-    """Names who makes `Meshes` of an object and a unit, for `Mockup` and `Tool` of objects: `feeler.interchange`."""
+    """Registers the function that turns a mesh object and a unit into `Meshes`: see `feeler.interchange`."""
     _converters[:] = [converter]
 
 
@@ -146,7 +146,7 @@ def _converted(held: object, unit: str | None, others: Mapping[str, object]) -> 
     if given:
         raise MeshError(f"{', '.join(given)} without faces: a mesh object has its own; give vertices and faces instead")
     if not _converters:
-        importlib.import_module("feeler.interchange")  # It registers itself, and is not loaded without need.
+        importlib.import_module("feeler.interchange")  # registers itself; imported only when needed
     return _converters[0](held, unit)
 
 
@@ -158,9 +158,9 @@ class Mockup(_core.Mockup):
     `"engine/fan/blade_03"` (default: the names). Triangle `i` of every result is `faces[i]`. An index outside the
     vertices may read back as 4294967295 in `.faces`.
 
-    Instead of arrays, the first argument may be a mesh or scene of trimesh, PyVista or Open3D, something else with
-    `.vertices` and `.faces`, or a list or dict of such (see `feeler.from_trimesh`, ...); `unit` is then what a number
-    in it means, by default what it states, else the metre.
+    Instead of arrays, the first argument may be a mesh or scene of trimesh, PyVista or Open3D, any object with
+    `.vertices` and `.faces`, or a list or dict of them (see `feeler.from_trimesh`, ...). `unit` is then the unit of its
+    numbers, by default the one it states, else the metre.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """
@@ -171,7 +171,7 @@ class Mockup(_core.Mockup):
     part_colours: npt.NDArray[np.float64] | None = None
     """Colours of the parts in pictures, GLB files and the workbench, (parts, 3) sRGB, 0 to 1.
 
-    A row of NaN is a part without one; None: no part has one. Parts without one get colours that tell them apart.
+    A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones.
     """
 
     def __new__(
@@ -208,21 +208,22 @@ class Mockup(_core.Mockup):
 
     @property
     def report(self) -> LoadReport:
-        """What was loaded and what is wrong with it."""
+        """The contents and defects of the mesh."""
         return _report(self, self.source, self.part_count)
 
     def pack(self, vertex_limit: int = VERTEX_LIMIT, small: PartsLike | None = None) -> Packed:
         """The queried triangles in pieces for drawing, of at most `vertex_limit` (3 to 65,535) vertices each.
 
-        Parts come by the longest side of their box, large ones first; those that `small` names (as `Parts.select` takes
-        them: a mask, patterns) come last, in pieces of their own. A part larger than a piece spans several. Corners of
-        one part that are the same in float32 are one vertex, but where the part is cut. On all threads, and the same on
-        any number of them. Raises `OptionError` for a limit out of range and parts that are not there.
+        Parts are sorted by the longest side of their box, large ones first. Parts named by `small` (as `Parts.select`
+        takes them: a mask, patterns) come last, in pieces of their own. A part larger than a piece spans several.
+        Corners of a part that are equal in float32 share a vertex, except where the part is cut. Runs on all threads;
+        the result does not depend on their number. Raises `OptionError` for a limit out of range and parts that do not
+        exist.
         """
         return super().pack(_vertex_limit(vertex_limit), _mask(self.parts, small))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Its arrays, and beside them all attributes, as in other Python objects."""
+        """Its arrays and all attributes, as for other Python objects."""
         parts = self.part_of_face if self.part_count > 1 else None
         state = (type(self), self.vertices, self.faces, parts, self.part_count)
         return (*reduced("Mockup", state), dict(self.__dict__))
@@ -238,11 +239,10 @@ class Mockup(_core.Mockup):
 class Tool(_core.Tool):
     """A moving tool in its own frame, metres; prepared once, usable with any number of scenes and threads.
 
-    `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. It may have parts, as
-    a mock-up has: results name the one that is met, and queries may ignore some of them. `Tool.of_parts` makes one of
-    parts of a mock-up, `Tool.assembly` one of several tools. Instead of arrays, the first argument may be a mesh
-    object, as of `Mockup`, or a `Mockup`: all of it is one tool then.
-
+    `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. It may have parts,
+    like a mock-up: results name the colliding one, and queries can ignore some. `Tool.of_parts` makes a tool from parts
+    of a mock-up, `Tool.assembly` one from several tools. Instead of arrays, the first argument may be a mesh object, as
+    for `Mockup`, or a whole `Mockup`.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """
@@ -252,7 +252,7 @@ class Tool(_core.Tool):
     part_paths: list[str]
     source: Source
     part_colours: npt.NDArray[np.float64] | None = None
-    """As of `Mockup`; `Tool.of_parts` takes them along."""
+    """As in `Mockup`; `Tool.of_parts` keeps them."""
 
     def __new__(
         cls,
@@ -285,11 +285,11 @@ class Tool(_core.Tool):
 
     @classmethod
     def of_parts(cls, mockup: Mockup, parts: PartsLike | None = None, name: str | None = None) -> Tool:
-        """Parts of a mock-up as a tool, in the mock-up's frame: at the identity it is where they are.
+        """Parts of a mock-up as a tool, in the mock-up's frame: the identity pose leaves them in place.
 
-        `parts` as `Parts.select` takes them; None: all. They stay parts of the tool, in the mock-up's order; vertices
-        that no triangle of theirs has are left out. `name` is by default the part's own, or how many they are.
-        Raises `OptionError` for parts that are not there, `MeshError` for parts of which no triangle can be queried.
+        `parts` as `Parts.select` takes them; None: all. They remain parts of the tool, in the mock-up's order; unused
+        vertices are dropped. `name` defaults to the part's own name, or to the number of parts. Raises `OptionError`
+        for parts that do not exist, `MeshError` if they have no triangle that can be queried.
         """
         if not isinstance(mockup, Mockup):
             raise MeshError(f"parts are of a feeler.Mockup, not of {type(mockup).__name__}")
@@ -304,7 +304,7 @@ class Tool(_core.Tool):
         used = used[used < len(mockup.vertices)]
         index = np.full(len(mockup.vertices), _OUT_OF_RANGE, dtype=np.uint32)
         index[used] = np.arange(len(used), dtype=np.uint32)
-        # What is out of range stays out of range.
+        # Indices out of range stay out of range.
         index = np.append(index, np.uint32(_OUT_OF_RANGE))
         faces = index[np.minimum(faces, len(mockup.vertices))]
         names, paths = ([each[i] for i in chosen] for each in (mockup.part_names, mockup.part_paths))
@@ -326,9 +326,9 @@ class Tool(_core.Tool):
         """Several tools as one that moves as a whole: a hand with a wrench.
 
         `items` maps a name to a tool, or to a tool and its place `tool_from_item` `(4, 4)`: rigid, metres. Corners are
-        placed as a tool's are at a pose. The parts of an item are called by its name, or where it has several
-        `name/path`; triangles are numbered item by item. Raises `MeshError` where there is no item or one is no tool,
-        `PoseError` for a place that is not rigid.
+        computed as those of a tool at a pose. An item's part is named after the item, or `name/path` if it has several;
+        triangles are numbered item by item. Raises `MeshError` if there is no item or one is not a tool, `PoseError`
+        for a place that is not rigid.
         """
         given: object = items
         if not isinstance(given, Mapping) or not items:
@@ -355,20 +355,20 @@ class Tool(_core.Tool):
 
     @cached_property
     def parts(self) -> Parts:
-        """The parts, a sequence of `Part`; one, called as the tool, unless it was made of several."""
+        """The parts, a sequence of `Part`; a single one, named as the tool, unless it was made of several."""
         return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
 
     @property
     def report(self) -> LoadReport:
-        """What was loaded and what is wrong with it."""
+        """The contents and defects of the mesh."""
         return _report(self, self.source, self.part_count)
 
     def pack(self, vertex_limit: int = VERTEX_LIMIT, small: PartsLike | None = None) -> Packed:
-        """`Mockup.pack` of a tool, in its own frame."""
+        """`Mockup.pack` for a tool, in its own frame."""
         return super().pack(_vertex_limit(vertex_limit), _mask(self.parts, small))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Its arrays, and beside them all attributes, as in other Python objects."""
+        """Its arrays and all attributes, as for other Python objects."""
         parts = self.part_of_face if self.part_count > 1 else None
         state = (type(self), self.vertices, self.faces, parts, self.part_count)
         return (*reduced("Tool", state), dict(self.__dict__))
@@ -425,7 +425,8 @@ def _indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
     whole = _whole("faces", array)
     if whole.dtype == np.uint32:
         return np.ascontiguousarray(whole)
-    # An index out of range is a defect of that triangle, not of the call: map it where it stays out of range.
+    # An index out of range is a defect of that triangle, not an error of the call: map it to one that stays out of
+    # range.
     limit = min(vertices, int(_OUT_OF_RANGE))
     if (whole.dtype.kind == "i" and whole.min() < 0) or int(whole.max()) >= limit:
         outside = (whole < 0) | (whole >= limit) if whole.dtype.kind == "i" else whole >= limit
@@ -440,7 +441,7 @@ def _named_parts(
     triangles: int,
     only: str,
 ) -> tuple[npt.NDArray[np.uint32] | None, list[str], list[str]]:
-    """The part of each triangle, names and paths; a mesh of one part that has no name is called `only`."""
+    """The part of each triangle, names and paths; a mesh of one unnamed part is named `only`."""
     parts = None
     count = 1
     if part_of_face is not None:
@@ -479,7 +480,7 @@ def _whole(what: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return array
     if array.dtype.kind != "f":
         raise MeshError(f"{what} has dtype {array.dtype}: whole numbers are needed")
-    # Beyond 2^53 a float64 no longer tells whole numbers apart.
+    # Beyond 2^53 a float64 cannot distinguish whole numbers.
     with np.errstate(over="ignore"):
         size = np.abs(array.astype(np.float64))
     bad = ~((array == np.rint(array)) & (size < 2.0**53))

@@ -1,4 +1,4 @@
-"""The parts of a mock-up or tool, and how they are named in a query."""
+"""The parts of a mock-up or tool, and their lookup by path, name or pattern."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ import numpy.typing as npt
 
 from feeler.errors import OptionError
 
-_MOST_COMPARED = 10_000  # names that a wrong one is compared with: a tenth of a second or so
+_MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
 
 
 @dataclass(frozen=True)
 class Part:
-    """One part of a mock-up or tool. `lower` and `upper` bound its queried triangles, metres; NaN where it has none."""
+    """One part of a mock-up or tool. `lower` and `upper` bound its queried triangles, metres; NaN if it has none."""
 
     index: int
     name: str
@@ -33,7 +33,7 @@ class Part:
 
 
 PartsLike = int | str | Part | Iterable["int | str | Part"] | npt.NDArray[Any]
-"""Parts as a caller names them: see `Parts.select`."""
+"""Parts, as arguments name them: see `Parts.select`."""
 
 
 class Parts(Sequence[Part]):
@@ -70,11 +70,12 @@ class Parts(Sequence[Part]):
         return [self[i] for i in self._called(path)]
 
     def select(self, parts: PartsLike) -> npt.NDArray[np.uint32]:
-        """The indices of the parts named, ascending, each once.
+        """The indices of the named parts, ascending, each once.
 
-        An index; a `Part`; a path or name, with all below that path; a pattern with `*`, `?` or `[...]` that a path or
-        name matches as a whole (`*` matches `/` as well), case and all; or several of these. A boolean array with an
-        entry for each part is a mask. Raises `OptionError` for what is not there, and names what is spelt alike.
+        `parts` is an index; a `Part`; a path or name, which includes everything below that path; a case-sensitive
+        pattern with `*`, `?` or `[...]` that matches a whole path or name (`*` also matches `/`); or several of these.
+        A boolean array with an entry for each part is a mask. Raises `OptionError` for parts that do not exist, with
+        the similar names.
         """
         if isinstance(parts, np.ndarray) and parts.dtype == bool:
             if parts.shape != (len(self),):
@@ -112,7 +113,7 @@ class Parts(Sequence[Part]):
         return called
 
     def _alike(self, part: str) -> list[str]:
-        """Names, and paths, that are spelt much as what was asked for, or have a word that is; letters of any case."""
+        """Names and paths that are similar to the given one, or contain a similar word; case is ignored."""
         known: dict[str, str] = {}
         for name in itertools.islice(dict.fromkeys([*self._names, *self._paths]), _MOST_COMPARED):
             plain = name.casefold()
@@ -124,7 +125,7 @@ class Parts(Sequence[Part]):
 
     def _called(self, path: str) -> list[int]:
         base = path.rstrip("/")
-        # What starts with base + "/" is sorted before base + "0": that is the next character.
+        # Paths that start with base + "/" sort before base + "0", since "0" is the next character.
         first, last = (bisect.bisect_left(self._sorted_paths, (base + end, -1)) for end in "/0")
         return sorted({*self._by_name.get(path, ()), *(i for _, i in self._sorted_paths[first:last])})
 

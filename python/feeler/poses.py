@@ -1,4 +1,4 @@
-"""Poses that rounding made not quite rigid, repaired; turns as vectors, and what lies between two poses."""
+"""Repair of poses that rounding made slightly non-rigid; rotation vectors, and interpolation between poses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class HasMatrix(Protocol):
     """A transform of another library, such as SciPy's `RigidTransform`."""
 
     def as_matrix(self) -> npt.NDArray[Any]:
-        """`(4, 4)`, or `(n, 4, 4)` where it is several."""
+        """`(4, 4)`, or `(n, 4, 4)` for several."""
         ...
 
 
@@ -29,16 +29,16 @@ PosesLike = PoseLike | Sequence[PoseLike]
 """Many poses: `(n, 4, 4)`, an object whose `as_matrix()` gives that, or a list of poses."""
 
 MAX_DEVIATION = 0.01
-"""What `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
+"""The most that `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
 
-_RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: there is nothing to repair
-_RIGID_ENOUGH = 1e-6  # what queries take a pose for rigid at
-_LEAST_RANK = 1e-9  # second to first singular value; below it the rows are on one line, and say nothing of the turn
+_RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: nothing to repair
+_RIGID_ENOUGH = 1e-6  # queries accept a pose up to this deviation
+_LEAST_RANK = 1e-9  # second to first singular value; below it all rows are on one line and define no rotation
 
 
 def plain(pose: object) -> object:
-    """A pose as NumPy reads it: a pair of rotation and translation, and an object with `as_matrix()`, as a matrix; all
-    else as it is. Raises PoseError for a pair of other shapes."""
+    """A pose as NumPy reads it: a pair of rotation and translation, or an object with `as_matrix()`, becomes a matrix;
+    all else is unchanged. Raises PoseError for a pair of other shapes."""
     if isinstance(pose, tuple) and len(pose) == 2:
         turn, shift = (np.asarray(plain(each)) for each in pose)
         if turn.shape != (3, 3) or shift.shape != (3,):
@@ -62,15 +62,15 @@ def plain_each(poses: object) -> object:
 def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats:
     """The pose, or each of many, with its rotation replaced by the nearest proper one, and 0, 0, 0, 1 as its last row.
 
-    `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres, and so is what comes back, float64; translations stay as
-    they are, and so does a pose that is rigid to rounding. Nearest: with the least sum of squared differences, from the
+    `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres; the result has the same shape, float64. Translations and
+    poses that are rigid to rounding do not change. Nearest means the least sum of squared differences, found by
     singular value decomposition (K. Arun, T. Huang, S. Blostein: Least-squares fitting of two 3-D point sets, 1987).
 
     `max_deviation`: the most by which the product of two rows may miss 1 (of a row with itself) or 0 (of two), and the
-    last row 0, 0, 0, 1. A mirror counts as 2. Only more of it lets scales, shears and mirrors pass.
+    last row 0, 0, 0, 1. A mirror counts as 2. Larger values accept scales, shears and mirrors.
 
-    Raises `PoseError` for what deviates more, with its index, for entries that are not finite, for a rotation whose
-    rows are all on one line, and for another shape or dtype; `OptionError` where `max_deviation` is negative or NaN.
+    Raises `PoseError` with the index for larger deviations, entries that are not finite, a rotation whose rows are all
+    on one line, and another shape or dtype; `OptionError` if `max_deviation` is negative or NaN.
     """
     if isinstance(max_deviation, (bool, str, bytes)) or not max_deviation >= 0:
         raise OptionError(f"max_deviation is {max_deviation!r}: it must be a number, at least 0")
@@ -104,9 +104,9 @@ def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floa
 
 
 def placed(points: Floats, place: npt.ArrayLike, what: str) -> Floats:
-    """Points `(n, 3)` moved by a rigid matrix `(4, 4)`, each coordinate computed as that of a tool's corner at a pose.
+    """Points `(n, 3)` moved by a rigid matrix `(4, 4)`, computed exactly like a tool's corners at a pose.
 
-    Raises `PoseError` for a place that a query would refuse; `what` says of what it is.
+    Raises `PoseError` for a place that a query would refuse; `what` names it in the message.
     """
     matrix = _matrices(place)
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not _deviation(matrix[None])[0] <= _RIGID_ENOUGH:
@@ -119,7 +119,7 @@ def placed(points: Floats, place: npt.ArrayLike, what: str) -> Floats:
 
 
 def quaternion(turn: Floats) -> list[float]:
-    """(x, y, z, w) of a rotation `(3, 3)`, by its largest component, so that no digit is lost."""
+    """(x, y, z, w) of a rotation `(3, 3)`, from its largest component, which avoids cancellation."""
     m = turn
     squares = [m[0, 0] - m[1, 1] - m[2, 2], m[1, 1] - m[0, 0] - m[2, 2], m[2, 2] - m[0, 0] - m[1, 1], m.trace()]
     most = int(np.argmax(squares))
@@ -166,9 +166,10 @@ def rotation(vector: Floats) -> Floats:
 
 
 def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:
-    """The pose at a share of the way: `centre` (of the tool, its frame) moves straight, the tool turns the shorter way.
+    """The pose at a share of the motion: `centre` (of the tool, its frame) moves straight, the tool turns the shorter
+    way.
 
-    The motion that `Scene.cast` goes along.
+    This is the motion of `Scene.cast`.
     """
     if share <= 0.0:
         return start
@@ -198,7 +199,7 @@ def _matrices(pose: PosesLike) -> Floats:
 
 
 def _deviation(poses: Floats) -> Floats:
-    """How far each pose is from rigid, (n,): the same measure as of the poses that queries refuse."""
+    """How far each pose is from rigid, (n,): the same measure that queries apply."""
     rotations = poses[:, :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):  # of enormous entries; NaN is more than any deviation allowed
         products = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)

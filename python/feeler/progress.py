@@ -1,7 +1,7 @@
 """A progress bar for long steps: `with bar("loading") as progress: work(progress=progress)`.
 
-`progress(fraction, stage)` may be called from any thread and as often as the work likes. What is shown goes to stderr:
-in a terminal a bar, once the work has lasted a second; elsewhere nothing for ten seconds, then a line every ten.
+`progress(fraction, stage)` may be called from any thread and at any rate. Output goes to stderr: in a terminal a bar
+that appears after a second; elsewhere a line every ten seconds.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 Progress = Callable[[float, str], object]
-"""What long calls are given: called with the share done, 0 to 1, and the stage."""
+"""The progress callback of long calls: called with the share done, 0 to 1, and the stage."""
 
 SHOW_AFTER_S = 1.0
 LINE_EVERY_S = 10.0
 
-_shown = threading.Lock()  # a terminal has room for one bar: the outermost
+_shown = threading.Lock()  # a terminal has room for one bar: the outermost one
 
 
 @contextlib.contextmanager
@@ -47,7 +47,7 @@ def _is_terminal() -> bool:
 
 
 class _Bar:
-    """A rich bar that appears after a while, whether or not the work has reported by then."""
+    """A rich bar that appears after a while, even if the work has not reported by then."""
 
     def __init__(self, label: str, show_after_s: float) -> None:
         self._label = label
@@ -75,7 +75,7 @@ class _Bar:
                 self._live = None
 
     def _open(self) -> None:
-        # Imported here: work that is quick does not pay for it.
+        # Imported here, so that short work does not pay for it.
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
@@ -91,7 +91,7 @@ class _Bar:
                 console=Console(stderr=True),
                 transient=True,
             )
-            # Without a report there is nothing to measure against: the bar pulses.
+            # Without a report there is no fraction to show: the bar pulses.
             self._task = self._live.add_task(self._label, total=None, stage="")
             if self._state[0] > 0:
                 self._update()
@@ -103,7 +103,7 @@ class _Bar:
 
 
 class _Lines:
-    """One line every so often, for logs."""
+    """One line at each interval, for logs."""
 
     def __init__(self, label: str, every_s: float) -> None:
         self._label = label
@@ -117,7 +117,7 @@ class _Lines:
             if now - self._last < self._every_s:
                 return
             self._last = now
-        with contextlib.suppress(OSError, ValueError):  # a closed stderr is no reason to stop the work
+        with contextlib.suppress(OSError, ValueError):  # a closed stderr must not stop the work
             print(f"{self._label}: {100 * fraction:.0f} %{' (' + stage + ')' if stage else ''}", file=sys.stderr)
 
     def close(self) -> None:

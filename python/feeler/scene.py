@@ -41,7 +41,7 @@ from feeler.travel import reduced
 STORAGES = ("blocks", "dense", "hashed")
 ESTIMATORS = ("calibrated", "area", "diagonal", "side")
 CAST_TOLERANCE = 1e-6
-"""Metres by which an impact may be given too early."""
+"""The most by which an impact may be early, metres."""
 
 
 class PairKind(CodedEnum):
@@ -58,31 +58,31 @@ class PairKind(CodedEnum):
 class Scene(_core.Scene):
     """A mock-up with its index; immutable, usable from any number of threads, with any number of tools.
 
-    - `voxel_size`: edge of the voxels, metres; for `blocks` the piece size. Default: for `dense` and `hashed` what
-      `optimal_voxel_size` says for `tool` (without one, the paper's cost function with the area estimator, for a tool
-      whose triangles are as long as the mock-up's own); for `blocks` the piece size at which boxes of `tool` meet the
-      fewest of the mock-up's, with about two pieces more a triangle at most (120 bytes a triangle in all; without a
-      tool, the size at which cutting long triangles adds a quarter of pieces, 64 bytes).
+    - `voxel_size`: edge of the voxels, metres; for `blocks` the piece size. Default for `dense` and `hashed`: the
+      `optimal_voxel_size` for `tool` (without a tool, by the paper's cost function with the area estimator, for a tool
+      whose triangles are as long as the mock-up's). Default for `blocks`: the piece size at which boxes of `tool`
+      overlap the fewest of the mock-up's, with at most about two extra pieces a triangle (120 bytes a triangle in all;
+      without a tool, the size at which cutting long triangles adds a quarter of pieces, 64 bytes).
     - `storage`: `"blocks"` (ours, the default), `"dense"` (the paper's array) or `"hashed"` (its equation 1).
     - `hashing`: for `hashed`, the share of the voxel array's memory saved, 0 to 0.99.
     - `threads`: for building and batches; default: all.
     - `progress`: called with the share done (0 to 1) and the stage.
-    - `memory_limit`: most bytes that building may take, or a batch's result; default: 80 % of what is free.
+    - `memory_limit`: the most bytes for building, and for the result of a batch; default: 80 % of the free memory.
     - `simd`: the instruction set of its queries, `"avx512"`, `"avx2"` or `"portable"`; default: the best this CPU
       has. All give the same answers.
 
     Raises `OptionError` for values out of range and `LimitError` for a voxel size that would need more memory, or more
-    voxels, than allowed; that before anything is allocated.
+    voxels, than allowed, before anything is allocated.
 
-    Queries take `ignore`: pairs of a tool's and a mock-up's part that are not asked, as a robot's matrix of allowed
-    collisions: `[("hand", "*gasket*")]`, or `IgnoredPairs` made of that once.
+    Queries take `ignore`: pairs of a tool part and a mock-up part to skip, such as the allowed collision matrix of a
+    robot: `[("hand", "*gasket*")]`, or an `IgnoredPairs` made once from such a list.
 
-    Copies are the scene itself. A pickle takes the mock-up and the options along, `voxel_size` as it was chosen, and
-    the index is made anew where it arrives; with the best instruction set there, if that CPU lacks the given `simd`.
+    `copy` returns the scene itself. A pickle contains the mock-up and the options, including the chosen `voxel_size`;
+    unpickling rebuilds the index, with the best instruction set of that machine if its CPU lacks the given `simd`.
     """
 
     build_seconds: float
-    """How long the index took; 0 for a scene made of another."""
+    """Time to build the index; 0 for a scene derived from another."""
     _given: dict[str, Any]
 
     def __new__(
@@ -135,16 +135,16 @@ class Scene(_core.Scene):
         return mockup
 
     def without(self, parts: PartsLike) -> Scene:
-        """The scene without some parts, which may move in it as a `Tool.of_parts` then.
+        """The scene without some parts, which can then move in it as a `Tool.of_parts`.
 
-        `parts` as `Parts.select` takes them: indices, paths, patterns. It shares mock-up, index and threads: triangles
-        and parts keep their numbers, and every query answers as of a scene built without them. What is out already
-        stays out. Raises `OptionError` for parts that are not there.
+        `parts` as `Parts.select` takes them: indices, paths, patterns. The new scene shares mock-up, index and threads.
+        Triangle and part indices do not change, and every query answers as in a scene built without these parts. Parts
+        already removed stay removed. Raises `OptionError` for parts that do not exist.
         """
         return self._made_of(super()._selected_without(self.mockup.parts.select(parts).tolist()))
 
     def only(self, parts: PartsLike) -> Scene:
-        """The scene with no parts but these (and of these none that is out already), as `without` all others."""
+        """The scene with only these parts, except those already removed; the opposite of `without`."""
         return self._made_of(super()._selected_only(self.mockup.parts.select(parts).tolist()))
 
     def _made_of(self, selected: _core.Selected) -> Scene:
@@ -158,7 +158,7 @@ class Scene(_core.Scene):
         """`collide` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
         Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. Raises `PoseError`
-        naming the first pose that is not rigid, and `LimitError` when the pairs outgrow the scene's `memory_limit`.
+        naming the first pose that is not rigid, and `LimitError` if the pairs exceed the scene's `memory_limit`.
         """
         check_progress(progress)
         return super().collide_batch(tool, poses, progress, ignore=ignore)
@@ -172,12 +172,12 @@ class Scene(_core.Scene):
         *,
         ignore: Ignore = None,
     ) -> Clearance:
-        """What is nearer than `within` (metres) with the tool at a pose `(4, 4)`: a row for each part, nearest first.
+        """The parts nearer than `within` (metres) with the tool at a pose `(4, 4)`: a row for each, nearest first.
 
-        With `triangles`, a row for each pair of triangles. A distance is 0 if and only if they meet, and else right
-        within 1.4e-14 of the largest difference of coordinates of the two triangles. Of several pairs at the same
-        distance, a part's row has the one with the least ids; of several that meet, any. Raises `OptionError` where
-        `within` is negative or NaN (it may be infinite), `LimitError` when the rows outgrow the scene's `memory_limit`.
+        With `triangles`, a row for each pair of triangles. A distance is 0 if and only if they collide; otherwise its
+        error is at most 1.4e-14 of the largest difference of coordinates of the two triangles. If several pairs have
+        the same distance, a part's row has the one with the smallest ids; if several collide, any. Raises `OptionError`
+        if `within` is negative or NaN (it may be infinite), `LimitError` if the rows exceed the scene's `memory_limit`.
         """
         return super().clearance(tool, world_from_tool, _within(within), bool(triangles), ignore=ignore)
 
@@ -191,9 +191,9 @@ class Scene(_core.Scene):
     ) -> Distance:
         """The distance of tool and mock-up with the tool at a pose `(4, 4)`, with the two closest points.
 
-        If nothing is within `within` (metres), the value is infinite, and all else None. Exact as `clearance`; when
-        they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError` where `within` is
-        negative or NaN.
+        If no part is within `within` (metres), the value is infinite and all else None. Exact as `clearance`; if they
+        collide, the value is 0, and the triangles are some colliding pair. Raises `OptionError` if `within` is negative
+        or NaN.
         """
         return super().distance(tool, world_from_tool, _within(within), ignore=ignore)
 
@@ -206,9 +206,9 @@ class Scene(_core.Scene):
         *,
         ignore: Ignore = None,
     ) -> list[Distance]:
-        """The distance of each of the `k` closest parts, nearest first; of those within `within` (metres).
+        """The distances of the `k` closest parts within `within` (metres), nearest first.
 
-        As `distance` otherwise. Raises `OptionError` also for `k` below 1.
+        Otherwise as `distance`. Raises `OptionError` also for `k` below 1.
         """
         return super()._distances(
             tool, world_from_tool, _within(within), check_whole("k", k, 1, 2**32 - 1), ignore=ignore
@@ -239,7 +239,7 @@ class Scene(_core.Scene):
     ) -> ClearanceBatch:
         """`clearance` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
-        Raises `LimitError` when the rows outgrow the scene's `memory_limit`.
+        Raises `LimitError` if the rows exceed the scene's `memory_limit`.
         """
         check_progress(progress)
         return super().clearance_batch(tool, poses, _within(within), bool(triangles), progress, ignore=ignore)
@@ -255,18 +255,18 @@ class Scene(_core.Scene):
         touching: Literal["counts", "free"] = "counts",
         ignore: Ignore = None,
     ) -> Cast | None:
-        """The first impact on the way from one pose `(4, 4)` to another, or along a `Screw`; None if the way is free.
+        """The first impact between two poses `(4, 4)`, or along a `Screw`; None if the motion is free.
 
-        From pose to pose the middle of the tool's box moves straight, the tool turns about it, the shorter way round,
-        both at constant speed. The impact is never late: at no earlier time does anything meet. It is early by at most
-        `tolerance` metres, the distance at which the two triangles may still be; a tool that passes by nearer than that
-        may count as one that hits. A tool that meets something at `start` hits at 0; where both poses are equal the
-        answer is that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that
-        is not positive and finite, and where there is neither a second pose nor a screw, or both.
+        Between poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round,
+        both at constant speed. The impact is never late: nothing collides before it. It is early by at most `tolerance`
+        metres, the remaining distance of the two triangles; a tool that passes by nearer than that may count as a hit.
+        A tool that collides at `start` has its impact at 0; if both poses are equal, the answer is that of `collide`.
+        Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that is not positive and finite,
+        and if neither a second pose nor a screw is given, or both.
 
-        With `touching="free"` the way ends where one body enters the other: they may touch, slide along each other, and
-        be seated without play. At both poses that is decided exactly, as by `is_colliding`; between them two triangles
-        may overlap by `tolerance`, so that what rounding does to a motion is no impact.
+        With `touching="free"` the motion ends where one body enters the other: they may touch, slide along each other,
+        and be seated without play. At both poses this is decided exactly, as by `is_colliding`; between them two
+        triangles may overlap by `tolerance`, so that the rounding of a motion causes no impact.
         """
         tolerance = check_number("tolerance", tolerance, "metres, more than 0", above=0.0)
         return super().cast(tool, start, end, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
@@ -308,15 +308,14 @@ class Scene(_core.Scene):
     ) -> PathCheck:
         """`cast` from each of `(n, 4, 4)` poses to the next, on all threads of the scene.
 
-        `poses` may also be a list that begins with a pose and goes on with poses and `Screw`s, each from where the one
-        before ended.
+        `poses` may also be a list of a pose followed by poses and `Screw`s, each starting where the previous one ended.
 
-        Each segment is looked at on its own, also those after an impact; a path of one pose is one segment that stands
-        still. Raises `PoseError` naming the first pose that is not rigid, and for a path without a pose; `OptionError`
+        Each segment is checked separately, also those after an impact; a path of one pose is one segment without
+        motion. Raises `PoseError` naming the first pose that is not rigid, and for a path without a pose; `OptionError`
         as `cast`.
 
-        With `inside`, a tool that is inside a closed part at the first pose, or holds one, is not free, though it meets
-        nothing (`PathCheck.containment`). `touching` as in `cast`.
+        With `inside`, a tool that is inside a closed part at the first pose, or contains one, is not free, even without
+        a collision (`PathCheck.containment`). `touching` as in `cast`.
         """
         check_progress(progress)
         return super().check_path(
@@ -340,13 +339,13 @@ class Scene(_core.Scene):
     ) -> Contacts:
         """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
 
-        They stand for all that meets and all that is nearer than `within` (metres), and do not depend on how finely
-        the surfaces are cut into triangles. Beside more than 6 deep ones the distance shrinks, to nothing at 12;
-        where more than a million pairs of triangles are within it, it is halved until they are fewer. Unless 12 are
-        deep, each part that is met has a plane that is not a gap.
-        `reference`: a pose `(4, 4)` at which the tool was free before: it tells on which side of open surfaces the
-        tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError` where `within` is negative, NaN
-        or infinite.
+        They represent all collisions and all surfaces nearer than `within` (metres), and do not depend on the
+        triangulation. With more than 6 deep planes the distance shrinks, to 0 at 12; if more than a million pairs of
+        triangles are within it, it is halved until they are fewer. Unless 12 planes are deep, each colliding part has a
+        plane that is not a gap.
+        `reference`: a pose `(4, 4)` at which the tool was free. It decides on which side of open surfaces the tool
+        belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError` if `within` is negative, NaN or
+        infinite.
         """
         return super().contacts(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
@@ -359,20 +358,20 @@ class Scene(_core.Scene):
         *,
         ignore: Ignore = None,
     ) -> Penetration:
-        """The translation of least length that frees the tool where it is, over its contact planes.
+        """The shortest translation that frees the tool at a pose, computed from its contact planes.
 
-        Where the planes show no way out, one is sought along many directions, up to the tool's size: milliseconds. So
-        is one for a tool that meets nothing since it is wholly inside a solid (or a solid inside it).
-        Arguments and errors as `contacts`. `kind` says whether it is a bound or an estimate.
+        If the planes yield none, many directions are searched, up to the tool's size; this takes milliseconds. The same
+        holds for a tool that lies wholly inside a solid, or contains one, without colliding.
+        Arguments and errors as `contacts`. `kind` says whether the result is a bound or an estimate.
         """
         return super().penetration(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
     def depth(  # type: ignore[override]  # the core gives the columns of `Depths`
         self, tool: _core.Tool, world_from_tool: PoseLike, *, ignore: Ignore = None
     ) -> Depths:
-        """How deep the tool is in each part that it meets, holds, or is inside; the deepest first.
+        """The depth of the tool in each part that it collides with, contains, or is inside; the deepest first.
 
-        The depth of two solids is the farthest that a point of one surface lies inside the other solid. It does not
+        The depth of two solids is how far the deepest point of one surface lies inside the other solid. It does not
         depend on the triangulation, and a motion changes it by at most its length. The first query for a part builds a
         tree of its triangles, which the scene keeps.
         Arguments and errors as `collide`.
@@ -396,16 +395,16 @@ class Scene(_core.Scene):
         within: float = math.inf,
         sections: npt.ArrayLike | None = None,
     ) -> Rays:
-        """What rays from `origins` `(n, 3)` along `directions` `(n, 3)`, of any length, meet first, on all threads.
+        """The first hits of rays from `origins` `(n, 3)` along `directions` `(n, 3)`, of any length, on all threads.
 
-        Nothing beyond `within` (metres) is met, nor what `sections` cut away: rows `[nx, ny, nz, d]` `(k, 4)`, each
-        of which keeps the points with `n . x >= d`; what is in all of them is there. Whether a closed triangle is met
-        is exact, and so is which comes first; of several at the same place it is the lowest. Distances are right within
-        1e-12 of themselves. A ray that begins on a triangle meets it at 0; one that lies in a triangle's plane meets it
-        where it comes upon it.
+        Rays end at `within` (metres) and ignore what `sections` cut away: rows `[nx, ny, nz, d]` `(k, 4)`, each of
+        which keeps the points with `n . x >= d`; only points kept by all rows count. Which closed triangle a ray hits,
+        and which first, is exact; of several at the same place it is the one with the lowest index. The relative error
+        of distances is 1e-12. A ray that begins on a triangle hits it at 0; one in a triangle's plane hits it where it
+        enters it.
 
-        Raises `OptionError` for other shapes, a direction or a section's normal of zero, numbers that are not finite or
-        beyond 1e100, and where `within` is negative or NaN.
+        Raises `OptionError` for other shapes, a zero direction or section normal, numbers that are not finite or beyond
+        1e100, and if `within` is negative or NaN.
         """
         starts, ways = _rows("origins", origins, 3), _rows("directions", directions, 3)
         if len(starts) != len(ways):
@@ -414,13 +413,12 @@ class Scene(_core.Scene):
         return super().rays(starts, ways, within=_within(within), sections=kept)
 
     def section(self, point: npt.ArrayLike, normal: npt.ArrayLike) -> SectionOutline:
-        """What the plane through `point` `(3,)` across `normal` `(3,)`, of any length, cuts: a segment a triangle.
+        """The cut of the plane through `point` `(3,)` across `normal` `(3,)`, of any length: one segment a triangle.
 
-        On which side corners are is exact; what is exactly on the plane counts as behind it. So outlines of closed
-        surfaces are closed: they are those of what is in front of the plane. A triangle in the plane gives nothing;
-        those next to it that go on in front of the plane give its border. What touches the plane from behind gives
-        nothing. Raises `OptionError` for other shapes, a normal of zero, and numbers that are not finite or beyond
-        1e100.
+        The side of each corner is exact; corners on the plane count as behind it. The outline is therefore that of the
+        material in front of the plane, and outlines of closed surfaces are closed. A triangle in the plane yields
+        nothing; its neighbours in front of the plane yield its border. Surfaces that touch the plane from behind yield
+        nothing. Raises `OptionError` for other shapes, a zero normal, and numbers that are not finite or beyond 1e100.
         """
         return super().section(_vector("point", point), _vector("normal", normal))
 
@@ -454,9 +452,9 @@ class Scene(_core.Scene):
 
 
 class ContactTracker(_core.ContactTracker):
-    """A tool that moves in a scene: its contacts go by the last pose at which it met nothing.
+    """A tool that moves in a scene; its contacts refer to the last pose without a collision.
 
-    Without such a pose, on the first call for a tool that starts inside, by the side on which the tool's bulk lies.
+    Without such a pose, if the tool starts inside, the side of its larger share decides.
     """
 
     _asked: tuple[Scene, _core.Tool, IgnoredPairs | None]
@@ -483,12 +481,12 @@ class ContactTracker(_core.ContactTracker):
         return self
 
     def contacts(self, world_from_tool: PoseLike, within: float = 0.002) -> Contacts:
-        """`Scene.contacts` with the last free pose as reference; a pose at which nothing meets becomes the next."""
+        """`Scene.contacts` with the last free pose as reference; a pose without a collision becomes the next one."""
         return super().contacts(world_from_tool, _within(within, endless=False))
 
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
-        """The last pose at which nothing met, `(4, 4)`. May be set to a pose known to be free, or to None to forget."""
+        """The last pose without a collision, `(4, 4)`. Set it to a pose known to be free, or to None to forget it."""
         return super().last_free
 
     @last_free.setter
@@ -507,12 +505,12 @@ def optimal_voxel_size(
 ) -> float:
     """The voxel size (metres) with which queries of a tool in a mock-up are fastest; for `blocks` the piece size.
 
-    - `estimator="calibrated"`: the least time predicted from samples of both meshes and from what each step of a query
-      costs on this machine, which is measured at the first use (less than a second) and kept in the user's cache; for
-      `blocks` the least work, which needs no measuring. `storage`, `hashing` and `memory_limit` are as for `Scene`: a
-      size whose store needs more memory is not chosen.
-    - `"area"`, `"diagonal"`, `"side"`: the least cost of the paper's cost function, by how it estimates the static
-      triangles per voxel (equations 3 to 10 of Borro, García-Alonso and Matey 2004); they know no storage.
+    - `estimator="calibrated"`: the least time predicted from samples of both meshes and from the cost of each step of a
+      query on this machine. The costs are measured at the first use (less than a second) and kept in the user's cache.
+      For `blocks` it is the least work, which needs no measuring. `storage`, `hashing` and `memory_limit` are as for
+      `Scene`: sizes whose store needs more memory are not chosen.
+    - `"area"`, `"diagonal"`, `"side"`: the minimum of the paper's cost function, by how it estimates the static
+      triangles per voxel (equations 3 to 10 of Borro, García-Alonso and Matey 2004); independent of the storage.
     """
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
@@ -529,7 +527,7 @@ def optimal_voxel_size(
 
 
 def _calibrated_size(mockup: Mockup, tool: _core.Tool, storage: str, hashing: float, limit: int) -> float | None:
-    """None for coordinates near the limits of float64, where nothing can be predicted."""
+    """None for coordinates near the limits of float64, which allow no prediction."""
     try:
         if storage == "blocks":
             return _core.PiecePredictor(mockup, tool).optimal_size(limit)
@@ -562,7 +560,7 @@ def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.floa
         raise OptionError(f"{what} has shape {array.shape}: (n, {columns}) is needed")
     if array.dtype.kind not in "fiu":
         raise OptionError(f"{what} has dtype {array.dtype}: real numbers are needed")
-    with np.errstate(over="ignore"):  # what is beyond float64 becomes an infinity, which the core refuses
+    with np.errstate(over="ignore"):  # values beyond float64 become infinite, and the core refuses them
         return np.ascontiguousarray(array, dtype=np.float64)
 
 
@@ -574,7 +572,7 @@ def _vector(what: str, value: npt.ArrayLike) -> list[float]:
 
 
 def free_memory() -> int:
-    """Bytes that can be had without swapping, as far as the system tells; else without a limit."""
+    """Bytes available without swapping, if the system reports them; else no limit."""
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:
             for line in lines:

@@ -1,8 +1,8 @@
-"""Pickles: how mock-ups, tools, scenes and results go to other processes, and into files.
+"""Pickles: how mock-ups, tools, scenes and results reach other processes and files.
 
-An object is pickled as its arrays and names, with the number of this format beside them. NumPy pickles the arrays, so
-protocol 5 can hand them over out of band. A scene takes its mock-up and options along and makes its index anew; a
-result takes no mock-up along.
+An object is pickled as its arrays and names, with the number of this format. NumPy pickles the arrays, so protocol 5
+can pass them out of band. A scene includes its mock-up and options and rebuilds its index; a result does not include
+the mock-up.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from feeler import _core
 from feeler.errors import LoadError
 
 FORMAT = 1
-"""Of what is pickled. Another number: what is written now cannot be read before, or the other way round."""
+"""The version of the format. It changes when old and new versions cannot read each other's pickles."""
 
 State = tuple[Any, ...]
 
 
 def reduced(kind: str, state: State) -> tuple[Callable[..., object], State]:
-    """What `__reduce__` answers for a `kind` of object that consists of `state`."""
+    """The result of `__reduce__` for a `kind` of object that consists of `state`."""
     return restore, (FORMAT, _version(), kind, state)
 
 
 def restore(written_in: int, written_by: str, kind: str, state: State) -> object:
-    """The object again. Raises `LoadError` where the format is another, or no object has such a state."""
+    """The object from its state. Raises `LoadError` if the format differs or no object has such a state."""
     if written_in != FORMAT:
         raise LoadError(
             f"this {kind} was pickled by feeler {written_by} in format {written_in}, but this is feeler {_version()}, "
@@ -42,7 +42,7 @@ def restore(written_in: int, written_by: str, kind: str, state: State) -> object
 
 
 def _tidy(state: State) -> State:
-    """Arrays as the core reads them: what comes out of band may lie anywhere."""
+    """Arrays as the core reads them; arrays from out-of-band pickles can have any memory layout."""
 
     def tidy(value: Any) -> Any:
         if isinstance(value, tuple):

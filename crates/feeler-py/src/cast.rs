@@ -9,7 +9,7 @@ use pyo3::types::PyTuple;
 use crate::containment::Containment;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 
-/// The first impact of a tool on its way between two poses.
+/// The first impact of a tool on a motion between two poses.
 #[pyclass(frozen, module = "feeler._core")]
 #[derive(Clone, Copy)]
 pub struct Cast {
@@ -78,19 +78,19 @@ fn casts_of((numbers, ids): (PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, u32
 
 #[pymethods]
 impl Cast {
-    /// When, as a share of the way, 0 to 1; never late.
+    /// The time of impact, as a fraction of the motion, 0 to 1; never late.
     #[getter]
     fn fraction(&self) -> f64 {
         self.fraction
     }
 
-    /// `(4, 4)`: world_from_tool then.
+    /// `(4, 4)`: world_from_tool at the impact.
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_pyarray(py)
     }
 
-    /// `(3,)`: where the mock-up is met, metres, world.
+    /// `(3,)`: the point of impact on the mock-up, metres, world.
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.point.to_vec().into_pyarray(py)
@@ -102,7 +102,7 @@ impl Cast {
         self.normal.to_vec().into_pyarray(py)
     }
 
-    /// How far apart the two triangles still are at the pose, metres: at most the tolerance; 0 where they meet.
+    /// The remaining distance of the two triangles at the pose, metres: at most the tolerance; 0 if they collide.
     #[getter]
     fn distance(&self) -> f64 {
         self.distance
@@ -120,13 +120,13 @@ impl Cast {
         self.triangles[1]
     }
 
-    /// Index into `mockup.parts` of the part that is met.
+    /// Index into `mockup.parts` of the part hit.
     #[getter]
     fn part(&self) -> u32 {
         self.parts[1]
     }
 
-    /// Index into `tool.parts` of the tool's part that meets it.
+    /// Index into `tool.parts` of the tool's part that hits it.
     #[getter]
     fn tool_part(&self) -> u32 {
         self.parts[0]
@@ -141,9 +141,9 @@ impl Cast {
     }
 }
 
-/// What a tool meets on a path: the first impact of each segment, from one pose to the next.
+/// The first impact of a tool on each segment of a path, from one pose to the next.
 ///
-/// Its length is the number of segments, one less than poses; a path of one pose has one segment that stands still.
+/// Its length is the number of segments, one less than poses; a path of one pose has one segment without motion.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PathCheck {
     count: usize,
@@ -192,7 +192,8 @@ impl PathCheck {
 
 #[pymethods]
 impl PathCheck {
-    /// Whether no segment meets anything, and the tool is not inside anything at the first pose.
+    /// Whether no segment has an impact, and the tool neither contains a part nor is inside one at the first
+    /// pose.
     #[getter]
     fn is_free(&self) -> bool {
         self.hits.is_empty() && !self.inside.as_ref().is_some_and(Containment::is_any)
@@ -204,13 +205,13 @@ impl PathCheck {
         self.is_free()
     }
 
-    /// What is inside what at the first pose; None where that was not asked for.
+    /// Containment at the first pose; None unless `inside` was set.
     #[getter]
     fn containment(&self) -> Option<Containment> {
         self.inside.clone()
     }
 
-    /// `(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free.
+    /// `(segments,)`: the first impact of each segment, as a fraction of the segment; NaN if the segment is free.
     #[getter]
     fn fractions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let mut fraction = vec![f64::NAN; self.count];
@@ -224,7 +225,7 @@ impl PathCheck {
         self.fractions(py)
     }
 
-    /// `(k,)`: the segments with an impact, ascending. The rows of what follows belong to them.
+    /// `(k,)`: the segments with an impact, ascending. The rows of the following arrays belong to them.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.column(py, |(segment, _)| *segment as u64)

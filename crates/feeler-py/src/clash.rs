@@ -17,7 +17,7 @@ use crate::reporter::Reporter;
 use crate::scene::Scene;
 use crate::travel::{list, rows_of, stays};
 
-/// Pairs of parts that are too near each other, as columns of one length, sorted by `a`, then `b`.
+/// Pairs of parts that are closer than required, as columns of one length, sorted by `a`, then `b`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct ClashRows {
     rows: Vec<contacts::Clash>,
@@ -38,13 +38,13 @@ impl ClashRows {
 
 #[pymethods]
 impl ClashRows {
-    /// `(n,)`: one part, the lesser.
+    /// `(n,)`: the part with the smaller index.
     #[getter]
     fn a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |row| row.parts[0])
     }
 
-    /// `(n,)`: the other.
+    /// `(n,)`: the other part.
     #[getter]
     fn b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |row| row.parts[1])
@@ -56,39 +56,39 @@ impl ClashRows {
         self.column(py, |row| row.verdict as u8)
     }
 
-    /// `(n,)`: the farthest that a point of one surface is inside the other part, metres: a lower bound. 0 where
+    /// `(n,)`: how far the deepest point of one surface lies inside the other part, metres: a lower bound. 0 where
     /// they only touch or are apart; NaN where it was not measured.
     #[getter]
     fn depth<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.depth)
     }
 
-    /// `(n,)`: how much more the depth can be, metres; NaN of two open parts, and where it was not measured.
+    /// `(n,)`: how much larger the depth can be, metres; NaN for two open parts, and where it was not measured.
     #[getter]
     fn depth_error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.depth_error)
     }
 
-    /// `(n,)`: 0: measured within its error; 1: an estimate, as a part is open.
+    /// `(n,)`: 0: measured within its error; 1: an estimate, because a part is open.
     #[getter]
     fn depth_kind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         self.column(py, |row| row.kind as u8)
     }
 
-    /// `(n, 3)`: moves `a` out of `b`, metres, world: the shortest way known (`b` moves the other way). Zero where
-    /// they only touch or are apart.
+    /// `(n, 3)`: moves `a` out of `b`, metres, world: the shortest one known (`b` moves the opposite way). Zero
+    /// where they only touch or are apart.
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.points(py, |row| row.translation)
     }
 
-    /// `(n,)`: how far their surfaces are apart, metres; 0 where they meet.
+    /// `(n,)`: the distance between their surfaces, metres; 0 where they collide.
     #[getter]
     fn gap<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.gap)
     }
 
-    /// `(n, 3)`: on `a`, metres: where they are closest, touch, or are deepest in each other.
+    /// `(n, 3)`: on `a`, metres: the closest, touching or deepest point.
     #[getter]
     fn point_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.points(py, |row| row.points[0])
@@ -100,26 +100,26 @@ impl ClashRows {
         self.points(py, |row| row.points[1])
     }
 
-    /// `(n,)`: how many pairs of triangles meet.
+    /// `(n,)`: the number of colliding pairs of triangles.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(py, |row| row.triangles)
     }
 
-    /// `(n, 2, 3)`: lower and upper corner of the box around where they meet, metres; else around the points.
+    /// `(n, 2, 3)`: lower and upper corner of the box around the collision, metres; else around the points.
     #[getter(r#box)]
     fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         let side = |row: &contacts::Clash, i: usize| if i == 0 { row.bounds.lower } else { row.bounds.upper };
         Array3::from_shape_fn((self.rows.len(), 2, 3), |(n, i, axis)| side(&self.rows[n], i)[axis]).into_pyarray(py)
     }
 
-    /// `(n, 2)`: whether `a`, and `b`, has no inside: none of its surfaces is closed.
+    /// `(n, 2)`: whether `a`, and `b`, has no closed surface and so no inside.
     #[getter]
     fn is_open<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<bool>> {
         Array2::from_shape_fn((self.rows.len(), 2), |(n, i)| self.rows[n].is_open[i]).into_pyarray(py)
     }
 
-    /// Pairs by what was found first: `crossing`, `touching`, `contained`, `duplicates`, `near`.
+    /// Number of pairs by first verdict: `crossing`, `touching`, `contained`, `duplicates`, `near`.
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -136,7 +136,7 @@ impl ClashRows {
         Ok(dict)
     }
 
-    /// What the stages took: `verdicts`, `clearance`, `depths`.
+    /// Seconds by stage: `verdicts`, `clearance`, `depths`.
     #[getter]
     fn seconds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -146,7 +146,7 @@ impl ClashRows {
         Ok(dict)
     }
 
-    /// Whether it was stopped.
+    /// Whether it was interrupted.
     #[getter]
     fn is_partial(&self) -> bool {
         self.is_partial
@@ -175,18 +175,18 @@ fn table(what: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<f64>> {
     Ok(view.iter().copied().collect())
 }
 
-/// Every pair of parts that are there and are too near each other.
+/// Every pair of present parts that are closer than required.
 ///
-/// - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. How near parts of two classes may come (negative:
-///   such pairs are not asked), and how deep they may be in each other, or how far apart, and still be in contact.
-/// - `class_of_part`: `(parts,)`; default: all are of class 0.
-/// - `contact_of_part`: `(parts,)`, metres: what each part adds to the contact of its pairs.
-/// - `exclude`: `(k, 2)`: pairs of parts that are never asked.
+/// - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. The required distance between parts of two
+///   classes (negative: such pairs are skipped), and the depth or distance up to which they count as in contact.
+/// - `class_of_part`: `(parts,)`; default: class 0 for all.
+/// - `contact_of_part`: `(parts,)`, metres: added to the contact of each pair of the part.
+/// - `exclude`: `(k, 2)`: pairs of parts to skip.
 /// - `threads`: default: those of the scene.
 ///
-/// Ctrl-C ends it early: what was found so far comes back (all of it, where the last row was done), and `is_partial` is
-/// true. Pairs whose depth was not measured by then have NaN. Raises `OptionError` for tables of other shapes and for
-/// lengths that are none, `MeshError` for arrays of other lengths.
+/// Ctrl-C ends it early: the result has the rows found so far (all of them, if only depths were missing), and
+/// `is_partial` is true. Depths not measured by then are NaN. Raises `OptionError` for tables of the wrong shape and
+/// invalid lengths, `MeshError` for arrays of the wrong length.
 #[pyfunction]
 #[pyo3(signature = (scene, clearance, contact, *, class_of_part = None, contact_of_part = None, exclude = None, threads = None,
                     progress = None))]

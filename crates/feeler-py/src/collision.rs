@@ -13,7 +13,7 @@ use crate::arrays::{codes, view, view_rows, words, Word};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 
-/// The pairs of triangles that meet at one pose; false when there are none.
+/// The colliding pairs of triangles at one pose; false when there are none.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Collision {
     core: core::Collision,
@@ -102,39 +102,39 @@ impl Collision {
         unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
 
-    /// Triangles of the tool that meet something; unique, sorted.
+    /// Colliding triangles of the tool; unique, sorted.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(0).into_pyarray(py)
     }
 
-    /// Triangles of the mock-up that meet something; unique, sorted.
+    /// Colliding triangles of the mock-up; unique, sorted.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.column(1).into_pyarray(py)
     }
 
-    /// Indices into `mockup.parts` of the parts that are met; unique, sorted.
+    /// Indices into `mockup.parts` of the colliding parts; unique, sorted.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.part_ids(1).into_pyarray(py)
     }
 
-    /// Indices into `tool.parts` of the tool's parts that meet something; unique, sorted.
+    /// Indices into `tool.parts` of the colliding parts; unique, sorted.
     #[getter]
     fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.part_ids(0).into_pyarray(py)
     }
 
-    /// What the query did, stage by stage.
+    /// Counters of the query, stage by stage.
     ///
     /// - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
-    /// - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
-    /// - `repeats_skipped`: pairs skipped because they had been seen.
-    /// - `box_survivors`: pairs whose triangles' boxes meet.
+    /// - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces with overlapping boxes.
+    /// - `repeats_skipped`: repeated pairs skipped.
+    /// - `box_survivors`: pairs of triangles with overlapping boxes.
     /// - `triangle_tests`: triangle tests.
-    /// - `exact_tests`: triangle tests that float64 arithmetic could not decide, so that exact arithmetic did.
-    /// - `pairs`: distinct pairs that meet.
+    /// - `exact_tests`: triangle tests that needed exact arithmetic because float64 could not decide them.
+    /// - `pairs`: distinct colliding pairs.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);

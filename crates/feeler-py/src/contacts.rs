@@ -194,8 +194,8 @@ impl Contacts {
         unsafe { view_rows(slf.as_any(), &slf.get().normals) }
     }
 
-    /// `(k,)`: metres, ascending; negative: the tool is that deep behind the plane, or, where the two lie in each
-    /// other's hollows, what overlaps along the normal.
+    /// `(k,)`: metres, ascending. Negative: the depth of the tool behind the plane or, where both surfaces are
+    /// concave, their overlap along the normal.
     #[getter]
     fn gaps<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
         // SAFETY: as for the points.
@@ -216,8 +216,8 @@ impl Contacts {
         unsafe { view(slf.as_any(), &slf.get().tool_parts) }
     }
 
-    /// `(k,)`: the same for the same two surfaces of tool and mock-up at every pose, in every call, thread and run.
-    /// No two planes of one answer share one.
+    /// `(k,)`: identify the pair of surfaces of tool and mock-up, the same at every pose and in every call, thread
+    /// and run. Unique within one answer.
     #[getter]
     fn ids<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: as for the points.
@@ -226,16 +226,16 @@ impl Contacts {
 
     /// `(k, 4, 3)`: the points of the tool that carry each contact, tool frame, metres, in order around the normal.
     ///
-    /// Plane `i` has the first `footing_counts[i]`; the rest repeat the last. For turns up to one degree, holding
-    /// these points off the plane holds off it all of the tool that lies there, but for 1 % of how far the turn moves
-    /// it. Found when first asked for.
+    /// Plane `i` has the first `footing_counts[i]`; the rest repeat the last. If these points stay in front of the
+    /// plane during a turn of up to one degree, so does the part of the tool that lies there, but for 1 % of the
+    /// distance by which the turn moves it. Computed at the first access.
     #[getter]
     fn footing<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray3<f64>> {
         // SAFETY: as for the points; once found, footings stay where they are.
         unsafe { view_blocks(slf.as_any(), &slf.get().footings(slf.py()).points) }
     }
 
-    /// `(k,)`: 1 for a corner, 2 for an edge, 3 or 4 for what is flat or round.
+    /// `(k,)`: 1 for a corner, 2 for an edge, 3 or 4 for flat and round surfaces.
     #[getter]
     fn footing_counts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the footing.
@@ -270,13 +270,13 @@ impl Contacts {
         unsafe { view(slf.as_any(), &slf.get().offsets[1]) }
     }
 
-    /// Planes beyond 32, the least deep or farthest, that were left out.
+    /// Number of planes left out beyond 32: the least deep or the farthest.
     #[getter]
     fn omitted(&self) -> usize {
         self.omitted
     }
 
-    /// Whether any triangles meet.
+    /// Whether any triangles collide.
     #[getter]
     fn is_meeting(&self) -> bool {
         self.meeting
@@ -459,7 +459,7 @@ impl Penetration {
 
 #[pymethods]
 impl Penetration {
-    /// `(3,)`: metres, world; to be added to the pose's.
+    /// `(3,)`: metres, world; add it to the pose's translation.
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.translation.to_vec().into_pyarray(py)
@@ -471,8 +471,8 @@ impl Penetration {
         self.depth
     }
 
-    /// `"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free it), or `"exact"` (the
-    /// tool meets nothing, or only touches).
+    /// `"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free the tool), or
+    /// `"exact"` (the tool does not collide, or only touches).
     #[getter]
     fn kind(&self) -> &'static str {
         KINDS.iter().find(|(kind, _)| *kind == self.kind).map_or("estimate", |(_, name)| name)
@@ -525,14 +525,14 @@ impl ContactTracker {
         Ok(Contacts::new(found, (solver, tool, world_from_tool.0)))
     }
 
-    /// The last pose at which nothing met, `(4, 4)`.
+    /// The last pose without a collision, `(4, 4)`.
     #[getter]
     fn last_free<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         let tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
         tracker.last_free().map(|pose| pose_array(py, pose))
     }
 
-    /// Takes a pose for free, or forgets it.
+    /// Sets the last free pose, or forgets it.
     #[pyo3(name = "_set_last_free")]
     fn set_last_free(&self, world_from_tool: Option<PoseArgument>) {
         let pose = world_from_tool.map(|pose| pose.0);

@@ -8,7 +8,7 @@ use pyo3::types::PyTuple;
 
 use crate::travel::{list, reduced, rows_of};
 
-/// What is inside what, though it does not cross it; true where anything is.
+/// Bodies inside other bodies, without colliding; true if there is any.
 #[pyclass(frozen, module = "feeler._core")]
 #[derive(Clone)]
 pub struct Containment {
@@ -46,32 +46,33 @@ impl Containment {
 
 #[pymethods]
 impl Containment {
-    /// Indices into `mockup.parts` of closed parts that hold the tool, or one of its connected surfaces; sorted.
+    /// Indices into `mockup.parts` of closed parts that contain the tool, or one of its connected surfaces;
+    /// sorted.
     #[getter]
     fn containing<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         parts(py, &self.containing)
     }
 
-    /// Indices into `mockup.parts` of parts of which the tool holds a connected surface; sorted.
+    /// Indices into `mockup.parts` of parts with a connected surface inside the tool; sorted.
     #[getter]
     fn contained<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         parts(py, &self.contained)
     }
 
-    /// `(k, 2)`: tool part that is held, and part that holds it; sorted.
+    /// `(k, 2)`: tool part inside, and the mock-up part that contains it; sorted.
     #[getter]
     fn containing_pairs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
         rows(py, &self.containing)
     }
 
-    /// `(k, 2)`: tool part that holds, and part that it holds; sorted.
+    /// `(k, 2)`: tool part that contains, and the mock-up part inside it; sorted.
     #[getter]
     fn contained_pairs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
         rows(py, &self.contained)
     }
 
-    /// Parts of which it cannot be told, sorted: open ones with a corner of the tool in their box, and where the
-    /// tool is open those with a corner in its box.
+    /// Parts that cannot be decided, sorted: open parts with a corner of the tool in their box and, if the tool is
+    /// open, parts with a corner in its box.
     #[getter]
     fn unknown<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.unknown.clone().into_pyarray(py)

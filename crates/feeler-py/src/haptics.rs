@@ -153,7 +153,7 @@ fn is_away() -> PyErr {
 
 #[pymethods]
 impl HapticsSession {
-    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone.
+    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of that part alone.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "the Python class beside it has names and defaults for all")]
     fn new(
@@ -181,7 +181,7 @@ impl HapticsSession {
         Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
     }
 
-    /// Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out if sunk.
+    /// Begins at a pose: its seats, as tool part, part, kind and depth (metres); and the way out if sunk.
     #[pyo3(name = "_begin")]
     fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
         self.change(py, |session| session.start(&pose.0)).map(started)
@@ -196,13 +196,13 @@ impl HapticsSession {
         Ok(parts_of(py, &step))
     }
 
-    /// The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each holds.
+    /// The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each is active.
     #[pyo3(name = "_planes")]
     fn planes<'py>(&self, py: Python<'py>) -> PyResult<PlaneParts<'py>> {
         self.with(|session| planes_of(py, session))
     }
 
-    /// Another scene: what the proxy meets there, as of `begin`.
+    /// Changes the scene: the seats of the proxy there, as `_begin`.
     #[pyo3(name = "_swap")]
     fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Started> {
         let scene = scene.core();

@@ -21,7 +21,7 @@ use crate::haptics::{haptics_to_py, numbers_of};
 use crate::haptics_own::OwnDevice;
 use crate::travel::stays;
 
-/// A device, until a run takes it; what the classes of `feeler.haptics.devices` are made of.
+/// A device, until a run takes it; the base of the classes of `feeler.haptics.devices`.
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct HapticsDevice {
     info: DeviceInfo,

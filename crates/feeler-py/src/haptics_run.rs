@@ -194,7 +194,7 @@ impl HapticsRun {
         }
     }
 
-    /// Ends it. What the threads died of, and why device and contacts failed the last time.
+    /// Ends it. Returns the errors of the threads, and why device and contacts failed the last time.
     fn stop(&self, py: Python<'_>) -> PyResult<(Option<String>, Option<String>, Option<String>)> {
         self.check_process()?;
         let stopped = py.detach(|| locked(&self.runner).take().map(Runner::stop));

@@ -22,7 +22,7 @@ pub struct Packed {
     middle: core::Point,
 }
 
-/// What is drawn at once: whole parts, or the share of a large one. Arrays are read-only.
+/// One draw call: whole parts, or a section of a large one. Arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PackedPiece {
     core: Arc<core::PackedPiece>,
@@ -64,21 +64,21 @@ impl Packed {
         self.pieces.iter().map(|piece| PackedPiece { core: Arc::clone(piece) }).collect()
     }
 
-    /// `(m,)`: the triangle of the mesh that each packed one is.
+    /// `(m,)`: the mesh's triangle of each packed triangle.
     #[getter]
     fn order<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: the result is frozen and owns its order; the array keeps it alive.
         unsafe { view(slf.as_any(), &slf.get().order) }
     }
 
-    /// `(triangles of the mesh,)`: the packed one of each; 2**32 - 1 for defects, which are not drawn.
+    /// `(triangles of the mesh,)`: the packed triangle of each; 2**32 - 1 for defects, which are not drawn.
     #[getter]
     fn places<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the order.
         unsafe { view(slf.as_any(), &slf.get().places) }
     }
 
-    /// `(3,)`: what positions are relative to, in the mesh's frame, metres: the middle of its box.
+    /// `(3,)`: the origin of positions, in the mesh's frame, metres: the middle of its box.
     #[getter]
     fn middle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.middle.to_vec().into_pyarray(py)
@@ -123,7 +123,7 @@ impl PackedPiece {
 
 #[pymethods]
 impl PackedPiece {
-    /// `(v, 3)`: metres, from `Packed.middle`; of one part no two are the same, but where the part is cut.
+    /// `(v, 3)`: metres, from `Packed.middle`; distinct within a part, except where the part is cut.
     #[getter]
     fn positions<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f32>> {
         // SAFETY: the piece is frozen and holds its positions; the array keeps it alive.
@@ -141,14 +141,14 @@ impl PackedPiece {
         }
     }
 
-    /// `(t, 3)`: triangles, as places among the positions, wound as given.
+    /// `(t, 3)`: triangles, as indices into `positions`, wound as given.
     #[getter]
     fn indices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u16>> {
         // SAFETY: as for the positions.
         unsafe { view_rows(slf.as_any(), &slf.get().core.indices) }
     }
 
-    /// Whether it has parts that were called small.
+    /// Whether it has parts that were named small.
     #[getter]
     fn is_small(&self) -> bool {
         self.core.is_small

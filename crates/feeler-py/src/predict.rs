@@ -9,9 +9,9 @@ use crate::mockup::Mockup;
 use crate::pools::on_pool;
 use crate::travel::stays;
 
-/// The predicted work and time of queries, on average over places of the tool on the mock-up's surface.
+/// The predicted work and time of queries, averaged over places of the tool on the mock-up's surface.
 ///
-/// `constants`: what a query, a tool triangle, a voxel, a list entry, a pair and a triangle test cost, seconds each.
+/// `constants`: seconds for a query, a tool triangle, a voxel, a list entry, a pair and a triangle test.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Predictor {
     core: core::Predictor,
@@ -60,13 +60,13 @@ impl Predictor {
         Ok(self.core.work(voxel_size).seconds(&constants_of(constants)))
     }
 
-    /// What the store will take.
+    /// The memory of the store.
     fn bytes(&self, voxel_size: f64) -> PyResult<f64> {
         check(voxel_size)?;
         Ok(self.core.bytes(voxel_size))
     }
 
-    /// The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes.
+    /// The voxel size (metres) with the least time, among those whose store takes at most `memory_limit` bytes.
     fn optimal_size(&self, py: Python<'_>, constants: Constants, memory_limit: u64) -> PyResult<f64> {
         py.detach(|| on_pool(None, || self.core.optimal_size(&constants_of(constants), memory_limit)))
     }
@@ -98,7 +98,7 @@ impl PiecePredictor {
         Ok(PiecePredictor { core: made.ok_or_else(too_large_or_small)? })
     }
 
-    /// The work that depends on the piece size, of which only ratios mean something, and the number of pieces.
+    /// The work that depends on the piece size, in arbitrary units, and the number of pieces.
     fn work(&self, piece_size: f64) -> PyResult<(f64, f64)> {
         check(piece_size)?;
         let work = self.core.work(piece_size);

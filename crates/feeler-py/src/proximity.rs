@@ -44,9 +44,9 @@ fn gaps_of(ids: &PyReadonlyArray2<'_, u32>, numbers: &PyReadonlyArray2<'_, f64>)
     Ok(ids.iter().zip(&numbers).map(gap).collect())
 }
 
-/// The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
+/// The distance of tool and mock-up, or of the tool and one part; 0 if they collide.
 ///
-/// When nothing lies within `within`, `value` is infinite and all else is None.
+/// If no part is within `within`, `value` is infinite and all else is None.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Distance {
     gap: Option<core::Gap>,
@@ -69,19 +69,19 @@ impl Distance {
 
 #[pymethods]
 impl Distance {
-    /// Metres; 0 if and only if triangles meet, infinite when nothing lies within `within`.
+    /// Metres; 0 if and only if triangles collide, infinite if no part is within `within`.
     #[getter]
     fn value(&self) -> f64 {
         self.gap.map_or(f64::INFINITY, |gap| gap.distance)
     }
 
-    /// `(3,)`: the point of the tool that is closest, world, metres.
+    /// `(3,)`: the closest point of the tool, world, metres.
     #[getter]
     fn point_on_tool<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.gap.map(|gap| gap.on_tool.to_vec().into_pyarray(py))
     }
 
-    /// `(3,)`: the point of the mock-up that is closest, world, metres; where they meet, the same point.
+    /// `(3,)`: the closest point of the mock-up, world, metres; the same point if they collide.
     #[getter]
     fn point_on_mockup<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.gap.map(|gap| gap.on_mockup.to_vec().into_pyarray(py))
@@ -125,7 +125,7 @@ impl Distance {
 
 /// The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
 ///
-/// Where nothing lies within `within`, the value is infinite, points are NaN and ids -1.
+/// Where no part is within `within`, the value is infinite, points are NaN and ids -1.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct DistanceBatch {
     gaps: Vec<Option<core::Gap>>,
@@ -153,7 +153,7 @@ impl DistanceBatch {
 
 #[pymethods]
 impl DistanceBatch {
-    /// `(n,)`: metres; 0 where they meet.
+    /// `(n,)`: metres; 0 where they collide.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let values: Vec<f64> = self.gaps.iter().map(|gap| gap.map_or(f64::INFINITY, |gap| gap.distance)).collect();
@@ -216,7 +216,7 @@ impl DistanceBatch {
     }
 }
 
-/// What is near at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles.
+/// Clearances at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Clearance {
     gaps: Vec<core::Gap>,
@@ -251,7 +251,7 @@ impl Clearance {
         self.ids(py, |gap| gap.tool_part)
     }
 
-    /// `(k,)`: metres, ascending; 0 where they meet.
+    /// `(k,)`: metres, ascending; 0 where they collide.
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.gaps.iter().map(|gap| gap.distance).collect::<Vec<f64>>().into_pyarray(py)
@@ -297,7 +297,7 @@ impl Clearance {
     }
 }
 
-/// What is near at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`.
+/// Clearances at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct ClearanceBatch {
     offsets: Vec<u64>,
@@ -326,7 +326,7 @@ impl ClearanceBatch {
         self.offsets.clone().into_pyarray(py)
     }
 
-    /// `(K,)`: as of `Clearance`, and so are the others.
+    /// `(K,)`: as in `Clearance`, and so are the others.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.all.parts(py)

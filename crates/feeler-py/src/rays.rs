@@ -10,7 +10,7 @@ use crate::arrays::{view, view_blocks};
 use crate::proximity::points;
 use crate::travel::{check_lengths, list, reduced, rows_of};
 
-/// What each of many rays meets first.
+/// The first hit of each of many rays.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Rays {
     hits: Vec<Option<core::RayHit>>,
@@ -45,33 +45,33 @@ impl Rays {
 
 #[pymethods]
 impl Rays {
-    /// `(n,)`: from the origin, metres; infinite where nothing is met.
+    /// `(n,)`: from the origin, metres; infinite without a hit.
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let distances: Vec<f64> = self.hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance)).collect();
         distances.into_pyarray(py)
     }
 
-    /// `(n, 3)`: where, world, metres; NaN where nothing is met.
+    /// `(n, 3)`: the hit, world, metres; NaN without a hit.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.hits.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point)))
     }
 
-    /// `(n, 3)`: the triangle's, unit, world, turned against the ray; as the triangle is wound where the ray lies in
-    /// its plane; NaN where nothing is met.
+    /// `(n, 3)`: of the triangle, unit, world, turned against the ray; if the ray lies in the triangle's plane, as
+    /// the triangle is wound; NaN without a hit.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         points(py, self.hits.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.normal)))
     }
 
-    /// `(n,)`: -1 where nothing is met.
+    /// `(n,)`: -1 without a hit.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |hit| hit.triangle)
     }
 
-    /// `(n,)`: indices into `mockup.parts`; -1 where nothing is met.
+    /// `(n,)`: indices into `mockup.parts`; -1 without a hit.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.ids(py, |hit| hit.part)
@@ -128,15 +128,15 @@ impl SectionOutline {
 
 #[pymethods]
 impl SectionOutline {
-    /// `(k, 2, 3)`: both ends, world, metres. Seen from where the plane's normal points to, the body is on the left
-    /// where triangles are wound outwards. Segments of triangles that share an edge share its point to the last bit.
+    /// `(k, 2, 3)`: both ends, world, metres. Seen from the side that the plane's normal points to, the body is on
+    /// the left if triangles are wound outwards. Segments of triangles that share an edge share its point exactly.
     #[getter]
     fn segments<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray3<f64>> {
         // SAFETY: the outline is frozen and owns its segments; the array keeps it alive.
         unsafe { view_blocks(slf.as_any(), &slf.get().segments) }
     }
 
-    /// `(k,)`: the triangle that each is of; ascending.
+    /// `(k,)`: the triangle of each segment; ascending.
     #[getter]
     fn triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the segments.

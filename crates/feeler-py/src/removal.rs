@@ -36,16 +36,16 @@ fn poses(poses: &[core::Pose]) -> Array3<f64> {
     Array3::from_shape_fn((poses.len(), 4, 4), |(n, i, j)| matrices[n][i][j])
 }
 
-/// What `_core.removal` found; `feeler.Removal` is made of it.
+/// The answer of `_core.removal`, from which `feeler.Removal` is made.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct RemovalAnswer {
-    /// How the way was found; "none": it was not.
+    /// How the way was found; "none" if none was.
     method: String,
-    /// By leg: the screw, or None of a leg to a pose.
+    /// By leg: the screw, or None for a leg to a pose.
     leg_screws: Py<PyList>,
     /// `(legs, 4, 4)`: the motion of the parts at the end of each leg.
     leg_ends: Py<PyArray3<f64>>,
-    /// `(legs,)`: how far the middle of the box goes, metres.
+    /// `(legs,)`: the travel of the middle of the box, metres.
     leg_lengths: Py<PyArray1<f64>>,
     /// `(legs,)`: radians.
     leg_angles: Py<PyArray1<f64>>,
@@ -55,25 +55,25 @@ pub struct RemovalAnswer {
     path_length: f64,
     /// Radians.
     rotation: f64,
-    /// Metres; NaN where time was up before it was known.
+    /// Metres; NaN if time ran out before it was measured.
     clearance: f64,
-    /// Motions that were followed.
+    /// Number of casts.
     casts: u64,
-    /// Whether time was up before all was tried.
+    /// Whether time ran out before the search was complete.
     is_out_of_time: bool,
-    /// Whether Ctrl-C ended it.
+    /// Whether Ctrl-C interrupted it.
     is_interrupted: bool,
-    /// `(k,)`: parts that stopped it.
+    /// `(k,)`: parts that stopped an attempt.
     blockers: Py<PyArray1<u32>>,
-    /// `(k,)`: tries that each stopped.
+    /// `(k,)`: attempts stopped by each.
     blocker_counts: Py<PyArray1<u64>>,
-    /// `(k,)`: how far the best of them got, metres.
+    /// `(k,)`: the travel of the best of these attempts, metres.
     blocker_reaches: Py<PyArray1<f64>>,
-    /// `(k, 4, 4)`: where it was stopped.
+    /// `(k, 4, 4)`: where that attempt was stopped.
     blocker_poses: Py<PyArray3<f64>>,
-    /// `(k,)`: parts that are shown to hold it; none where that is not shown.
+    /// `(k,)`: parts proven to hold it in place; empty without a proof.
     holders: Py<PyArray1<u32>>,
-    /// No point can move farther, metres; NaN where that is not shown.
+    /// A proven bound on the motion of every point, metres; NaN without a proof.
     play: f64,
 }
 
@@ -166,7 +166,7 @@ impl Clock<'_> {
     }
 }
 
-/// A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up.
+/// A way of a tool out of a scene, and its blockers; the tool's first `own_parts` parts are parts of the mock-up.
 #[pyfunction]
 #[pyo3(signature = (scene, tool, start, *, own_parts, allow_start, allow_overlap, allow_parts, directions, clearance, seconds, seed,
                     threads = None, progress = None))]

@@ -14,7 +14,7 @@ use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::travel::damaged;
 
-/// A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has.
+/// A result from its pickled state (`feeler.travel`). Raises `LoadError` for a state that does not fit.
 #[pyfunction]
 pub fn restore<'py>(py: Python<'py>, kind: &str, state: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     fn made<'py, T>(py: Python<'py>, result: PyResult<T>) -> PyResult<Bound<'py, PyAny>>

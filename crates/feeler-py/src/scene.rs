@@ -174,7 +174,8 @@ impl Scene {
         self.selected(py, core)
     }
 
-    /// `(parts,)`: which parts of the mock-up are there; all but of a scene `without` some.
+    /// `(parts,)`: true for the parts present in the scene; all of them unless it was made by `without` or
+    /// `only`.
     #[getter]
     fn part_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let parts = self.core.mockup().part_bounds().len() as u32;
@@ -200,10 +201,10 @@ impl Scene {
         py.detach(|| self.core.validate()).map_err(|why| raise("FeelerError", why))
     }
 
-    /// Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
+    /// Every colliding pair of triangles, with the tool at a pose `(4, 4)`; exact.
     ///
-    /// The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
-    /// it brings. Raises `PoseError` for a pose that is not rigid.
+    /// The filters skip repeated pairs and compare boxes first. They never change the answer; switch one off to measure
+    /// its effect. Raises `PoseError` for a pose that is not rigid.
     #[pyo3(signature = (tool, world_from_tool, *, repeat_filter = Switch(true), box_filter = Switch(true), ignore = None),
            text_signature = "($self, tool, world_from_tool, *, repeat_filter=True, box_filter=True, ignore=None)")]
     fn collide(
@@ -222,12 +223,12 @@ impl Scene {
         Ok(Collision::new(collision, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
-    /// Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
+    /// Whether any two triangles collide, with the tool at a pose `(4, 4)`; stops at the first pair.
     ///
-    /// With `touching="free"`, whether one body enters the other: surfaces may lie on each other, and a pin be seated
-    /// without play. Pairs that cross enter; what is coplanar or touches is told by exact sides, for which it is found
-    /// once how both meshes hang together. Sheets have no inside: what touches
-    /// one from both sides goes through it. What meets at corners of triangles of both alone is taken to touch.
+    /// With `touching="free"`, whether one body enters the other: surfaces in contact and a pin seated without play are
+    /// free. Crossing pairs enter. Coplanar and touching pairs are decided by exact side tests on the connectivity of
+    /// both meshes, which is computed once. An open sheet has no inside: a tool that touches it from both sides goes
+    /// through it. Pairs that share only corners of both triangles count as touching.
     #[pyo3(signature = (tool, world_from_tool, *, touching = Touching(core::Touching::Ends), ignore = None),
            text_signature = "($self, tool, world_from_tool, *, touching='counts', ignore=None)")]
     fn is_colliding(
@@ -249,7 +250,8 @@ impl Scene {
         })
     }
 
-    /// Whether, with the tool at a pose `(4, 4)`, nothing meets and nothing is inside: see `containment`.
+    /// Whether the tool at a pose `(4, 4)` neither collides nor contains anything, nor is contained
+    /// (`containment`).
     #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
     fn is_free(
         &self,
@@ -266,10 +268,11 @@ impl Scene {
         })
     }
 
-    /// Which closed parts the tool is inside of, and which parts are inside the tool, at a pose `(4, 4)`.
+    /// Which closed parts contain the tool, and which parts the tool contains, at a pose `(4, 4)`.
     ///
-    /// Exact, by winding numbers, for each connected surface by itself: of a part of several solids some may hold the
-    /// tool, and a hollow holds nothing. A surface that crosses a part is not inside it; one that touches it may be.
+    /// Exact, by winding numbers, for each connected surface separately. One solid of a part may contain the tool; the
+    /// inside of a hollow counts as outside. A surface that crosses a part is not inside it; one that touches it can
+    /// be.
     #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
     fn containment(
         &self,

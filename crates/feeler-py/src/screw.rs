@@ -9,7 +9,7 @@ use crate::arguments::{PoseArgument, PosesArgument};
 use crate::arrays::pose_array;
 use crate::errors::{raise, to_py};
 
-/// A turn about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
+/// A rotation about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
 ///
 /// `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
 /// most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
@@ -80,12 +80,12 @@ impl Screw {
         self.core.advance()
     }
 
-    /// The way back.
+    /// The reverse motion.
     fn reversed(&self) -> Screw {
         Screw { core: self.core.reversed() }
     }
 
-    /// `(4, 4)`: what has a pose is there after a share of the screw, 0 to 1. Raises `PoseError`.
+    /// `(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`.
     #[pyo3(signature = (pose, fraction = 1.0))]
     fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(pose_array(py, &self.core.at(&pose.0, fraction).map_err(to_py)?))

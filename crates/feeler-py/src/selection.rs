@@ -61,7 +61,7 @@ pub fn ignored_of(
     ))
 }
 
-/// What a scene is made of that shares another's index.
+/// The core of a scene that shares another scene's index.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Selected {
     pub core: Arc<core::Scene>,

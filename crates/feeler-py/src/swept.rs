@@ -15,9 +15,11 @@ use crate::reporter::Reporter;
 /// Vertices `(n, 3) float64`, faces `(m, 3) uint32`.
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 
-/// The closed mesh around what a tool sweeps: vertices `(n, 3)`, metres, world, and faces `(m, 3)`, wound outwards.
+/// The closed mesh around the swept volume of a tool: vertices `(n, 3)`, metres, world, faces `(m, 3)`, wound
+/// outwards.
 ///
-/// Raises `PoseError`, `OptionError` for an error that is no positive length, `LimitError` for one that is too small.
+/// Raises `PoseError`, `OptionError` for an error that is not a positive length, `LimitError` for one that is too
+/// small.
 #[pyfunction]
 #[pyo3(signature = (tool, poses, error, *, threads = None, memory_limit = u64::MAX, progress = None))]
 pub fn swept<'py>(

@@ -35,7 +35,7 @@ fn world_to_py(error: world::Error) -> PyErr {
     }
 }
 
-/// A scene, and parts of its mock-up that lie elsewhere, asked as one, in the mock-up's numbers.
+/// A scene, and parts of its mock-up that lie elsewhere, queried as one; indices are the mock-up's.
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct World {
     environment: world::Environment,
@@ -61,7 +61,7 @@ impl World {
 
 #[pymethods]
 impl World {
-    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with its scene, where it lies.
+    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of it at its new place.
     #[new]
     fn new(py: Python<'_>, scene: PyRef<'_, Scene>, put_down: Vec<(u32, PyRef<'_, Scene>)>) -> PyResult<World> {
         let put_down: Vec<_> =
@@ -71,14 +71,14 @@ impl World {
         Ok(World { environment: made.map_err(world_to_py)?, mockup })
     }
 
-    /// Every pair of triangles that meets.
+    /// Every colliding pair of triangles.
     fn collide(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> Collision {
         let tool = Arc::clone(tool.core());
         let found = py.detach(|| self.environment.collide(&tool, &world_from_tool.0));
         Collision::new(found, self.mockup.clone_ref(py), tool)
     }
 
-    /// Pairs `(k, 2)` of tool and mock-up triangles that are known, and their kinds, as `collide` gives them.
+    /// The `Collision` of known pairs `(k, 2)` of tool and mock-up triangles and their kinds.
     fn collision_of(
         &self,
         py: Python<'_>,
@@ -97,13 +97,13 @@ impl World {
         Ok(Collision::new(known, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
-    /// Whether anything meets.
+    /// Whether any triangles collide.
     fn is_colliding(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> bool {
         let tool = tool.core();
         py.detach(|| self.environment.is_colliding(tool, &world_from_tool.0))
     }
 
-    /// The first impact on the way from one pose to another, as of `Scene.cast`; None if the way is free.
+    /// The first impact between two poses, as `Scene.cast`; None if the motion is free.
     fn cast(
         &self,
         py: Python<'_>,
@@ -117,7 +117,7 @@ impl World {
         Ok(found.map(|(hit, part)| Impact { core: world::Impact::new(&hit, part) }))
     }
 
-    /// The least distance; infinite where nothing is as near as `within`.
+    /// The smallest distance; infinite if no part is within `within`.
     fn distance(
         &self,
         py: Python<'_>,
@@ -130,7 +130,7 @@ impl World {
         Ok(Distance::new(found.map_err(world_to_py)?))
     }
 
-    /// The parts that are near, nearest first.
+    /// The parts within `within`, nearest first.
     fn clearance(
         &self,
         py: Python<'_>,
@@ -160,7 +160,7 @@ impl World {
         Ok(Contacts::with_footings(found, tool, &footings))
     }
 
-    /// The shortest translation found that frees the tool from the body it is deepest in; None: it is in nothing.
+    /// The shortest translation found that frees the tool from the body it is deepest in; None if it is in none.
     fn penetration(
         &self,
         py: Python<'_>,
@@ -173,7 +173,7 @@ impl World {
         found.map(|(found, footings)| Penetration::with_footings(py, found, tool, &footings)).transpose()
     }
 
-    /// Whether the tool is inside something, or something inside it.
+    /// Whether the tool is inside a part, or contains one.
     fn is_containing(
         &self,
         py: Python<'_>,
@@ -184,7 +184,7 @@ impl World {
         self.asked(py, tool, |all| Ok(all.is_containing(tool, &world_from_tool.0)))
     }
 
-    /// The pairs of a tool's and a mock-up's part that are together, and so are seats: unique, sorted.
+    /// The seats, as pairs of tool part and mock-up part in contact: unique, sorted.
     fn seated_parts<'py>(
         &self,
         py: Python<'py>,
@@ -196,7 +196,7 @@ impl World {
         Ok(pairs.into_iter().map(<(u32, u32)>::from).collect())
     }
 
-    /// The least distance on a path through poses `(n, 4, 4)`, at most `within`; without pairs of parts.
+    /// The smallest distance along poses `(n, 4, 4)`, at most `within`; ignores the given pairs of parts.
     fn least_distance(
         &self,
         py: Python<'_>,
@@ -222,7 +222,7 @@ impl World {
     }
 }
 
-/// What stops a tool: the free share of its way, point and unit normal `(3,)` (mock-up to tool), world; the part.
+/// An impact: the free fraction of the motion, point and unit normal `(3,)` (mock-up to tool), world; the part.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Impact {
     core: world::Impact,
@@ -264,7 +264,7 @@ impl Impact {
     }
 }
 
-/// A tool that contact stops. What it meets where it begins is a seat: it may slide along that and part from it.
+/// A tool that stops at contact. Parts in contact at the start are seats: it may slide along them and separate.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct GuardedMove {
     core: Mutex<world::GuardedMove>,
@@ -293,14 +293,15 @@ impl GuardedMove {
         Ok(GuardedMove { core: Mutex::new(begun?.map_err(world_to_py)?) })
     }
 
-    /// What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres).
+    /// The remaining seats: part of the tool, part of the mock-up, kind, and depth at the start (metres).
     fn seats(&self) -> Vec<(u32, u32, &'static str, f64)> {
         self.lock().seats().iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth)).collect()
     }
 
-    /// From a pose towards another, as far as that is free: the pose `(4, 4)`, and what stopped the tool.
+    /// Moves from a pose towards another as far as possible: the pose `(4, 4)`, and the impact that stopped the
+    /// tool.
     ///
-    /// `tolerance`: of the casts. `off`: how far before an impact it stops, along its way. Metres.
+    /// `tolerance`: of the casts. `off`: the distance before an impact at which it stops. Metres.
     #[allow(clippy::type_complexity, reason = "a tuple of two")]
     fn go<'py>(
         &self,

@@ -1,4 +1,4 @@
-"""Findings as one JSON document: what `feeler clash --json` prints, `feeler view` shows and `load_clashes` reads."""
+"""Findings as one JSON document: printed by `feeler clash --json`, shown by `feeler view`, read by `load_clashes`."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def clash(
 ) -> Clashes:
     """All pairs of parts that overlap, touch, contain each other, or are nearer than `clearance`; the worst first.
 
-    - `clearance`: metres. 0 finds only parts that meet.
+    - `clearance`: metres. 0 finds only parts that collide.
     - `contact`: metres. Parts count as in contact up to this depth, and up to this gap. `"chord"`: the chordal errors
       of both parts, which are known for STEP files.
     - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form. Rules give pairs other limits, or hide

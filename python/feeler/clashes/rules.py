@@ -149,7 +149,7 @@ _TABLES = {"rule": Rule, "exclude": Exclusion}
 
 
 def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a TOML file holds: see `Rules.read`."""
+    """The contents of a TOML file: see `Rules.read`."""
     file = Path(path)
     try:
         data: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8-sig"))

@@ -38,27 +38,27 @@ class Clash:
     path_b: str
     verdict: Verdict
     depth: float
-    """The farthest that a point of one surface is inside the other part: a lower bound. 0 for duplicates and for parts
-    that only touch or are apart; NaN if Ctrl-C came first."""
+    """How far the deepest point of one surface lies inside the other part: a lower bound. 0 for duplicates and for
+    parts that only touch or are apart; NaN if Ctrl-C came first."""
     depth_error: float
-    """How much more the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after two
-    million pieces, which takes seconds. NaN if both parts are open."""
+    """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
+    two million pieces, which takes seconds. NaN if both parts are open."""
     depth_kind: str
     """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point
     """The shortest known translation that moves `a` out of `b`: an upper bound. 0 for contacts; NaN if not known."""
     gap: float
-    """The distance of the surfaces; 0 if they meet."""
+    """The distance of the surfaces; 0 if they collide."""
     point_a: Point
-    """The point of `a` nearest to `b`; if they meet, the point of the deepest contact."""
+    """The point of `a` nearest to `b`; if they collide, the point of the deepest contact."""
     point_b: Point
     """The point of `b` that corresponds to `point_a`."""
     volume: float
     """The shared volume, cubic metres; NaN if it was not measured, or if a part is open."""
     triangles: int
-    """The number of pairs of triangles that meet."""
+    """The number of colliding pairs of triangles."""
     box: tuple[Point, Point]
-    """Lower and upper corner of a box around the triangles that meet, else around the two points."""
+    """Lower and upper corner of a box around the colliding triangles, else around the two points."""
     is_open_a: bool
     """Whether the surface of `a` is not closed: it has no inside and contains nothing."""
     is_open_b: bool
@@ -279,7 +279,7 @@ class Table(Sequence[Clash]):
 
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
-        """`(n,)`: the number of pairs of triangles that meet."""
+        """`(n,)`: the number of colliding pairs of triangles."""
         return self.columns.triangles
 
     @property

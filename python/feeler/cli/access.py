@@ -1,4 +1,4 @@
-"""`feeler access`: does a tool reach the fasteners, and how far can it be swung there?"""
+"""`feeler access`: can a tool reach the fasteners, and how far can it swing there?"""
 
 from __future__ import annotations
 
@@ -61,27 +61,27 @@ def access(
     frames: Annotated[
         Path | None,
         typer.Option(
-            help="Instead of fasteners that are found: world_from_target, metres, z out of the joint; (n, 4, 4), as "
-            "--poses of feeler path.",
+            help="Use these targets instead of detected fasteners: world_from_target, metres, z out of the joint; "
+            "(n, 4, 4), as --poses of feeler path.",
         ),
     ] = None,
     hand: Annotated[
-        str | None, typer.Option(help="What holds the tool and moves with it: a file, or sample:NAME, in its frame.")
+        str | None, typer.Option(help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame.")
     ] = None,
     grip: Annotated[
         str | None,
         typer.Option(
             metavar="AXIS|FILE",
-            help="How the tool is put on: its axis that points out of the joint (x, y, z, -x, -y, -z), or "
-            "tool_from_target, (4, 4), in a file; y for sample:wrench.",
+            help="How the tool sits: its axis that points out of the joint (x, y, z, -x, -y, -z), or a file with "
+            "tool_from_target, (4, 4); y for sample:wrench.",
         ),
     ] = None,
     lift: Annotated[
         float, typer.Option(help="Metres by which the tool sits above the top of the head; negative: below.")
     ] = 0.0,
-    swing: Annotated[float, typer.Option(help="Degrees that it has to be swung.")] = 60.0,
+    swing: Annotated[float, typer.Option(help="Required swing, degrees.")] = 60.0,
     angles: Annotated[int, typer.Option(help="Even steps around the axis that are tried first, and counted.")] = 72,
-    approach: Annotated[float, typer.Option(help="Metres of the way in.")] = 0.1,
+    approach: Annotated[float, typer.Option(help="Length of the way in, metres.")] = 0.1,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -91,15 +91,14 @@ def access(
     csv: Annotated[Path | None, typer.Option(help="Write a line for each target.")] = None,
     glb: Annotated[
         Path | None,
-        typer.Option(help="Write the mock-up with the tool at each target as GLB, what is in the way coloured."),
+        typer.Option(help="Write the mock-up with the tool at each target as GLB, blockers coloured."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tries the tool on each fastener: is there a seat, a swing that is large enough, and a way in?
+    """Tries a tool on each fastener: checks for a seat, a large enough swing, and a way in.
 
-    Fasteners are found by their shape and their names: a guess. Swings are never said to be larger than they are.
-    Exit status: 0 all are reachable, 1 one is not, 2 bad input. Ctrl-C tells what was found until then, and ends
-    with 130.
+    Fasteners are recognised by shape and name; check the list. Swings are never reported larger than they are. Exit
+    status: 0 all are reachable, 1 one is not, 2 bad input. Ctrl-C prints the results so far, and ends with 130.
     """
     from feeler.cli import outputs
     from feeler.plan.reaching import AccessInterrupted
@@ -107,7 +106,7 @@ def access(
     wanted = {"csv": csv, "glb": glb}
     outputs.check_targets(wanted, _ENDINGS)
     if frames is not None and (targets or kind is not None):
-        raise OptionError("--frames are targets themselves: leave --targets and --kind away")
+        raise OptionError("--frames are the targets: leave out --targets and --kind")
     places = None if frames is None else read_poses(frames)
     grasp = _grip(grip)
     world, probe = read_both(mockup, unit, tool, tool_unit, up)
@@ -159,7 +158,7 @@ def access(
     else:
         _print(found, rows, len(asked), approach, seconds, written)
     if is_interrupted:
-        fail("interrupted: what was found until then is told")
+        fail("interrupted: these are the results so far")
         raise typer.Exit(INTERRUPTED)
     if not found.is_reachable.all():
         raise typer.Exit(FOUND)
@@ -180,7 +179,7 @@ def _grip(text: str | None) -> str | npt.NDArray[np.float64] | None:
 
 
 def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None) -> feeler.Fasteners:
-    """The fasteners that are asked for."""
+    """The selected fasteners."""
     try:
         parts = None if not patterns else scene.mockup.parts.select(patterns)
     except OptionError as error:
@@ -196,7 +195,7 @@ def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None
 
 
 def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Access) -> list[dict[str, Any]]:
-    """One entry a target."""
+    """One entry per target."""
     rows = []
     for reach in found:
         row: dict[str, Any] = {"target": reach.target, "part": reach.part, "path": reach.path}
@@ -241,7 +240,7 @@ def _write(
     rows: list[dict[str, Any]],
     targets: dict[str, Path | None],
 ) -> dict[str, str]:
-    """Writes what was asked for; returns the names by kind."""
+    """Writes the requested files; returns their names by kind."""
     from feeler.io.atomic import atomic_file
     from feeler.plan.access_glb import write_access_glb
 
@@ -285,10 +284,10 @@ def _print(
 
     out = outputs.console()
     if found.is_partial:
-        outputs.print_finding(out, "interrupted: this is what was found until then")
+        outputs.print_finding(out, "interrupted: these are the results so far")
     reached = int(found.is_reachable.sum())
     line = f"{reached:,} of {count(len(found), 'target')} reachable ({outputs.duration(seconds)})"
-    line += f"; ways in were looked for over {outputs.length(approach)}"
+    line += f"; ways in of up to {outputs.length(approach)} were tried"
     if found.is_partial:
         line += f"; {targets - len(found):,} were not tried"
     if reached == len(found):

@@ -1,6 +1,6 @@
-"""The program: its commands, `--version`, and how it ends.
+"""The program: its commands, `--version`, and its exit status.
 
-Exit status: 0 fine, 1 a finding (a collision; less room than required; a path not free), 2 bad input, 130 interrupted.
+Exit status: 0 fine, 1 a finding (a collision; too little clearance; a blocked path), 2 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def command(
 ) -> Callable[[Command], Command]:
     """Registers a function as a command; its errors become one line and an exit status. examples: shown by --help.
 
-    parent: the group of commands that it belongs to; name: where the function's name will not do.
+    parent: the group of commands that it belongs to; name: if it differs from the function's.
     """
 
     def register(function: Command) -> Command:
@@ -43,7 +43,7 @@ def command(
             try:
                 return function(*args, **kwargs)
             except BrokenPipeError:
-                raise  # some errors of ours are OSErrors too; this one is not
+                raise  # some of our errors are OSErrors too; this one is not
             except FeelerError as error:
                 fail(str(error))
                 raise typer.Exit(BAD_INPUT) from None
@@ -74,7 +74,7 @@ def main() -> None:
         fail("interrupted")
         sys.exit(INTERRUPTED)
     except BrokenPipeError:
-        # The reader (head, less) has seen enough. Python would complain once more when it flushes stdout at exit.
+        # The reader (head, less) closed the pipe. Python would report it again when it flushes stdout at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
 
@@ -93,7 +93,7 @@ def feeler(
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
     ] = False,
 ) -> None:
-    """Finds every pair of triangles that meets, of a moving tool and a massive digital mock-up, exactly.
+    """Exact collision detection between a moving tool and a large digital mock-up, clash checks and removal paths.
 
-    Exit status: 0 fine, 1 a collision was found, room is missing or a path is not free, 2 bad input.
+    Exit status: 0 fine, 1 a finding (a collision, too little clearance, a blocked path), 2 bad input.
     """

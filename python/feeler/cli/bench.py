@@ -1,4 +1,4 @@
-"""`feeler bench`: how fast is it here, with these files?"""
+"""`feeler bench`: how fast is feeler on this machine, with these files?"""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def bench(
 
 
 def _measure(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, seed: int) -> dict[str, Any]:
-    """One row: query times one by one, and the rate of the whole batch on all threads."""
+    """One row: times of single queries, and the rate of the whole batch on all threads."""
     from feeler.cli.measure import collide_each, warm_up
     from feeler.cli.outputs import times
 

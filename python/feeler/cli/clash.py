@@ -1,4 +1,4 @@
-"""`feeler clash`: which parts of a mock-up are in each other, touch, or are too near?"""
+"""`feeler clash`: which parts of a mock-up overlap, touch, or are too near each other?"""
 
 from __future__ import annotations
 
@@ -46,27 +46,25 @@ feeler clash sample:gearbox:100000 --clearance 0 --contact 0.001 --fail-on clash
 def clash(
     context: typer.Context,
     mockup: MockupFiles,
-    clearance: Annotated[float, typer.Option(help="Metres that parts must be apart; 0: only what meets.")] = 0.002,
+    clearance: Annotated[float, typer.Option(help="Required distance of parts, metres; 0: only collisions.")] = 0.002,
     contact: Annotated[
         str,
         typer.Option(
             metavar="METRES|chord",
-            help="How deep parts may be in each other and still only touch; chord: the chordal errors of both (STEP).",
+            help="How deep parts may overlap and still count as contact; chord: the chordal errors of both (STEP).",
         ),
     ] = "0",
-    rules: Annotated[
-        Path | None, typer.Option(help="Which parts against which, how near, and what is left out (TOML).")
-    ] = None,
+    rules: Annotated[Path | None, typer.Option(help="Limits by pairs of parts, and pairs to hide (TOML).")] = None,
     write_rules: Annotated[
-        Path | None, typer.Option("--write-rules", help="Start such a file with what is found.")
+        Path | None, typer.Option("--write-rules", help="Write a first file of rules from the findings.")
     ] = None,
     previous: Annotated[
         Path | None,
         typer.Option(
-            help="What --save wrote before, of this file or another: take over statuses, report resolved findings."
+            help="Findings of an earlier --save, of this file or another: take over statuses, report resolved ones."
         ),
     ] = None,
-    save: Annotated[Path | None, typer.Option(help="Write the findings with their status, for the next time.")] = None,
+    save: Annotated[Path | None, typer.Option(help="Save the findings with their status, for the next check.")] = None,
     growth: Annotated[
         float | None,
         typer.Option(help="Metres by which an approved finding may get deeper and stay approved; default 0.0001."),
@@ -76,15 +74,15 @@ def clash(
         typer.Option(
             "--fail-on",
             metavar="WORDS",
-            help="End with 1 where there are such findings: any, or words with commas: statuses (new, active, ...), "
-            "verdicts (clash, contact, clearance, contained, duplicate), severities (critical, major, minor). Of a "
-            "kind one must hold, of several kinds each: new,clash,contained.",
+            help="Exit with 1 if there are such findings: any, or words separated by commas: statuses (new, active, "
+            "...), verdicts (clash, contact, clearance, contained, duplicate), severities (critical, major, minor). "
+            "Words of one kind are alternatives; all kinds given must match: new,clash,contained.",
         ),
     ] = None,
     volume: Annotated[
-        bool, typer.Option("--volume", help="Measure what closed parts share (needs feeler\\[volume]).")
+        bool, typer.Option("--volume", help="Measure the shared volume of closed parts (needs feeler\\[volume]).")
     ] = False,
-    by: Annotated[str, typer.Option(metavar="part|rule|cluster", help="How findings are put into groups.")] = "part",
+    by: Annotated[str, typer.Option(metavar="part|rule|cluster", help="How to group findings.")] = "part",
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -95,18 +93,18 @@ def clash(
         Path | None, typer.Option(help="Write a workbook with a row and a picture for each (needs feeler\\[xlsx]).")
     ] = None,
     html: Annotated[
-        Path | None, typer.Option(help="Write one page with pictures and filters, which needs no network.")
+        Path | None, typer.Option(help="Write one page with pictures and filters; it needs no network.")
     ] = None,
     bcf: Annotated[Path | None, typer.Option(help="Write a BCF 3.0 topic for each of the worst groups.")] = None,
-    glb: Annotated[Path | None, typer.Option(help="Write the mock-up with the parts found coloured, as GLB.")] = None,
+    glb: Annotated[Path | None, typer.Option(help="Write the mock-up with coloured findings as GLB.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Finds every pair of parts that is in each other, touches, or is too near; told apart exactly, and measured.
+    """Finds every pair of parts that overlap, touch, or are too near; classifies them exactly, and measures them.
 
-    To try --rules without another check, pass the findings that --save wrote instead of the mock-up.
+    To try --rules without another check, pass the findings of --save instead of the mock-up.
 
-    Exit status: 0 fine, 1 findings that --fail-on asks for, 2 bad input. Ctrl-C leaves what was found until then,
-    marked as partial, and ends with 130.
+    Exit status: 0 fine, 1 findings that match --fail-on, 2 bad input. Ctrl-C keeps the findings so far, marked as
+    partial, and ends with 130.
     """
     from feeler import clashes as room
     from feeler.arguments import near
@@ -121,7 +119,7 @@ def clash(
     if by not in _GROUPED_BY:
         raise OptionError(f"--by is {by!r}: {near(by, _GROUPED_BY)}")
     if growth is not None and previous is None:
-        raise OptionError("--growth is for --previous FILE: without a check before nothing has grown")
+        raise OptionError("--growth compares with an earlier check: give --previous FILE, too")
     wanted = _wanted(fail_on)
     given = None if rules is None else room.Rules.read(rules)
     before = None if previous is None else room.load_clashes(previous)
@@ -171,14 +169,14 @@ def clash(
     else:
         _print(found, by, match, written)
     if is_interrupted:
-        fail("interrupted: what was found until then is told")
+        fail("interrupted: these are the findings so far")
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
 
 
 def _chord_doubt(found: feeler.Clashes, chord: float | None) -> str | None:
-    """What makes small clashes doubtful: both faces were cut into triangles that are up to `chord` (metres) off."""
+    """A note if small clashes may come from the triangles alone, which are up to `chord` (metres) off the faces."""
     if chord is None:
         return None
     small = (found.verdicts == feeler.Verdict.CLASH) & (found.depths < 2.0 * chord)
@@ -195,12 +193,12 @@ def _chord_doubt(found: feeler.Clashes, chord: float | None) -> str | None:
 
 
 def _is_saved(files: list[str]) -> bool:
-    """Whether the input is a file of findings, and no mock-up: none of those ends in .json."""
+    """Whether the input is a file of findings, not a mock-up: no mock-up format ends in .json."""
     return len(files) == 1 and Path(files[0]).suffix.lower() == ".json"
 
 
 _CHECKING = ("clearance", "contact", "volume", "without", "only", "unit", "up", "threads")
-"""Options of a check, which saved findings do not need."""
+"""Options of a check, which saved findings do not take."""
 
 
 def _check_saved(context: typer.Context, targets: dict[str, Path | None]) -> None:
@@ -215,13 +213,13 @@ def _check_saved(context: typer.Context, targets: dict[str, Path | None]) -> Non
 
 
 def _is_given(context: typer.Context, name: str) -> bool:
-    """Whether an option stands on the command line, and does not only have its default."""
+    """Whether an option was given on the command line."""
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"
 
 
 def _contact(text: str) -> float | str:
-    """What --contact says; `feeler.clash` checks the number."""
+    """The value of --contact; `feeler.clash` checks the number."""
     if text == "chord":
         return text
     try:
@@ -231,7 +229,7 @@ def _contact(text: str) -> float | str:
 
 
 def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
-    """Whether findings are such as --fail-on asks for; None where it asks for none."""
+    """A test for findings that match --fail-on; None if it was not given."""
     if fail_on is None:
         return None
     from feeler.arguments import near
@@ -266,7 +264,7 @@ def _value(row: feeler.Clash, kind: str) -> str:
 def _write(
     world: feeler.Mockup | None, found: feeler.Clashes, targets: dict[str, Path | None], by: str
 ) -> dict[str, str]:
-    """Writes what was asked for; returns the names by kind."""
+    """Writes the requested files; returns their names by kind."""
     from feeler import clashes as room
 
     topics = 0

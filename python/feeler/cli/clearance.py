@@ -1,4 +1,4 @@
-"""`feeler clearance`: how much room is left around the tool at a pose, part by part?"""
+"""`feeler clearance`: how much clearance does the tool have at a pose, part by part?"""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ def clearance(
     at: At = None,
     rotate: Rotate = None,
     snap_pose: SnapPose = False,
-    within: Annotated[float, typer.Option(help="List parts up to so many metres away.")] = 0.005,
+    within: Annotated[float, typer.Option(help="List parts up to this distance, metres.")] = 0.005,
     require: Annotated[
-        float | None, typer.Option(help="Metres of room that there must be: with less, the exit status is 1.")
+        float | None, typer.Option(help="Required clearance, metres: with less, the exit status is 1.")
     ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
@@ -77,18 +77,18 @@ def clearance(
     ] = None,
     glb: Annotated[
         Path | None,
-        typer.Option(help="Write mock-up, tool and a line from tool to each part listed as GLB (the tightest pose)."),
+        typer.Option(help="Write mock-up, tool and a line from the tool to each listed part as GLB (tightest pose)."),
     ] = None,
     context: Annotated[
-        float | None, typer.Option(help="In --glb, only parts within so many metres of the tool, and all listed.")
+        float | None, typer.Option(help="In --glb, only listed parts and those nearer to the tool than this, metres.")
     ] = None,
-    csv_: Annotated[Path | None, typer.Option("--csv", help="Write a row for each pose and part listed.")] = None,
+    csv_: Annotated[Path | None, typer.Option("--csv", help="Write a row for each pose and listed part.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measures the distance of the tool to each part that is near, with the closest points.
+    """Measures the distance of the tool to each nearby part, with the closest points.
 
-    A tool that is wholly inside a closed part, or around one, has no room: that is told. Exit status: 0 fine, 1 less
-    room than --require or something inside, 2 bad input.
+    A tool wholly inside a closed part, or around one, has no clearance, and the output says so. Exit status: 0 fine, 1
+    less clearance than --require or containment, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -106,7 +106,7 @@ def clearance(
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
     scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
-    # What is required may reach farther than what is listed.
+    # --require may reach farther than --within.
     least = _least(scene, probe, poses)
     with bar(f"measuring {len(poses):,} poses") as progress:
         found = scene.clearance_batch(probe, poses, within, progress=progress)
@@ -166,7 +166,7 @@ def _least(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64
 
 
 def _rows(mockup: feeler.Mockup, tool: feeler.Tool, found: feeler.Clearance) -> list[dict[str, Any]]:
-    """What is near at one pose, nearest part first."""
+    """The parts near at one pose, nearest first."""
     return [
         {
             "part": int(part),
@@ -234,12 +234,12 @@ def _print(
     inside = containment_lines(entry["inside"])
     for line in inside:
         outputs.print_finding(out, line + where)
-    text = f"Least distance{' of surfaces' if inside else ''}: {outputs.length(entry['distance_m'])}{where}"
+    text = f"Smallest distance{' of surfaces' if inside else ''}: {outputs.length(entry['distance_m'])}{where}"
     if require is not None:
         missing = sum(not each["met"] for each in results)
         verdict = "[bold green]enough[/bold green]" if not missing else "[bold red]too little[/bold red]"
         if inside:
-            verdict = "[bold red]no room[/bold red]"
+            verdict = "[bold red]no clearance[/bold red]"
         text += f"; {outputs.length(require)} are required: {verdict}"
         if missing and len(results) > 1:
             text += f" at {count(missing, 'pose')}" if not inside else f"; too little at {count(missing, 'pose')}"

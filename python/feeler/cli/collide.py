@@ -1,4 +1,4 @@
-"""`feeler collide`: does the tool, at a pose, meet the mock-up, and where?"""
+"""`feeler collide`: does the tool, at a pose, collide with the mock-up, and where?"""
 
 from __future__ import annotations
 
@@ -83,25 +83,25 @@ def collide(
         typer.Option(help="Metres; default: predicted. With blocks it is the piece size."),
     ] = None,
     storage: Storage = "blocks",
-    hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99: memory saved.")] = 0.0,
+    hashing: Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99.")] = 0.0,
     threads: BuildThreads = None,
     glb: Annotated[
         Path | None, typer.Option(help="Write mock-up and tool as GLB, colliding triangles red and orange.")
     ] = None,
     context: Annotated[
-        float | None, typer.Option(help="In --glb, only parts within so many metres of the tool, and all that are hit.")
+        float | None, typer.Option(help="In --glb, only hit parts and those nearer to the tool than this, metres.")
     ] = None,
     picture: Annotated[Path | None, typer.Option(help="Write a picture (PNG).")] = None,
-    picture_size: Annotated[str, typer.Option(metavar="WxH", help="Of --picture, pixels.")] = "1600x1000",
+    picture_size: Annotated[str, typer.Option(metavar="WxH", help="Size of --picture, pixels.")] = "1600x1000",
     list_pairs: Annotated[
         bool, typer.Option("--pairs", help="With --json: list every pair (tool triangle, mock-up triangle).")
     ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Finds every pair of triangles of tool and mock-up that meets, and names the parts.
+    """Finds every colliding pair of triangles of tool and mock-up, and names the parts.
 
-    A tool that is wholly inside a closed part, or around one, is told as well. Exit status: 0 nothing meets and nothing
-    is inside, 1 something is, 2 bad input.
+    Also detects a tool wholly inside a closed part, or around one. Exit status: 0 no collision and no containment, 1
+    otherwise, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -157,7 +157,7 @@ def collide(
 def _query(
     scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64], free_touch: bool
 ) -> list[dict[str, Any]]:
-    """One entry per pose: its matrix, pairs, kinds, parts, what is inside what, and whether it is free."""
+    """One entry per pose: its matrix, pairs, kinds, parts, containment, and whether it is free."""
     results = _meetings(scene, tool, poses)
     for entry, pose in zip(results, poses, strict=True):
         if free_touch and entry["pairs"]:
@@ -299,7 +299,7 @@ def _print_one(out: Any, entry: dict[str, Any], has_tool_parts: bool) -> None:
     for line in inside:
         outputs.print_finding(out, line)
     if not entry["pairs"]:
-        out.print(f"No triangles meet{query}" if inside else f"[bold green]No collision[/bold green]{query}")
+        out.print(f"The surfaces do not collide{query}" if inside else f"[bold green]No collision[/bold green]{query}")
     else:
         _print_parts(out, entry, has_tool_parts, query)
     for line in unknown_lines(entry["inside"]):
@@ -311,12 +311,12 @@ def _print_parts(out: Any, entry: dict[str, Any], has_tool_parts: bool, query: s
 
     parts = entry["parts"]
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in entry["kinds"].items() if count)
-    verdict = "[bold red]Collision[/bold red]" if entry["colliding"] else "[bold green]Nothing but touches[/bold green]"
+    verdict = "[bold red]Collision[/bold red]" if entry["colliding"] else "[bold green]Contact only[/bold green]"
     out.print(f"{verdict}: {entry['pairs']:,} pairs ({kinds}) with {count(len(parts), 'part')}{query}")
     out.print()
     outputs.print_table(
         out,
-        "Parts that are hit" if entry["colliding"] else "Parts that are touched",
+        "Colliding parts" if entry["colliding"] else "Parts in contact",
         [
             ("part", "left"),
             *([("by", "left")] if has_tool_parts else []),
@@ -349,7 +349,7 @@ def _print_many(out: Any, results: list[dict[str, Any]], worst: int) -> None:
     colour = "red" if colliding or inside else "green"
     out.print(
         f"[bold {colour}]{len(colliding):,} of {len(results):,} poses collide[/bold {colour}]"
-        + (f", and at {len(inside):,}{' more' if colliding else ''} one is inside the other" if inside else "")
+        + (f", and {len(inside):,}{' more' if colliding else ''} have one body inside the other" if inside else "")
         + (f"; most pairs: {results[worst]['pairs']:,} at pose {worst}" if colliding else "")
     )
     out.print()

@@ -1,4 +1,4 @@
-"""`feeler demo`: the whole way once, on a built-in engine, in under a minute."""
+"""`feeler demo`: a complete run on a built-in engine, in under a minute."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def demo(
     out: Annotated[Path, typer.Option(help="Folder for the picture, the GLB and the pose.")] = Path("feeler-demo"),
     as_json: AsJson = False,
 ) -> None:
-    """Moves a wrench in and out of an engine of 1.6 million triangles and says what it hits."""
+    """Moves a wrench in and out of an engine of 1.6 million triangles and reports its collisions."""
     from feeler.cli import outputs
     from feeler.cli.measure import collide_each, warm_up
 
@@ -105,7 +105,7 @@ def _write(
 
 
 def _parts_on_path(mockup: feeler.Mockup, hits: list[Any]) -> list[dict[str, Any]]:
-    """The parts hit along the path: in how many poses, and by how many of their triangles; most poses first."""
+    """The parts hit along the path: number of poses, and most triangles at once; most poses first."""
     part_of_face = np.asarray(mockup.part_of_face)
     poses: dict[int, int] = {}
     most: dict[int, int] = {}
@@ -164,7 +164,7 @@ def _print(
     out.print()
     outputs.print_table(
         out,
-        f"What {tool.name} hits on its way: {len(findings):,} parts",
+        f"Collisions of {tool.name} on its path: {len(findings):,} parts",
         [("part", "left"), ("poses", "right"), ("most triangles at once", "right")],
         [(f["path"], f"{f['poses']:,}", f"{f['most_triangles']:,}") for f in findings[:_SHOWN_PARTS]],
         more=len(findings) - _SHOWN_PARTS,

@@ -1,4 +1,4 @@
-"""`feeler feel`: a hand that moves a tool through a mock-up, in real time, with a table of how it goes."""
+"""`feeler feel`: moves a tool through a mock-up with a haptic device, in real time, with a live table."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ DRIVERS = ("spacemouse", "haply", "dhd", "openhaptics")
 _SAMPLE = "sample:engine"
 _LOOKS_HZ = 10.0
 
-# The simulated hand: poses of its way, how often it goes that way and back, how fast (a hand that works, metres a
-# second), and how long it takes at the least (seconds).
+# The simulated hand: poses of its path, number of repeats there and back, speed (of a working hand, metres a second),
+# and the least time (seconds).
 _POSES, _ROUNDS, _HAND_M_PER_S, _LEAST_WAY_S = 2000, 100, 0.15, 8.0
-# Options of drivers that are texts, also where they read as a number (Haply's ids).
+# Options of drivers that are text even if they read as a number (Haply's ids).
 _TEXTS = ("address", "device", "device_id", "grip_id", "library", "preset", "socket")
-# How long a check takes unless told otherwise, seconds.
+# Duration of a check by default, seconds.
 _CHECK_S = 8.0
-# Where nothing else is known: so far above the mock-up the tool begins, and so far down the hand presses it (metres).
+# Without a known place: height above the mock-up at which the tool begins, and how far the hand presses down (metres).
 _ABOVE_M, _PRESSED_M = 0.005, 0.02
 
 
@@ -71,37 +71,35 @@ def feel(
     without: Without = None,
     only: Only = None,
     device: Annotated[
-        str, typer.Option(metavar="|".join(("simulated", *DRIVERS)), help="What the hand holds.")
+        str, typer.Option(metavar="|".join(("simulated", *DRIVERS)), help="The haptic device.")
     ] = "simulated",
     device_option: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=VALUE", help="Of the device's driver, such as force_n=4 or library=FILE. May be repeated."
+            metavar="NAME=VALUE", help="Option of the driver, such as force_n=4 or library=FILE. May be repeated."
         ),
     ] = None,
     preset: Annotated[
-        str, typer.Option(metavar="|".join(devices.PRESETS), help="Of the simulated device.")
+        str, typer.Option(metavar="|".join(devices.PRESETS), help="Preset of the simulated device.")
     ] = "large_6dof",
     check: Annotated[
         bool,
-        typer.Option("--check", help="Check a device: a virtual plate to press on, and how well it is felt."),
+        typer.Option("--check", help="Check a device: press it on a virtual plate, and measure the result."),
     ] = False,
     hz: Annotated[float, typer.Option(help="Rate of the servo loop.")] = 1000.0,
     collision_hz: Annotated[
-        float | None, typer.Option(help="Rate of the search for contacts. Default: as fast as it can.")
+        float | None, typer.Option(help="Rate of the search for contacts. Default: as fast as possible.")
     ] = None,
-    seconds: Annotated[float | None, typer.Option(help="Ends after so long. Default: at Ctrl-C.")] = None,
-    scale: Annotated[float, typer.Option(help="How far the tool moves for a metre of the handle.")] = 1.0,
-    pose: Annotated[Path | None, typer.Option(help="Where the tool begins, world_from_tool. Default: outside.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Duration. Default: until Ctrl-C.")] = None,
+    scale: Annotated[float, typer.Option(help="Travel of the tool for a metre of the handle.")] = 1.0,
+    pose: Annotated[Path | None, typer.Option(help="Start of the tool, world_from_tool. Default: outside.")] = None,
     stiffness: Annotated[
-        float | None, typer.Option(help="Of the coupling, N/m. Default: as stiff as the device holds.")
+        float | None, typer.Option(help="Stiffness of the coupling, N/m. Default: the most that the device holds.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of the simulated hand's path.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the simulated hand's path.")] = 0,
     record: Annotated[
         Path | None,
-        typer.Option(
-            help="Write the hand's motion, and what comes of it step by step, for feeler.haptics.replay (.npz)."
-        ),
+        typer.Option(help="Record the hand's motion and the results, step by step, for feeler.haptics.replay (.npz)."),
     ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
@@ -109,17 +107,17 @@ def feel(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Moves a tool with a device, in real time: the mock-up holds it back, and the hand feels it.
+    """Moves a tool with a haptic device, in real time: contact stops the tool, and the device returns the force.
 
-    A servo loop and a search for contacts run beside each other, each in a thread of its own. Without a device at hand
-    a simulated one is moved by a simulated hand, which comes from outside, pushes, works and leaves, over and over.
-    Ctrl-C lets go of the force first. --check measures stiffness, rate, jitter and noise, and says what limits them.
-    Exit status: 0, also after Ctrl-C; 1 a checked device gives no force or does not answer; 2 bad input, or no device.
+    A servo loop and a search for contacts run in separate threads. Without a device, a simulated hand moves a simulated
+    one: it comes from outside, pushes, works and leaves, repeatedly. Ctrl-C releases the force first. --check measures
+    stiffness, rate, jitter and noise, and says what limits them. Exit status: 0, also after Ctrl-C; 1 a checked device
+    gives no force or does not answer; 2 bad input, or no device.
     """
     from feeler.cli import outputs
 
     _check(device, preset, seconds, scale, record)
-    # Before anything is loaded: a device that is not there is said at once.
+    # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
     held: devices.Device | None = None if device == "simulated" else devices.open_device(device, **options)
     if check:
@@ -141,7 +139,7 @@ def feel(
     session = Session(scene, probe, coupling=coupling, collision_hz=collision_hz)
     begun = session.start(start)
     if not begun:
-        outputs.warn("the tool begins inside a part: it can leave only the way that it would have come in")
+        outputs.warn("the tool starts inside a part: it can only leave the way it would have come in")
     session.run(held, rate_hz=hz, scale=scale)
     out = outputs.console()
     watched = _Watched(session, keeps=record is not None)
@@ -152,7 +150,7 @@ def feel(
         _watch(out, watched, seconds, is_live=not as_json and out.is_terminal)
         granted = session.granted()
     except KeyboardInterrupt:
-        pass  # the force is let go below, before anything else
+        pass  # the force is released below, before anything else
     finally:
         stats = session.stop()
     assert stats is not None
@@ -168,7 +166,7 @@ def feel(
 
 
 def _device_options(device: str, given: list[str]) -> dict[str, float | str]:
-    """NAME=VALUE of the command line; what is no text by its name is a number where it reads as one."""
+    """NAME=VALUE of the command line; values become numbers if they read as one, unless the option is a text."""
     if given and device == "simulated":
         raise OptionError("--device-option is for a driver: name one with --device")
     options: dict[str, float | str] = {}
@@ -186,7 +184,7 @@ def _device_options(device: str, given: list[str]) -> dict[str, float | str]:
 def _press(
     held: devices.Device | None, preset: str, seconds: float | None, hz: float, stiffness: float | None, as_json: bool
 ) -> None:
-    """The check of a device; ends with exit status 1 where something is wrong with it."""
+    """The check of a device; exits with status 1 if something is wrong with it."""
     from feeler.cli import feel_check, outputs
     from feeler.cli.app import FOUND
 
@@ -232,7 +230,7 @@ def _check(device: str, preset: str, seconds: float | None, scale: float, record
 def _begin(
     scene: feeler.Scene, probe: feeler.Tool, pose: Path | None, is_simulated: bool, scale: float, seed: int
 ) -> tuple[Floats, tuple[Floats, Floats] | None]:
-    """Where the tool begins, and the path of the simulated hand: times and poses of the handle."""
+    """The start of the tool, and the path of the simulated hand: times and poses of the handle."""
     from feeler.cli.inputs import read_poses
 
     above = _above(scene, probe)
@@ -243,12 +241,12 @@ def _begin(
         with bar("finding a way in") as progress:
             way = feeler.sample_path(scene, probe, _POSES, seed=seed, progress=progress)
     except OptionError:
-        # No place where the tool just fits: then it is pressed on the mock-up from above.
+        # There is no place where the tool just fits: press it on the mock-up from above.
         way = np.tile(above, (_POSES, 1, 1))
         way[:, 2, 3] -= _PRESSED_M * np.sin(np.linspace(0.0, np.pi, _POSES))
     if pose is None:
         start = way[0]
-    # The same way and back, over and over. The handle begins in the middle of its workspace.
+    # The same way there and back, repeatedly. The handle begins in the middle of its workspace.
     size = float(np.ptp(way[:, :3, 3], axis=0).max())
     handle = np.concatenate([way, way[::-1]])
     handle[:, :3, 3] = (handle[:, :3, 3] - 0.5 * (way[:, :3, 3].min(axis=0) + way[:, :3, 3].max(axis=0))) / scale
@@ -267,7 +265,7 @@ def _above(scene: feeler.Scene, probe: feeler.Tool) -> Floats:
 
 
 class _Watched:
-    """What was seen of a run."""
+    """Observations of a run."""
 
     def __init__(self, session: Session, keeps: bool) -> None:
         self.session = session
@@ -279,7 +277,7 @@ class _Watched:
         self.view: View | None = None
 
     def look(self) -> None:
-        """Once more; nobody waits for it."""
+        """Samples the newest tick; never waits."""
         self.view = view = self.session.view()
         for part in np.unique(view.parts).tolist():
             self.touched[part] = self.touched.get(part, 0) + 1
@@ -292,7 +290,7 @@ class _Watched:
             self.traces.append(trace)
 
     def names(self, parts: list[int]) -> list[str]:
-        """Of parts, by their paths."""
+        """Paths of parts."""
         paths = self.session.scene.mockup.part_paths
         return [paths[part] or f"part {part}" for part in parts]
 
@@ -333,11 +331,11 @@ def _say_granted(out: Console, device: devices.Device, granted: Granted) -> None
     outputs.say(out, f"Coupling: {stiffness}")
     for limitation in granted.limitations:
         outputs.say(out, f"  {limitation}")
-    outputs.say(out, "Ctrl-C lets go of the force and ends")
+    outputs.say(out, "Ctrl-C releases the force and ends")
 
 
 def _table(watched: _Watched, stats: Statistics, is_live: bool = False) -> Group:
-    """Rates, times, force and what is touched."""
+    """Rates, times, force and touched parts."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Group
     from rich.table import Table
@@ -421,7 +419,7 @@ def _write(
     coupling: Coupling,
     collision_hz: float | None,
 ) -> str | None:
-    """Steps another session with the hand's motion as it was told, which is what a record can be replayed of."""
+    """Replays the hand's motion in a second session with a recorder, and saves that record."""
     if record is None:
         return None
     traces = [trace for trace in watched.traces if len(trace)]

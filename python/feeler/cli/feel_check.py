@@ -1,4 +1,4 @@
-"""`feeler feel --check`: what the owner of a device runs first. A virtual plate, and how well it is felt."""
+"""`feeler feel --check`: the first test of a device. It presses on a virtual plate and measures the response."""
 
 from __future__ import annotations
 
@@ -18,50 +18,50 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 
-# A hard wall: full force at so much, metres and radians; what is asked for.
+# The target, a hard wall: full force at this depth, metres and radians.
 _HARD_M, _HARD_RAD = 0.002, 0.05
-# How far the block begins above the plate, and how far the simulated hand presses its handle beyond it (metres).
+# Height of the block above the plate at the start, and how far the simulated hand presses beyond the plate (metres).
 _ABOVE_M, _PRESSED_M = 0.002, 0.012
-# How long the simulated hand takes down and up again, seconds, and how often it does.
+# Duration of one press of the simulated hand, seconds, and the number of presses.
 _PRESS_S, _PRESSES = 1.0, 100
 _LOOKS_HZ = 20.0
-# Shares of the largest force between which the stiffness is measured: more than noise, less than saturated.
+# Shares of the largest force between which the stiffness is measured: above noise, below saturation.
 _FROM, _TO = 0.02, 0.9
-# Over how long the device's poses are counted, seconds.
+# Period over which the device's poses are counted, seconds.
 _WINDOW_S = 0.1
 
 
 @dataclass(frozen=True)
 class Checked:
-    """What a check found."""
+    """The results of a check."""
 
     device: str
     asked: Coupling
     """A hard wall."""
     granted: Coupling
     limits: tuple[str, ...]
-    """What the device took away, a sentence each."""
+    """Reductions because of the device, a sentence each."""
     felt_n_per_m: float
-    """Stiffness that was measured: force over depth in the plate; NaN where it was not pressed."""
+    """Measured stiffness: force over depth in the plate; NaN if it was not pressed."""
     largest_force_n: float
     servo_hz: float
     poses_hz: float
-    """New poses that the device told a second, where it moved fastest."""
+    """Rate of new poses from the device, where it moved fastest."""
     device_hz: float
-    """As the device's figures have it; 0: not known."""
+    """The device's nominal rate; 0: not known."""
     late_s: tuple[float, float]
-    """Of servo ticks: median and 99th percentile."""
+    """Lateness of servo ticks: median and 99th percentile."""
     noise_m: float
-    """Standard deviation of the position in the air, steps included; NaN where too little was told."""
+    """Standard deviation of the position in the air, steps included; NaN with too few poses."""
     resolution_m: float
-    """As the device's figures have it; 0: not known."""
+    """The device's nominal resolution; 0: not known."""
     priority: str
     fault: str
-    """What is wrong, in a sentence; empty: nothing."""
+    """The fault, in a sentence; empty: none."""
 
 
 def block_and_plate() -> tuple[feeler.Scene, feeler.Tool, Floats]:
-    """A plate of 0.4 m, a block of 60 mm, and where that begins."""
+    """A plate of 0.4 m, a block of 60 mm, and the block's start pose."""
     plate = feeler.Scene(feeler.Mockup(*_cuboid((-0.2, -0.2, -0.02), (0.2, 0.2, 0.0))))
     start = np.eye(4)
     start[2, 3] = 0.03 + _ABOVE_M
@@ -69,7 +69,7 @@ def block_and_plate() -> tuple[feeler.Scene, feeler.Tool, Floats]:
 
 
 def pressing_hand() -> tuple[Floats, Floats]:
-    """Times and poses of the simulated hand: onto the plate, and off it, over and over."""
+    """Times and poses of the simulated hand: onto the plate and off it, repeatedly."""
     turns = np.linspace(0.0, 2.0 * np.pi, 41)[:-1]
     once = np.tile(np.eye(4), (len(turns), 1, 1))
     once[:, 2, 3] = -0.5 * (1.0 - np.cos(turns)) * (_ABOVE_M + _PRESSED_M)
@@ -85,7 +85,7 @@ def check(
     stiffness: float | None = None,
     begins: Callable[[], None] = lambda: None,
 ) -> Checked:
-    """Runs with a device for so long and measures. begins: called when the plate is there to be pressed."""
+    """Runs with a device for some seconds and measures. begins: called when the plate can be pressed."""
     own, limits = Coupling.for_device(device), device.limits
     asked = replace(
         own,
@@ -139,7 +139,8 @@ def check(
 
 
 class Ticks(NamedTuple):
-    """Of a run, `(n,)` each: when (seconds), heights of handle and proxy, force upwards, mode, whether it answered."""
+    """The ticks of a run, `(n,)` each: time (seconds), heights of handle and proxy, force upwards, mode, and whether
+    the device answered."""
 
     times: Floats
     device: Floats
@@ -149,21 +150,21 @@ class Ticks(NamedTuple):
     told: npt.NDArray[np.bool_]
 
     def felt(self, max_force_n: float) -> float:
-        """Stiffness, newtons a metre: force over depth in the plate; NaN where it was not pressed."""
+        """Stiffness, newtons per metre: force over depth in the plate; NaN if it was not pressed."""
         pressed = (self.modes == "contact") & (self.force > _FROM * max_force_n) & (self.force < _TO * max_force_n)
         force, depth = self.force[pressed], (self.proxy - self.device)[pressed]
         return float((force * depth).sum() / (depth * depth).sum()) if len(force) > 20 else np.nan
 
     def poses_hz(self) -> float:
-        """New poses a second where the handle is fast: slow, one step of its encoders lasts several poses."""
+        """New poses per second while the handle is fast; when it is slow, one encoder step spans several poses."""
         moved = self.times[1:][np.diff(self.device) != 0.0]
         ends = np.searchsorted(moved, moved + _WINDOW_S)
         return float((ends - np.arange(len(moved))).max(initial=0) / _WINDOW_S)
 
     def noise_m(self) -> float:
-        """Standard deviation of the position in the air; NaN where too little was told."""
+        """Standard deviation of the position in the air; NaN with too few poses."""
         air = np.diff(self.device, 2)[((self.modes == "free") & self.told)[2:]]
-        # Second differences of a white noise have six times its variance; a hand adds next to nothing in two ticks.
+        # Second differences of white noise have six times its variance; a hand adds next to nothing in two ticks.
         return float(np.sqrt((air * air).mean() / 6.0)) if len(air) > 20 else np.nan
 
 
@@ -199,7 +200,7 @@ def _measured(
 
 
 def show(out: Console, found: Checked) -> None:
-    """The table, for people."""
+    """Prints the table."""
     from feeler.cli.outputs import duration, print_facts
 
     def limited(what: str) -> list[tuple[str, str]]:
@@ -219,7 +220,7 @@ def show(out: Console, found: Checked) -> None:
         rows.append(("rotation", f"{granted.rotational_stiffness_nm_per_rad:,.2f} Nm/rad granted"))
         rows += limited("rotational stiffness")
     rows += [
-        ("rate", f"servo {found.servo_hz:,.0f} Hz; the device told {found.poses_hz:,.0f} new poses a second"),
+        ("rate", f"servo {found.servo_hz:,.0f} Hz; the device sent {found.poses_hz:,.0f} new poses a second"),
         ("", f"the device's own rate is {found.device_hz:,.0f} Hz" if found.device_hz > 0.0 else ""),
         ("jitter", f"ticks {duration(found.late_s[0])} late in the median, {duration(found.late_s[1])} at p99"),
         ("", found.priority),

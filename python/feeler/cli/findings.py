@@ -1,4 +1,4 @@
-"""What a collision says about parts: counts by name."""
+"""Collisions summarised by part."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _SHOWN_PARTS = 5
 
 
 def kind_counts(kinds: Any) -> dict[str, int]:
-    """How many pairs there are of each kind."""
+    """The number of pairs of each kind."""
     values = np.asarray(kinds)
     return {kind.value: int(np.count_nonzero(values == kind.code)) for kind in feeler.PairKind}
 
 
 def part_findings(mockup: feeler.Mockup, tool: feeler.Tool, pairs: Any, kinds: Any) -> list[dict[str, Any]]:
-    """One entry per part that is hit, most pairs first; with the parts of the tool that hit it.
+    """One entry per part that is hit, most pairs first; with the colliding parts of the tool.
 
     pairs: (k, 2) (tool triangle, mock-up triangle); kinds: (k,).
     """
@@ -52,7 +52,7 @@ def part_names(mockup: feeler.Mockup, parts: Any) -> list[dict[str, Any]]:
 
 
 def containment_facts(mockup: feeler.Mockup, found: feeler.Containment) -> dict[str, Any]:
-    """What is inside what, as JSON says it."""
+    """Containment as JSON values."""
     return {
         "containing": part_names(mockup, found.containing),
         "contained": part_names(mockup, found.contained),
@@ -61,7 +61,7 @@ def containment_facts(mockup: feeler.Mockup, found: feeler.Containment) -> dict[
 
 
 def containment_lines(facts: dict[str, Any]) -> list[str]:
-    """The same in words; nothing of what is unknown."""
+    """Containment in words; without undecided parts."""
     lines = []
     if facts["containing"]:
         lines.append(f"the tool is inside {_named(facts['containing'])}")
@@ -71,10 +71,10 @@ def containment_lines(facts: dict[str, Any]) -> list[str]:
 
 
 def unknown_lines(facts: dict[str, Any]) -> list[str]:
-    """In words what cannot be told."""
+    """Undecided parts in words."""
     if not facts["unknown"]:
         return []
-    return [f"not known whether one is inside the other, since not all is closed: {_named(facts['unknown'])}"]
+    return [f"containment not known, because these parts are open: {_named(facts['unknown'])}"]
 
 
 def _named(parts: list[dict[str, Any]]) -> str:
@@ -83,12 +83,12 @@ def _named(parts: list[dict[str, Any]]) -> str:
 
 
 def count(number: int, noun: str) -> str:
-    """A number of things."""
+    """A number with its noun."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def mesh_facts(mesh: feeler.Mockup | feeler.Tool) -> dict[str, Any]:
-    """The load report as JSON says it."""
+    """The load report as JSON values."""
     facts: dict[str, Any] = mesh.report.to_dict()
     if isinstance(mesh, feeler.Tool):
         facts["name"] = mesh.name
@@ -96,7 +96,7 @@ def mesh_facts(mesh: feeler.Mockup | feeler.Tool) -> dict[str, Any]:
 
 
 def scene_facts(scene: feeler.Scene) -> dict[str, Any]:
-    """What was built: cell size, time, memory."""
+    """Cell size, build time and memory."""
     memory = dict(scene.memory())
     return {
         "storage": scene.storage,

@@ -1,4 +1,4 @@
-"""`feeler info`: what is in a file."""
+"""`feeler info`: describes mesh files."""
 
 from __future__ import annotations
 
@@ -26,15 +26,13 @@ def info(
     ],
     unit: Annotated[
         str | None,
-        typer.Option(
-            help="Unit of the numbers, whatever the files say: mm (default where they do not), cm, m, in, ..."
-        ),
+        typer.Option(help="Unit of the numbers; overrides the files: mm (default if they do not say), cm, m, in, ..."),
     ] = None,
     up: Up = None,
     all_parts: Annotated[bool, typer.Option("--parts", help="List every part, not only the largest.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Says what is in mesh files: triangles, parts, extents, unit, defects."""
+    """Shows the contents of mesh files: triangles, parts, extents, unit, defects."""
     from feeler.cli import outputs
 
     reports = []

@@ -1,4 +1,4 @@
-"""What the commands read: mock-ups, tools, poses, from files, from the samples, from options."""
+"""Inputs of the commands: mock-ups, tools and poses, from files, samples and options."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from feeler.progress import Progress, bar
 
 Poses = npt.NDArray[np.float64]
 
-# What several commands take, with one help text each.
+# Options that several commands share, with one help text each.
 MockupFiles = Annotated[
     list[str],
     typer.Argument(
@@ -40,25 +40,25 @@ PartOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="PATTERN",
-        help="These parts of the mock-up are the tool, in its frame: they leave it and move. A path with all below it, "
-        "a name, or a pattern such as '*pump*'. Several are allowed, here and below.",
+        help="Use these parts of the mock-up as the tool, in its frame; they leave the mock-up. A path with all below "
+        "it, a name, or a pattern such as '*pump*'. Several are allowed, here and below.",
     ),
 ]
-Without = Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave these parts of the mock-up out.")]
+Without = Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave out these parts of the mock-up.")]
 Only = Annotated[
-    list[str] | None, typer.Option(metavar="PATTERN", help="Leave all parts of the mock-up out but these.")
+    list[str] | None, typer.Option(metavar="PATTERN", help="Leave out all parts of the mock-up but these.")
 ]
 Touching = Annotated[
-    str, typer.Option(metavar="counts|free", help="Whether bodies that only touch, or slide, meet; free: they do not.")
+    str, typer.Option(metavar="counts|free", help="Whether touching and sliding count as collision; free: no.")
 ]
 PoseFile = Annotated[
     Path | None,
     typer.Option(
         help="world_from_tool, metres: a 4 by 4 matrix row by row as JSON, text or .npy. Several, (n, 4, 4), "
-        "are answered one by one.",
+        "are checked one by one.",
     ),
 ]
-At = Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Where the tool's origin is, metres.")]
+At = Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Position of the tool's origin, metres.")]
 Rotate = Annotated[
     str | None,
     typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
@@ -66,19 +66,19 @@ Rotate = Annotated[
 MockupUnit = Annotated[
     str | None,
     typer.Option(
-        help="Unit of the mock-up's numbers, whatever its files say: mm (default where they do not), cm, m, in, ..."
+        help="Unit of the mock-up's numbers; overrides its files: mm (default if they do not say), cm, m, in, ..."
     ),
 ]
 ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")]
 SnapPose = Annotated[
-    bool, typer.Option("--snap-pose", help="Take the nearest rigid pose, where rounding made a pose not quite rigid.")
+    bool, typer.Option("--snap-pose", help="Replace poses that rounding made non-rigid by the nearest rigid ones.")
 ]
 Up = Annotated[
     str | None,
-    typer.Option(metavar="x|y|z", help="Turn files that are known to have another axis up, so that this one is."),
+    typer.Option(metavar="x|y|z", help="The up axis: files with a known other up axis are turned to it."),
 ]
 Storage = Annotated[str, typer.Option(help="blocks, dense or hashed.")]
-Hashing = Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")]
+Hashing = Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99.")]
 Threads = Annotated[int | None, typer.Option(help="Default: all cores.")]
 BuildThreads = Annotated[int | None, typer.Option(help="For the build; default: all cores.")]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
@@ -89,7 +89,7 @@ _DEFAULT_TRIANGLES = 100_000
 
 @dataclass(frozen=True)
 class Choice:
-    """Which parts of the mock-up move, stay and are left out."""
+    """The parts of the mock-up that move, stay and are left out."""
 
     part: list[str] | None
     without: list[str] | None
@@ -107,14 +107,14 @@ class Choice:
                 with _named(option):
                     chosen = select(chosen, parts)
         if not chosen.part_mask.any():
-            raise OptionError("no part of the mock-up is left: let --part, --only and --without leave one at least")
+            raise OptionError("no part of the mock-up is left: let --part, --only and --without leave at least one")
         chosen.build_seconds = scene.build_seconds  # the index is that scene's
         return chosen
 
 
 @contextlib.contextmanager
 def _named(option: str) -> Iterator[None]:
-    """Put the option in front of what is said of its parts."""
+    """Puts the option in front of errors about its parts."""
     try:
         yield
     except OptionError as error:
@@ -129,9 +129,9 @@ def read_both(
     up: str | None,
     part: list[str] | None = None,
 ) -> tuple[feeler.Mockup, feeler.Tool]:
-    """Mock-up and tool, or the parts of the mock-up that are the tool.
+    """Mock-up and tool; the tool may be parts of the mock-up.
 
-    What makes an answer about them doubtful goes to stderr, a line each.
+    Prints doubts about them to stderr, a line each.
     """
     check_moving(tool, tool_unit, part)
     world = read_mockup(mockup, unit, up)
@@ -144,18 +144,18 @@ def read_both(
     doubts += [f"tool: {doubt}" for doubt in probe.source.doubts if tool is not None]
     ours, theirs = world.source.up, probe.source.up
     if ours and theirs and ours != theirs:
-        doubts.append(f"the mock-up has {ours} up and the tool {theirs}; if both should stand alike, pass --up z")
+        doubts.append(f"the mock-up has {ours} up and the tool {theirs}; to turn both the same way, pass --up z")
     for doubt in doubts:
         warn(doubt)
     return world, probe
 
 
 _FAR = 10.0
-"""So many sizes of mock-up and tool away from each other, poses are probably not in metres."""
+"""If mock-up and tool are this many sizes apart, poses are probably not in metres."""
 
 
 def warn_of_far_poses(world: feeler.Mockup, probe: feeler.Tool, poses: Poses) -> None:
-    """Says on stderr if no pose brings the tool anywhere near the mock-up."""
+    """Warns on stderr if no pose brings the tool near the mock-up."""
     lower, upper = world.bounds
     middle, reach = probe.bounds.mean(axis=0), 0.5 * float(np.linalg.norm(probe.bounds[1] - probe.bounds[0]))
     places = poses[:, :3, :3] @ middle + poses[:, :3, 3]
@@ -166,16 +166,16 @@ def warn_of_far_poses(world: feeler.Mockup, probe: feeler.Tool, poses: Poses) ->
 
 
 def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None) -> None:
-    """That it is said what moves, once."""
+    """Checks that exactly one moving body is given."""
     if (tool is None) == (not part):
         not_both = ", not both" if part else ""
-        raise OptionError(f"what moves? Give --tool FILE, or --part PATTERN for parts of the mock-up{not_both}")
+        raise OptionError(f"nothing moves: give --tool FILE, or --part PATTERN for parts of the mock-up{not_both}")
     if tool is None and tool_unit is not None:
         raise OptionError("--tool-unit is for --tool FILE: parts of the mock-up are in its unit, --unit")
 
 
 def check_touching(touching: str) -> Literal["counts", "free"]:
-    """What --touching says."""
+    """The value of --touching."""
     if touching not in ("counts", "free"):
         raise OptionError(f"--touching is {touching!r}: choose counts or free")
     return "free" if touching == "free" else "counts"
@@ -183,7 +183,7 @@ def check_touching(touching: str) -> Literal["counts", "free"]:
 
 @contextlib.contextmanager
 def telling(label: str, also: Progress | None = None) -> Iterator[Progress]:
-    """`bar(label)` for the terminal, and somebody else who is told of the same progress."""
+    """`bar(label)` for the terminal, and a second receiver of the same progress."""
     with bar(label) as show:
 
         def report(fraction: float, stage: str = "") -> None:
@@ -199,7 +199,7 @@ def read_mockup(
 ) -> feeler.Mockup:
     """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`.
 
-    also: who else than the terminal is told of the progress.
+    also: a second receiver of the progress.
     """
     if any(source.startswith(_SAMPLE) for source in sources):
         if len(sources) > 1:
@@ -226,16 +226,16 @@ def read_tool(source: str, unit: str | None = None, up: str | None = None) -> fe
 def poses_of_options(
     pose: Path | None, at: str | None, rotate: str | None, snap: bool = False, has_place: bool = False
 ) -> Poses:
-    """The poses, (n, 4, 4), that --pose, or --at and --rotate, ask for; with `snap` the nearest rigid ones.
+    """The poses, (n, 4, 4), of --pose, or of --at and --rotate; with `snap` the nearest rigid ones.
 
-    has_place: what moves has a place of its own, in the mock-up, where it is unless something else is asked for.
+    has_place: the moving body has a place in the mock-up, which is the default.
     """
     if pose is not None:
         if at is not None or rotate is not None:
             raise OptionError("--pose and --at/--rotate exclude each other: give one of them")
         return read_poses(pose, snap)
     if at is None and rotate is None and not has_place:
-        raise OptionError("where is the tool? Give --pose FILE, or --at X,Y,Z (and --rotate RX,RY,RZ)")
+        raise OptionError("the tool has no pose: give --pose FILE, or --at X,Y,Z (and --rotate RX,RY,RZ)")
     matrix = np.eye(4)
     matrix[:3, 3] = _triple(at, "--at") if at is not None else 0.0
     if rotate is not None:
@@ -249,7 +249,7 @@ def rotation_xyz(rx_deg: float, ry_deg: float, rz_deg: float) -> npt.NDArray[np.
     rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
     ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
     rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
-    result: npt.NDArray[np.float64] = rz @ ry @ rx + 0.0  # no negative zeros
+    result: npt.NDArray[np.float64] = rz @ ry @ rx + 0.0  # turns negative zeros into zeros
     return result
 
 
@@ -292,7 +292,7 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
 def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Screw]:
     """A path as `Scene.check_path` takes it: as `read_poses`, or the legs of a way, screws among them, from JSON.
 
-    Raises what `read_poses` raises, `OptionError` for a screw that is none.
+    Raises the errors of `read_poses`, and `OptionError` for an invalid screw.
     """
     legs = None
     if path.suffix.lower() == ".json" and path.is_file():
@@ -328,7 +328,7 @@ def _from_text(text: str) -> npt.NDArray[np.float64]:
     words = " ".join(line.partition("#")[0] for line in text.splitlines()).replace(",", " ").split()
     values = np.array([float(word) for word in words])
     if len(values) % 16:
-        raise ValueError(f"{len(values)} numbers are no whole number of poses")
+        raise ValueError(f"{len(values)} numbers are not a multiple of 16")
     return values.reshape(-1, 4, 4)
 
 

@@ -1,4 +1,4 @@
-"""Timing queries, one by one."""
+"""Times single queries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WARM_UP = 20
 
 
 def warm_up(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]) -> None:
-    """Runs a few queries, spread over the poses: buffers grow to size, the index comes into the cache."""
+    """Runs a few queries, spread over the poses, so that buffers are allocated and the index is in the cache."""
     for pose in poses[:: max(len(poses) // _WARM_UP, 1)]:
         scene.collide(tool, pose)
 

@@ -1,4 +1,4 @@
-"""How the commands speak: tables for people, JSON for machines."""
+"""Output of the commands: tables for people, JSON for machines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from feeler.errors import OptionError
 if TYPE_CHECKING:
     from rich.console import Console
 
-_PIPE_WIDTH = 140  # columns, where no terminal says how many there are
+_PIPE_WIDTH = 140  # columns, if the output is not a terminal
 
 
 def console() -> Console:
@@ -28,14 +28,14 @@ def console() -> Console:
 
 
 def print_json(document: dict[str, Any]) -> None:
-    """One JSON document on stdout; a number that JSON lacks (NaN, infinity) becomes null."""
+    """One JSON document on stdout; numbers that JSON lacks (NaN, infinity) become null."""
     print(json.dumps(_plain(document), indent=2, allow_nan=False))
 
 
 def print_table(
     out: Console, title: str, columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]], *, more: int = 0
 ) -> None:
-    """A table. columns: (heading, "left" or "right"); more: how many rows were left out, said below."""
+    """A table. columns: (heading, "left" or "right"); more: the number of omitted rows, printed below."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -44,7 +44,7 @@ def print_table(
     for heading, justify in columns:
         table.add_column(heading, justify="right" if justify == "right" else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))  # Text: a name such as "[1]" is no markup
+        table.add_row(*(Text(cell) for cell in row))  # Text, so that a name such as "[1]" is not taken for markup
     out.print(table)
     if more > 0:
         out.print(f"... and {more:,} more (--json lists all)")
@@ -64,19 +64,19 @@ def print_facts(out: Console, facts: Iterable[tuple[str, str]]) -> None:
 
 
 def say(out: Console, text: str) -> None:
-    """A line as it is, never wrapped: it may be copied into a shell."""
+    """A line that is never wrapped, so that it can be copied into a shell."""
     out.print(text, soft_wrap=True, markup=False, highlight=False)
 
 
 def print_finding(out: Console, text: str) -> None:
-    """A finding in red, its text as it is."""
+    """A finding in red, not wrapped."""
     from rich.text import Text
 
     out.print(Text(text[:1].upper() + text[1:], style="bold red"), soft_wrap=True)
 
 
 def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequence[str]]) -> None:
-    """Whether what each option names has one of its endings and can be written. Raises `OptionError`, `WriteError`."""
+    """Checks that each output has one of its endings and can be written. Raises `OptionError`, `WriteError`."""
     from feeler.io import check_target
 
     for option, target in targets.items():
@@ -88,19 +88,19 @@ def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequ
 
 
 def check_mesh_target(out: Path) -> None:
-    """That a mesh can be written there."""
+    """Checks that a mesh can be written there."""
     check_targets({"out": out}, {"out": (".glb", ".stl")})
 
 
 def write_mesh(out: Path, mesh: Any) -> int:
-    """Writes GLB or STL, as the name says; returns the size in bytes."""
+    """Writes GLB or STL, by the name; returns the size in bytes."""
     from feeler.io import write_glb, write_stl
 
     return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)
 
 
 def warn(message: str) -> None:
-    """One line to stderr, for what does not end the program."""
+    """One line to stderr for a problem that does not end the program."""
     print(f"feeler: warning: {' '.join(message.split())}", file=sys.stderr)
 
 
@@ -132,7 +132,7 @@ def extent(lower: Sequence[float], upper: Sequence[float]) -> str:
 
 
 def times(seconds: npt.NDArray[np.float64]) -> dict[str, float]:
-    """What JSON says about a row of query times."""
+    """Statistics of query times, for JSON."""
     if not len(seconds):
         return {"queries": 0}
     p50, p95, p99 = np.percentile(seconds, [50, 95, 99])

@@ -1,4 +1,4 @@
-"""`feeler path`: is the tool's way from pose to pose free, and if not, where does it first touch what?"""
+"""`feeler path`: is the tool's path free, and if not, where is the first impact?"""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def path(
         ),
     ],
     tolerance: Annotated[
-        float, typer.Option(help="Metres by which an impact may be given too early; never too late.")
+        float, typer.Option(help="Metres by which an impact may be reported too early; never too late.")
     ] = CAST_TOLERANCE,
     snap_pose: SnapPose = False,
     unit: MockupUnit = None,
@@ -73,19 +73,20 @@ def path(
     up: Up = None,
     storage: Storage = "blocks",
     threads: Threads = None,
-    csv: Annotated[Path | None, typer.Option(help="Write a line per segment that is hit (CSV).")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write a line for each segment with an impact (CSV).")] = None,
     glb: Annotated[
-        Path | None, typer.Option(help="Write the mock-up and the tool at the first impact as GLB, the pair coloured.")
+        Path | None, typer.Option(help="Write mock-up and tool at the first impact as GLB, the pair coloured.")
     ] = None,
     context: Annotated[
-        float | None, typer.Option(help="In --glb, only parts within so many metres of the tool, and the one hit.")
+        float | None, typer.Option(help="In --glb, only the hit part and those nearer to the tool than this, metres.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Moves the tool from pose to pose, and finds the first impact of each segment: nothing is passed through.
+    """Moves the tool along a path of poses, and finds the first impact of each segment by continuous collision
+    detection.
 
     Between two poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round.
-    At the first pose the tool may be inside a closed part, or around one: then it is not free, whatever it meets.
+    A tool that is inside a closed part at the first pose, or around one, is not free, even without an impact.
     Exit status: 0 the path is free, 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
@@ -133,7 +134,7 @@ def path(
 
 
 def _hits(mockup: feeler.Mockup, tool: feeler.Tool, check: feeler.PathCheck) -> list[dict[str, Any]]:
-    """One entry per segment that is hit."""
+    """One entry per segment with an impact."""
     columns = (
         check.segments,
         check.fractions[check.segments],
@@ -166,7 +167,7 @@ def _hits(mockup: feeler.Mockup, tool: feeler.Tool, check: feeler.PathCheck) -> 
 
 
 def _by_part(hits: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """One entry per part that is hit first by any segment, in the order in which they are met."""
+    """One entry per part that is hit first in any segment, in the order of impacts."""
     parts: dict[int, dict[str, Any]] = {}
     for hit in hits:
         entry = parts.setdefault(
@@ -179,7 +180,7 @@ def _by_part(hits: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 @dataclass
 class _Pair:
-    """What a picture of a collision asks for."""
+    """The arguments of a picture of a collision."""
 
     tool_triangles: npt.NDArray[np.uint32]
     mockup_triangles: npt.NDArray[np.uint32]
@@ -244,7 +245,7 @@ def _print(
     for line in unknown_lines(inside):
         outputs.say(out, f"At the first pose it is {line}")
     if not hits:
-        verdict = "Nothing is met" if lines else "[bold green]The path is free[/bold green]"
+        verdict = "No impact" if lines else "[bold green]The path is free[/bold green]"
         out.print(f"{verdict}: {what}{took}")
         _print_written(out, written)
         return

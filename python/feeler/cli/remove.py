@@ -1,4 +1,4 @@
-"""`feeler remove`: can this part be taken out, and which way?"""
+"""`feeler remove`: can a part be taken out, and by which path?"""
 
 from __future__ import annotations
 
@@ -59,32 +59,32 @@ def remove(
         list[str] | None,
         typer.Option(
             metavar="PATTERN",
-            help="What is to come out: a path with all below it, a name, or a pattern such as '*pump*'. All that match "
+            help="The parts to take out: a path with all below it, a name, or a pattern such as '*pump*'. All matches "
             "come out together, as one.",
         ),
     ] = None,
-    each: Annotated[bool, typer.Option("--each", help="Each of the parts for itself instead, all others in place.")] = (
+    each: Annotated[bool, typer.Option("--each", help="Each of the parts separately, with all others in place.")] = (
         False
     ),
     order: Annotated[
-        bool, typer.Option("--order", help="Also find which parts have to go before it, and how each of them goes.")
+        bool, typer.Option("--order", help="Also find the parts to remove first, and the path of each.")
     ] = False,
     keep: Annotated[
-        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must not go (several).")
+        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must stay (several).")
     ] = None,
     insert: Annotated[
-        bool, typer.Option("--insert", help="The path into its place instead, from outside or --from FILE.")
+        bool, typer.Option("--insert", help="Find the path into its place instead, from outside or --from FILE.")
     ] = False,
     from_: Annotated[
         Path | None,
-        typer.Option("--from", help="With --insert: its motion from its place to where it is now, a 4 by 4 matrix."),
+        typer.Option("--from", help="With --insert: the start, as a motion from its place, a 4 by 4 matrix."),
     ] = None,
     goal: Annotated[
-        Path | None, typer.Option(help="With --insert: its motion from its place to where it shall be, likewise.")
+        Path | None, typer.Option(help="With --insert: the goal, as a motion from its place, likewise.")
     ] = None,
     hand: Annotated[
         str | None,
-        typer.Option(help="What grips it and moves with it: a file, or sample:NAME; where: --at, --rotate or --pose."),
+        typer.Option(help="A hand that grips it: a file, or sample:NAME, placed by --at, --rotate or --pose."),
     ] = None,
     hand_unit: ToolUnit = None,
     at: At = None,
@@ -102,31 +102,31 @@ def remove(
         ),
     ] = True,
     direction: Annotated[
-        list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this way first (several are allowed).")
+        list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this direction first (several are allowed).")
     ] = None,
-    clearance: Annotated[float, typer.Option(help="Metres to keep from all that it does not sit on.")] = 0.0,
-    seconds: Annotated[float, typer.Option(help="Time for a part; with --order, for all.")] = 30.0,
-    seed: Annotated[int, typer.Option(help="Of the random tries; the same seed finds the same way.")] = 0,
+    clearance: Annotated[float, typer.Option(help="Metres to keep from all parts that it is not seated on.")] = 0.0,
+    seconds: Annotated[float, typer.Option(help="Time for a part; with --order, in total.")] = 30.0,
+    seed: Annotated[int, typer.Option(help="Seed of the random search; the same seed finds the same path.")] = 0,
     snap_pose: SnapPose = False,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores. The way does not depend on it.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Default: all cores. The path does not depend on it.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
     way: Annotated[
-        Path | None, typer.Option(help="Write the way's poses, (n, 4, 4), as .npy or .json, for path and swept.")
+        Path | None, typer.Option(help="Write the path's poses, (n, 4, 4), as .npy or .json, for path and swept.")
     ] = None,
     glb: Annotated[
-        Path | None, typer.Option(help="Write a film as GLB: what moves in blue, what blocked it in red.")
+        Path | None, typer.Option(help="Write a film as GLB: moving parts in blue, blockers in red.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Finds a path for parts out of a mock-up, or into it: straight if possible, else around the neighbours.
 
-    Every path was checked as `feeler path` checks. If none was found, feeler lists the parts that blocked the tries.
-    That is no proof that there is none, unless it says which parts hold it.
-    Exit status: 0 all come out, 1 some do not, 2 bad input. Ctrl-C leaves what was found until then, and ends with 130.
+    Every path is verified as by `feeler path`. If none was found, feeler lists the blocking parts. That is no proof
+    that there is none, unless feeler says which parts hold it. Exit status: 0 all come out, 1 some do not, 2 bad input.
+    Ctrl-C keeps the results so far, and ends with 130.
     """
     targets = {"csv": csv, "way": way, "glb": glb}
     _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
@@ -145,7 +145,7 @@ def remove(
     held = None if hand is None else read_tool(hand, hand_unit, up)
     start = poses_of_options(pose, at, rotate, snap_pose, has_place=True)
     if len(start) > 1:
-        raise OptionError(f"--pose {pose} has {len(start)} poses: where the hand grips is one")
+        raise OptionError(f"--pose {pose} has {len(start)} poses: the grip of the hand is one")
     world = read_mockup(mockup, unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, threads=threads, progress=progress)
@@ -175,7 +175,7 @@ def remove(
     else:
         _print(world, answers, written, ends_out=ends is None)
     if is_interrupted:
-        fail("interrupted: what was found until then is told")
+        fail("interrupted: these are the results so far")
         raise typer.Exit(INTERRUPTED)
     if not is_found:
         raise typer.Exit(FOUND)
@@ -183,7 +183,7 @@ def remove(
 
 @dataclass(frozen=True)
 class _Answer:
-    """What was asked for, and the steps that lead there; with one step if no order was asked for."""
+    """The request and its steps; one step unless an order was requested."""
 
     parts: tuple[int, ...]
     found: bool
@@ -194,13 +194,13 @@ class _Answer:
         return self.steps[-1].removal
 
     def facts(self, mockup: feeler.Mockup) -> dict[str, Any]:
-        """As JSON says it."""
+        """The answer as JSON values."""
         return {"found": self.found, "steps": [_step_facts(mockup, step) for step in self.steps]}
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """What is the same for every part."""
+    """The arguments that all parts share."""
 
     scene: feeler.Scene
     hand: feeler.Tool | None
@@ -208,7 +208,7 @@ class _Asked:
     keep: list[str] | None
     options: dict[str, Any]
     ends: dict[str, Any] | None
-    """Of a path in: where it begins and ends; None of one out."""
+    """For a path in: its start and goal; None for a path out."""
 
     def answer(self, parts: npt.NDArray[np.uint32], order: bool) -> _Answer:
         """One question."""
@@ -231,7 +231,7 @@ class _Asked:
 
 
 def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[list[_Answer], bool]:
-    """All parts together, until Ctrl-C: whether that came."""
+    """All parts together, until Ctrl-C; and whether that came."""
     from feeler.plan.removal import RemovalInterrupted
 
     gone = tuple(parts.tolist())
@@ -244,7 +244,7 @@ def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[lis
 
 
 def _each(asked: _Asked, parts: list[int]) -> tuple[list[_Answer], bool]:
-    """Every part for itself, until Ctrl-C: whether that came."""
+    """Every part separately, until Ctrl-C; and whether that came."""
     answers: list[_Answer] = []
     try:
         with bar(f"taking out {count(len(parts), 'part')}") as progress:
@@ -272,24 +272,24 @@ def _check(
 
     outputs.check_targets(targets, _ENDINGS)
     if not part:
-        raise OptionError("what is to come out? Give --part PATTERN (feeler info --parts lists all)")
+        raise OptionError("no part to take out: give --part PATTERN (feeler info --parts lists all)")
     if each and (order or targets["way"] is not None or targets["glb"] is not None or hand is not None):
-        raise OptionError("--each is for parts one by one: it goes without --order, --hand, --way and --glb")
+        raise OptionError("--each is for single parts: leave out --order, --hand, --way and --glb")
     if keep and not order:
-        raise OptionError("--keep says which parts must not go before the wanted ones: it is for --order")
+        raise OptionError("--keep is for --order: give it, too")
     if hand is None and (hand_unit is not None or any(given is not None for given in place)):
-        raise OptionError("--at, --rotate, --pose and --hand-unit are for --hand: there is none")
+        raise OptionError("--at, --rotate, --pose and --hand-unit are for --hand: give it, too")
 
 
 def _ends(insert: bool, files: dict[str, Path | None], is_other: bool, snap: bool) -> dict[str, Any] | None:
-    """Where a path in begins and ends, as `feeler.insertion` takes it."""
+    """Start and goal of a path in, as `feeler.insertion` takes them."""
     given = {option: file for option, file in files.items() if file is not None}
     if not insert:
         if given:
             raise OptionError(f"{next(iter(given))} is for --insert: give it, too")
         return None
     if is_other:
-        raise OptionError("--insert is for one path: it goes without --each and --order")
+        raise OptionError("--insert is for one path: leave out --each and --order")
     poses: dict[str, Any] = {}
     for option, file in given.items():
         read = read_poses(file, snap)
@@ -377,7 +377,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
 
 
 _SAID_LEGS = 5
-"""A way of more is not read out."""
+"""Longer paths are not described leg by leg."""
 
 _COLUMNS = (
     *("part", "path", "step", "found", "free", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
@@ -409,14 +409,14 @@ def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> bytes:
 
 
 def _kind(one: feeler.Removal) -> str:
-    """What kind of way it is."""
+    """The kind of path."""
     if not one.is_found:
         return ""
     return "straight" if len(one.poses) == 2 and one.rotation == 0.0 else "bent"
 
 
 def _said(one: feeler.Removal) -> str:
-    """The way in words."""
+    """The path in words."""
     legs = [str(leg) for leg in one.legs]
     if len(legs) > _SAID_LEGS:
         return f"by {len(legs)} legs, the last of them: {legs[-1]}"
@@ -466,7 +466,7 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
         outputs.print_table(
             out,
             "What blocked it",
-            [("part", "left"), ("tries that it stopped", "right")],
+            [("part", "left"), ("attempts stopped", "right")],
             [(mockup.part_paths[each.part], f"{each.count:,}") for each in blocked[:_SHOWN]],
             more=len(blocked) - _SHOWN,
         )

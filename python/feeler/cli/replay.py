@@ -1,4 +1,4 @@
-"""`feeler replay`: what was recorded in the workbench, done again, with the same hits or where they part."""
+"""`feeler replay`: repeats a recorded workbench session, and compares the collisions."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ feeler replay way.jsonl engine.step --tool wrench.stl --page
 """
 )
 def replay(
-    record: Annotated[Path, typer.Argument(metavar="FILE", help="What feeler view --record wrote.")],
+    record: Annotated[Path, typer.Argument(metavar="FILE", help="A record of feeler view --record.")],
     mockup: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MOCKUP]...", help="What it was made with; default: sample:engine."),
+        typer.Argument(metavar="[MOCKUP]...", help="The mock-up of the record; default: sample:engine."),
     ] = None,
     *,
     tool: Annotated[
-        str | None, typer.Option(help="The tool it was made with: a file, or sample:NAME or sample:NAME:fine.")
+        str | None, typer.Option(help="The tool of the record: a file, or sample:NAME or sample:NAME:fine.")
     ] = None,
     without: Without = None,
     only: Only = None,
@@ -46,18 +46,17 @@ def replay(
     threads: Threads = None,
     page: Annotated[
         bool,
-        typer.Option("--page", help="Show it in the workbench, at the speed at which it was done, and go on there."),
+        typer.Option("--page", help="Replay it in the workbench, at the recorded speed, and continue there."),
     ] = False,
     browser: Annotated[
         bool, typer.Option("--browser/--no-browser", help="With --page: open the page in the browser.")
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Goes through a record of the workbench again: the same triangles meet to the last one, or where they part.
+    """Replays a workbench record and compares the colliding triangles, to the last one.
 
-    Exit status: 0 the same, 1 they part, 2 bad input, such as another mock-up than it was made with. With --page it
-    prints the address, Ctrl-C ends it, and the status is 0. Parts that were left out then are left out again, by the
-    same --without and --only.
+    Exit status: 0 they are equal, 1 they differ, 2 bad input, such as another mock-up. With --page it prints the
+    address, Ctrl-C ends it, and the status is 0. If parts were left out, give the same --without and --only.
     """
     from feeler.cli import outputs
     from feeler.workbench.session.record import read_record
@@ -75,7 +74,7 @@ def replay(
     with bar("replaying") as progress:
         found = go_through(read, world, scene, probe, progress)
     if found.is_torn:
-        outputs.warn(f"{record}: its last line was cut off, as by a crash, and is left out")
+        outputs.warn(f"{record}: its last line is cut off, as by a crash, and was skipped")
     if as_json:
         outputs.print_json(_facts(read, found, world))
     else:

@@ -1,4 +1,4 @@
-"""`feeler sample`: built-in mock-ups and tools, to try things on."""
+"""`feeler sample`: built-in mock-ups and tools to try feeler on."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def sample(
         list[str] | None, typer.Option(help="Plant a fault in the gearbox; repeat for more. An unknown one lists all.")
     ] = None,
     truth: Annotated[
-        Path | None, typer.Option(help="Write what is true of the gearbox: fits, ways, tools (JSON).")
+        Path | None, typer.Option(help="Write the known facts of the gearbox: fits, removal order, tools (JSON).")
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Write it: .glb keeps parts and colours, .stl is one mesh in millimetres.")

@@ -1,4 +1,4 @@
-"""`feeler study ...`: the paper's experiments, repeated here, on the samples or on your own files."""
+"""`feeler study ...`: repeats the paper's experiments on the samples or on your own files."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ Tools = Annotated[
 ]
 Triangles = Annotated[int, typer.Option(help="Size of sample mock-ups.")]
 Poses = Annotated[int, typer.Option(help="Work positions for each pair of mock-up and tool.")]
-Rounds = Annotated[int, typer.Option(help="How often each time is taken.")]
+Rounds = Annotated[int, typer.Option(help="Repetitions of each measurement.")]
 Seed = Annotated[int, typer.Option(help="Another seed, other poses.")]
 Out = Annotated[Path, typer.Option(help="Folder for the results; a sub-folder is made for each study.")]
-Resume = Annotated[bool, typer.Option("--resume/--anew", help="Go on with what the folder holds, or measure all anew.")]
-Unit = Annotated[str | None, typer.Option(help="Unit of files that do not say it.")]
-Memory = Annotated[float, typer.Option(help="GB that the largest index may take; finer sizes are left out.")]
+Resume = Annotated[bool, typer.Option("--resume/--anew", help="Continue with the folder's results, or start anew.")]
+Unit = Annotated[str | None, typer.Option(help="Unit of files that do not state one.")]
+Memory = Annotated[float, typer.Option(help="GB that the largest index may take; finer sizes are skipped.")]
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
-Quick = Annotated[bool, typer.Option("--quick", help="A small form, in seconds: shows how it works, not what is true.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A small form, in seconds; its numbers mean little.")]
 
 _OUT = Path("feeler-study")
 
@@ -78,7 +78,7 @@ def voxel_size(
     quick: Quick = False,
     as_json: Json = False,
 ) -> None:
-    """Time by voxel size (the paper's Figure 7 and Table 2): the optimum, and what each estimator says it is."""
+    """Time by voxel size (the paper's Figure 7 and Table 2): the measured optimum and that of each estimator."""
     if sizes < 4:
         raise OptionError(f"--sizes is {sizes}: give 4 or more")
     plan = _plan("voxel-size", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, memory, quick)
@@ -151,7 +151,7 @@ def filters(
     quick: Quick = False,
     as_json: Json = False,
 ) -> None:
-    """What each filter before the triangle test brings; the paper says half the time, together."""
+    """The effect of each filter before the triangle test; the paper reports half the time, together."""
     plan = _plan("filters", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, memory, quick)
     _run("filters", plan, as_json, lambda: study_filters(plan))
 
@@ -171,7 +171,7 @@ def piece_size(
     quick: Quick = False,
     as_json: Json = False,
 ) -> None:
-    """Not in the paper: what the piece size of blocks, the counterpart of the voxel size, is worth."""
+    """Not in the paper: the effect of the piece size of blocks, the counterpart of the voxel size."""
     if sizes < 2:
         raise OptionError(f"--sizes is {sizes}: give 2 or more")
     plan = _plan("piece-size", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, 2.0, quick)
@@ -246,7 +246,7 @@ def _short_name(path: str) -> str:
 
 
 def _file_key(paths: list[str], unit: str | None) -> str:
-    """Tells apart files, and states of one file."""
+    """A key for files, and for states of one file."""
     stamps = []
     for path in paths:
         if path.startswith("sample:"):

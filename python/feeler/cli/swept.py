@@ -1,4 +1,4 @@
-"""`feeler swept`: the volume that a tool sweeps on its way, as a closed mesh in a file."""
+"""`feeler swept`: writes the swept volume of a tool as a closed mesh."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from feeler.progress import bar
 
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254, "": 1.0}
 _FLOAT32 = float(np.finfo(np.float32).eps)
-_ROUNDING_SHARE = 0.1  # of the error: more rounding in a file is worth a warning
+_ROUNDING_SHARE = 0.1  # of the error: more rounding in a file raises a warning
 
 
 @command(
@@ -39,7 +39,7 @@ def swept(
     ],
     error: Annotated[
         str,
-        typer.Option(help="By how much the mesh may be larger than what is swept: metres, or with a unit, as 0.5mm."),
+        typer.Option(help="How far the mesh may exceed the swept volume: metres, or with a unit, as 0.5mm."),
     ] = "1mm",
     snap_pose: SnapPose = False,
     tool_unit: ToolUnit = None,
@@ -47,14 +47,14 @@ def swept(
     threads: Threads = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", help="Write it: .glb in metres, .stl in millimetres. Without it: figures alone."),
+        typer.Option("--out", "-o", help="Write it: .glb in metres, .stl in millimetres. Without it: figures only."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Makes a closed mesh that contains all that a tool sweeps from pose to pose, to plan room with.
+    """Makes a closed mesh around the swept volume of a tool that moves from pose to pose.
 
     Between two poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round.
-    Half the error makes four times the triangles. Exit status: 0 made, 2 bad input.
+    Half the error makes four times the triangles. Exit status: 0 done, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -102,7 +102,7 @@ def swept(
         ("triangles", f"{mesh.triangle_count:,} ({outputs.duration(mesh.source.seconds)})"),
         ("volume", _volume(volume)),
         ("extent", outputs.extent(mesh.bounds[0], mesh.bounds[1])),
-        ("error", f"{outputs.length(length)} at most, outwards alone"),
+        ("error", f"{outputs.length(length)} at most, outwards only"),
     ]
     if size is not None:
         rows.append(("written", f"{out} ({outputs.size(size)})"))
@@ -111,7 +111,7 @@ def swept(
 
 def measures(mesh: feeler.Mockup) -> tuple[float, float]:
     """Volume (cubic metres) and area (square metres) of a closed mesh, wound outwards."""
-    middle = mesh.bounds.mean(axis=0)  # near the mesh: nothing is lost far from the origin
+    middle = mesh.bounds.mean(axis=0)  # near the mesh, so that no digits are lost far from the origin
     a, b, c = np.moveaxis((mesh.vertices - middle)[mesh.faces], 1, 0)
     normals = np.cross(b - a, c - a)
     return float(np.einsum("ij,ij->", a, normals)) / 6, float(np.linalg.norm(normals, axis=1).sum()) / 2

@@ -1,4 +1,4 @@
-"""`feeler view`: the workbench in the browser, on a mock-up that is read while the page opens already."""
+"""`feeler view`: the workbench in the browser; the page opens while the mock-up is still loading."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 
 _SAMPLE, _SAMPLE_TOOL = "sample:engine", "sample:wrench"
 _SHOWN = ("mm", "cm", "m", "in")
-_STEP = 0.01  # of what is told of the progress
-_READ, _INDEXED = 0.6, 0.95  # the shares at which the mock-up is read, and indexed
-_LOOK_S = 0.1  # Ctrl-C is heard between two looks, on Windows too
+_STEP = 0.01  # of progress, between reports
+_READ, _INDEXED = 0.6, 0.95  # shares at which the mock-up is read, and indexed
+_LOOK_S = 0.1  # Ctrl-C is noticed at this interval, on Windows too
 
 
 @command(
@@ -64,56 +64,56 @@ def view(
     tool: Annotated[
         str | None,
         typer.Option(
-            help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench where the mock-up is the sample, "
-            "else an empty hand, which takes out parts."
+            help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench if the mock-up is the sample, "
+            "else an empty hand, which takes out parts.",
         ),
     ] = None,
     without: Without = None,
     only: Only = None,
-    port: Annotated[int, typer.Option(help="Of the address. 0: any that is free.")] = 0,
+    port: Annotated[int, typer.Option(help="Port of the address. 0: any free one.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     device: Annotated[
         str | None,
-        typer.Option(metavar="|".join(("spacemouse", "haply", "dhd", "openhaptics")), help="What moves the tool too."),
+        typer.Option(metavar="|".join(("spacemouse", "haply", "dhd", "openhaptics")), help="A device for the tool."),
     ] = None,
     record: Annotated[
-        Path | None, typer.Option(help="Write down what is done, line by line, for feeler replay (.jsonl).")
+        Path | None, typer.Option(help="Record all actions, line by line, for feeler replay (.jsonl).")
     ] = None,
     benchmark: Annotated[
         bool,
         typer.Option(
             "--benchmark",
-            help="Measure what this machine draws, write it into feeler-benchmark.json, print it, and end.",
+            help="Measure the frame rate on this machine, write feeler-benchmark.json, print it, and exit.",
         ),
     ] = False,
     findings: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="What feeler clash --json wrote, to step through.")
+        Path | None, typer.Option(metavar="FILE", help="Findings of feeler clash --json, to step through.")
     ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
     show_unit: Annotated[
-        str, typer.Option(metavar="|".join(_SHOWN), help="In which the page shows lengths at first.")
+        str, typer.Option(metavar="|".join(_SHOWN), help="Initial unit of lengths in the page.")
     ] = "mm",
     threads: Threads = None,
     host: Annotated[
         str | None,
-        typer.Option(help="Name or address of this machine for others to reach it by. Default: this machine alone."),
+        typer.Option(help="Name or address by which other machines reach this one. Default: this machine only."),
     ] = None,
     allow_remote: Annotated[
-        bool, typer.Option("--allow-remote", help="Let other machines in by --host; with TLS only.")
+        bool, typer.Option("--allow-remote", help="Accept other machines at --host; with TLS only.")
     ] = False,
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate of --host, PEM.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Its key, PEM.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Opens the workbench: look around in a mock-up, move a tool in it, take parts out, measure, in the browser.
+    """Opens the workbench in the browser: look around in a mock-up, move a tool, take parts out, measure.
 
-    Prints the address, which has the key to it: nobody gets in without. The page opens at once and shows how far the
-    mock-up is. Ctrl-C ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
+    Prints the address, which contains the key for access. The page opens at once and shows loading progress. Ctrl-C
+    ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
 
-    --benchmark moves camera and tool in the page and says how many frames a second the renderer drew; keep the page in
-    sight meanwhile, as browsers draw nothing in hidden ones.
+    --benchmark moves camera and tool in the page and reports the frames per second; keep the page visible, because
+    browsers do not draw hidden ones.
     """
     from feeler.io import check_target
     from feeler.workbench.document.findings import read_findings
@@ -136,7 +136,7 @@ def view(
         if target is not None:
             check_target(target)
     found = None if findings is None else read_findings(findings)
-    # Before anything is loaded: a device that is not there is said at once.
+    # Before anything is loaded, so that a missing device is reported at once.
     held = None if device is None else devices.open_device(device)
     opening: _Opening | None = None
     with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as ends:
@@ -161,13 +161,13 @@ def view(
 
 
 def wait_for_ctrl_c() -> None:
-    """For ever: until `KeyboardInterrupt`."""
+    """Waits until `KeyboardInterrupt`."""
     while True:
         time.sleep(_LOOK_S)
 
 
 class _Opening:
-    """Reads and indexes in a thread of its own, and hands all to the session."""
+    """Reads and indexes the mock-up in a thread, and passes it to the session."""
 
     def __init__(
         self,
@@ -178,10 +178,10 @@ class _Opening:
         held: devices.Device | None,
         findings: Any = None,
     ) -> None:
-        """findings: as `read_findings` has them."""
+        """findings: as read by `read_findings`."""
         self.is_failed = False
         self.opened: Opened | None = None
-        """Once the mock-up is read and indexed."""
+        """Set when the mock-up is read and indexed."""
         self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
@@ -190,14 +190,14 @@ class _Opening:
         self._told = ("", 0.0)
 
     def begin(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
-        """At once; whoever looks at the page sees how far it is."""
-        # A daemon: Ctrl-C does not wait until a large file is read.
+        """Starts; the page shows the progress."""
+        # A daemon thread, so that Ctrl-C does not wait for a large file.
         threading.Thread(
             target=self._run, args=(unit, tool_unit, up, threads), name="feeler opening", daemon=True
         ).start()
 
     def close(self) -> None:
-        """Lets go of the device."""
+        """Closes the device."""
         self._is_over = True
         if self._hand is not None:
             self._hand.close()
@@ -210,7 +210,7 @@ class _Opening:
         except MemoryError:
             self._fail("not enough memory: use a smaller mock-up")
         except Exception as error:
-            # Whatever it is, a page that waits for ever says less.
+            # Report every error: a page that waits for ever says nothing.
             self._fail(f"the mock-up cannot be opened ({type(error).__name__}: {error})")
 
     def _fail(self, text: str) -> None:
@@ -219,7 +219,7 @@ class _Opening:
         self._session.failed(self._for_pages(text))
 
     def _for_pages(self, text: str) -> str:
-        """A text with files by their names: a page names no path of the disk."""
+        """A text with files by their names: the page must not show paths of the disk."""
         for source in filter(None, (*self._sources, self._tool)):
             for path in (str(Path(source).resolve()), source):
                 if len(Path(path).parts) > 1:  # a bare name stays
@@ -227,12 +227,12 @@ class _Opening:
         return text
 
     def _telling(self, start: float, end: float) -> Progress:
-        """Tells of what makes the loading a share further."""
+        """Reports the progress of one stage as a share of the whole."""
 
         def tell(share: float, stage: str) -> None:
-            # The end of a stage is no stage: something else begins.
+            # The end of a stage is not a stage: another one begins.
             stage, so_far = self._told[0] if share >= 1.0 else stage, start + (end - start) * share
-            # Readers report as often as they like; the pages are told of each stage and each hundredth.
+            # Readers report at any rate; the pages get each stage and each hundredth.
             if stage != self._told[0] or abs(so_far - self._told[1]) >= _STEP:
                 self._told = (stage, so_far)
                 self._session.loading(stage, so_far)
@@ -268,14 +268,14 @@ class _Opening:
 
 
 class _Measured:
-    """What a page measures, once there is one and the mock-up is open; written and printed when it is there."""
+    """The measurement of a page, after it has opened and the mock-up is loaded; then written and printed."""
 
     def __init__(self, session: Session, opening: _Opening, as_json: bool) -> None:
         self._session, self._opening, self._as_json = session, opening, as_json
         self._figures: Future[dict[str, Any]] | None = None
 
     def is_done(self) -> bool:
-        """Whether all is written. Raises `WorkbenchError`, `WriteError`."""
+        """Whether everything is written. Raises `WorkbenchError`, `WriteError`."""
         opened = self._opening.opened
         if opened is None or self._session.current.mockup is None or not self._session.pages:
             return False
@@ -302,7 +302,7 @@ class _Measured:
 
 
 def name_of(sources: list[str]) -> str:
-    """What the page calls the mock-up."""
+    """The name of the mock-up in the page."""
     first = sources[0].split(":")[1] if sources[0].startswith("sample:") else Path(sources[0]).resolve().name
     return first if len(sources) == 1 else f"{first} and {len(sources) - 1} more"
 
@@ -313,14 +313,14 @@ def say_where(server: Server, is_remote: bool, as_json: bool) -> None:
 
     if is_remote:
         outputs.warn(
-            f"open to other machines at {server.address}: whoever has the address below sees the mock-up and moves "
-            "the tool; give it to nobody else"
+            f"open to other machines at {server.address}: anyone with the address below can see the mock-up and move "
+            "the tool; keep it secret"
         )
     if as_json:
         outputs.print_json({"url": server.url})
     else:
         outputs.say(outputs.console(), f"{server.url}\nCtrl-C ends it")
-    sys.stdout.flush()  # also where somebody reads it from a pipe
+    sys.stdout.flush()  # in case stdout is a pipe
 
 
 def open_browser(url: str) -> None:

@@ -1,4 +1,4 @@
-"""A hand that feels: a tool held by a device, kept out of the mock-up, and the force of that on the hand.
+"""Haptics: a device moves a tool, contact keeps the tool out of the mock-up, and the device returns the force.
 
 session = feeler.haptics.Session(scene, tool)
 session.start(pose)

@@ -1,9 +1,9 @@
-"""Devices: what a hand holds while a session runs.
+"""Haptic devices: simulated, mouse, your own, or opened by the name of a driver.
 
     device = feeler.haptics.devices.Simulated("desktop_6dof", hand=(times, poses))
     device = feeler.haptics.open_device("haply")
 
-A device's own frame has its origin in the middle of its workspace, x to the right, y away from the hand's owner, z up.
+A device's own frame has its origin in the middle of its workspace, x to the right, y away from the user, z up.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ FAULTS = ("nan", "nonsense", "lost", "silent", "jump", "slow")
 
 
 class Device:
-    """What all devices have. `Simulated`, `Mouse` and `open_device` make one; one's own is an `Own`."""
+    """The base of all devices. `Simulated`, `Mouse` and `open_device` make one; subclass `Own` for another."""
 
     _device: _core.HapticsDevice
     _is_absolute = False
 
     @property
     def name(self) -> str:
-        """Maker and model, or what the device says of itself."""
+        """Maker and model, or the name that the device reports."""
         return self._device.name
 
     @property
     def sensed(self) -> tuple[str, ...]:
-        """What it tells, of `translation` and `rotation`."""
+        """The degrees of freedom that it measures, of `translation` and `rotation`."""
         return tuple(self._device.sensed)
 
     @property
     def driven(self) -> tuple[str, ...]:
-        """What it drives, of the same: without `rotation` it gets force without torque."""
+        """The degrees of freedom that it actuates, of the same: without `rotation` it gets force without torque."""
         return tuple(self._device.driven)
 
     @property
@@ -53,12 +53,12 @@ class Device:
 
     @property
     def buttons(self) -> int:
-        """How many it has."""
+        """Number of buttons."""
         return self._device.button_count
 
     @property
     def limits(self) -> dict[str, float]:
-        """What it can do and hold: `force_n`, `torque_nm`, `stiffness_n_per_m`, `damping_n_s_per_m`, `friction_n`,
+        """The limits of the device: `force_n`, `torque_nm`, `stiffness_n_per_m`, `damping_n_s_per_m`, `friction_n`,
         `resolution_m`, the same four in rotation, `rate_hz` and `delay_s`. 0: none, or not known.
         """
         return self._device.limits
@@ -71,17 +71,17 @@ class Device:
 
 
 class Simulated(Device):
-    """A device that is not there: mass, friction, encoders, delays, and a hand on it.
+    """A simulated device: mass, friction, encoders, delays, and a hand that holds it.
 
     - `preset`: `desktop_3dof` (12 N, no torque), `desktop_6dof` (12 N, 0.4 Nm) or `large_6dof` (60 N, 3 Nm).
-    - `hand`: `(times, poses)`: where the hand wants the handle, `device_from_handle` `(n, 4, 4)`, metres, at times
-      `(n,)`, seconds since the first run began; between them it moves evenly. None: nobody holds it.
-    - `grip`: `firm` or `loose`: how stiff that hand is.
-    - `delay_s`: of the pose told and of the force that acts, half each; `jitter_s`: up to so much more each way;
-      `seed`: of the jitter.
-    - `fault`: `(kind, value, from_s, until_s)`: something is wrong for a while, to see what becomes of the force.
-      `nan`: its velocity is no number; `nonsense`, `lost`: it says so; `silent`: it tells nothing new; `jump`: it is
-      `value` metres higher; `slow`: it tells `value` poses a second.
+    - `hand`: `(times, poses)`: the target of the hand, `device_from_handle` `(n, 4, 4)`, metres, at times `(n,)`,
+      seconds since the first run began, interpolated linearly. None: nobody holds it.
+    - `grip`: the stiffness of that hand, `firm` or `loose`.
+    - `delay_s`: of the measured pose and of the force, half each; `jitter_s`: the most by which each half grows at
+      random; `seed`: of the jitter.
+    - `fault`: `(kind, value, from_s, until_s)`: a temporary fault, to test how the force reacts. `nan`: its velocity is
+      NaN; `nonsense`, `lost`: it reports that fault; `silent`: it reports nothing new; `jump`: it is `value` metres
+      higher; `slow`: it reports `value` poses per second.
 
     Raises `OptionError` and `PoseError`.
     """
@@ -114,10 +114,10 @@ class Simulated(Device):
 
 
 class Mouse(Device):
-    """A device that goes, smoothly, where a program tells it to: the tool of a mouse in a window. It drives nothing.
+    """A device that follows a target smoothly: a tool on the mouse pointer of a window. It has no actuators.
 
-    Its frame is the world's: the tool is where the mouse is. `pose`: where it begins, `world_from_tool`; `frequency`:
-    natural frequency of its smoothing, radians a second, 1 to 1000: it is `2 / frequency` seconds behind.
+    Its frame is the world's: the tool is at the target. `pose`: the start, `world_from_tool`; `frequency`: natural
+    frequency of the smoothing, radians per second, 1 to 1000; the delay is `2 / frequency` seconds.
     """
 
     _is_absolute = True
@@ -127,71 +127,71 @@ class Mouse(Device):
         self._device = _core.HapticsDevice.mouse(pose, float(frequency))
 
     def set_target(self, pose: npt.ArrayLike) -> None:
-        """Where to go from now on, `world_from_tool`; also while a session runs."""
+        """Sets the target, `world_from_tool`; also while a session runs."""
         self._device.set_target(pose)
 
     def set_buttons(self, buttons: int) -> None:
-        """Which buttons are held from now on, a bit each."""
+        """Sets the pressed buttons, a bit each."""
         self._device.set_buttons(int(buttons))
 
 
 @dataclass(frozen=True)
 class Info:
-    """What a device of one's own is. What is not known stays 0, and bounds nothing."""
+    """The properties of your own device. Unknown values stay 0, and limit nothing."""
 
     name: str
     force_n: float = 0.0
-    """Largest force; 0: it drives no translation."""
+    """Largest force; 0: translation is not actuated."""
     torque_nm: float = 0.0
-    """Largest torque; 0: it drives no rotation."""
+    """Largest torque; 0: rotation is not actuated."""
     workspace: tuple[float, float, float] = (0.1, 0.1, 0.1)
     """Half the edges of the box that its handle can reach, metres. A soft wall is inside it."""
     senses_rotation: bool = False
     buttons: int = 0
     stiffness_n_per_m: float = 0.0
-    """Largest that it holds."""
+    """Largest stable value."""
     rotational_stiffness_nm_per_rad: float = 0.0
     damping_n_s_per_m: float = 0.0
-    """Its own, viscous: bounds the stiffness (Colgate)."""
+    """Its own viscous damping: limits the stiffness (Colgate)."""
     rotational_damping_nm_s_per_rad: float = 0.0
     friction_n: float = 0.0
-    """Coulomb friction: bounds the stiffness, with the resolution (Abbott and Okamura)."""
+    """Coulomb friction: limits the stiffness, with the resolution (Abbott and Okamura)."""
     rotational_friction_nm: float = 0.0
     resolution_m: float = 0.0
-    """Smallest step of position that it tells."""
+    """Smallest step of the measured position."""
     rotational_resolution_rad: float = 0.0
     rate_hz: float = 0.0
-    """How often it tells a pose and takes a force."""
+    """Rate at which it reports poses and takes forces."""
     delay_s: float = 0.0
-    """From a motion of the handle to the force that answers it, beyond half a period."""
+    """From a motion of the handle to the force in response, beyond half a period."""
 
 
 class Own(Device):
-    """A device of one's own: subclass it, set `info`, and write `read` and `write`. `examples/own_device.py` is one.
+    """Your own device: subclass it, set `info`, and write `read` and `write`. See `examples/own_device.py`.
 
-    The servo thread calls both at its rate, and enters Python for that: between two calls it waits until the other
-    threads of Python let it in, up to 5 ms each (`sys.setswitchinterval`). So keep them short and let nothing wait in
-    them; a rate of 200 to 1000 Hz is in reach while the main thread sleeps. What they raise lets go of the force and
-    ends the run: `stop()` raises `SessionError` with it.
+    The servo thread calls both at its rate. For each call it enters Python and may have to wait for other Python
+    threads, up to 5 ms each (`sys.setswitchinterval`). Keep both methods short, and do not block in them; 200 to 1000
+    Hz is possible while the main thread sleeps. An exception in them releases the force and ends the run: `stop()`
+    raises `SessionError` with it.
     """
 
     info: Info
     _runs: weakref.ref[Any] | None = None
 
     def read(self) -> Any:
-        """Where the handle is, in the device's frame: a position `(3,)` in metres or a pose `(4, 4)`, alone or as
-        `(pose, buttons)`, a bit a button. None: nothing new; after 50 ms of that there is no force.
+        """Returns the pose of the handle, in the device's frame: a position `(3,)` in metres or a pose `(4, 4)`, alone
+        or as `(pose, buttons)`, a bit a button. None: no new pose; after 50 ms without one there is no force.
         """
         raise NotImplementedError
 
     def write(self, force: npt.NDArray[np.float64], torque: npt.NDArray[np.float64]) -> None:
-        """Sets force `(3,)`, newtons, and torque `(3,)`, newton metres, on the hand from now on, in the device's frame;
-        never more than `info` says.
+        """Sets force `(3,)`, newtons, and torque `(3,)`, newton metres, on the hand, in the device's frame; they never
+        exceed `info`.
         """
         raise NotImplementedError
 
     def release(self) -> None:
-        """Lets go of the force; called when a run ends, for whatever reason. Default: writes zeros."""
+        """Releases the force; called whenever a run ends. Default: writes zeros."""
         self.write(np.zeros(3), np.zeros(3))
 
     @property
@@ -206,7 +206,7 @@ class Own(Device):
         )
 
     def _read(self) -> tuple[npt.NDArray[np.float64], int] | None:
-        """As the core wants it."""
+        """In the form that the core takes."""
         told = self.read()
         if told is None:
             return None
@@ -218,7 +218,7 @@ class Own(Device):
         return pose, int(buttons)
 
     def _serve(self, session: Any) -> None:
-        """Says which session runs with it. Raises `DeviceError` while another does."""
+        """Assigns it to a session. Raises `DeviceError` while another session uses it."""
         other = self._runs() if self._runs is not None else None
         if other is not None and other.is_running:
             raise DeviceError(f"{self.name} is in use by another run: stop that one first")
@@ -241,7 +241,7 @@ _LIMITS = (
     "delay_s",
 )
 _SERVED: weakref.WeakSet[Any] = weakref.WeakSet()
-"""Sessions that ran with a device that is written in Python: their threads must not outlive the interpreter."""
+"""Sessions that ran with a device written in Python: their threads must not outlive the interpreter."""
 
 
 @atexit.register
@@ -252,7 +252,7 @@ def _stop_all() -> None:
 
 
 class Opened(Device):
-    """A device that is there. It serves one run, whose end lets go of it for good: open it again for another."""
+    """An opened device. It serves one run, whose end closes it: open it again for another."""
 
     def __init__(self, name: str, options: dict[str, object]) -> None:
         """See `open_device`."""
@@ -270,9 +270,9 @@ def open_device(name: str, **options: object) -> Opened:
     - `openhaptics`: 3D Systems Touch and Phantom, through OpenHaptics. `library`, `device`, `force_n`,
       `stiffness_n_per_m`.
 
-    `stiffness_n_per_m`: what this device holds in a loop of 1 kHz, where you know it; default: by what is published
-    (docs/devices.md).
+    `stiffness_n_per_m`: the stable stiffness of this device in a loop of 1 kHz, if you know it; default: from published
+    values (docs/devices.md).
 
-    Raises `DeviceError` where there is none, with what to do, and `OptionError` for an option that it does not have.
+    Raises `DeviceError` with advice if no such device is found, and `OptionError` for an option that it does not have.
     """
     return Opened(str(name), dict(options))

@@ -1,4 +1,4 @@
-"""Records of sessions: what the device did, and what came of it."""
+"""Records of sessions: the input from the device, and the results."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from feeler.scene import Scene
 
 FORMAT = 3
 KEPT_TRIANGLES = 200_000
-"""Up to so many triangles of mock-up and tool a record has them with it; beyond, `replay` is given scene and tool."""
+"""A record contains mock-up and tool up to this many triangles; for larger ones pass scene and tool to `replay`."""
 
-# What happened: a step, a start, a grip, a release, a release that puts back; a part that the next grip takes, too.
+# Events: a step, a start, a grip, a release, a release that puts back; a further part of the next grip.
 STEP, START, GRIP, RELEASE, PUT_BACK, ALSO = range(6)
 MODES = ("free", "contact", "bound", "colliding", "doubt")
-"""As records number them; `colliding` is of records of format 1 and 2 alone."""
+"""Modes by number; `colliding` occurs only in records of format 1 and 2."""
 Floats = npt.NDArray[np.float64]
 
 
 class Recorder:
-    """Keeps what happens in a session, and writes it when it is closed."""
+    """Collects the events of a session, and writes them when it is closed."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class Recorder:
         put_down: Mapping[int, Scene],
         ended: Callable[[], None],
     ) -> None:
-        """Of a session of these. ended: called once, before the file is written."""
+        """A recorder for these. ended: called once, before the file is written."""
         self.path = path
         self._session = (scene, tool, coupling, options, put_down)
         self._ended: Callable[[], None] | None = ended
@@ -54,7 +54,7 @@ class Recorder:
         self._add(START, 0, pose, 0.0)
 
     def step(self, pose: Floats, dt: float, proxy: Floats, force: Floats, torque: Floats, mode: int) -> None:
-        """A step and what came of it."""
+        """A step and its results."""
         self._add(STEP, mode, pose, dt)
         self._outputs.append(np.concatenate([proxy.ravel(), force, torque]))
 
@@ -73,7 +73,7 @@ class Recorder:
         self._inputs.append(np.append(pose.ravel(), dt))
 
     def close(self) -> None:
-        """Writes the file; a second time does nothing."""
+        """Writes the file; further calls do nothing."""
         ended, self._ended = self._ended, None
         if ended is None:
             return
@@ -115,7 +115,7 @@ class Recorder:
 
 
 def digest_of(mesh: Mockup | Tool) -> str:
-    """Of triangles and parts: equal for equal meshes."""
+    """A hash of triangles and parts: equal for equal meshes."""
     digest = hashlib.sha256()
     for array in (mesh.vertices, mesh.faces, mesh.part_of_face):
         digest.update(np.ascontiguousarray(array).tobytes())

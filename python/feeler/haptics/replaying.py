@@ -1,4 +1,4 @@
-"""Records of sessions gone through again: the same to the bit, or where they part."""
+"""Replays records of sessions and compares the results bit for bit."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from feeler.haptics.session import Session
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 
-_READ = (1, 2, 3)  # in 1 no parts lie elsewhere from the beginning; before 3 one part is gripped at a time
+_READ = (1, 2, 3)  # format 1 has no parts that lie elsewhere from the start; before 3, parts are gripped one at a time
 
 
 @dataclass(frozen=True)
 class Parted:
-    """Whether the steps of a record came out the same, bit for bit."""
+    """Whether the steps of a record gave the same results, bit for bit."""
 
     steps: int
     """Replayed."""
     at: int | None
-    """The first step that came out otherwise; None: all are the same."""
+    """The first step with another result; None: all are equal."""
     by: float
-    """By how much that one did, in metres, newtons or newton metres."""
+    """The difference of that step, in metres, newtons or newton metres."""
 
     def __bool__(self) -> bool:
         return self.at is None
@@ -44,10 +44,10 @@ def replay(
     tool: Tool | None = None,
     put_down: Mapping[int, Scene] | None = None,
 ) -> Parted:
-    """Runs the steps of a record again, and says whether they come out the same bit for bit, or where they part.
+    """Replays the steps of a record, and reports whether the results are equal bit for bit, or where they differ.
 
-    A record of large meshes has none with it: pass the `scene` and the `tool` it was made with, and the parts that lay
-    elsewhere (`put_down`, as of `Session`). Raises `LoadError` for what is no record, or of other meshes.
+    Records of large meshes do not contain them: pass the original `scene` and `tool`, and the parts that lay elsewhere
+    (`put_down`, as in `Session`). Raises `LoadError` for files that are not records, and for other meshes.
     """
     with _opened(Path(path)) as record:
         try:
@@ -55,7 +55,7 @@ def replay(
             events, inputs, outputs = record["events"], record["inputs"], record["outputs"]
             if head["format"] not in _READ:
                 raise LoadError(f"{path}: format {head['format']}, this feeler reads {FORMAT}")
-            # A record from before there was shading has none.
+            # Records from before shading was added have none.
             options, coupling = {"shading": False, **head["options"]}, Coupling(**head["coupling"])
             lying = {int(part): str(digest) for part, digest in head.get("put_down", [])}
             has_meshes = "tool.faces" in record

@@ -1,4 +1,4 @@
-"""Sessions that run: with a device, in threads of their own, which enter Python only for a device written in it."""
+"""Sessions that run with a device, in threads that enter Python only for a device written in Python."""
 
 from __future__ import annotations
 
@@ -19,41 +19,41 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class View:
-    """One tick of a run, for a picture."""
+    """One tick of a run, for display."""
 
     number: int
-    """Counts the servo's ticks; 0: there was none yet."""
+    """Number of the servo tick; 0: none yet."""
     time: float
     """Seconds on the machine's clock."""
     world_from_proxy: Floats
-    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test."""
+    """`(4, 4)`: the proxy, free by the exact test."""
     world_from_device: Floats
-    """`(4, 4)`: where the device wants it."""
+    """`(4, 4)`: the pose of the device."""
     force: Floats
     """`(3,)`: on the hand, newtons, world axes."""
     torque: Floats
     """`(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame."""
     age: float
-    """Of the contact planes, seconds."""
+    """Age of the contact planes, seconds."""
     mode: str
     """As `Step.mode`."""
     buttons: int
-    """That are held, a bit each."""
+    """Pressed buttons, a bit each."""
     is_clutched: bool
-    """Whether the clutch is held: the handle moves without the tool."""
+    """Whether the clutch is pressed: the handle moves without the tool."""
     points: Floats
-    """`(k, 3)`: of the planes that hold the proxy, on the mock-up, metres, world."""
+    """`(k, 3)`: points of the planes that hold the proxy, on the mock-up, metres, world."""
     normals: Floats
-    """`(k, 3)`: of the same, unit, from the mock-up to the tool."""
+    """`(k, 3)`: their normals, unit, from the mock-up to the tool."""
     gaps: Floats
-    """`(k,)`: how far the proxy is off them, metres."""
+    """`(k,)`: their distances from the proxy, metres."""
     parts: npt.NDArray[np.uint32]
-    """`(k,)`: what is touched: indices into `mockup.parts`."""
+    """`(k,)`: the touched parts, as indices into `mockup.parts`."""
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """How durations are spread, in seconds, within one per cent."""
+    """The distribution of durations, in seconds, within one per cent."""
 
     count: int
     mean: float
@@ -66,80 +66,80 @@ class Distribution:
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a run took."""
+    """Timings and counts of a run."""
 
     servo_lateness: Distribution
-    """From when a servo tick was due to when it began."""
+    """Delay of servo ticks, from the due time to the start."""
     servo_tick: Distribution
-    """Of a servo tick, in the thread's own time."""
+    """CPU time of a servo tick."""
     age: Distribution
-    """Of the contact planes, at the servo's ticks."""
+    """Age of the contact planes at the servo's ticks."""
     collision_tick: Distribution
-    """Of a search for contacts, with the proxy's motion, in the thread's own time."""
+    """CPU time of a search for contacts, with the proxy's motion."""
     ticks: int
-    """Of the servo."""
+    """Number of servo ticks."""
     misses: int
-    """Servo ticks left out, since the one before was later than a period."""
+    """Servo ticks skipped because the previous one was late by more than a period."""
     doubts: int
-    """Servo ticks without force since something was in doubt."""
+    """Servo ticks without force because the input was doubtful."""
     device_errors: int
     """Reads and writes that the device refused."""
     sets: int
-    """Sets of contact planes handed over."""
+    """Sets of contact planes sent to the servo."""
     rounds: int
-    """Motions that the proxy tried."""
+    """Motions of the proxy that were tried."""
     stopped: int
-    """Of these, stopped by the cast."""
+    """Those stopped by the cast."""
     collision_errors: int
     """Searches for contacts that failed."""
     servo_hz: float
-    """Ticks a second."""
+    """Ticks per second."""
     collision_hz: float
-    """Searches a second. Without news the thread rests, so it could be more: see `collision_tick`."""
+    """Searches per second. Without new input the thread sleeps; `collision_tick` shows how fast it could be."""
 
 
 @dataclass(frozen=True)
 class Granted:
-    """What the system and the device allowed a run."""
+    """What the system and the device granted to a run."""
 
     priority: str
-    """Of the servo thread, or why it has none; empty: it was not asked for."""
+    """Priority of the servo thread, or why it has none; empty if not requested."""
     has_priority: bool
     collision_priority: str
-    """Of the collision thread, below the servo's, or why it has none; empty: it was not asked for."""
+    """Priority of the collision thread, below the servo's, or why it has none; empty if not requested."""
     has_collision_priority: bool
     memory: str
-    """What is locked, or why nothing is; empty: it was not asked for."""
+    """The locked memory, or why none is locked; empty if not requested."""
     is_locked: bool
     coupling: Coupling
     """In use."""
     limitations: tuple[str, ...]
-    """What the device took away of the session's coupling: a sentence a number, with what is left, what was asked for
-    and why."""
+    """Reductions of the session's coupling because of the device: a sentence per value, with the reduced value, the
+    requested one and the reason."""
 
 
 @dataclass(frozen=True)
 class Trace:
-    """Every tick of a while."""
+    """All ticks of a period."""
 
     times: Floats
     """`(n,)`: seconds on the machine's clock."""
     world_from_device: Floats
-    """`(n, 4, 4)`; the last one told, where the device told none."""
+    """`(n, 4, 4)`; the last known one where the device reported none."""
     world_from_proxy: Floats
     """`(n, 4, 4)`."""
     wrenches: Floats
-    """`(n, 6)`: force and torque on the hand, as of a `View`."""
+    """`(n, 6)`: force and torque on the hand, as in `View`."""
     modes: tuple[str, ...]
     has_device: npt.NDArray[np.bool_]
-    """`(n,)`: whether the device told something that can be believed."""
+    """`(n,)`: whether the device reported a valid pose."""
 
     def __len__(self) -> int:
         return len(self.times)
 
 
 class Runs(_core.HapticsSession):
-    """What a session has to run with a device; `Session` is one."""
+    """The part of a session that runs with a device; `Session` derives from it."""
 
     _run: _core.HapticsRun | None = None
     _ended: Statistics | None = None
@@ -159,19 +159,19 @@ class Runs(_core.HapticsSession):
         realtime: bool = True,
     ) -> None:
         """Runs with a device until `stop()`: a servo thread and a collision thread, at the session's `collision_hz`, or
-        as fast as it can.
+        as fast as possible.
 
         - `rate_hz`: of the servo thread.
-        - `scale`: how far the tool moves for a metre of the handle.
-        - `world_from_device`: which way the device's axes point in the world, default as the world's.
-        - `absolute`: the handle's place, by `world_from_device`, is the tool's. Default for a `Mouse`; else the tool
-          stays where it is, with the handle where it is, and follows its motions from there.
+        - `scale`: travel of the tool for a metre of the handle.
+        - `world_from_device`: rotation of the device's axes into the world; default: none.
+        - `absolute`: the handle's pose, by `world_from_device`, is the tool's. Default for a `Mouse`; otherwise the
+          tool starts where it is, whatever the pose of the handle, and follows its motions.
         - `clutch_button`: number of the button (0 is the first) that lets the handle move without the tool.
-        - `realtime`: asks for priority of both threads and locked memory; `granted()` says what came of it.
+        - `realtime`: requests priority for both threads and locked memory; `granted()` reports the outcome.
 
-        The coupling is limited to what the device holds. Steps raise `SessionError` meanwhile; `start`, `grip` and
-        `release` are done between two ticks. Raises `SessionError` before the start and while it runs, `DeviceError`
-        for a device that is in use, `OptionError`.
+        The coupling is limited to values that the device can hold. During the run, `step` raises `SessionError`;
+        `start`, `grip` and `release` take effect between two ticks. Raises `SessionError` before the start and during a
+        run, `DeviceError` for a device in use, `OptionError`.
         """
         if not isinstance(device, Device):
             raise OptionError(f"a session runs with a device of feeler.haptics.devices, not {type(device).__name__}")
@@ -191,14 +191,14 @@ class Runs(_core.HapticsSession):
 
     @property
     def is_running(self) -> bool:
-        """Whether both threads are at work."""
+        """Whether both threads are running."""
         return self._run is not None and self._run.is_running
 
     def stop(self) -> Statistics | None:
-        """Lets go of the force, then ends the threads; the session can be stepped or run again. What the run took.
+        """Releases the force, then ends the threads; the session can be stepped or run again. Returns the statistics.
 
-        A second time, nothing happens, and the same comes back; None where it never ran. Raises `SessionError` where a
-        thread of the run failed, after all has ended.
+        A second call returns the same; None if the session never ran. Raises `SessionError` if a thread of the run
+        failed, after all have ended.
         """
         run = self._run
         if run is None:
@@ -213,13 +213,13 @@ class Runs(_core.HapticsSession):
 
     @property
     def troubles(self) -> list[str]:
-        """After a run: why the device, and the search for contacts, failed the last time, if they did."""
+        """After a run: the last failure of the device, and of the search for contacts, if any."""
         return list(self._why)
 
     def stats(self) -> Statistics:
-        """What the run took up to a tenth of a second ago; after its end, all of it.
+        """The statistics of the run up to a tenth of a second ago; after its end, all of it.
 
-        Raises `SessionError` where there was none.
+        Raises `SessionError` if there was no run.
         """
         if self._run is not None:
             return _statistics(self._run.statistics())
@@ -228,18 +228,18 @@ class Runs(_core.HapticsSession):
         return self._ended
 
     def view(self) -> View:
-        """The newest tick. Waits for nothing. Raises `SessionError` where it does not run."""
+        """The newest tick, without waiting. Raises `SessionError` if the session does not run."""
         facts = self._running().view()
         planes, parts, _ids = facts.pop("held")
         return View(**facts, points=planes[:, :3], normals=planes[:, 3:6], gaps=planes[:, 6], parts=parts)
 
     def trace(self) -> Trace:
-        """Every tick since the last call. There is room for four seconds at 1 kHz: what comes after is not kept."""
+        """All ticks since the last call. The buffer holds four seconds at 1 kHz; later ticks are dropped."""
         times, devices, proxies, wrenches, modes, has_device = self._running().trace()
         return Trace(times, devices, proxies, wrenches, tuple(modes), has_device)
 
     def granted(self) -> Granted:
-        """What system and device allowed."""
+        """What the system and the device granted."""
         run = self._running()
         numbers, limitations = run.coupling()
         servo, collision, memory = (said or (False, "") for said in run.granted())

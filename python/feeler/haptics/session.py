@@ -31,13 +31,13 @@ class Planes:
     normals: Floats
     """`(k, 3)`: unit, from the mock-up to the tool."""
     gaps: Floats
-    """`(k,)`: how far the proxy is off, metres."""
+    """`(k,)`: distance of the proxy, metres."""
     parts: npt.NDArray[np.uint32]
     """`(k,)`: indices into `mockup.parts`."""
     ids: npt.NDArray[np.uint64]
-    """`(k,)`: the same for the same two surfaces from step to step."""
+    """`(k,)`: identify the pair of surfaces, the same from step to step."""
     is_holding: npt.NDArray[np.bool_]
-    """`(k,)`: whether the plane holds the proxy back."""
+    """`(k,)`: whether the plane holds the proxy."""
 
     def __len__(self) -> int:
         return len(self.gaps)
@@ -45,42 +45,42 @@ class Planes:
 
 @dataclass(frozen=True)
 class Step:
-    """What one step gives."""
+    """The result of one step."""
 
     world_from_proxy: Floats
-    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test but for seats, reached by a free motion."""
+    """`(4, 4)`: the proxy; free by the exact test except for seats, and reached by a free motion."""
     force: Floats
     """`(3,)`: on the hand, newtons, world axes."""
     torque: Floats
     """`(3,)`: on the hand, newton metres, world axes, at the origin of the device's frame."""
     planes: Planes
     age: float
-    """Of the contact planes, seconds."""
+    """Age of the contact planes, seconds."""
     mode: str
-    """What holds the proxy: `free`, `contact`, `bound` (the planes are good for no more: it moves on with the next),
-    `doubt` (the force is let go: the pose was not one, or the planes are too old)."""
+    """What holds the proxy: `free`, `contact`, `bound` (it reached the limit of the planes and moves on with the next
+    ones), `doubt` (no force: the pose was invalid, or the planes are too old)."""
 
 
 @dataclass(frozen=True)
 class Seat:
-    """A part of the tool and one of the mock-up that met where a session began."""
+    """A part of the tool and one of the mock-up in contact at the start of a session."""
 
     part: int
     """Index into `mockup.parts`."""
     tool_part: int
     kind: str
-    """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, as parts that are
-    pressed in, or cross by their facets. `sunk`: deeper still, as a bolt in a plate without a hole."""
+    """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, such as press fits
+    and parts that overlap by their facets. `sunk`: deeper still, such as a bolt in a plate without a hole."""
     depth: float
     """Metres."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """How a session began; true unless the tool is sunk in something.
+    """The start of a session; true unless the tool is sunk.
 
-    What the tool meets at the start is a seat: it slides along that, parts from it, and goes no deeper. What is sunk
-    leaves through the place that it fills. All other surfaces are met as ever.
+    Parts in contact at the start are seats: the tool may slide along them and separate, but not move deeper. A sunk
+    part leaves through the space that it fills. All other surfaces collide as usual.
     """
 
     seats: tuple[Seat, ...]
@@ -89,7 +89,7 @@ class Start:
 
     @property
     def is_free(self) -> bool:
-        """Whether the tool meets nothing there."""
+        """Whether the tool has no contact there."""
         return not self.seats
 
     def __bool__(self) -> bool:
@@ -97,21 +97,21 @@ class Start:
 
 
 class Session(Runs):
-    """A tool held by a device: stepped in one thread, deterministic, its clock the `dt` of each step; or run.
+    """A tool held by a device: stepped in one thread, deterministic, with the `dt` of each step as clock; or run.
 
-    - `coupling`: how the hand is held to the tool; default `Coupling()`.
-    - `margin`: what is nearer than this (metres) is a contact.
-    - `skin`: how far the proxy stays off (metres); where the clearance is less than twice that, half of it.
-    - `shading`: the force on the facets of a curved surface has the direction that it has on the smooth surface; False:
-      that of the facet.
-    - `collision_hz`: how often contacts are found, to the nearest step; default: each step.
-    - `put_down`: parts that lie elsewhere than in the mock-up from the beginning, as if the session had put them down:
-      by part (index, path or pattern that names one), a scene of that part alone, where it lies. Each is felt there,
-      can be gripped, and is not where it was.
-    - `seed`: for what is random in a session. Nothing is at present; records keep it.
+    - `coupling`: between the device and the tool; default `Coupling()`.
+    - `margin`: surfaces nearer than this (metres) are contacts.
+    - `skin`: the distance that the proxy keeps (metres); half the clearance if that is less.
+    - `shading`: the force on the facets of a curved surface has the direction of the smooth surface; False: that of the
+      facet.
+    - `collision_hz`: rate of the search for contacts, to the nearest step; default: each step.
+    - `put_down`: parts that lie elsewhere than in the mock-up from the start, as if the session had put them down: a
+      dict from part (index, path or pattern that names one) to a scene of that part alone, at its new place. Each is
+      felt there, can be gripped, and is absent from its old place.
+    - `seed`: reserved for random choices; records keep it. There are none at present.
 
-    Raises `OptionError` for values out of range and parts that are not there, `SessionError` for a part that is put
-    down twice, or as a scene that is not of one part.
+    Raises `OptionError` for values out of range and parts that do not exist, `SessionError` for a part put down twice,
+    or as a scene that is not of one part.
     """
 
     scene: Scene
@@ -159,11 +159,10 @@ class Session(Runs):
         return self
 
     def start(self, world_from_tool: PoseLike) -> Start:
-        """Begins, or begins anew, with the device at this pose `(4, 4)`.
+        """Starts, or restarts, with the device at this pose `(4, 4)`.
 
-        What the tool meets there is a seat, and there is force from the first step on. Where parts lie elsewhere, the
-        way out is out of the one of them, or the mock-up, that the tool is deepest in. Raises `PoseError` for what is
-        no pose.
+        Contacts at that pose are seats, and force acts from the first step on. If parts lie elsewhere, the way out
+        frees the tool from the one body that it is deepest in. Raises `PoseError` for an invalid pose.
         """
         pose = np.array(plain(world_from_tool), dtype=np.float64)
         started = super()._begin(pose) if self._run is None else self._run.begin(pose)
@@ -174,7 +173,7 @@ class Session(Runs):
     def step(self, world_from_device: PoseLike, dt: float = 0.001) -> Step:
         """One step of `dt` seconds (above 0, at most 1) with the device at a pose (`world_from_tool`).
 
-        A pose that is not finite or not rigid, as a device may tell it, gives no force and mode `doubt`. Raises
+        A pose that is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
         `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
         """
         pose = np.array(plain(world_from_device), dtype=np.float64)
@@ -192,9 +191,9 @@ class Session(Runs):
     def grip(self, parts: int | str | Sequence[int | str]) -> None:
         """Takes a part, or several as one: they leave the scene and join the tool, without a jump of force.
 
-        Each is an index, path or pattern that names one part. A part that was put down elsewhere can be taken again.
-        What the tool and its parts meet now is a seat, as at the start. Raises `OptionError` for parts that are not
-        there, none, or one twice, `SessionError` where something is held already.
+        Each is an index, path or pattern that names one part. Parts that were put down elsewhere can be taken again.
+        Contacts of the tool and its parts at this moment are seats, as at the start. Raises `OptionError` for parts
+        that do not exist, none, or one twice, `SessionError` if a part is already held.
         """
         each = [parts] if isinstance(parts, int | str) or not isinstance(parts, Sequence) else parts
         chosen = [_one_part(self.scene, part, "grip") for part in each]
@@ -209,10 +208,10 @@ class Session(Runs):
             self._recorder.grip(chosen)
 
     def release(self, *, put_back: bool = False) -> None:
-        """Lets go of what is held: it stays where it is, parts of the scene again.
+        """Releases the held parts: they stay where they are, as parts of the scene.
 
-        `put_back`: it goes back to its place in the mock-up instead. Raises `SessionError` where nothing is held, or
-        the tool is in a part's place.
+        `put_back`: they return to their place in the mock-up instead. Raises `SessionError` if nothing is held, or the
+        tool occupies a part's place.
         """
         run = self._run
         if put_back:
@@ -225,15 +224,15 @@ class Session(Runs):
 
     @property
     def gripped(self) -> tuple[int, ...]:
-        """The parts that are held, by their indices in `mockup.parts`."""
+        """The held parts, as indices into `mockup.parts`."""
         return tuple(super()._held_parts) if self._run is None else self._held
 
     def set_scene(self, scene: Scene) -> Start:
-        """Puts another scene in the place of the present one; while the session runs, between two ticks.
+        """Replaces the scene; while the session runs, between two ticks.
 
-        What is held or was put down belongs to the old one, and is gone, but for the parts that the session began with
-        (`put_down`): these lie there again. The tool stays where it is: what it meets there is a seat. Raises
-        `OptionError` where a part that lies elsewhere is none of the new mock-up.
+        Parts held or put down belong to the old scene and are gone, except those given as `put_down` at the beginning,
+        which lie there again. The tool stays where it is; its contacts there are seats. Raises `OptionError` if a part
+        that lies elsewhere does not exist in the new mock-up.
         """
         if not isinstance(scene, Scene):
             raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
@@ -244,7 +243,7 @@ class Session(Runs):
         return _start_of(started)
 
     def record(self, path: str | Path) -> Recorder:
-        """Writes what happens from the next start on into a file, for `replay`; `.close()` or `with` ends it."""
+        """Records into a file, from the next start on, for `replay`; `.close()` or `with` ends it."""
         self._recorder = Recorder(
             Path(path), self.scene, self.tool, self.coupling, self._options, self._lying, self._end_of_record
         )
@@ -268,7 +267,7 @@ def _one_part(scene: Scene, part: int | str, where: str) -> int:
 
 
 def _is_rigid(pose: Floats) -> bool:
-    """As the core judges it: within 1e-6."""
+    """The core's test: within 1e-6."""
     if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > 1e100:
         return False
     rotation = pose[:3, :3]

@@ -1,6 +1,6 @@
-"""Mock-ups and tools from what people hold: meshes of trimesh, PyVista and Open3D, lists and dicts of them, URDF.
+"""Mock-ups and tools from objects of other libraries: trimesh, PyVista and Open3D, lists and dicts of them, URDF.
 
-Nothing here imports those libraries: objects are told by the attributes that they have.
+Nothing here imports those libraries: their objects are recognised by attributes.
 """
 
 from feeler.interchange.convert import from_open3d, from_pyvista, from_trimesh

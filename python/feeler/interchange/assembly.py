@@ -1,4 +1,4 @@
-"""Meshes put together, each a part with a path, at their places, in metres."""
+"""Joins meshes, each a part with a path, at their places, in metres."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ Floats = npt.NDArray[np.float64]
 
 
 class Assembly:
-    """Collects meshes; `meshes` is all of them in one."""
+    """Collects meshes; `meshes` joins them."""
 
     def __init__(self, format_name: str, unit: str | None = None) -> None:
-        """`unit`: what a number means in the objects, whatever they state; None: what they state, else the metre."""
+        """`unit`: overrides the unit of the objects; None: the unit that they state, else the metre."""
         self.notes: list[str] = []
         self.files: list[str] = []
         self._format = format_name
@@ -48,9 +48,9 @@ class Assembly:
     ) -> None:
         """Adds a part.
 
-        `path`: names from the top down; `matrix`: assembly_from_mesh, (4, 4), affine, in the object's unit; `unit`:
-        what the object states. Where the matrix mirrors, triangles are turned over, so that what was outside stays
-        outside. Raises `MeshError` for arrays that are no mesh, with the path.
+        `path`: names from the top down; `matrix`: assembly_from_mesh, (4, 4), affine, in the object's unit; `unit`: the
+        object's own. If the matrix mirrors, triangles are reversed, so that the outside stays outside. Raises
+        `MeshError` for arrays that are not a mesh, with the path.
         """
         self.add_parts(path, vertices, faces, 0, [()], matrix=matrix, unit=unit)
 
@@ -65,9 +65,9 @@ class Assembly:
         matrix: npt.ArrayLike | None = None,
         unit: str | None = None,
     ) -> None:
-        """Adds a mesh of parts, the path of each `path` and then its own of `below`; all else as `add`.
+        """Adds a mesh with parts; their paths are `path` followed by their own of `below`. Otherwise as `add`.
 
-        What has no triangle is counted in the notes, and is no part.
+        Parts without triangles are counted in the notes instead.
         """
         where = "/".join(path) or "the mesh"
         points = self._array(where, "vertices", vertices, "fiu").astype(np.float64)
@@ -79,7 +79,7 @@ class Assembly:
             self._silent = True
         else:
             self._stated.add(parse_unit(unit))
-        # An index that names no vertex must not name one of the next mesh.
+        # An index without a vertex must not refer to a vertex of the next mesh.
         outside = (corners < 0) | (corners >= len(points))
         if matrix is not None:
             placed = _affine(where, matrix)
@@ -96,21 +96,21 @@ class Assembly:
             self._paths.append(self._book.claim("/".join(name.replace("/", "_") for name in names[:-1]), names[-1]))
 
     def skip(self, what: str) -> None:
-        """Counts something without triangles, for the report."""
+        """Counts an object without triangles, for the report."""
         self._skipped[what] += 1
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing with a triangle was added."""
+        """Whether no mesh with a triangle was added."""
         return not self._faces
 
     def meshes(self, seconds: float = 0.0) -> Meshes:
-        """All in one, in metres. Raises `MeshError` where there is no triangle, or objects state different units."""
+        """All meshes joined, in metres. Raises `MeshError` if there is no triangle, or if units differ."""
         notes = [*self.notes, *(f"{count:,} {what} without triangles" for what, count in self._skipped.items())]
         if self.is_empty:
             raise MeshError(f"{self._format}: no triangle in it ({'; '.join(notes) or 'no mesh'}): give surfaces")
         unit, source = self._unit()
-        with np.errstate(over="ignore", invalid="ignore"):  # what leaves float64 is counted by the mock-up
+        with np.errstate(over="ignore", invalid="ignore"):  # the mock-up counts values beyond float64
             vertices = np.concatenate(self._vertices) * unit.metres
         return Meshes(
             vertices,

@@ -1,4 +1,4 @@
-"""Which library an object is of, and its meshes."""
+"""Recognises the library of an object, and converts its meshes."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ _LIBRARIES: dict[str, tuple[Callable[[Any], bool], Callable[[Assembly, Any, tupl
 def from_trimesh(mesh: object, unit: str | None = None) -> Mockup:
     """A mock-up from a `trimesh.Trimesh` or `trimesh.Scene`, or a list or dict of such.
 
-    Each geometry of a scene becomes a part at every place where the scene has it, its path the names of the graph's
-    nodes; where a placement mirrors, triangles are turned over. `unit`: what a number means ("mm", "in", ...), whatever
-    the object says; by default its `.units`, and the metre where it has none. `feeler.Tool(mesh)` makes a tool.
+    Each geometry of a scene becomes a part at each of its places, with the names of the graph's nodes as path;
+    triangles are reversed where a placement mirrors. `unit`: the unit of the numbers ("mm", "in", ...), which overrides
+    the object's; by default its `.units`, else the metre. `feeler.Tool(mesh)` makes a tool.
 
-    Raises `MeshError` for another object, and where it has no triangles; `OptionError` for a unit that is not known.
+    Raises `MeshError` for other objects, and for objects without triangles; `OptionError` for an unknown unit.
     """
     return _mockup(mesh, unit, "trimesh")
 
@@ -42,8 +42,8 @@ def from_trimesh(mesh: object, unit: str | None = None) -> Mockup:
 def from_pyvista(mesh: object, unit: str | None = None) -> Mockup:
     """A mock-up from a PyVista `PolyData`, or a `MultiBlock`, whose blocks become parts; or a list or dict of such.
 
-    Polygons and strips are cut into triangles; of a volume (`UnstructuredGrid`, ...) the surface is taken. `unit`: what
-    a number means, by default the metre, since PyVista's data say none. `feeler.Tool(mesh)` makes a tool.
+    Polygons and strips are cut into triangles; volumes (`UnstructuredGrid`, ...) contribute their surface. `unit`: the
+    unit of the numbers, by default the metre, because PyVista stores none. `feeler.Tool(mesh)` makes a tool.
 
     Raises as `from_trimesh`.
     """
@@ -53,7 +53,7 @@ def from_pyvista(mesh: object, unit: str | None = None) -> Mockup:
 def from_open3d(mesh: object, unit: str | None = None) -> Mockup:
     """A mock-up from an Open3D `TriangleMesh`, of either API, or a `TriangleMeshModel`; or a list or dict of such.
 
-    `unit`: what a number means, by default the metre, since Open3D's data say none. `feeler.Tool(mesh)` makes a tool.
+    `unit`: the unit of the numbers, by default the metre, because Open3D stores none. `feeler.Tool(mesh)` makes a tool.
 
     Raises as `from_trimesh`.
     """
@@ -73,7 +73,7 @@ def _mockup(mesh: object, unit: str | None, library: str) -> Mockup:
 
 
 def convert(held: Any, unit: str | None = None, library: str | None = None) -> Meshes:
-    """All meshes of an object, in metres. `library`: refuses what is not of that one."""
+    """All meshes of an object, in metres. `library`: refuses objects of others."""
     started = time.perf_counter()
     assembly = Assembly(_describe(held), unit)
     _add(assembly, held, (), library, 0)
@@ -118,7 +118,7 @@ def _file_hint(held: Any) -> str:
 
 
 def _add_ours(assembly: Assembly, mesh: _core.Mockup | _core.Tool, path: tuple[str, ...]) -> None:
-    """A mock-up or tool with its parts; a tool of one is a part itself."""
+    """A mock-up or tool with its parts; a tool with one part is a part itself."""
     faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)
     paths = getattr(mesh, "part_paths", None)
     if paths is None or (isinstance(mesh, _core.Tool) and mesh.part_count == 1):

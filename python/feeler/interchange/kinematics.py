@@ -1,4 +1,4 @@
-"""Where the links of a robot are, for given values of its joints."""
+"""Places the links of a robot for given joint values."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def link_poses(
 ) -> tuple[dict[str, Floats], list[str]]:
     """root_from_link of each link, (4, 4), metres, and notes.
 
-    A joint without a value has its neutral one: 0, or the limit next to 0 where 0 is beyond it. Joints that mimic
-    others follow them. Raises `OptionError` for names and values that cannot be, `LoadError` for what is no tree.
+    A joint without a value has its neutral one: 0, or the limit nearest to 0. Mimicking joints follow. Raises
+    `OptionError` for unknown names and invalid values, `LoadError` if the joints do not form a tree.
     """
     by_name = {joint.name: joint for joint in joints}
     if len(by_name) != len(joints):
@@ -55,7 +55,7 @@ def _checked(values: Mapping[str, Any] | None, by_name: Mapping[str, Joint]) -> 
 
 
 def _value(by_name: Mapping[str, Joint], name: str, given: Mapping[str, float], notes: list[str], where: str) -> float:
-    """Of one joint; through those that it mimics."""
+    """The value of one joint, also if it mimics others."""
     factor, offset, seen = 1.0, 0.0, {name}
     joint = by_name[name]
     while joint.mimic is not None:

@@ -1,4 +1,4 @@
-"""Triangle meshes of Open3D: of its first API, of its tensors, and models of several meshes."""
+"""Triangle meshes of Open3D: legacy, tensor-based, and models of several meshes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def is_ours(held: Any) -> bool:
 
 
 def add(assembly: Assembly, held: Any, path: tuple[str, ...]) -> None:
-    """Adds a mesh, or each of a model's."""
+    """Adds a mesh, or each mesh of a model."""
     if _is_model(held):
         for info in held.meshes:
             add(assembly, info.mesh, (*path, str(info.mesh_name) or "part"))

@@ -17,12 +17,12 @@ _MAX_DEPTH = 50
 
 
 def is_ours(held: Any) -> bool:
-    """Whether it is a data set or blocks of them."""
+    """Whether it is a data set, or blocks of them."""
     return _is_blocks(held) or (hasattr(held, "points") and (_has_faces(held) or hasattr(held, "extract_surface")))
 
 
 def hint(held: Any) -> str | None:
-    """What to say of an object of VTK itself."""
+    """The error for an object of VTK itself."""
     return " (first: pyvista.wrap(it))" if hasattr(held, "GetNumberOfPoints") and not is_ours(held) else None
 
 
@@ -43,7 +43,7 @@ def add(assembly: Assembly, held: Any, path: tuple[str, ...], depth: int = 0) ->
         return
     if not _has_faces(held):
         assembly.notes.append(f"{'/'.join(path) or type(held).__name__}: the surface of a {type(held).__name__}")
-        # Newer versions want to be told which of two ways to take, and warn else.
+        # Newer versions warn unless one of two modes is chosen.
         ways = inspect.signature(held.extract_surface).parameters
         held = held.extract_surface(**({"algorithm": "dataset_surface"} if "algorithm" in ways else {}))
     points = np.asarray(held.points)
@@ -73,7 +73,7 @@ def _padded(held: Any, what: str) -> Ints:
 
 
 def _split(padded: Ints, where: str) -> tuple[Ints, Ints]:
-    """Corners one after the other, and how many belong to each cell, of cells that each begin with their number."""
+    """Splits cells that each begin with their size: all corners in a row, and the sizes."""
     sizes = []
     at = 0
     while at < len(padded):
@@ -90,7 +90,7 @@ def _split(padded: Ints, where: str) -> tuple[Ints, Ints]:
 
 
 def _polygons(padded: Ints, points: npt.NDArray[np.float64], where: str) -> tuple[Ints, list[str]]:
-    # Nearly always all are triangles.
+    # Usually all cells are triangles.
     if len(padded) % 4 == 0 and (padded[::4] == 3).all():
         return padded.reshape(-1, 4)[:, 1:], []
     corners, sizes = _split(padded, where)
@@ -110,6 +110,6 @@ def _strips(padded: Ints, where: str) -> Ints:
         at += size
         if size >= 3:
             each = np.stack([strip[:-2], strip[1:-1], strip[2:]], axis=1)
-            each[1::2] = each[1::2, [1, 0, 2]]  # every second one is the other way round
+            each[1::2] = each[1::2, [1, 0, 2]]  # every second one is reversed
             triangles.append(each)
     return np.concatenate(triangles) if triangles else np.empty((0, 3), dtype=np.int64)

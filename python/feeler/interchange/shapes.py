@@ -1,4 +1,4 @@
-"""Boxes, cylinders and spheres as triangles, their middles at the origin; triangles face outwards."""
+"""Boxes, cylinders and spheres as triangles, centred on the origin, faces outwards."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ Mesh = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
 
 LEAST_SEGMENTS = 12
 MOST_SEGMENTS = 256
-"""Around a cylinder or sphere: 65,000 triangles of a sphere. Larger ones deviate by more than was asked for."""
+"""Most segments around a cylinder or sphere: 65,000 triangles of a sphere. Larger ones exceed the given tolerance."""
 
 
 def box(size: npt.ArrayLike) -> Mesh:
-    """With sides of these lengths, (3,)."""
+    """A box with sides of these lengths, (3,)."""
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
     faces += [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
@@ -23,7 +23,7 @@ def box(size: npt.ArrayLike) -> Mesh:
 
 
 def cylinder(radius: float, length: float, tolerance: float) -> Mesh:
-    """Along z. Its corners are on the round one, its triangles within `tolerance` inside of it."""
+    """A cylinder along z, with corners on the surface and triangles within `tolerance` inside it."""
     n = segments(radius, tolerance)
     ring = _ring(n) * radius
     ends = [np.column_stack([ring, np.full(n, z)]) for z in (-0.5 * length, 0.5 * length)]
@@ -36,13 +36,13 @@ def cylinder(radius: float, length: float, tolerance: float) -> Mesh:
 
 
 def sphere(radius: float, tolerance: float) -> Mesh:
-    """Its corners are on the round one, its triangles within `tolerance` inside of it."""
+    """A sphere, with corners on the surface and triangles within `tolerance` inside it."""
     return capsule(radius, 0.0, tolerance)
 
 
 def capsule(radius: float, length: float, tolerance: float) -> Mesh:
-    """Along z: a cylinder of this length between two half spheres, a sphere where it is 0. Its corners are on the round
-    one, its triangles within `tolerance` inside of it."""
+    """A capsule along z: a cylinder of this length between two half spheres, or a sphere if it is 0. Its corners are on
+    the surface, its triangles within `tolerance` inside it."""
     n = segments(radius, 0.5 * tolerance)  # half as much around, half from pole to pole
     rows = n // 2  # from pole to pole, as fine as around
     if length > 0.0:
@@ -70,7 +70,7 @@ def capsule(radius: float, length: float, tolerance: float) -> Mesh:
 
 
 def segments(radius: float, tolerance: float) -> int:
-    """How many straight pieces, an even number, are around a circle so that each is within `tolerance` of it."""
+    """The number of segments, even, around a circle so that each is within `tolerance` of it."""
     half = math.acos(max(1.0 - tolerance / radius, 0.0)) if tolerance < radius else math.pi
     n = math.ceil(math.pi / half) if half > 0 else MOST_SEGMENTS
     return min(max(n + n % 2, LEAST_SEGMENTS), MOST_SEGMENTS)

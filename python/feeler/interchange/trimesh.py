@@ -13,7 +13,7 @@ def is_ours(held: Any) -> bool:
 
 
 def hint(held: Any) -> str | None:
-    """What to say of an object of trimesh that is no mesh."""
+    """The error for an object of trimesh that is not a mesh."""
     if hasattr(held, "vertices") and not hasattr(held, "triangles"):
         return " (it has vertices and no faces: points or curves)"
     return None
@@ -52,7 +52,7 @@ def _is_scene(held: Any) -> bool:
 
 
 def _ancestors(node: Any, parents: Any, base: Any) -> list[str]:
-    """The names of a node and of those above it, from the top down, without the world's."""
+    """The names of a node and its ancestors, from the top down, without the world's."""
     names: list[str] = []
     seen = set()
     while node is not None and node != base and node not in seen:

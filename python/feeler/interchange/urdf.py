@@ -1,4 +1,4 @@
-"""Robots from URDF: the geometry of their links, where the joints put it."""
+"""Robots from URDF: the geometry of their links, placed by the joints."""
 
 from __future__ import annotations
 
@@ -35,23 +35,24 @@ def from_urdf(
     package_dirs: Iterable[PathLike] | Mapping[str, PathLike] = (),
     chord_tolerance: float = DEFAULT_CHORD_TOLERANCE,
 ) -> Mockup:
-    """A robot as a mock-up: each geometry of each link a part, `link/geometry`, where the joints put it, metres.
+    """A robot as a mock-up: each geometry of each link is a part, `link/geometry`, placed by the joints, metres.
 
-    path             a URDF file; of xacro, what `xacro` makes of it.
-    joints           joint name -> value, radians or metres. Others are at 0, or at the limit next to it where 0 is
-                     beyond their limits; mimicking joints follow; floating and planar ones stay at their origins. A
-                     value beyond the limits is taken, and noted.
+    path             a URDF file; run xacro files through `xacro` first.
+    joints           joint name -> value, radians or metres. Others are at 0, or at the limit nearest to 0; mimicking
+                     joints follow; floating and planar ones stay at their origins. A value beyond the limits is used,
+                     and noted.
     geometry         "collision" or "visual": which geometry of the links.
-    package_dirs     where packages are, for `package://NAME/...`: folders that contain them (or are them), or a dict
-                     of names and folders. Sought after those: beside the file and in the folders above it.
-    chord_tolerance  metres: how far the triangles of a cylinder, sphere or capsule may be inside of the round one.
+    package_dirs     folders for `package://NAME/...`: folders that contain the packages (or are them), or a dict of
+                     names and folders. Searched next: beside the file and in the folders above it.
+    chord_tolerance  metres: the largest chordal error of cylinders, spheres and capsules.
 
-    The frame is that of the root link. Mesh files are read by `load_mockup` (a number in STL, OBJ, PLY and OFF is a
-    metre there, in others what the file states), times their `scale`; one that mirrors turns triangles over.
+    The frame is that of the root link. `load_mockup` reads mesh files (in STL, OBJ, PLY and OFF the unit is the metre,
+    in others the file's), and their `scale` is applied; triangles are reversed if it mirrors.
+    `feeler.Tool(feeler.from_urdf(...))` makes a tool. The report's notes list everything unusual.
     `feeler.Tool(feeler.from_urdf(...))` makes a tool. The report's notes say what was met.
 
-    Raises `LoadError` for a file that is no URDF or has no such geometry;
-    `MissingFileError` for it, or a mesh file, that is not there; `OptionError` for the options.
+    Raises `LoadError` for a file that is not a URDF or has no such geometry; `MissingFileError` if it, or a mesh file,
+    does not exist; `OptionError` for the options.
     """
     started = time.perf_counter()
     if geometry not in ("collision", "visual"):
@@ -107,7 +108,7 @@ def _add_mesh(assembly: Assembly, link: str, shape: Geometry, placed: Floats, fi
         loaded = load_mockup(file, unit)
     except FeelerError as error:
         raise type(error)(f"{where}: {error}") from error
-    # The file heads the paths of its parts; here the link and the geometry do.
+    # Usually paths start with the file; here they start with the link and the geometry.
     below = [tuple(path.split("/"))[1:] for path in loaded.part_paths] if loaded.part_count > 1 else [()]
     matrix = placed @ np.diag([*shape.scale, 1.0])
     path = (link, shape.name or file.stem)
@@ -118,7 +119,7 @@ def _add_mesh(assembly: Assembly, link: str, shape: Geometry, placed: Floats, fi
 
 
 class _Finder:
-    """Finds the mesh files that a URDF names."""
+    """Finds the mesh files of a URDF."""
 
     def __init__(self, file: Path, package_dirs: Iterable[PathLike] | Mapping[str, PathLike]) -> None:
         self._folder = file.parent
@@ -133,7 +134,7 @@ class _Finder:
             self._folders = [Path(folder) for folder in package_dirs]
 
     def find(self, name: str, where: str) -> Path:
-        """The file; raises `MissingFileError` with the places where it was sought."""
+        """The file; raises `MissingFileError` with the places that were searched."""
         places = self._places(name, where)
         for place in places:
             if place.is_file():

@@ -1,4 +1,4 @@
-"""URDF as it is written: links with their geometry, joints with their limits. Nothing is placed or loaded here."""
+"""Reads URDF: links with their geometry, joints with their limits. Nothing is placed or loaded here."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 Element = ElementTree.Element
 
 SIZES = {"box": ("size", 3), "cylinder": ("radius length", 2), "sphere": ("radius", 1), "capsule": ("radius length", 2)}
-"""Shapes: the attributes that have their sizes, and how many numbers that is."""
+"""Shapes: the attributes of their sizes, and the number of values of each."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint follows another: its value is `multiplier` times the other's, and `offset`."""
+    """A joint that follows another: its value is `multiplier` times the other's, plus `offset`."""
 
     joint: str
     multiplier: float
@@ -52,7 +52,7 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """How a link hangs on another. `lower`, `upper`: radians or metres, infinite where there are no limits."""
+    """The connection of a link to its parent. `lower`, `upper`: radians or metres, infinite without limits."""
 
     name: str
     kind: str
@@ -71,7 +71,7 @@ KINDS = (*MOVES, "fixed", "floating", "planar")
 
 
 def read_urdf(file: Path) -> tuple[list[Link], list[Joint]]:
-    """The links and joints, in the file's order. Raises `LoadError` for what is no URDF, with the link or joint."""
+    """The links and joints, in the file's order. Raises `LoadError`, with the link or joint, for an invalid URDF."""
     root = _root(file)
     links = []
     for i, element in enumerate(root.findall("link")):
@@ -96,7 +96,7 @@ def _root(file: Path) -> Element:
         builder.start(tag, attributes)
 
     def doctype(*_: object) -> None:
-        # Declares entities, by which a few lines can grow beyond all memory, or name other files.
+        # Declares entities: a few lines could exceed all memory, or refer to other files.
         raise LoadError(f"{file}: it declares a document type, which URDF does not need; remove it")
 
     parser = expat.ParserCreate()
@@ -158,7 +158,7 @@ def _joint(element: Element, where: str, file: Path) -> Joint:
         raise LoadError(f"{where}: its axis is {text!r}: three numbers, not all 0, are needed")
     lower, upper = -math.inf, math.inf
     if limit is not None and kind in MOVES and kind != "continuous":
-        # Limits that are not written are 0; both 0, as exporters write for none, would hold the joint still.
+        # Missing limits read as 0; both 0, as exporters write for none, would lock the joint.
         low, high = (_numbers(limit.get(end, "0"), (1,), f"{where}: its limit")[0] for end in ("lower", "upper"))
         if low != high:
             lower, upper = min(low, high), max(low, high)
@@ -191,7 +191,7 @@ def _name(element: Element, where: str) -> str:
 
 
 def _origin(element: Element | None, where: str) -> Floats:
-    """Turned about fixed x, then y, then z, and moved."""
+    """Rotated about fixed x, then y, then z, and translated."""
     matrix = np.eye(4)
     if element is None:
         return matrix

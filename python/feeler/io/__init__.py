@@ -1,12 +1,11 @@
-"""Files: mock-ups and tools out of STL, OBJ, PLY, OFF, glTF/GLB, 3MF, STEP, COLLADA; GLB, STL and CSV into
-files.
+"""Files: mock-ups and tools from STL, OBJ, PLY, OFF, glTF/GLB, 3MF, STEP and COLLADA; GLB, STL and CSV output.
 
-    find files -> tell the format -> read (plain arrays, names, notes) -> metres -> Mockup
+    find files -> detect the format -> read (plain arrays, names, notes) -> metres -> Mockup
     Mockup, Tool -> Body (triangles with parts and colours) -> GLB, STL
 
-Each format has a reader of its own that keeps the file's triangle order, its part names and whatever is wrong with it,
-and checks every count against the size of the file before it believes it. General mesh libraries reorder, merge or
-drop, which a tool that must find every contact cannot have. STEP is triangulated by OpenCASCADE.
+Each format has its own reader. It keeps the file's triangle order and part names, reports its defects, and checks every
+count against the size of the file before using it. General mesh libraries reorder, merge or drop triangles, which is
+not acceptable where every contact counts. OpenCASCADE triangulates STEP.
 """
 
 from feeler.errors import WriteError

@@ -1,7 +1,7 @@
 """Run by `step.py` in a process of its own: python _step_worker.py IN OUT LINEAR ANGULAR MEMORY.
 
-The converter is native code. A crash, a hang or a runaway allocation in it must not take the caller down, so it happens
-here. Exit status 0 and a GLB file is success; 3 means that cascadio is not installed.
+The converter is native code. It runs in this process so that a crash, a hang or a runaway allocation does not affect
+the caller. Exit status 0 and a GLB file is success; 3 means that cascadio is not installed.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ def main() -> int:
 
         resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    # cascadio would import trimesh if it is there, a quarter of a second for nothing we use.
+    # cascadio would import trimesh if it is installed, a quarter of a second for nothing we use.
     sys.modules["trimesh"] = None  # type: ignore[assignment]
     try:
         import cascadio

@@ -1,4 +1,4 @@
-"""Writing a file as a whole or not at all."""
+"""Writes a file completely or not at all."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Readers see the old file or the new one, never half of one. Raises `WriteError`.
     """
     target = check_target(path)
-    # In the same folder, because a rename across disks is no single step.
+    # In the same folder, because a rename across disks is not atomic.
     temporary = target.with_name(f".{target.name[:64]}.{secrets.token_hex(6)}.part")
     try:
         with open(temporary, "xb") as file:

@@ -1,4 +1,4 @@
-"""Which axis is up: turning meshes so that all have the same, and what to tell where they do not."""
+"""The up axis: turns meshes to a common one, and reports inconsistent axes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def parse_axis(up: object) -> Axis | None:
 
 
 def turn(vertices: NDArray[np.float64], axis: Axis, wanted: Axis) -> NDArray[np.float64]:
-    """Return vertices (n, 3) turned so that what was up along `axis` is up along `wanted`.
+    """Return vertices (n, 3) turned so that the direction up along `axis` becomes `wanted`.
 
     Exact: coordinates change places and signs. From "y" to "z": `(x, y, z)` becomes `(x, -z, y)`.
     """
@@ -40,13 +40,13 @@ def turn(vertices: NDArray[np.float64], axis: Axis, wanted: Axis) -> NDArray[np.
 
 
 def align(raw: RawMesh, wanted: Axis | None) -> None:
-    """Turn a mesh in place if its up axis is known and not the one wanted. `raw.up` stays what the file has."""
+    """Turn a mesh in place if its up axis is known and not the wanted one. `raw.up` keeps the file's axis."""
     if wanted is not None and raw.up is not None and raw.up != wanted:
         raw.vertices = turn(raw.vertices, raw.up, wanted)
 
 
 def common_axis(found: list[tuple[str, Axis | None]], wanted: Axis | None) -> Axis | None:
-    """Return the up axis of files loaded together, given as (name, own axis): None if unknown or not one."""
+    """Return the common up axis of files, given as (name, own axis): None if it is unknown or differs."""
     known = {axis for _, axis in found if axis is not None}
     if wanted is not None:
         return wanted if known else None
@@ -54,7 +54,7 @@ def common_axis(found: list[tuple[str, Axis | None]], wanted: Axis | None) -> Ax
 
 
 def describe(found: list[tuple[str, Axis | None]], wanted: Axis | None) -> tuple[list[str], list[str]]:
-    """Return what to tell of the up axes of files, given as (name, own axis): (what is in doubt, what was done)."""
+    """Return notes on the up axes of files, given as (name, own axis): (doubts, turns made)."""
     by_axis: dict[Axis | None, list[str]] = {}
     for name, axis in found:
         by_axis.setdefault(axis, []).append(name)
@@ -74,6 +74,6 @@ def describe(found: list[tuple[str, Axis | None]], wanted: Axis | None) -> tuple
 
 
 def listed(names: list[str]) -> str:
-    """Return the first names, and how many more there are."""
+    """Return the first names, and the number of others."""
     more = len(names) - _NAMES_SHOWN
     return ", ".join(names[:_NAMES_SHOWN]) + (f" and {more:,} more" if more > 0 else "")

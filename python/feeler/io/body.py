@@ -40,7 +40,7 @@ _MATERIALS: tuple[Colour, ...] = (
 
 @dataclass(frozen=True)
 class Body:
-    """Triangles to show, in world coordinates.
+    """Triangles to draw or write, in world coordinates.
 
     vertices: (n, 3) float64, metres. faces: (m, 3) integers. part_of_face: (m,) integers into `paths`.
     paths: "assembly/sub/part" of each part. palette: (k, 3) sRGB colours, 0 to 1.
@@ -57,14 +57,14 @@ class Body:
 
     @property
     def points(self) -> FloatArray:
-        """The vertices that triangles use, (k, 3) metres, world."""
+        """The used vertices, (k, 3) metres, world."""
         mark = np.zeros(len(self.vertices), dtype=bool)
         mark[self.faces] = True
         return self.vertices[mark]
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner, (2, 3) metres, over the vertices that triangles use."""
+        """Lower and upper corner of the used vertices, (2, 3) metres."""
         used = self.points
         return np.stack([used.min(axis=0), used.max(axis=0)])
 
@@ -93,7 +93,7 @@ def body_of(
     colours: None (the mesh's own `part_colours`, else one per assembly), one (3,) sRGB colour, or (parts, 3), one per
     part.
     pose: world_from_mesh, (4, 4), metres; None leaves the mesh where it is.
-    Raises `MeshError` where a face names a vertex that does not exist.
+    Raises `MeshError` if a face refers to a vertex that does not exist.
     """
     if isinstance(mesh, Body):
         return mesh
@@ -126,7 +126,7 @@ class Mark:
 
 
 def with_marks(body: Body, marks: Sequence[Mark]) -> Body:
-    """`body` with marked triangles; where marks overlap the last one counts."""
+    """`body` with marked triangles; of overlapping marks, the last one counts."""
     colour_of_face = np.array(body.colour_of_face, dtype=np.int64)
     for number, mark in enumerate(marks):
         colour_of_face[mark.faces] = len(body.palette) + number
@@ -152,7 +152,7 @@ def only_faces(body: Body, keep: npt.NDArray[np.bool_]) -> Body:
 def _drawable(
     vertices: FloatArray, faces: npt.NDArray[Any], part_of_face: npt.NDArray[Any]
 ) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-    """Triangles that queries leave out for a bad corner collapse to a point: they keep their number."""
+    """Collapses triangles with a bad corner, which queries skip, to a point, so that they keep their number."""
     if len(faces) == 0:
         return faces, part_of_face
     bad = np.zeros(len(faces), dtype=bool)
@@ -170,9 +170,9 @@ def _drawable(
 
 
 def stated_colours(mesh: Any, parts: int) -> FloatArray | None:
-    """The `part_colours` of a mesh, `(parts, 3)`, cut to 0 to 1; a row of NaN: that part has none. None: none has one.
+    """The `part_colours` of a mesh, `(parts, 3)`, clipped to 0 to 1; NaN in a row: no colour. None: no part has one.
 
-    Raises `OptionError` for what is no such array.
+    Raises `OptionError` for other values.
     """
     own = getattr(mesh, "part_colours", None)
     if own is None:

@@ -1,8 +1,8 @@
 """COLLADA (.dae, .zae) 1.4 and 1.5: the visual scene as parts, with the file's unit.
 
-Only geometry is read: materials, lights and cameras do not move a vertex, and nothing wrong in them refuses a file. One
-part for every placed geometry. Axes stay as in the file; `RawMesh.up` says which is up. A vertex goes through the node
-transforms as `feeler.io.placing` says; a part that is mirrored has its faces turned.
+Only geometry is read: materials, lights and cameras do not move a vertex, and errors in them do not reject a file. Each
+placed geometry is a part. Axes stay as in the file; `RawMesh.up` is the up axis. Vertices are transformed as described
+in `feeler.io.placing`; mirrored parts get their faces turned.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def read_collada(path: Path, progress: Progress | None = None) -> RawMesh:
 
 
 class _Open(NamedTuple):
-    """A node that is still to be visited."""
+    """A node still to be visited."""
 
     node: Element
     above: str
@@ -46,7 +46,7 @@ class _Open(NamedTuple):
 
 
 class _Use(NamedTuple):
-    """A geometry or controller that is to be placed."""
+    """A geometry or controller to be placed."""
 
     element: Element
     world: Matrix
@@ -132,7 +132,7 @@ class _Reader:
         return found, _UP[word]
 
     def _roots(self) -> list[Element]:
-        """Return the nodes of the visual scene, or what stands in for it."""
+        """Return the nodes of the visual scene, or of its substitute."""
         root = self.document.root
         scene = root.first("scene")
         instance = scene.first("instance_visual_scene") if scene else None
@@ -156,7 +156,7 @@ class _Reader:
         return []
 
     def _walk(self, roots: list[Element]) -> None:
-        """Visit every node, without recursion. Nodes may be shared: a small file can stand for an astronomic scene."""
+        """Visit every node, without recursion. Nodes may be shared: a small file can describe an enormous scene."""
         document = self.document
         stack = [_Open(node, "", IDENTITY, 0, frozenset()) for node in reversed(roots)]
         visits = 0
@@ -218,7 +218,7 @@ class _Reader:
         self.paths.append(self.book.claim(use.above, name))
 
     def _check_looks(self) -> None:
-        """Note what is wrong in colours, lights and cameras. It moves no vertex."""
+        """Note errors in colours, lights and cameras, which move no vertex."""
         for library in self.document.root.all(*_LOOKS):
             for item in library.children:
                 inner = item.first("optics") if item.tag == "camera" else item

@@ -1,7 +1,7 @@
 """The document side of COLLADA 1.4 and 1.5: XML, references, numbers and sources.
 
-An XML reader of our own on expat: it refuses document type declarations (entity bombs), and names of elements lose
-their namespace, so that both versions and files without any read the same.
+Our own XML reader on expat. It refuses document type declarations (entity bombs), and drops namespaces of element
+names, so that both versions, and files without a namespace, read the same.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Document:
         return LoadError(f"{self.path}{line}: {what}; export the file again")
 
     def find(self, reference: str | None, *tags: str) -> Element | None:
-        """Return the element of one of these names that "#id" leads to, or None: it is elsewhere, or nowhere."""
+        """Return the element with one of these names at "#id", or None if it is elsewhere or missing."""
         if not reference:
             return None
         found = self._by_id.get(reference.removeprefix("#"))
@@ -86,7 +86,7 @@ class Document:
         return found if found is not None and found.tag in tags else None
 
     def floats(self, element: Element, count: int | None = None) -> NDArray[np.float64]:
-        """Return the numbers in an element; raise if one is no number, or if there are not `count` of them."""
+        """Return the numbers in an element; raise for other text, or if there are not `count` of them."""
         text = element.text
         if "#" in text:
             text = _MICROSOFT.sub("nan", text)
@@ -104,7 +104,7 @@ class Document:
         return values.astype(np.int64, copy=False)
 
     def natural(self, element: Element, name: str, default: int | None = None) -> int:
-        """Return an attribute that is a whole number from 0 on."""
+        """Return an attribute as a whole number from 0 on."""
         value = element.attributes.get(name)
         if value is None and default is not None:
             return default
@@ -117,7 +117,7 @@ class Document:
         return number
 
     def points(self, source: Element) -> NDArray[np.float64]:
-        """Return the positions (n, 3) of a <source>. One of two columns lies at z = 0."""
+        """Return the positions (n, 3) of a <source>; positions with two columns get z = 0."""
         technique = source.first("technique_common")
         accessor = technique.first("accessor") if technique else None
         if accessor is None:
@@ -133,7 +133,7 @@ class Document:
         count, stride = self.natural(accessor, "count"), self.natural(accessor, "stride", 1)
         offset = self.natural(accessor, "offset", 0)
         params = accessor.all("param")
-        # A param without a name is a value to pass over; where none has one, the first three count.
+        # A param without a name is to be skipped; if none has a name, the first three count.
         columns = [at for at, param in enumerate(params) if param.attributes.get("name")] or list(range(stride))
         columns = columns[:3]
         if len(columns) < 2 or columns[-1] >= stride:
@@ -191,11 +191,11 @@ class Document:
 
 
 def _numbers(text: str, kind: type[np.generic]) -> NDArray[np.generic] | None:
-    """Return the numbers in a text, or None if something in it is no number."""
+    """Return the numbers in a text, or None for other text."""
     if not text.strip():
         return np.empty(0, dtype=kind)
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # NumPy before 2.3 warns and returns what came before
+        warnings.simplefilter("error")  # NumPy before 2.3 warns and returns the numbers before the error
         try:
             values: NDArray[np.generic] = np.fromstring(text, dtype=kind, sep=" ")
         except (ValueError, DeprecationWarning, OverflowError):
@@ -204,7 +204,7 @@ def _numbers(text: str, kind: type[np.generic]) -> NDArray[np.generic] | None:
 
 
 def _unzipped(path: Path) -> bytes:
-    """Return the document in a .zae: the one that its manifest names, or else its only .dae."""
+    """Return the document in a .zae: the one in its manifest, or else its only .dae."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = archive.namelist()

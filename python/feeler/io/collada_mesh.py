@@ -25,7 +25,7 @@ class Mesh(NamedTuple):
 
 
 class MeshReader:
-    """Reads geometries on demand, each once, and counts what in them is no triangle."""
+    """Reads geometries on demand, each once, and counts primitives without triangles."""
 
     def __init__(self, document: Document, tally: Tally) -> None:
         self.document = document
@@ -80,7 +80,7 @@ class MeshReader:
         return Mesh(np.concatenate(vertices), np.concatenate(faces))
 
     def _positions(self, mesh: Element | None, primitive: Element) -> tuple[Element, int, int]:
-        """Return (source of the positions, which index of each corner it is, indices of each corner)."""
+        """Return (source of the positions, their offset within a corner's indices, indices of each corner)."""
         document = self.document
         inputs = primitive.all("input")
         stride = 1 + max((document.natural(entry, "offset", 0) for entry in inputs), default=0)
@@ -100,7 +100,7 @@ class MeshReader:
     def _polygons(
         self, primitive: Element, offset: int, stride: int, points: NDArray[np.float64], name: str
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return the polygons of a primitive: the corners of all in a row, and how many each has."""
+        """Return the polygons of a primitive: all corners in a row, and the number of corners of each."""
         lists = [self._corners(p, offset, stride, name) for p in primitive.all("p")]
         if primitive.tag == "polylist":
             count = primitive.first("vcount")
@@ -157,7 +157,7 @@ def _row(lists: list[NDArray[np.int64]]) -> NDArray[np.int64]:
 
 
 def _strip(corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the triangles of a strip, three corners each; every second one is turned, to keep its side."""
+    """Return the triangles of a strip, three corners each; every second one is reversed to keep its side."""
     if len(corners) < 3:
         return np.empty(0, dtype=np.int64)
     triangles = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)

@@ -91,7 +91,7 @@ def _skew(numbers: Numbers) -> Matrix:
 
 
 def _cosine_sine(degrees: float) -> tuple[float, float]:
-    """Return cosine and sine; exact for quarter turns, as files are full of them."""
+    """Return cosine and sine; exact for quarter turns, which are common in files."""
     if math.isfinite(degrees) and degrees % 90 == 0:
         quarter = int(degrees % 360) // 90
         return (1.0, 0.0, -1.0, 0.0)[quarter], (0.0, 1.0, 0.0, -1.0)[quarter]

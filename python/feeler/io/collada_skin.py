@@ -1,4 +1,4 @@
-"""Controllers of COLLADA at rest: morphs with the weights of the file, skins by their joints as the scene has them."""
+"""Controllers of COLLADA at rest: morphs with the file's weights, skins with the joints of the scene."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _EMPTY = Mesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.uint32))
 
 
 class Controllers:
-    """Reads what controllers make of their geometry. `worlds` has the transform of each node, by the element's id()."""
+    """Applies controllers to their geometry. `worlds` has the transform of each node, by the element's id()."""
 
     def __init__(self, document: Document, meshes: MeshReader, worlds: dict[int, Matrix], tally: Tally) -> None:
         self.document = document
@@ -29,7 +29,7 @@ class Controllers:
         self.tally = tally
 
     def read(self, controller: Element, skeletons: tuple[str, ...], world: Matrix) -> tuple[Mesh, Matrix]:
-        """Return (mesh, where it is placed): by the node it hangs on, or where its joints put it."""
+        """Return (mesh, its placement): by its node, or by its joints."""
         name = name_of(controller, "controller")
         skin = controller.first("skin")
         if skin is None:
@@ -49,7 +49,7 @@ class Controllers:
         joint, weight = carried
         if joint.size and int(joint.max()) >= len(matrices):
             raise self.document.fail(f"the skin {name!r} names joint {int(joint.max())} of {len(matrices)}", skin)
-        # Joint -1 is the bind shape itself; it takes the last place, which -1 means to NumPy too.
+        # Joint -1 is the bind shape itself; it is stored last, which is index -1 in NumPy too.
         placed, mirrored = skinned(points, joint, weight, np.concatenate([matrices, IDENTITY[None]]))
         first = mesh.faces[:, 0]
         flip = np.zeros(len(mesh.faces), dtype=bool)
@@ -57,7 +57,7 @@ class Controllers:
         return Mesh(placed, np.where(flip[:, None], turned(mesh.faces), mesh.faces)), IDENTITY
 
     def _source(self, above: Element, name: str, depth: int) -> Mesh:
-        """Return the mesh that a skin or morph names: a geometry, or what another controller makes of one."""
+        """Return the mesh that a skin or morph refers to: a geometry, or the result of another controller."""
         source = self.document.find(above.attributes.get("source"), "geometry", "controller")
         if source is None:
             self.tally.add("controllers have no geometry in the file and were left out", name)
@@ -69,7 +69,7 @@ class Controllers:
         return self._morphed(source, name, depth + 1)
 
     def _morphed(self, controller: Element, name: str, depth: int) -> Mesh:
-        """Return a mesh with the weights of a morph; a skin below another controller is taken without its joints."""
+        """Return a mesh with the weights of a morph; a skin below another controller is used without its joints."""
         morph = controller.first("morph")
         if morph is None:
             skin = controller.first("skin")
@@ -82,7 +82,7 @@ class Controllers:
         if len(weights) != len(targets):
             raise self.document.fail(f"the morph {name!r} has {len(weights)} weights for {len(targets)} targets", morph)
         relative = morph.attributes.get("method", "NORMALIZED") == "RELATIVE"
-        with np.errstate(all="ignore"):  # what leaves the range of float64 is counted by the mock-up
+        with np.errstate(all="ignore"):  # the mock-up counts values outside the range of float64
             points = mesh.vertices * (1.0 if relative else 1.0 - float(weights.sum()))
         for reference, weight in zip(targets, weights.tolist(), strict=True):
             if not weight:
@@ -110,7 +110,7 @@ class Controllers:
         return names, weights
 
     def _influences(self, skin: Element, count: int) -> tuple[NDArray[Any], NDArray[Any]] | None:
-        """Return (joints (n, k), weights (n, k), each row's sum one), or None where they are not all there."""
+        """Return (joints (n, k), weights (n, k), each row's sum one), or None if some are missing."""
         table = skin.first("vertex_weights")
         counts, values = (table.first("vcount"), table.first("v")) if table is not None else (None, None)
         if table is None or counts is None or values is None:
@@ -145,7 +145,7 @@ class Controllers:
             return joint, weight / np.where(total == 0, 1.0, total)
 
     def _joints(self, skin: Element, skeletons: tuple[str, ...]) -> NDArray[np.float64] | None:
-        """Return what each joint does to the bind shape (joints, 4, 4), or None where one is not to be found."""
+        """Return the transform of each joint from the bind shape (joints, 4, 4), or None if one is missing."""
         table = skin.first("joints")
         names: list[str] = []
         inverse = np.empty((0, 4, 4))

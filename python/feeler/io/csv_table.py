@@ -1,8 +1,8 @@
-"""CSV that a spreadsheet opens without running any of it.
+"""CSV that a spreadsheet opens without executing any of it.
 
-Part names come from files, and a spreadsheet computes a cell that begins with `=`. Such text gets an apostrophe in
-front (OWASP, "CSV Injection"); numbers stay numbers. The file begins with a UTF-8 byte order mark, because Excel reads
-a file without one in the code page of the machine. Read it back as `utf-8-sig`.
+Part names come from files, and a spreadsheet evaluates a cell that begins with `=`. Such text gets a leading apostrophe
+(OWASP, "CSV Injection"); numbers stay numbers. The file begins with a UTF-8 byte order mark, because Excel reads a file
+without one in the code page of the machine. Read it back as `utf-8-sig`.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ import numpy as np
 Cell = str | int | float | None
 
 _FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
-"""First characters of cells that spreadsheets compute, the wide forms of =, +, - and @ included. Some skip a tab or a
-line break before them."""
+"""First characters of cells that spreadsheets evaluate, including the full-width forms of =, +, - and @. Some skip a
+tab or a line break before them."""
 
 _QUOTED = frozenset('",;\t\r\n')
-"""Characters that a field is quoted for. The semicolon separates fields where the comma is the decimal mark."""
+"""Characters that make a field quoted. The semicolon separates fields where the comma is the decimal mark."""
 
 
 def csv_table(heading: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
     """A CSV file: the heading, then a line for each row.
 
-    Numbers are the shortest that read back the same; None, and numbers that are not finite, are empty fields.
+    Numbers have the fewest digits that read back the same; None, and numbers that are not finite, are empty fields.
     """
     lines = [",".join(_field(cell) for cell in row) + "\n" for row in (heading, *rows)]
     return codecs.BOM_UTF8 + "".join(lines).encode("utf-8", errors="replace")
 
 
 def harmless(text: str) -> str:
-    """Text that a spreadsheet shows as it is: with an apostrophe in front where it would compute it."""
+    """Text that a spreadsheet shows unchanged: with a leading apostrophe if it would be evaluated."""
     return "'" + text if text.startswith(_FORMULA) or text.lstrip().startswith(_FORMULA) else text
 
 

@@ -1,10 +1,10 @@
 """GLB and binary STL writers.
 
-Our own, because a mock-up of 4,000 parts has to be written in about a second: no object is made per part but its JSON.
+Our own, because a mock-up of 4,000 parts must be written in about a second: the only object per part is its JSON.
 
-Precision: GLB and STL store float32. Positions within 8 m of the origin are rounded by at most 0.24 micrometres; a GLB
-part that reaches farther is stored around its own centre, so that the rounding depends on the size of the part and not
-on where it stands. Axes are kept as they are (glTF calls y "up"; a mock-up has no such convention), the unit is metres.
+Precision: GLB and STL store float32. Positions within 8 m of the origin are rounded by at most 0.24 micrometres. A GLB
+part that extends farther is stored around its own centre, so that the rounding depends on its size and not on its
+place. Axes do not change (glTF calls y "up"; a mock-up has no such convention), the unit is metres.
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.Arra
 
 @dataclass(frozen=True)
 class Motion:
-    """How a part moves. times: `(k,)` seconds, ascending; poses: `(k, 4, 4)` world_from_part, the identity at home."""
+    """The motion of a part. times: `(k,)` seconds, ascending; poses: `(k, 4, 4)` world_from_part, the identity at
+    home."""
 
     part: int
     times: FloatArray
@@ -82,8 +83,8 @@ def animated_glb(mesh: MeshLike, motions: Sequence[Motion], *, colours: npt.Arra
 def write_stl(path: str | os.PathLike[str], mesh: MeshLike, *, unit: str = "mm") -> int:
     """Writes a binary STL, all parts in one; returns its size in bytes.
 
-    STL carries no unit; `unit` says in which the numbers are written. Millimetres are what other programs, and
-    `feeler.load_mockup`, expect. Raises `WriteError`, `OptionError`.
+    STL stores no unit; `unit` is the unit of the written numbers. Other programs, and `feeler.load_mockup`, expect
+    millimetres. Raises `WriteError`, `OptionError`.
     """
     if unit not in _STL_PER_METRE:
         raise OptionError(f"unit {unit!r} is not known: use one of {', '.join(_STL_PER_METRE)}")
@@ -114,7 +115,7 @@ class _Document:
         self.animation: dict[str, list[dict[str, Any]]] = {"samplers": [], "channels": []}
         # The node of each part, and where its mesh has its origin.
         self.part_nodes: list[tuple[int, FloatArray]] = []
-        # Buffer views: positions, 32-bit indices, 16-bit indices, and what moves; each start is aligned as written.
+        # Buffer views: positions, 32-bit indices, 16-bit indices, motions; each start is aligned as written.
         self.blocks: list[list[bytes | memoryview]] = [[], [], [], []]
         self.sizes = [0, 0, 0, 0]
 
@@ -136,7 +137,7 @@ class _Document:
         if far.any():
             positions = positions - np.repeat(origins, np.diff(first_vertex), axis=0)
         single = positions.astype(np.float32)
-        # The bounds that glTF asks for are those of the stored, rounded numbers; rounding keeps order.
+        # glTF requires the bounds of the stored, rounded numbers; rounding keeps order.
         low32 = (lower - origins).astype(np.float32).tolist()
         high32 = (upper - origins).astype(np.float32).tolist()
         position_base = self._append(0, _bytes(single))
@@ -165,12 +166,12 @@ class _Document:
             self.meshes.append({"name": node["name"], "primitives": primitives})
 
     def animate(self, motion: Motion) -> None:
-        """Moves a part's node; its children, were there any, with it."""
+        """Moves a part's node, with its children if there are any."""
         node, origin = self.part_nodes[motion.part]
         times = np.asarray(motion.times, dtype=np.float32)
         turns = np.array([quaternion(pose[:3, :3]) for pose in motion.poses])
         for i in range(1, len(turns)):
-            # Both signs are the same turn; the nearer one is the shorter way.
+            # Both signs are the same rotation; the nearer one is the shorter way.
             if turns[i] @ turns[i - 1] < 0:
                 turns[i] = -turns[i]
         shifts = motion.poses[:, :3, :3] @ origin + motion.poses[:, :3, 3]
@@ -184,7 +185,7 @@ class _Document:
             self.animation["samplers"].append({"input": moments, "output": output, "interpolation": "LINEAR"})
 
     def chunks(self) -> list[bytes | memoryview]:
-        """The file, in pieces to be written one after the other."""
+        """The file, in pieces to write in order."""
         views: list[dict[str, int]] = []
         targets = {0: {"target": 34962}, 1: {"target": 34963}, 2: {"target": 34963}, 3: {}}
         binary: list[bytes | memoryview] = []
@@ -240,7 +241,7 @@ class _Document:
         return self.materials.setdefault(tuple(float(c) for c in np.asarray(colour)), len(self.materials))
 
     def _attach(self, node: dict[str, Any], folder: str, folders: dict[str, int]) -> None:
-        """Hangs a node under the node of its folder, which is made where it does not exist."""
+        """Appends a node to the node of its folder, which is created if missing."""
         index = len(self.nodes)
         self.nodes.append(node)
         while folder:

@@ -1,4 +1,4 @@
-"""From what the caller names to the files to read: one file, several, or folders."""
+"""Finds the files to load: one file, several, or folders."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Found(NamedTuple):
     """A file to read."""
 
     path: Path
-    label: str  # heads the paths of its parts
+    label: str  # first step of the paths of its parts
     shown: str  # its name in notes
-    is_named: bool  # by the caller, and not found in a folder
+    is_named: bool  # given by the caller, not found in a folder
 
 
 @dataclass
@@ -35,9 +35,9 @@ class FileList:
 
 
 def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
-    """Return the files named, in the order given; those of a folder sorted by path, subfolders included.
+    """Return the named files, in the given order; those of a folder sorted by path, with subfolders.
 
-    In a folder, hidden files and links to folders are passed over, and files of other kinds are named in a note.
+    In a folder, hidden files and links to folders are skipped, and files of other kinds are listed in a note.
     """
     if isinstance(paths, (str, os.PathLike)):
         given = [_path(paths)]

@@ -1,4 +1,4 @@
-"""What films of moving parts share: the timing of a way, and the parts that are shown beside those that move."""
+"""Films of moving parts: their timing, and the selection of parts to show nearby."""
 
 from __future__ import annotations
 
@@ -10,34 +10,34 @@ from feeler.io.body import FloatArray
 from feeler.mockup import Mockup
 
 CONTEXT_M = 0.1
-"""A film shows the parts that move, and those whose boxes are so near to where they begin."""
+"""A film shows the moving parts, and those whose boxes are at most this far from their start."""
 PAUSE_S = 0.5
-"""Between two ways."""
+"""Pause between two ways."""
 STILL_S = 0.02
-"""From a pose to one that is the same."""
+"""Time between two equal poses."""
 _M_PER_S, _LEAST_S, _MOST_S = 0.25, 1.0, 20.0
 
 
 def way_length(way: Sequence[FloatArray] | FloatArray) -> float:
-    """Metres that the origin of what moves goes along poses `(n, 4, 4)`."""
+    """The travel of the origin of the moving parts along poses `(n, 4, 4)`, metres."""
     places = np.array([pose[:3, 3] for pose in way])
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
 
 def seconds_of(length: float) -> float:
-    """How long a film shows a way of so many metres."""
+    """Duration of a way in a film, by its length in metres."""
     return min(_MOST_S, max(_LEAST_S, length / _M_PER_S))
 
 
 def moments(poses: FloatArray, bounds: FloatArray) -> FloatArray:
-    """When a film is at each pose `(n, 4, 4)`, seconds from 0 on, so that the farthest corner of the box `bounds`
-    `(2, 3)` of the moving parts, in the frame of the poses, moves at one speed. Two poses are never at one moment."""
+    """The time of each pose `(n, 4, 4)` in a film, seconds from 0 on, strictly ascending. The fastest corner of the box
+    `bounds` `(2, 3)` of the moving parts, in the frame of the poses, moves at constant speed."""
     places = corners_of(bounds) @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
     lengths = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=1)
     gone = np.concatenate([[0.0], np.cumsum(lengths)])
     if gone[-1] == 0.0:
         return np.arange(len(poses), dtype=np.float64)
-    # A pose that moves nothing gets a moment of its own: a frame of a slow film.
+    # A pose without motion gets some time of its own: a frame of a slow film.
     moved = seconds_of(float(gone[-1])) * gone / gone[-1]
     return np.asarray(moved + STILL_S * np.cumsum(np.concatenate([[0.0], lengths == 0.0])), dtype=np.float64)
 
@@ -48,7 +48,7 @@ def corners_of(bounds: FloatArray) -> FloatArray:
 
 
 def with_neighbours(mockup: Mockup, moving: Sequence[int], absent: Sequence[int] = ()) -> list[int]:
-    """Parts that move and those near them, ascending, but for those that are not there."""
+    """The moving parts and those near them, ascending, without parts that are absent."""
     boxes = mockup.part_bounds.reshape(-1, 2, 3)
     near = np.zeros(len(boxes), dtype=bool)
     for part in moving:

@@ -1,9 +1,9 @@
 """glTF 2.0, as .glb or .gltf: the scene graph as parts.
 
-A node with a mesh is one part, so a mesh used by many nodes is as many parts. A vertex goes through the node transforms
-as `feeler.io.placing` says; a part that is mirrored has its faces turned, as the standard asks. Axes stay as in the
-file: y is up by the standard, but in files that feeler wrote, which have the axes of the mock-up. Morph targets and
-skins are taken at rest, animations are not played.
+A node with a mesh is one part, so a mesh used by several nodes gives several parts. Vertices are transformed as
+described in `feeler.io.placing`; mirrored parts get their faces turned, as the standard requires. Axes stay as in the
+file: y is up by the standard, except in files written by feeler, which keep the axes of the mock-up. Morph targets and
+skins are taken at rest; animations are not played.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def read_gltf(
 
 
 class _Placer:
-    """Brings parts to the world: by their node, or by their skin."""
+    """Places parts in the world: by their node, or by their skin."""
 
     def __init__(self, document: Document, graph: SceneGraph, tally: Tally) -> None:
         self.document = document

@@ -1,6 +1,6 @@
 """The colours of a glTF file's parts: the base colours of their materials, as sRGB.
 
-What is wrong in a material moves no surface: the part has no colour then, and the file is read.
+An error in a material moves no surface: the file is read, and the part has no colour.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ Colour: TypeAlias = tuple[float, float, float]
 
 NO_COLOUR: Colour = (math.nan, math.nan, math.nan)
 
-_DIGITS = 4  # what is left of a colour that was written in linear light with six
+_DIGITS = 4  # the accuracy of a colour that was written in linear light with six digits
 
 
 def mesh_colour(document: Document, mesh: int) -> Colour:
-    """The colour of a mesh, 0 to 1: of several primitives that of the one with the most corners; else `NO_COLOUR`.
+    """The colour of a mesh, 0 to 1; with several primitives, that of the one with the most corners; else `NO_COLOUR`.
 
-    A material with a texture states none, as its base colour is only a factor of that; nor does one without
-    `baseColorFactor`.
+    A material with a texture gives no colour, because its base colour is only a factor of the texture; nor does one
+    without `baseColorFactor`.
     """
     primitives = document.item("meshes", mesh).get("primitives")
     if not isinstance(primitives, list) or not primitives:
@@ -38,14 +38,14 @@ def mesh_colour(document: Document, mesh: int) -> Colour:
 
 
 def _corners(document: Document, primitive: dict[str, Any]) -> int:
-    """Of triangles; a primitive of points or lines has none."""
+    """The number of triangles; primitives of points and lines have none."""
     if primitive.get("mode", 4) not in (4, 5, 6):
         return -1
     return document.count(primitive.get("indices", primitive["attributes"].get("POSITION")))
 
 
 def _entry(holder: dict[str, Any], key: str, index: object = None) -> dict[str, Any]:
-    """`holder[key]`, or of a list there `[index]`; empty for what is not there or no object."""
+    """`holder[key]`, or its element `[index]` if that is a list; empty if it is missing or not an object."""
     found = holder.get(key)
     if isinstance(found, list):
         found = found[index] if type(index) is int and 0 <= index < len(found) else None

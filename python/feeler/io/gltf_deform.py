@@ -1,7 +1,7 @@
-"""Morph targets and skins of glTF, at rest: as the file leaves them, with no animation played.
+"""Morph targets and skins of glTF, at rest: as stored in the file, without animations.
 
-A morph target moves every vertex by its weight, the node's or else the mesh's. A skinned mesh is placed by its joints
-alone, as the standard says: the transform of its own node does not count.
+A morph target moves every vertex by its weight: the node's, or else the mesh's. A skinned mesh is placed by its joints
+alone: by the standard, the transform of its own node does not count.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def influences(document: Document, attributes: dict[str, Any], count: int) -> tu
 
 
 def joint_matrices(document: Document, skin: int, worlds: dict[int, Matrix]) -> NDArray[np.float64]:
-    """Return what each joint of the skin does to a vertex: (joints, 4, 4), world_from_mesh."""
+    """Return the transform of each joint of the skin for vertices: (joints, 4, 4), world_from_mesh."""
     item = document.item("skins", skin)
     joints = item.get("joints")
     if not isinstance(joints, list) or not joints:

@@ -1,4 +1,4 @@
-"""The container side of glTF 2.0: JSON, buffers and accessors, every offset checked against the bytes there are."""
+"""The container of glTF 2.0: JSON, buffers and accessors, with every offset checked against the available bytes."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ UNDERSTOOD = {
     "KHR_mesh_quantization",
     "KHR_node_visibility",
     *_MESHOPT,
-    # Looks, sounds and data only: they do not move a vertex.
+    # Appearance, sounds and metadata only: they do not move a vertex.
     "KHR_lights_punctual", "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
     "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_texture_dds", "KHR_node_selectability", "KHR_node_hoverability",
     "EXT_lights_image_based", "EXT_lights_ies", "EXT_mesh_features", "EXT_instance_features",
@@ -48,14 +48,14 @@ _LOOKS = ("KHR_materials_", "EXT_materials_", "ADOBE_materials_", "MSFT_packing_
 
 
 class Document:
-    """One glTF file: its JSON, and accessors as arrays. `array` reads one; nothing is read before it is asked for."""
+    """One glTF file: its JSON, and accessors as arrays. `array` reads one on demand."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         data = path.read_bytes()
         self._binary: memoryview | None = None
         text = self._split_glb(data) if data[:4] == _GLB_MAGIC else data
-        # What Python objects of it may take: a list or object about 100 bytes, any other value about 64.
+        # Memory of its Python objects: a list or object about 100 bytes, any other value about 64.
         values = 100 * (text.count(b"[") + text.count(b"{")) + 64 * text.count(b",")
         check_memory(2 * len(text) + values, f"{path}: its JSON")
         try:
@@ -79,7 +79,7 @@ class Document:
         return LoadError(f"{self.path}: {what}" + ("; export the file again" if damaged else ""))
 
     def item(self, collection: str, index: object) -> dict[str, Any]:
-        """Return `root[collection][index]`, or raise if there is no such thing."""
+        """Return `root[collection][index]`, or raise if it does not exist."""
         items = self.root.get(collection, [])
         if (
             not isinstance(index, int)
@@ -95,7 +95,7 @@ class Document:
         return found
 
     def count(self, index: object) -> int:
-        """Return the number of elements of an accessor; its buffer view has at least as many bytes."""
+        """Return the number of elements of an accessor, after a check that its buffer view is large enough."""
         accessor = self.item("accessors", index)
         count = self._natural(accessor, "count", f"accessors[{index}]")
         if "bufferView" in accessor:
@@ -135,7 +135,7 @@ class Document:
         return values[:, 0] if width == 1 else values
 
     def numbers(self, value: Any, where: str, count: int | None = None) -> list[float]:
-        """Return a list of numbers out of the JSON, as float; raise if it is none, or not of that length."""
+        """Return a list of numbers from the JSON, as float; raise for other values, or another length."""
         good = isinstance(value, list) and all(type(v) in (int, float) for v in value)
         if not good or (count is not None and len(value) != count):
             raise self.fail(f"{where} should be {'numbers' if count is None else f'{count} numbers'}")
@@ -171,7 +171,7 @@ class Document:
         return text
 
     def _check_extensions(self) -> frozenset[str]:
-        """Return the extensions that the file requires; refuse one that is not read."""
+        """Return the extensions that the file requires; refuse those that feeler does not read."""
         required = self.root.get("extensionsRequired", [])
         names = [str(name) for name in required] if isinstance(required, list) else []
         for name in names:
@@ -199,7 +199,7 @@ class Document:
         return self._slice(view, where), stride
 
     def _slice(self, item: dict[str, Any], where: str) -> memoryview:
-        """Return the bytes of a buffer that a buffer view, or the extension in its place, names."""
+        """Return the bytes of the buffer of a buffer view, or of the extension that replaces it."""
         buffer = self._buffer(self._natural(item, "buffer", where))
         offset, length = self._natural(item, "byteOffset", where, 0), self._natural(item, "byteLength", where)
         if offset + length > len(buffer):
@@ -207,7 +207,7 @@ class Document:
         return buffer[offset : offset + length]
 
     def _packed(self, view: dict[str, Any], where: str) -> dict[str, Any] | None:
-        """Return the extension that packs a view with meshopt, or None where its plain bytes are in the file."""
+        """Return the extension that packs a view with meshopt, or None if the file has its plain bytes."""
         extensions = view.get("extensions")
         if not isinstance(extensions, dict):
             return None
@@ -222,7 +222,7 @@ class Document:
         return found
 
     def _has_bytes(self, index: int) -> bool:
-        """Tell whether a buffer is in the file or beside it. One that only stands for what is packed has no bytes."""
+        """Tell whether a buffer is in the file or beside it. A placeholder for packed data has no bytes."""
         try:
             self._buffer(index)
         except LoadError:
@@ -310,7 +310,7 @@ class Document:
         return memoryview(self._beside(uri).read_bytes())
 
     def _beside(self, uri: str) -> Path:
-        """Return the file a relative URI names; refuse one outside the folder of the glTF file, and the network."""
+        """Return the file of a relative URI; refuse files outside the folder of the glTF file, and the network."""
         name = unquote(uri)
         if _SCHEME.match(uri) or name.startswith(("/", "\\")) or "\0" in name:
             raise self.fail(

@@ -17,7 +17,7 @@ DRACO = "KHR_draco_mesh_compression"
 
 @dataclass
 class Unpacked:
-    """One primitive out of Draco: triangles, whatever the mode says, and attributes by their number."""
+    """One primitive decoded by Draco: triangles, whatever its mode, and attributes by number."""
 
     faces: NDArray[np.uint32]
     count: int
@@ -44,7 +44,7 @@ class Unpacked:
 
 
 def unpack(document: Document, primitive: dict[str, Any], where: str) -> Unpacked:
-    """Return what the extension of a primitive holds; raise if it is damaged or DracoPy is not there."""
+    """Decode the extension of a primitive; raise if it is damaged or DracoPy is not installed."""
     try:
         draco: Any = importlib.import_module("DracoPy")
     except ImportError:
@@ -61,10 +61,10 @@ def unpack(document: Document, primitive: dict[str, Any], where: str) -> Unpacke
         mesh = draco.decode(bytes(data))
         corners = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
         count = len(mesh.points)
-    except Exception as error:  # the package has no one class for what it raises
+    except Exception as error:  # the package has no common class for its errors
         raise document.fail(f"{where}: the Draco data is damaged ({str(error)[:100]})") from error
     promised = document.count(primitive["attributes"].get("POSITION"))
     if count > promised:
-        # The memory for the whole file was checked with what the accessor promises.
+        # The memory for the whole file was checked against the accessor's counts.
         raise document.fail(f"{where}: the Draco data has {count:,} vertices, and the accessor {promised:,}")
     return Unpacked(seal_indices(corners, count), count, extension["attributes"], mesh)

@@ -22,7 +22,7 @@ _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
 
 @dataclass
 class Mesh:
-    """The triangles of one mesh, all its primitives together; joints and weights (n, k) where it has a skin."""
+    """The triangles of one mesh, all its primitives together; joints and weights (n, k) if it has a skin."""
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
@@ -31,7 +31,7 @@ class Mesh:
 
 
 class MeshReader:
-    """Reads meshes on demand, and counts what in them is no triangle."""
+    """Reads meshes on demand, and counts primitives without triangles."""
 
     def __init__(self, document: Document, tally: Tally) -> None:
         self.document = document
@@ -40,7 +40,7 @@ class MeshReader:
         self._counted: set[int] = set()
 
     def bound(self, mesh: int) -> tuple[int, int]:
-        """Return the most vertices and triangles the mesh can have, from counts alone: nothing is read yet."""
+        """Return the most vertices and triangles the mesh can have, from counts alone, before reading."""
         if mesh not in self._sizes:
             vertices = triangles = 0
             for primitive in self._primitives(mesh):
@@ -90,7 +90,7 @@ class MeshReader:
                 source = packed.as_attributes(self.document, where) if packed else attributes
                 rows = influences(self.document, source, len(points))
             if len(points) > triangles.size:
-                # Exporters let many primitives share one accessor: take what this one uses.
+                # Exporters let many primitives share one accessor: take only the used vertices.
                 used, triangles = _used_only(len(points), triangles)
                 points = points[used]
                 rows = rows and (rows[0][used], rows[1][used])
@@ -98,14 +98,14 @@ class MeshReader:
             faces.append(shift_indices(triangles, base, len(points)))
             carried.append(rows)
             base += len(points)
-        # One primitive, the usual case, is not copied.
+        # A single primitive, the usual case, is not copied.
         mesh = Mesh(vertices[1], faces[1]) if len(faces) == 2 else Mesh(np.concatenate(vertices), np.concatenate(faces))
         if shape.skin is not None and any(carried):
             mesh.joints, mesh.weights = _joined(carried, [len(points) for points in vertices[1:]])
         return mesh
 
     def _weights(self, shape: Shape, name: str) -> tuple[float, ...]:
-        """Return the weights of the morph targets: the node's, or else the mesh's, or else 0."""
+        """Return the weights of the morph targets: from the node, or else from the mesh, or else 0."""
         targets = max((len(_list(p.get("targets"))) for p in self._primitives(shape.mesh)), default=0)
         if not targets:
             return ()
@@ -125,7 +125,7 @@ class MeshReader:
         return found
 
     def _unpacked(self, primitive: dict[str, Any], where: str) -> Unpacked | None:
-        """Return what Draco packed, or None where the plain accessors are there."""
+        """Return the data packed by Draco, or None if there are plain accessors."""
         if not _packed(primitive):
             return None
         accessor = self.document.item("accessors", primitive["attributes"].get("POSITION"))
@@ -155,12 +155,12 @@ class MeshReader:
         if mode == _FAN:
             return np.stack([corners[1:-1], corners[2:], np.broadcast_to(corners[0], len(corners) - 2)], axis=1)
         strip = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
-        strip[1::2, 1:] = strip[1::2, 2:0:-1]  # every second one is turned, to keep its side
+        strip[1::2, 1:] = strip[1::2, 2:0:-1]  # every second one is reversed to keep its side
         return strip
 
 
 def _used_only(count: int, faces: NDArray[np.uint32]) -> tuple[NDArray[Any], NDArray[np.uint32]]:
-    """Return (vertices that are used, faces with indices into those)."""
+    """Return (used vertices, faces with indices into those)."""
     used = np.unique(faces)
     used = used[used < count]
     place = np.searchsorted(used, faces).astype(np.uint32)
@@ -170,7 +170,7 @@ def _used_only(count: int, faces: NDArray[np.uint32]) -> tuple[NDArray[Any], NDA
 def _joined(
     carried: list[tuple[NDArray[Any], NDArray[Any]] | None], counts: list[int]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return the joints and weights of all primitives; joint -1 stands for a vertex that has none."""
+    """Return the joints and weights of all primitives; joint -1 marks a vertex without any."""
     width = max(rows[0].shape[1] for rows in carried if rows)
     joints = [np.full((count, width), -1, dtype=np.int64) for count in counts]
     weights = [np.zeros((count, width)) for count in counts]

@@ -1,4 +1,4 @@
-"""The scene graph of a glTF file: which mesh stands where, under what name."""
+"""The scene graph of a glTF file: the place and name of each mesh."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _HIDDEN = "hidden parts (KHR_node_visibility) were left out"
 
 @dataclass(frozen=True)
 class Shape:
-    """A mesh as a node uses it: the same shape for all nodes that do not change it. `weights` None: the mesh's own."""
+    """A mesh as a node uses it, shared by all nodes that do not change it. `weights` None: the mesh's own."""
 
     mesh: int
     weights: tuple[float, ...] | None = None
@@ -37,7 +37,7 @@ class Instance(NamedTuple):
 
 
 class _Open(NamedTuple):
-    """A node that is still to be visited."""
+    """A node still to be visited."""
 
     node: int
     above: str
@@ -47,7 +47,7 @@ class _Open(NamedTuple):
 
 
 class SceneGraph:
-    """Walks the nodes of the default scene; `instances` has the parts, `worlds` the transform of every node met."""
+    """Walks the nodes of the default scene; `instances` has the parts, `worlds` the transforms of all visited nodes."""
 
     def __init__(self, document: Document, tally: Tally) -> None:
         self.document = document
@@ -68,7 +68,7 @@ class SceneGraph:
             self.notes.append("the file has meshes and no scene: each mesh was taken once, where it lies")
 
     def _walk(self, nodes: list[Any]) -> None:
-        """Visit every node, without recursion. The standard asks for trees: one parent a node, and no cycle."""
+        """Visit every node, without recursion. The standard requires trees: one parent per node, and no cycle."""
         document = self.document
         stack = [_Open(root, "", IDENTITY, 0, False) for root in reversed(self._roots(nodes))]
         seen = np.zeros(len(nodes), dtype=bool)

@@ -1,4 +1,4 @@
-"""Refuse, with the figure, what would not fit in memory, before it is allocated."""
+"""Refuses meshes that do not fit in memory before allocating them; the error has the size."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MAX_TRIANGLES = 2**32 - 1
 MAX_VERTICES = 2**32 - 2  # 2^32 - 1 is the mark for an index out of range, see raw.OUT_OF_RANGE
 MAX_PARTS = 4_000_000  # a part costs about 500 bytes of Python objects: 2 GB of names is more than any assembly has
 MAX_DEPTH = 1000  # levels of an assembly; real ones have a dozen
-FALLBACK_MEMORY = 16 * 2**30  # where the system does not say
+FALLBACK_MEMORY = 16 * 2**30  # if the system does not report it
 
 BYTES_PER_VERTEX = 24  # three float64
 BYTES_PER_TRIANGLE = 16  # three uint32 indices, one uint32 part
@@ -21,7 +21,7 @@ BYTES_PER_TRIANGLE = 16  # three uint32 indices, one uint32 part
 
 @cache
 def machine_memory() -> int:
-    """Return the memory of this machine in bytes, or the container's share of it where that is less."""
+    """Return the memory of this machine in bytes, or the container's share of it if that is less."""
     try:
         total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
@@ -48,5 +48,5 @@ def check_mesh(vertices: int, triangles: int, parts: int, what: str) -> None:
         )
     if parts > MAX_PARTS:
         raise LimitError(f"{what} has {parts:,} part instances; the most is {MAX_PARTS:,}; split it")
-    # Twice: the arrays, and the copies made while they are welded and handed over.
+    # Twice: the arrays, and the copies made while they are welded and passed on.
     check_memory(2 * (vertices * BYTES_PER_VERTEX + triangles * BYTES_PER_TRIANGLE), what)

@@ -1,4 +1,4 @@
-"""Files to mock-ups and tools."""
+"""Loads files as mock-ups and tools."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from feeler.mockup import Mockup, Source, Tool
 from feeler.progress import Progress
 
 DEFAULT_UNIT = "mm"
-"""What a number means in a file that does not say (STL, OBJ, PLY, OFF) when no `unit=` is given."""
+"""The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
 
 _FAILURES_SHOWN = 20
 
@@ -39,27 +39,27 @@ def load_mockup(
     chord_tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Mockup:
-    """Load one file, several, or a folder as one mock-up, in metres; its `.report` says what was met.
+    """Load one file, several, or a folder as one mock-up, in metres; its `.report` lists contents and defects.
 
     path             a file, a folder (with subfolders, sorted by path) or several of either. STL, OBJ, PLY, OFF, glTF
-                     and GLB, 3MF, STEP and COLLADA. Each file heads the paths of its parts:
-                     `file/assembly/part`; a second part of the same path gets `#2`.
-    unit             what a number in the files means: "mm", "m", "in" ... By default the unit the file states (glTF,
-                     3MF, STEP, COLLADA), else the millimetre. If given, it counts more than the file's own, the metre
-                     of glTF included.
-    up               "x", "y" or "z": turn each file that is known to have another axis up (glTF has y up, STEP and 3MF
-                     z, COLLADA says it) so that this one is; `(x, y, z)` with y up becomes `(x, -z, y)` with z up.
-                     Files of the other formats stay as they are. By default nothing is turned.
-    chord_tolerance  metres, only for STEP: how far a triangle may be from its surface; default 0.0001.
+                     and GLB, 3MF, STEP and COLLADA. Paths of parts start with the file: `file/assembly/part`; a second
+                     part with the same path gets `#2`.
+    unit             the unit of the numbers: "mm", "m", "in" ... By default the unit that the file states (glTF, 3MF,
+                     STEP, COLLADA), else the millimetre. If given, it overrides the file's own, also the metre of
+                     glTF.
+    up               "x", "y" or "z": turn each file with a known other up axis so that this axis is up (glTF has y up,
+                     STEP and 3MF z, COLLADA states it); `(x, y, z)` with y up becomes `(x, -z, y)` with z up. Files of
+                     other formats are not turned. By default nothing is turned.
+    chord_tolerance  metres, only for STEP: the largest chordal error; default 0.0001.
     progress         called with (fraction 0..1, stage).
 
-    Nothing is dropped: triangles that cannot be queried stay and are counted in the report, what is no triangle
-    (points, lines) is counted in its notes. A coordinate is the file's number as float64 times the unit's metres
-    (`x * 0.001`). `part_colours` are the base colours of glTF's materials, where these are not all alike. A file of a
-    folder that cannot be read is left out, with a note that says why; a file that is named raises.
+    Nothing is dropped: triangles that cannot be queried are kept and counted in the report; points and lines are
+    counted in its notes. A coordinate is the file's number as float64 times the unit's metres (`x * 0.001`).
+    `part_colours` are the base colours of glTF's materials, unless these are all alike. An unreadable file in a folder
+    is skipped, with a note that says why; an unreadable file that you name raises an error.
 
     Raises `MissingFileError`, `LoadError` (what, where, what to do), `OptionError` for the options, `LimitError` for
-    what does not fit in memory, `MeshError` if no triangle can be queried.
+    files that do not fit in memory, `MeshError` if no triangle can be queried.
     """
     started = time.perf_counter()
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
@@ -84,7 +84,7 @@ def load_tool(
     chord_tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Tool:
-    """Load a tool, in metres: all of the file moves as one, called `name` (default: the file's name); parts stay parts.
+    """Load a tool, in metres: the whole file moves as one, named `name` (default: the file's name), with its parts.
 
     Options and errors are those of `load_mockup`.
     """
@@ -104,7 +104,7 @@ def load_tool(
 
 @dataclass
 class _Piece:
-    """What the report tells of one file that was read."""
+    """The entry of the report for one file."""
 
     file: Found
     format: str
@@ -126,7 +126,7 @@ class _Loaded:
     doubts: list[str] = field(default_factory=list)
 
     def source(self, seconds: float, mesh: Mockup | Tool) -> Source:
-        """Return what the load report tells about the files. `mesh` is what was made of them."""
+        """Return the entry of the load report on the files. `mesh` is the result."""
         doubts = list(self.doubts)
         lower, upper = mesh.bounds
         if note := size_note(float(np.max(upper - lower)), [piece.unit for piece in self.pieces]):
@@ -144,7 +144,7 @@ class _Loaded:
         )
 
     def _culprits(self, mesh: Mockup | Tool, length: float) -> str:
-        """Return which files are too long by themselves, where there are several."""
+        """Return the files that are too long by themselves, if there are several."""
         if length <= LONGEST_M or len(self.pieces) == 1:
             return ""
         long = []
@@ -158,7 +158,7 @@ class _Loaded:
 
     @contextlib.contextmanager
     def named_in_errors(self) -> Iterator[None]:
-        """Put the file in front of what the mesh checks say."""
+        """Put the file in front of errors of the mesh checks."""
         try:
             yield
         except MeshError as error:
@@ -167,7 +167,7 @@ class _Loaded:
 
 
 class _Notes:
-    """What the readers say, each thing once, with the files that it is about."""
+    """The notes of the readers, each once, with the files it is about."""
 
     def __init__(self, several: bool) -> None:
         self.several = several
@@ -179,7 +179,7 @@ class _Notes:
             self._said_by.setdefault(note, []).append(file.shown)
 
     def left_out(self) -> list[str]:
-        """Return which files could not be read, and why."""
+        """Return the files that could not be read, with reasons."""
         lines = [f"left out, as it cannot be read: {error}" for _, error in self.failures[:_FAILURES_SHOWN]]
         if len(self.failures) > _FAILURES_SHOWN:
             lines.append(f"{len(self.failures) - _FAILURES_SHOWN:,} more files cannot be read and were left out")
@@ -227,7 +227,7 @@ def _load(
             axes.align(raw, wanted)
             top = labels.claim_path(file.label)
             root = f"{file.label}/"
-            if all(below.startswith(root) for below in raw.part_paths):  # the file says its own name
+            if all(below.startswith(root) for below in raw.part_paths):  # the paths already start with the file
                 raw.part_paths = [below[len(root) :] for below in raw.part_paths]
             raw.part_paths = [f"{top}/{below}" if below else top for below in raw.part_paths]
             here = slice(triangles, triangles + len(raw.faces))
@@ -242,7 +242,7 @@ def _load(
     if chord_tolerance is not None and all(piece.format != "STEP" for piece in pieces):
         notes.append("chord_tolerance is for STEP, and no file was STEP: it had no effect")
     common = axes.common_axis(ups, wanted)
-    # Of other formats nobody says how far their triangles are from what they stand for.
+    # The chordal errors of other formats are unknown.
     is_step = all(piece.format == "STEP" for piece in pieces)
     tolerance = (DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else float(chord_tolerance)) if is_step else None
     return _Loaded(_join(meshes), pieces, common, tolerance, notes, [*said.left_out(), *clash])
@@ -250,7 +250,7 @@ def _load(
 
 @contextlib.contextmanager
 def _left_out_if_it_fails(file: Found, said: _Notes, watched: Watched | None) -> Iterator[None]:
-    """Take the error of a file that lies in a folder into the notes. That of a file that was named is the caller's."""
+    """Note the error of a file in a folder; raise that of a file that the caller named."""
     try:
         yield
     except (LoadError, LimitError) as error:
@@ -260,7 +260,7 @@ def _left_out_if_it_fails(file: Found, said: _Notes, watched: Watched | None) ->
 
 
 def _no_triangle(files: list[Found], said: _Notes) -> LoadError:
-    """Return the error for a load that gave no triangle, with all that was said."""
+    """Return the error for a load without triangles, with all notes."""
     if len(files) == 1 and said.failures:
         error = said.failures[0][1]
         return error if isinstance(error, LoadError) else LoadError(str(error))
@@ -272,7 +272,7 @@ def _no_triangle(files: list[Found], said: _Notes) -> LoadError:
 
 
 def _signed(note: str, names: list[str], several: bool) -> str:
-    """Return a note with the files it is about, where there is more than one file."""
+    """Return a note with the files it is about, if there are several files."""
     if not several:
         return note
     return f"{names[0]}: {note}" if len(names) == 1 else f"{len(names)} files, {names[0]} first: {note}"
@@ -288,7 +288,7 @@ def _check_tolerance(chord_tolerance: float | None) -> None:
 
 
 def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, str]:
-    """Bring the vertices to metres, in place; return (unit, where it came from)."""
+    """Convert the vertices to metres, in place; return (unit, its source)."""
     stated = raw.unit
     if given is not None:
         factor = given.metres / stated.metres if raw.in_metres and stated else given.metres
@@ -305,13 +305,13 @@ def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, st
         factor = unit.metres
         source = f"assumed: {format_name} has no unit and none was given by unit="
     if factor != 1.0:
-        with np.errstate(all="ignore"):  # what leaves the range of float64 is counted by the mock-up
+        with np.errstate(all="ignore"):  # the mock-up counts values outside the range of float64
             raw.vertices = np.multiply(raw.vertices, factor, out=raw.vertices if raw.vertices.flags.writeable else None)
     return unit, source
 
 
 def _join(pieces: list[RawMesh]) -> RawMesh:
-    """Return several meshes in one, in order, with unique part paths."""
+    """Join several meshes in order, with unique part paths."""
     if len(pieces) == 1:
         return pieces[0]
     check_mesh(
@@ -342,7 +342,7 @@ def _join(pieces: list[RawMesh]) -> RawMesh:
 
 
 def _telling(colours: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
-    """The colours of parts, but None where all parts have the same, or none: the ones given to them tell more."""
+    """The colours of parts; None if all parts have the same or none: then distinct default colours show more."""
     if colours is None or np.isnan(colours).all():
         return None
     is_one = len(colours) > 1 and np.array_equal(colours, np.broadcast_to(colours[0], colours.shape), equal_nan=True)

@@ -1,8 +1,8 @@
 """Decoder of meshopt streams: EXT_meshopt_compression and KHR_meshopt_compression of glTF.
 
 Written after the appendices A and B of KHR_meshopt_compression. No package with wheels for every platform decodes these
-streams. Attributes are decoded in two passes: one finds where each group of 16 values lies, because its length depends
-on its content, the other unpacks all groups of a kind at once.
+streams. Attributes are decoded in two passes: the first finds each group of 16 values, because its length depends on
+its content; the second unpacks all groups of a kind at once.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-_GROUP = 16  # values that are packed together
+_GROUP = 16  # values packed together
 _ATTRIBUTE_HEADER, _TRIANGLE_HEADER, _INDEX_HEADER = 0xA0, 0xE0, 0xD0
 _TRIANGLE_TAIL, _INDEX_TAIL = 16, 4
 _WRAP = 0xFFFFFFFF
-_NEVER = -1  # what a queue of the triangle decoder holds before it is written
+_NEVER = -1  # initial content of the queues of the triangle decoder
 
-# Bits a value, by control mode and header bits; version 0 has one mode.
+# Bits per value, by control mode and header bits; version 0 has one mode.
 _BITS_V0 = (0, 2, 4, 8)
 _BITS_V1 = ((0, 1, 2, 4), (1, 2, 4, 8))
 _ALL_ZERO, _LITERAL = 2, 3  # the other control modes
@@ -34,11 +34,11 @@ Bytes: TypeAlias = NDArray[np.uint8]
 
 
 class DamagedError(Exception):
-    """The stream is not what its parameters promise."""
+    """The stream does not match its parameters."""
 
 
 def decode(data: memoryview, count: int, stride: int, mode: str, filter_name: str = "NONE") -> memoryview:
-    """Return the `count * stride` bytes that a stream of this mode and filter stands for."""
+    """Decode the `count * stride` bytes of a stream of this mode and filter."""
     decoders: dict[str, Callable[[bytes, int, int], Bytes]] = {
         "ATTRIBUTES": _attributes, "TRIANGLES": _triangles, "INDICES": _indices,
     }  # fmt: skip
@@ -96,7 +96,7 @@ def _attributes(data: bytes, count: int, stride: int) -> Bytes:
 
 
 class _Found:
-    """Where the groups lie: by bits a value, (places in the deltas, offsets in the stream)."""
+    """Find the groups: by bits per value, (places in the deltas, offsets in the stream)."""
 
     def __init__(self) -> None:
         self.groups: dict[int, tuple[list[int], list[int]]] = {bits: ([], []) for bits in (1, 2, 4, 8)}
@@ -185,7 +185,7 @@ def _undelta(deltas: Bytes, first: Bytes, channel: int) -> Bytes:
 
 
 class _Reader:
-    """Reads numbers of seven bits a byte."""
+    """Reads numbers of seven bits per byte."""
 
     def __init__(self, data: bytes, at: int, end: int) -> None:
         self.data, self.at, self.end = data, at, end

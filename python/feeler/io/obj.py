@@ -19,7 +19,7 @@ from feeler.io.raw import PathBook, RawMesh, clean_name, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
 
-# What has a shape and is no triangle, by keyword.
+# Elements with a shape but no triangles, by keyword.
 _SHAPES = {
     b"p": "points",
     b"l": "lines",
@@ -30,12 +30,12 @@ _SHAPES = {
     b"call": "calls of other files (call)",
     b"csh": "commands of a shell (csh)",
 }  # fmt: skip
-# What belongs to free-form curves and surfaces, and is nothing without them.
+# Elements of free-form curves and surfaces, which mean nothing without them.
 _OF_SHAPES = (
     b"vp", b"cstype", b"deg", b"bmat", b"step", b"parm", b"trim", b"hole", b"scrv", b"sp", b"end", b"con", b"ctech",
     b"stech",
 )  # fmt: skip
-# What is read, and looks: they neither make nor move a vertex. Words are cut at twelve letters.
+# Known elements of appearance: they neither make nor move a vertex. Words are cut at twelve letters.
 _KNOWN = (
     b"v", b"vt", b"vn", b"f", b"fo", b"o", b"g", b"s", b"mg", b"usemtl", b"mtllib", b"usemap", b"maplib", b"bevel",
     b"c_interp", b"d_interp", b"lod", b"shadow_obj", b"trace_obj",
@@ -46,7 +46,7 @@ _NAMING = re.compile(rb"\s*(?:[og]|usemtl|mtllib|usemap|maplib|shadow_obj|trace_
 
 
 class _Reader:
-    """The state that runs through the chunks of one file."""
+    """The reader's state across the chunks of one file."""
 
     def __init__(self) -> None:
         self.vertices: list[NDArray[np.float64]] = []
@@ -102,7 +102,7 @@ class _Reader:
         # OBJ counts from 1; a negative index counts back from the vertices seen so far.
         seen = self.vertex_count + np.searchsorted(rows[word == ord("v")], faces)
         seen_by_corner = np.repeat(seen, sizes)
-        far = np.iinfo(np.int64).max  # stays out of range, whatever the file's index was
+        far = np.iinfo(np.int64).max  # stays out of range for any index of the file
         index = np.where(
             index > 0,
             index - 1,
@@ -132,7 +132,7 @@ class _Reader:
         return np.repeat(part, runs)
 
     def notes(self) -> list[str]:
-        """Return what was met and is in no triangle."""
+        """Return notes on all elements without triangles."""
         notes = [
             f"{self.skipped[word]:,} {what} were skipped: only triangles collide"
             for word, what in _SHAPES.items()
@@ -190,7 +190,7 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
 
 
 def _joined(data: bytes) -> tuple[bytes, int]:
-    """Return the text with continued lines in one, and how many were. A backslash ends comments and names as well."""
+    """Join continued lines; return the text and their number. A backslash ends comments and names as well."""
     if b"\\" not in data:
         return data, 0
     text: bytearray | None = None
@@ -198,7 +198,7 @@ def _joined(data: bytes) -> tuple[bytes, int]:
     for match in _CONTINUED.finditer(data):
         start = data.rfind(b"\n", 0, match.start()) + 1
         if b"#" in data[start : match.start()] or _NAMING.match(data, start, match.start()):
-            continue  # of a Windows path, most likely: the next line would be lost
+            continue  # most likely of a Windows path: the next line would be lost
         text = text if text is not None else bytearray(data)
         text[match.start() : match.end()] = b" " * (match.end() - match.start())
         joined += 1
@@ -206,7 +206,7 @@ def _joined(data: bytes) -> tuple[bytes, int]:
 
 
 def _names(pairs: list[tuple[str, str]], path: Path) -> tuple[list[str], list[str]]:
-    """Return names and paths of the parts; one part with no name takes the file's."""
+    """Return names and paths of the parts; a single part without a name takes the file's."""
     book = PathBook()
     names, paths = [], []
     for owner, group in ((clean_name(o, ""), clean_name(g, "")) for o, g in pairs):

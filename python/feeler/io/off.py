@@ -1,7 +1,7 @@
 """OFF (Geomview), text: the word `OFF`, the counts, then vertices and polygons. Colours and normals are not used.
 
-An OFF file is a row of words. Most writers give every vertex and polygon a line of its own, and then what follows on
-the line (normals, colours) is passed over. A file that is laid out otherwise is read word by word.
+An OFF file is a sequence of words. Most writers put every vertex and polygon on a line of its own; then the rest of the
+line (normals, colours) is skipped. Files with another layout are read word by word.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _WHOLE_NUMBER = re.compile(rb"[+-]?\d+", re.ASCII)
 
 
 class _Header(NamedTuple):
-    flags: str  # what stands in front of OFF
+    flags: str  # before OFF
     vertices: int
     polygons: int
     body: int  # offset of the first word after the counts
@@ -50,7 +50,7 @@ def read_off(path: Path, progress: Progress | None = None) -> RawMesh:
             raise  # its line is what helps
         vertices, faces, extra = *free, 0
     else:
-        if extra and (free := _by_words(path, data, header)):  # the lines fitted by chance
+        if extra and (free := _by_words(path, data, header)):  # the lines matched by chance
             vertices, faces, extra = *free, 0
     result = polygons.triangulate(faces.corners, faces.sizes, vertices)
     check_mesh(header.vertices, len(result.faces), 1, str(path))
@@ -92,7 +92,7 @@ def _read_header(path: Path, data: bytes) -> _Header:
     if len(words) < 2 or not all(_WHOLE_NUMBER.fullmatch(word) for word, *_ in words[:2]):
         raise LoadError(f"{path}, line {line}: the numbers of vertices and polygons are missing")
     vertices, faces = int(words[0][0][:30]), int(words[1][0][:30])
-    # The shortest vertex is "0 0 0" and the shortest polygon "0": a count can be checked before it is believed.
+    # The shortest vertex is "0 0 0" and the shortest polygon "0", which allows checking a count before using it.
     if vertices < 0 or faces < 0 or 6 * vertices + 2 * faces > len(data) + 1:
         raise LoadError(
             f"{path}: the header promises {vertices:,} vertices and {faces:,} polygons, which do not fit into "
@@ -110,7 +110,7 @@ def _read_header(path: Path, data: bytes) -> _Header:
 def _by_lines(
     path: Path, data: bytes, header: _Header, progress: Progress | None
 ) -> tuple[NDArray[np.float64], _Polygons, int]:
-    """Read a file with a line for each vertex and polygon; return also how many lines follow."""
+    """Read a file with a line for each vertex and polygon; return also the number of remaining lines."""
     vertices = np.empty((header.vertices, 3))
     corners: list[NDArray[np.int64]] = [np.empty(0, dtype=np.int64)]
     sizes: list[NDArray[np.int64]] = [np.empty(0, dtype=np.int64)]
@@ -154,9 +154,9 @@ def _corner_counts(chunk: Chunk, lines: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _by_words(path: Path, data: bytes, header: _Header) -> tuple[NDArray[np.float64], _Polygons] | None:
-    """Read a file whose lines mean nothing, or where only colours end a line; None if the words do not fit the counts.
+    """Read a file without regard to lines, except that colours end at a line end; None if the words do not match.
 
-    All words have to be used up, by polygons of three corners or more that exist: else it is not sure which is which.
+    All words must be used, by polygons with three or more valid corners: otherwise the layout is ambiguous.
     """
     values, lines = [np.empty(0)], [np.empty(0, dtype=np.int64)]
     try:
@@ -181,7 +181,7 @@ def _by_words(path: Path, data: bytes, header: _Header) -> tuple[NDArray[np.floa
 
 
 def _walk(words: NDArray[np.float64], line: NDArray[np.int64], count: int, colours_follow: bool) -> _Polygons | None:
-    """Read `count` polygons one after the other, each perhaps with a colour up to the end of its line."""
+    """Read `count` consecutive polygons, each perhaps with a colour up to the end of its line."""
     if not ((words == np.rint(words)) & (np.abs(words) < 2**53)).all() and not colours_follow:
         return None
     whole = np.where(np.abs(words) < 2**53, words, -1).astype(np.int64)

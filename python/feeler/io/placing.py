@@ -1,7 +1,7 @@
 """Transforms of parts: 4 x 4 matrices, points and faces through them.
 
-A vertex goes through a matrix in float64 as ((m00*x + m01*y) + m02*z) + m03, every operation rounded once. A part that
-is mirrored has its faces turned, so that they keep their outside.
+A vertex is transformed in float64 as ((m00*x + m01*y) + m02*z) + m03, with every operation rounded once. Mirrored parts
+get their faces turned, so that the outside stays outside.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ IDENTITY.setflags(write=False)
 
 
 def transform(points: NDArray[np.float64], matrix: Matrix) -> NDArray[np.float64]:
-    """Return points (n, 3) through an affine matrix, in the module's order. No BLAS: it may fuse and reorder."""
+    """Return points (n, 3) transformed by an affine matrix, in the module's order. No BLAS: it may fuse and reorder."""
     if np.array_equal(matrix, IDENTITY):
         return points
     x, y, z = points[:, 0], points[:, 1], points[:, 2]
@@ -54,12 +54,12 @@ def is_mirrored(matrix: Matrix) -> bool:
 
 
 def turned(faces: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Return the faces with the other side out; each keeps its first corner."""
+    """Return the faces reversed; each keeps its first corner."""
     return faces[:, [0, 2, 1]]
 
 
 def facing(faces: NDArray[np.uint32], matrix: Matrix) -> NDArray[np.uint32]:
-    """Return the faces of a part that is placed by the matrix: turned if it is mirrored."""
+    """Return the faces of a part placed by the matrix: reversed if it mirrors."""
     return turned(faces) if is_mirrored(matrix) else faces
 
 

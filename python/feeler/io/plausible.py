@@ -1,21 +1,22 @@
-"""Sizes that no mock-up has, which mostly come from a wrong unit, and the unit that would mend them."""
+"""Implausible sizes of mock-ups, mostly from a wrong unit, and the unit that would correct them."""
 
 from __future__ import annotations
 
 from feeler.io.units import Unit, parse_unit
 
 LONGEST_M = 500.0
-"""A large ship or plant; longer is asked about."""
+"""A large ship or plant; larger sizes raise a doubt."""
 
 SHORTEST_M = 0.001
-"""Shorter is asked about: mock-ups are of things that people handle."""
+"""Smaller sizes raise a doubt: mock-ups are of things that people handle."""
 
-# In the order in which they are suggested. Any size that inches or centimetres would mend, one of these does.
+# In the order of suggestion. One of these corrects every size that inches or centimetres would.
 _USUAL = (("mm", "millimetres"), ("m", "metres"))
 
 
 def size_note(length_m: float, units: list[Unit]) -> str | None:
-    """Return what to ask about a mesh whose box is that long at its longest, read in these units; None if nothing."""
+    """Return the doubt about a mesh whose box is that long at its longest, read in these units; None if there is
+    none."""
     if SHORTEST_M <= length_m <= LONGEST_M:
         return None
     size = f"{_length(length_m)} long"

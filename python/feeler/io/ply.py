@@ -1,6 +1,6 @@
 """PLY (Stanford), text and binary of either byte order: vertices x, y, z; polygons; triangle strips.
 
-Other properties of these are passed over, rows of other elements (edges, materials) are counted by name.
+Other properties of these are skipped; rows of other elements (edges, materials) are counted by name.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class _Element:
 
 
 class _Lists(NamedTuple):
-    """A list property: all its values in a row, and how many each row has."""
+    """A list property: all its values in a row, and the length of each row."""
 
     values: NDArray[np.int64]
     sizes: NDArray[np.int64]
@@ -57,12 +57,12 @@ class _Lists(NamedTuple):
 
 @dataclass
 class _Body:
-    """What the readers of the two encodings fill in."""
+    """The result of the readers of both encodings."""
 
     vertices: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     faces: _Lists = field(default_factory=lambda: _Lists(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)))
     strips: _Lists = field(default_factory=lambda: _Lists(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)))
-    rest: str = ""  # what follows the last row
+    rest: str = ""  # text after the last row
 
     def add(self, name: str, lists: list[_Lists]) -> None:
         """Take the lists of all elements of that name, "face" or "tristrips", in order."""
@@ -134,7 +134,7 @@ def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int, int
                 case ["property"]:
                     elements[-1].properties.append(_Property(words[2], _TYPES[words[1].lower()], None))
                 case [word] if word not in _IGNORED:
-                    raise ValueError  # passed over, it might move all that follows
+                    raise ValueError  # skipping it could shift all that follows
         except (IndexError, KeyError, ValueError):
             raise LoadError(f"{path}, line {number}: {line.strip()[:80]!r} is no valid PLY header line") from None
     if order is None:
@@ -142,7 +142,7 @@ def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int, int
     if sum(element.name == "vertex" for element in elements) > 1:
         raise LoadError(f"{path}: the PLY file has several elements 'vertex': which one do faces mean? Export it again")
     left = len(data) - stop
-    # In text the shortest value is a digit and a space; checked before a count is believed.
+    # In text the shortest value is a digit and a space; checked before a count is used.
     least = sum(e.count * sum(_least_bytes(p) if order else 2 for p in e.properties) for e in elements)
     if least > left + 1:
         promised = ", ".join(f"{e.count:,} x {e.name}" for e in elements)
@@ -158,7 +158,7 @@ def _least_bytes(prop: _Property) -> int:
 
 
 def _index_property(path: Path, element: _Element) -> int:
-    """Return which property of a face or strip element holds the vertex indices."""
+    """Return the property of a face or strip element that holds the vertex indices."""
     lists = [at for at, prop in enumerate(element.properties) if prop.count_type]
     for at in lists:
         if element.properties[at].name in _INDEX_NAMES or len(lists) == 1:
@@ -207,9 +207,9 @@ def _read_binary(path: Path, data: bytes, at: int, elements: list[_Element], ord
 def _binary_rows(
     path: Path, data: bytes, at: int, element: _Element, order: str, wanted: int | None
 ) -> tuple[NDArray[np.void] | None, _Lists | None, int]:
-    """Return (all rows of an element if they are alike, the wanted list property, offset behind the element)."""
+    """Return (all rows of an element if they have one layout, the wanted list property, offset behind the element)."""
     lists = [i for i, prop in enumerate(element.properties) if prop.count_type]
-    # First guess: every list is as long as in the first row, as in nearly every file.
+    # First guess: every list is as long as in the first row, as is true of nearly every file.
     sizes, _ = _walk_row(path, data, at, element, order)
     fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
     for i, prop in enumerate(element.properties):
@@ -266,7 +266,7 @@ def _walk_row(path: Path, data: bytes, at: int, element: _Element, order: str) -
 
 
 def _whole(values: NDArray[Any]) -> NDArray[np.int64]:
-    """Return indices, which a few writers store as floating-point numbers, as integers; what is none is no index."""
+    """Return indices as integers; a few writers store them as floating-point numbers. Others become invalid indices."""
     if values.dtype.kind in "iu":
         return values.astype(np.int64)
     good = (values == np.rint(values)) & (np.abs(values) < 2**53)

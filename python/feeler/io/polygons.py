@@ -1,4 +1,4 @@
-"""Polygons to triangles: a fan where the polygon is convex, ears where it is not."""
+"""Triangulates polygons: a fan if the polygon is convex, ear clipping otherwise."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_EAR_CORNERS = 2000
-"""Above this a polygon that is not convex is cut as a fan: looking for ears takes the cube of the corners at worst."""
+"""Larger polygons that are not convex are cut as a fan: ear clipping takes cubic time at worst."""
 
-_MANY = 100  # corners from which on NumPy is faster than a loop over them
+_MANY = 100  # corners from which NumPy is faster than a loop
 
 
 _Ring: TypeAlias = list[tuple[int, list[float]]]
@@ -18,7 +18,7 @@ _Ring: TypeAlias = list[tuple[int, list[float]]]
 
 
 class Triangulated(NamedTuple):
-    """Triangles in the order of their polygons, and what was met on the way."""
+    """Triangles in the order of their polygons, and counts of defects."""
 
     faces: NDArray[np.int64]  # (m, 3)
     polygon: NDArray[np.int64]  # (m,) the polygon each triangle came from
@@ -61,7 +61,7 @@ def triangulate(corners: NDArray[np.int64], sizes: NDArray[np.int64], vertices: 
 
 
 def describe(result: Triangulated) -> list[str]:
-    """Return the notes a reader adds to its report."""
+    """Return the notes for the reader's report."""
     notes = []
     if result.cut:
         notes.append(f"{result.cut:,} polygons with more than three corners were cut into triangles")
@@ -74,7 +74,7 @@ def describe(result: Triangulated) -> list[str]:
 
 
 def _any_inside(left: NDArray[np.int64], a: int, b: int, c: int, plane: NDArray[np.float64]) -> bool:
-    """Tell whether a corner that is left lies in the triangle, or on it; those that equal its corners do not count."""
+    """Tell whether a remaining corner lies in the triangle, or on it; those equal to its corners do not count."""
     x, y = plane[left].T
     inside = np.ones(len(left), dtype=bool)
     for (from_x, from_y), (to_x, to_y) in zip(plane[[a, b, c]].tolist(), plane[[b, c, a]].tolist(), strict=True):
@@ -84,7 +84,7 @@ def _any_inside(left: NDArray[np.int64], a: int, b: int, c: int, plane: NDArray[
 
 
 def _reflex(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell, for polygons (p, k), which corners turn back; none where a corner does not exist or is not finite."""
+    """Tell, for polygons (p, k), which corners are reflex; none if a corner does not exist or is not finite."""
     reflex = np.zeros(block.shape, dtype=bool)
     good = ((block >= 0) & (block < len(vertices))).all(axis=1)
     if good.any():
@@ -104,7 +104,7 @@ def _area_vector(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _flat(points: NDArray[np.float64], normal: NDArray[np.float64]) -> list[list[float]]:
-    """Return points (n, 3) seen along a normal, as x and y: what runs around it runs counter-clockwise."""
+    """Return points (n, 3) projected along a normal, as x and y: counter-clockwise seen from the normal's tip."""
     drop = int(np.argmax(np.abs(normal)))
     flat = np.delete(points, drop, axis=1)
     if (normal[drop] < 0) != (drop == 1):
@@ -114,7 +114,7 @@ def _flat(points: NDArray[np.float64], normal: NDArray[np.float64]) -> list[list
 
 
 def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Cut ears off one polygon, seen along its area vector. What has no ear left is cut as a fan."""
+    """Cut ears off one polygon, seen along its area vector. A rest without an ear is cut as a fan."""
     xy = _flat(vertices[corners], _area_vector(vertices[corners][None])[0])
 
     def turn(a: int, b: int, c: int) -> float:
@@ -151,10 +151,10 @@ def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[
 def bridged(
     outline: NDArray[np.int64], holes: list[NDArray[np.int64]], vertices: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """Return one polygon for an outline with holes: it runs to each hole, around it, and back on the same line.
+    """Return one polygon for an outline with holes: it goes to each hole, around it, and back on the same line.
 
-    The hole whose corner lies farthest to the right goes first, and is tied to a corner of the polygon that it sees
-    (after Eberly). Holes with a corner that does not exist, or of fewer than three, are passed over.
+    The hole with the rightmost corner goes first, and is joined to a visible corner of the polygon (after Eberly).
+    Holes with an invalid corner, or with fewer than three, are skipped.
     """
     count = len(vertices)
     holes = [hole for hole in holes if len(hole) > 2 and ((hole >= 0) & (hole < count)).all()]
@@ -180,24 +180,24 @@ def _area(ring: _Ring) -> float:
 
 
 def _seen_from(point: list[float], ring: _Ring) -> int:
-    """Return the corner of a counter-clockwise ring that a point inside it sees: it looks to the right."""
+    """Return a corner of a counter-clockwise ring that is visible from a point inside, looking to the right."""
     x, y = point
     best, at = float("inf"), -1
     for i, (_, a) in enumerate(ring):
         b = ring[(i + 1) % len(ring)][1]
-        # What lies ahead has the inside on its left, so it goes up.
+        # Edges ahead have the inside on their left, so they go up.
         if a[1] <= y < b[1] or (a[1] < y <= b[1]):
             hit = a[0] + (y - a[1]) * (b[0] - a[0]) / (b[1] - a[1])
             if x <= hit < best:
                 begins = y == a[1] or (y != b[1] and a[0] > b[0])
                 best, at = hit, i if begins else (i + 1) % len(ring)
     if at < 0:
-        # The hole is not inside: the nearest corner is as good as any.
+        # The hole is not inside: any corner will do, so take the nearest.
         return min(range(len(ring)), key=lambda i: (ring[i][1][0] - x) ** 2 + (ring[i][1][1] - y) ** 2)
     tip = ring[at][1]
     if tip[1] == y:
         return at
-    # Corners that turn back may stand in between, inside the triangle of point, hit and tip: the one of least angle.
+    # Reflex corners may lie in between, inside the triangle of point, hit and tip: take the one with the least angle.
     corners = ([x, y], [best, y], tip) if tip[1] > y else ([x, y], tip, [best, y])
     least, nearest = (abs(tip[1] - y) / max(tip[0] - x, 1e-300), (tip[0] - x) ** 2 + (tip[1] - y) ** 2), at
     for i, (_, p) in enumerate(ring):

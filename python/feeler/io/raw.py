@@ -1,4 +1,4 @@
-"""What every reader returns: plain arrays in the file's own numbers, with names, paths, unit and notes."""
+"""The result of every reader: plain arrays in the file's own numbers, with names, paths, unit and notes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from feeler.io.units import Unit
 from feeler.progress import Progress
 
 Axis: TypeAlias = Literal["x", "y", "z"]
-"""A coordinate axis, as the direction that a file calls up."""
+"""A coordinate axis, as the up direction of a file."""
 
 OUT_OF_RANGE = 0xFFFFFFFF
-"""Stands in `faces` for an index that names no vertex. The triangle is kept and the mock-up reports it."""
+"""Marks an index in `faces` without a vertex. The triangle is kept and the mock-up reports it."""
 
 _MAX_LABEL = 200
 _MAX_PATH = 4000
@@ -28,13 +28,13 @@ class RawMesh:
     """One file as read: nothing merged, dropped or moved.
 
     vertices      (n, 3) float64, in the file's unit, world frame of the file
-    faces         (m, 3) uint32, in the file's order; `OUT_OF_RANGE` where the file's index names no vertex
+    faces         (m, 3) uint32, in the file's order; `OUT_OF_RANGE` for an index without a vertex
     part_of_face  (m,) uint32, index into `part_names`
     part_paths    path of each part inside the file; empty for a file that is one nameless part
-    unit          the unit the file states, or None
-    in_metres     the reader's library has converted `vertices` from `unit` to metres already (STEP)
-    up            the axis that points up by the format's standard or the file's word, or None if neither says so
-    colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: the reader knows none
+    unit          the unit that the file states, or None
+    in_metres     the reader's library has already converted `vertices` from `unit` to metres (STEP)
+    up            the up axis by the format's standard or the file's statement, or None
+    colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: no colours
     """
 
     vertices: NDArray[np.float64]
@@ -69,7 +69,7 @@ def clean_name(name: object, default: str) -> str:
 
 
 class PathBook:
-    """Hands out unique part paths: the second `a/b` becomes `a/b#2`.
+    """Makes part paths unique: the second `a/b` becomes `a/b#2`.
 
     A `/` inside a name becomes `_`, because it would read as a level. Labels are cut at 200 characters; levels beyond
     4000 characters of path are left out of it (a number keeps it unique).
@@ -86,7 +86,7 @@ class PathBook:
         return self.claim_path(wanted if len(wanted) <= _MAX_PATH else parent)
 
     def claim_path(self, wanted: str) -> str:
-        """Return `wanted`, or `wanted#2`, `wanted#3` ... whichever is free, and mark it as taken."""
+        """Return `wanted`, or the first free one of `wanted#2`, `wanted#3` ..., and mark it as taken."""
         path = wanted
         while path in self._used:
             number = self._next.get(wanted, 2)

@@ -1,4 +1,4 @@
-"""The reader of each format, and what leaves it: a mesh, a `FeelerError`, or what the caller's progress raised."""
+"""The reader of each format. It returns a mesh, or raises a `FeelerError` or the error of the caller's progress."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ _READERS: dict[str, Callable[[Path, Progress | None], RawMesh]] = {
 
 
 class Watched:
-    """A progress callable that remembers what the caller's raised, so that it is not taken for a damaged file."""
+    """A progress callable that remembers errors of the caller's, so that they do not count as a damaged file."""
 
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self.raised: Exception | None = None
 
     def __call__(self, fraction: float, stage: str) -> None:
-        """Pass it on."""
+        """Report the progress."""
         try:
             if self._progress:
                 self._progress(fraction, stage)
@@ -48,7 +48,7 @@ class Watched:
 
 
 def read(path: Path, format_name: str, chord_tolerance: float | None, given: Unit | None, watched: Watched) -> RawMesh:
-    """Read one file. Whatever goes wrong in a reader or library leaves here as a `FeelerError`, with its cause."""
+    """Read one file. Every error of a reader or library becomes a `FeelerError` with its cause."""
     try:
         check_memory(2 * path.stat().st_size, str(path))
         if format_name == "STEP":
@@ -59,10 +59,10 @@ def read(path: Path, format_name: str, chord_tolerance: float | None, given: Uni
         raise
     except Exception as error:
         if error is watched.raised:
-            raise  # the caller's own, to stop the load
+            raise  # the caller's own error, to stop the load
         raise _as_load_error(path, format_name, error) from error
     if watched.raised is not None:
-        raise watched.raised  # a reader took it for a fault of the file, and read that in another way
+        raise watched.raised  # a reader took it for a defect of the file, and read on
     if len(raw.vertices) > len(raw.faces) and format_name != "STL":
         # A closed mesh has about half as many vertices as triangles; here every triangle has its own (STL is welded).
         raw.vertices, raw.faces = weld(raw.vertices, raw.faces)
@@ -70,7 +70,7 @@ def read(path: Path, format_name: str, chord_tolerance: float | None, given: Uni
 
 
 def _as_load_error(path: Path, format_name: str, error: Exception) -> LoadError:
-    """Return what to tell of an error that a reader or library did not foresee."""
+    """Return the text for an unexpected error of a reader or library."""
     if isinstance(error, OSError):
         return LoadError(f"{path}: cannot be read ({error.strerror or error}); check the file and its permissions")
     if isinstance(error, MemoryError):

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_CHUNK = 65536  # vertices that have their own matrix, 128 bytes each, at a time
+_CHUNK = 65536  # vertices processed at once, each with its own matrix of 128 bytes
 
 
 def skinned(
     points: NDArray[np.float64], joint: NDArray[Any], weight: NDArray[Any], matrices: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return (points (n, 3) where their joints put them, whether each is mirrored there)."""
+    """Return (points (n, 3) placed by their joints, whether each is mirrored there)."""
     placed = np.empty_like(points)
     mirrored = np.empty(len(points), dtype=bool)
     with np.errstate(all="ignore"):

@@ -1,4 +1,4 @@
-"""Which format a file is: by its first bytes where they are telling, else by its extension."""
+"""Detects the format of a file: by its first bytes if they are unambiguous, else by its extension."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EXTENSIONS: dict[str, str] = {
 }
 
 COMPANIONS = frozenset({".bin", ".mtl", ".png", ".jpg", ".jpeg", ".ktx2", ".webp"})
-"""Files that lie beside meshes and belong to them: not worth a note when a folder is loaded."""
+"""Files that accompany meshes: not listed in notes when a folder is loaded."""
 
 _PACKED = {
     b"\x1f\x8b": "gzip",
@@ -91,7 +91,7 @@ def identify(path: Path) -> tuple[str, list[str]]:
 
 
 def _by_content(head: bytes, text: bytes, size: int) -> str | None:
-    """Return the format that the first bytes, or these as text, prove; or None."""
+    """Return the format that the first bytes prove, as bytes or as text; or None."""
     if head.startswith(b"glTF"):
         return "glTF"
     if _PLY.match(text):
@@ -119,7 +119,7 @@ def is_binary_stl(head: bytes, size: int) -> bool:
 
 
 def _weak(text: bytes) -> str | None:
-    """Return a guess for a file whose extension says nothing."""
+    """Return a guess for a file with an unknown extension."""
     if b"\0" in text:
         return None
     if _OBJ.search(text):

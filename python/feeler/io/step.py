@@ -1,8 +1,8 @@
 """STEP (ISO 10303-21): B-rep, triangulated on load by OpenCASCADE (cascadio), in a process of its own.
 
-How fine: a triangle is nowhere farther than `chord_tolerance` metres from its surface, and neighbours turn by at most
-0.5 rad, so that small holes and bolts stay round. The default is 0.1 mm. Corners come as float32 metres in the frame of
-their part, so they are right to about 1e-7 of the part's size.
+Fineness: no triangle is farther than `chord_tolerance` metres from its surface, and neighbours differ by at most 0.5
+rad, so that small holes and bolts stay round. The default is 0.1 mm. Corners are float32 metres in the frame of their
+part, with an error of about 1e-7 of the part's size.
 """
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ from feeler.io.units import Unit, parse_unit
 from feeler.progress import Progress
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
-"""Metres. Less is finer: the number of triangles of a round surface grows with its inverse square root."""
+"""Metres. A smaller value is finer: the number of triangles grows with its inverse square root."""
 
 ANGLE_RAD = 0.5
-"""The most neighbouring triangles turn against each other: at least 13 around a circle, however small."""
+"""The largest angle between neighbouring triangles: at least 13 around a circle of any size."""
 
 _WORKER = Path(__file__).with_name("_step_worker.py")
 _NOT_INSTALLED = 3
-_EMPTY = re.compile("RWGltf_CafWriter skipped node .* without geometry data")  # told by name of the part instead
+_EMPTY = re.compile("RWGltf_CafWriter skipped node .* without geometry data")  # reported by the part's name instead
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 _LINES_KEPT = 5
 _NOTES_SHOWN = 10
 _POLL_SECONDS = 0.05
-_SECONDS_PER_MB = 60.0  # a time-out against hangs, about a hundred times what conversion takes
+_SECONDS_PER_MB = 60.0  # a time-out against hangs, about a hundred times the usual duration
 _LEAST_SECONDS = 300.0
 _EXPECTED_SECONDS_PER_MB = 0.4  # only for the progress bar
 
@@ -55,8 +55,8 @@ def read_step(
 ) -> RawMesh:
     """Read a STEP file: one part for every place of a product in the assembly, with names and paths.
 
-    Parts that are in other files beside it are read from there. `given` is the unit that the caller will scale to in
-    place of the stated one, so that the tolerance holds after it.
+    Parts in other files beside it are read from there. `given` is the unit that the caller will apply instead of the
+    stated one; the tolerance holds in that unit.
     """
     text = _text_of(path)
     tolerance = DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else chord_tolerance
@@ -160,7 +160,7 @@ def _some(notes: list[str]) -> str:
 
 
 def _not_placed(assembly: Assembly, files: dict[int, list[Named]], shown: set[int]) -> list[str]:
-    """Return notes on parts of other files that the assembly has and the converter does not place."""
+    """Return notes on parts of other files that are in the assembly but not placed by the converter."""
     return [
         f'part "{assembly.name(definition)}" is in the file {named[0].shown}, and was left out: where it is placed '
         "could not be read"
@@ -170,7 +170,7 @@ def _not_placed(assembly: Assembly, files: dict[int, list[Named]], shown: set[in
 
 
 def _own_shape(assembly: Assembly, files: dict[int, list[Named]], shaped: set[int], path: Path) -> list[str]:
-    """Return notes on parts that name another STEP file and have a shape here too: that file is not read."""
+    """Return notes on parts that refer to another STEP file and also have a shape here: that file is not read."""
     tally = Tally()
     for definition in sorted(shaped & files.keys()):
         places = [find(named, path.parent, path.parent).path for named in files[definition]]
@@ -181,7 +181,7 @@ def _own_shape(assembly: Assembly, files: dict[int, list[Named]], shaped: set[in
 
 
 def _empty_parts(document: Document, definitions: dict[int, int]) -> list[Slot]:
-    """Return the parts without a surface. Each gets an empty mesh of its own, so that it has a path as others have."""
+    """Return the parts without a surface. Each gets an empty mesh, and so a path, like others."""
     nodes, meshes = document.root.get("nodes", []), document.root.setdefault("meshes", [])
     node_of: dict[int, int] = {}  # by mesh
     for at, node in enumerate(nodes):
@@ -214,7 +214,7 @@ def _convert(path: Path, source: Path, target: Path, tolerance: float, progress:
     The progress bar and Ctrl-C stay alive.
     """
     megabytes = source.stat().st_size / 2**20
-    millimetres = tolerance * 1000.0  # OpenCASCADE works in millimetres inside, whatever the file says
+    millimetres = tolerance * 1000.0  # OpenCASCADE works in millimetres inside, whatever the file's unit
     arguments = [str(source), str(target), repr(millimetres), repr(ANGLE_RAD), str(machine_memory())]
     limit = max(_LEAST_SECONDS, _SECONDS_PER_MB * megabytes)
     started = time.monotonic()
@@ -258,7 +258,7 @@ def _convert(path: Path, source: Path, target: Path, tolerance: float, progress:
 
 
 def _lines(log: Path) -> list[str]:
-    """Return what the converter printed, each line once, without colours, the first few."""
+    """Return the first few lines that the converter printed, each once, without colours."""
     with log.open("rb") as file:
         text = _COLOUR.sub("", file.read(2**16).decode("utf-8", "replace"))
     lines = [clean_name(line, "").strip("* ")[:200] for line in text.splitlines()]
@@ -267,7 +267,7 @@ def _lines(log: Path) -> list[str]:
 
 
 def _count_faces(document: Document) -> int | None:
-    """Return how many faces of the B-rep have triangles, None if the converter does not tell for all of them."""
+    """Return the number of faces of the B-rep with triangles, None if the converter does not report it for all."""
     total = 0
     seen: set[int] = set()
     for mesh in document.root.get("meshes", []):

@@ -1,7 +1,7 @@
-"""Parts of a STEP assembly that lie in other files: which file a product names, and where that file is.
+"""Parts of a STEP assembly in other files: the file of each product, and its place on disk.
 
-AP214 and AP242 name it by APPLIED_DOCUMENT_REFERENCE or by a PROPERTY_DEFINITION of the product's shape, AP203 by
-PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS; DOCUMENT_PRODUCT_EQUIVALENCE may stand between product and file.
+AP214 and AP242 refer to it by APPLIED_DOCUMENT_REFERENCE or by a PROPERTY_DEFINITION of the product's shape, AP203 by
+PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS; DOCUMENT_PRODUCT_EQUIVALENCE may link product and file.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _ABSOLUTE = re.compile(r"^(?:[A-Za-z][A-Za-z0-9+.-]*:|/)")  # a drive, a scheme 
 
 
 class Named(NamedTuple):
-    """A file as a STEP file names it: the spellings it gives, the likeliest first."""
+    """A file as a STEP file names it: its possible spellings, the likeliest first."""
 
     spellings: tuple[str, ...]
 
@@ -35,14 +35,14 @@ class Named(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a named file is, or why it is not read."""
+    """The place of a named file, or why it is not read."""
 
     path: Path | None
     why_not: str = ""
 
 
 def referenced_files(text: bytes, assembly: Assembly) -> dict[int, list[Named]]:
-    """Return the files that each PRODUCT_DEFINITION names, in the order of the text (`plain_text`)."""
+    """Return the files of each PRODUCT_DEFINITION, in the order of the text (`plain_text`)."""
     found: dict[str, list[Entity]] = {}
     keys = (
         *_DOCUMENTS, *_REFERENCES, _IDENTIFIED, _WITH_DOCUMENTS, "EXTERNAL_SOURCE", "DOCUMENT_PRODUCT_EQUIVALENCE",
@@ -59,7 +59,7 @@ def referenced_files(text: bytes, assembly: Assembly) -> dict[int, list[Named]]:
     for definition, formation in assembly.formation_of.items():
         by_formation.setdefault(formation, []).append(definition)
     with_documents = {e.number: e.all(4) for e in found.get(_WITH_DOCUMENTS, [])}
-    # A document that stands for files: document = formation, whose definition has the files.
+    # A document that represents files: document = formation, whose definition has the files.
     stands_for: dict[int, list[int]] = {}
     for entity in found.get("DOCUMENT_PRODUCT_EQUIVALENCE", []):
         for formation in entity.all(3):
@@ -91,7 +91,7 @@ def referenced_files(text: bytes, assembly: Assembly) -> dict[int, list[Named]]:
 
 
 def _named(found: dict[str, list[Entity]]) -> dict[int, Named]:
-    """Return the file name that documents, and whatever else has an external identification, go by."""
+    """Return the file names of documents, and of everything else with an external identification."""
     spellings: dict[int, list[str]] = {}
     sources = {e.number: e.text(0) for e in found.get("EXTERNAL_SOURCE", [])}
     for entity in found.get(_IDENTIFIED, []):
@@ -114,12 +114,12 @@ def _named(found: dict[str, list[Entity]]) -> dict[int, Named]:
 
 
 def _unlikely(name: str) -> bool:
-    """Sort names that end as STEP files do before others: a document may have a number or title beside."""
+    """Sort names with a STEP extension first: a document may also have a number or title."""
     return not name.lower().endswith(SUFFIXES)
 
 
 def _by_property(found: dict[str, list[Entity]]) -> list[tuple[int, int]]:
-    """Return (document, definition) where a property of the document is the shape of the product, or names it."""
+    """Return (document, definition) if a property of the document is the shape of the product, or names it."""
     definition_of_shape = {e.number: e.refers(2) for e in found.get("PRODUCT_DEFINITION_SHAPE", [])}
     definition_of: dict[int, list[int]] = {}  # by its representation
     for entity in found.get("SHAPE_DEFINITION_REPRESENTATION", []):
@@ -135,7 +135,7 @@ def _by_property(found: dict[str, list[Entity]]) -> list[tuple[int, int]]:
 
 
 def find(named: Named, folder: Path, within: Path) -> Place:
-    """Return where a file is that a STEP file in `folder` names. What is outside of `within` is never looked at."""
+    """Find a file named by a STEP file in `folder`. Files outside `within` are never touched."""
     whys = []
     for spelling in named.spellings:
         place = _find(spelling, folder, within)
@@ -162,8 +162,8 @@ def _find(spelling: str, folder: Path, within: Path) -> Place:
             if found is None:
                 break
             try:
-                at = found.resolve()  # a link may lead elsewhere
-            except (OSError, RuntimeError):  # or around
+                at = found.resolve()  # a link may lead out of the folder
+            except (OSError, RuntimeError):  # or in a circle
                 break
             if at != root and root not in at.parents:
                 return Place(None, "which is outside of the folder of the assembly and so was not read; copy it there")
@@ -176,7 +176,7 @@ def _find(spelling: str, folder: Path, within: Path) -> Place:
 
 
 def _child(folder: Path, name: str, is_file: bool) -> Path | None:
-    """Return the entry of that name, or of that name in other case, or with another of the suffixes of STEP."""
+    """Return the entry of that name, in any case, or with another STEP suffix."""
     try:
         entries = sorted(entry.name for entry in folder.iterdir())
     except OSError:

@@ -1,7 +1,7 @@
-"""What a STEP file says in its text: units, the assembly, and the product names that the converter leaves out.
+"""Facts in the text of a STEP file: units, the assembly, and the product names that the converter leaves out.
 
-The converter names a node after its occurrence ("bolt-3"), or by a number where an occurrence has no name ("130"). Here
-parts are called what they are: by the name of their product. The text has both.
+The converter names a node after its occurrence ("bolt-3"), or by a number if the occurrence has no name ("130"). feeler
+names parts after their product. The text has both.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WIT
 
 
 def stated_units(text: bytes) -> list[Unit | None]:
-    """Return the length units the shapes of the file are in, each once; None for one that feeler has no name for."""
+    """Return the length units of the shapes in the file, each once; None for an unknown one."""
     found_entities = {m[1]: m[2] for m in _LENGTH_UNIT.finditer(text)}
     found: list[Unit | None] = []
     for context in _CONTEXT.finditer(text):
@@ -51,12 +51,12 @@ def _unit_of(entity: bytes) -> Unit | None:
 class Occurrence(NamedTuple):
     """One product placed in another."""
 
-    label: str  # what the converter calls it
-    definition: int  # the entity PRODUCT_DEFINITION of what is placed
+    label: str  # the converter's name
+    definition: int  # the PRODUCT_DEFINITION entity of the placed product
 
 
 class Assembly:
-    """The products in the text of a STEP file, and which is placed in which. Numbers are those of entities."""
+    """The products in the text of a STEP file, and their placements. Numbers are entity numbers."""
 
     def __init__(self, text: bytes) -> None:
         """Read it. `text` is as `plain_text` returns it."""
@@ -84,7 +84,7 @@ class Assembly:
         return self._names.get(definition, "")
 
     def give_names(self, root: dict[str, Any]) -> dict[int, int]:
-        """Give the nodes of a converted file the names of their products; return which definition each node is of."""
+        """Name the nodes of a converted file after their products; return the definition of each node."""
         nodes = root.get("nodes", [])
         definitions: dict[int, int] = {}
         todo = [(scene.get("nodes", []), self._roots, "") for scene in root.get("scenes", [])]
@@ -102,10 +102,10 @@ class Assembly:
         return definitions
 
     def _matched(self, children: list[int], nodes: list[dict[str, Any]], known: list[Occurrence]) -> list[int]:
-        """Return the definition that each node is of, 0 if that cannot be told.
+        """Return the definition of each node, 0 if it is not known.
 
-        Nodes and occurrences come in one order, but some of either may lack the other. So labels count first, each
-        occurrence once; where they do not tell, the place does if there are as many of both.
+        Nodes and occurrences have the same order, but some of either may lack the other. Therefore labels count first,
+        each occurrence once; without a label match, the position counts if there are as many of both.
         """
         free: dict[str, list[int]] = {}
         for place, occurrence in enumerate(known):

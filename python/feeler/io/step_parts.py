@@ -1,4 +1,4 @@
-"""Parts of a STEP assembly that lie in other files: read, and put where the assembly has them."""
+"""Parts of a STEP assembly in other files: reads them and places them in the assembly."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from feeler.io.raw import PathBook, RawMesh
 from feeler.io.step_external import Named, find
 from feeler.io.tally import Tally
 
-_MAX_FILES_DEEP = 32  # files that hold files; each is read within the one before
+_MAX_FILES_DEEP = 32  # nested files; each is read within the previous one
 
 ReadFile = Callable[[Path, tuple[Path, ...]], RawMesh]
-"""Reads a STEP file in metres; the second argument are the files that are being read, the outermost first."""
+"""Reads a STEP file in metres; the second argument lists the files being read, the outermost first."""
 
 
 class Slot(NamedTuple):
-    """A part without a surface in the converted file: where one of another file belongs."""
+    """A part without a surface in the converted file: the place of a part of another file."""
 
     name: str
     path: str
@@ -39,7 +39,7 @@ class Library:
     known: dict[Path, RawMesh | str] = field(default_factory=dict)
 
     def take(self, path: Path, chain: tuple[Path, ...], read: ReadFile) -> RawMesh | str:
-        """Return the mesh of a file, or in words why there is none."""
+        """Return the mesh of a file, or the reason why there is none."""
         if path in chain:
             around = " > ".join(p.name for p in (*chain[chain.index(path) :], path))
             return f"which holds itself ({around}) and so was not read again"
@@ -56,11 +56,11 @@ class Library:
 
 
 class Filled(NamedTuple):
-    """A mesh with the parts of other files in it."""
+    """A mesh with the parts of other files."""
 
     raw: RawMesh
-    missing: list[str]  # a note for each part that is in another file and was not read
-    empty: list[str]  # notes on the parts that have no surface in any file
+    missing: list[str]  # a note for each part in another file that was not read
+    empty: list[str]  # notes on the parts without a surface in any file
 
 
 def fill(
@@ -72,9 +72,9 @@ def fill(
     library: Library,
     read: ReadFile,
 ) -> Filled:
-    """Put the parts that are in other files into `raw`, which was read from `path` and is in metres.
+    """Add the parts in other files to `raw`, which was read from `path` and is in metres.
 
-    `files` has the files that each definition names.
+    `files` has the files of each definition.
     """
     missing: dict[str, None] = {}
     came: dict[Path, RawMesh] = {}
@@ -108,7 +108,7 @@ def fill(
 
 
 def _joined(raw: RawMesh, placed: list[tuple[Slot, RawMesh]], path: Path) -> RawMesh:
-    """Return the mesh with the others behind it, each moved into its slot, their parts below the slot's path."""
+    """Return the mesh with the others appended, each moved into its slot, their parts below the slot's path."""
     if not placed:
         return raw
     meshes = [raw, *(part for _, part in placed)]

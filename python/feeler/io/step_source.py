@@ -1,4 +1,4 @@
-"""What of the text of a STEP file concerns the converter, and what in it is no surface."""
+"""Prepares the text of a STEP file for the converter, and finds entities without a surface."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ _POINTS = (
 
 
 def for_converter(text: bytes) -> bytes:
-    """Return the text (`plain_text`) as OpenCASCADE is to see it: without colours, other files, and copies.
+    """Return the text (`plain_text`) for OpenCASCADE: without colours, other files, and copies.
 
-    A mesh in several colours comes in several pieces, of which only the first tells the faces that it is made of. And
-    OpenCASCADE would open whatever file a reference names, also outside of the folder.
+    A mesh in several colours would be split, and only its first piece would list its faces. OpenCASCADE would also open
+    any referenced file, even outside the folder.
     """
     text = _REFERENCE.sub(rb"LEFT_OUT_\1", _STYLED.sub(rb"LEFT_OUT_\1", text))
     copies = {entity.number for entity in _tessellated(text)[1]}
@@ -64,9 +64,9 @@ def count_faces(text: bytes) -> int:
 
 
 def _tessellated(text: bytes) -> tuple[list[Entity], list[Entity]]:
-    """Return the solids and shells of triangles (AP242): (those by themselves, those that are copies of B-rep).
+    """Return the solids and shells of triangles (AP242): (independent ones, copies of B-rep).
 
-    OpenCASCADE reads both, and the part would be there twice.
+    OpenCASCADE reads both, so a copied part would appear twice.
     """
     found = list(entities(text, *_TESSELLATED)) if b"TESSELLATED_S" in text else []
     if not any(entity.refers(2) for entity in found):
@@ -104,9 +104,9 @@ def left_out(text: bytes) -> list[str]:
 
 
 def misplaced(text: bytes) -> list[int]:
-    """Return the placements of shapes that mirror or scale, as entity numbers: OpenCASCADE puts these shapes elsewhere.
+    """Return the placements of shapes that mirror or scale, as entity numbers; OpenCASCADE misplaces these shapes.
 
-    It makes a turn of a mirroring, and divides by a scale.
+    It turns a mirroring into a rotation, and divides by a scale.
     """
     if _OPERATOR.encode("ascii") not in text:
         return []

@@ -1,6 +1,6 @@
-"""The text of a STEP file (ISO 10303-21): its entities with their arguments, and strings as people read them.
+"""The text of a STEP file (ISO 10303-21): entities with their arguments, and decoded strings.
 
-Only the entities asked for are parsed: a file has a million others, which are for the converter.
+Only the requested entities are parsed: a file has a million others, which only the converter needs.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _MAX_NESTED = 50  # real ones nest 4 deep
 
 
 class Entity(NamedTuple):
-    """One entity: its number, keyword, arguments, and where its text lies (from the `#` to behind the `)`)."""
+    """One entity: its number, keyword, arguments, and the place of its text (from the `#` to behind the `)`)."""
 
     number: int
     keyword: str
@@ -35,7 +35,7 @@ class Entity(NamedTuple):
     end: int
 
     def refers(self, at: int) -> int:
-        """Return the number of the entity that argument names, 0 if it names none."""
+        """Return the entity number in that argument, 0 if there is none."""
         value = self.arguments[at] if at < len(self.arguments) else None
         return value if isinstance(value, int) else 0
 
@@ -46,7 +46,7 @@ class Entity(NamedTuple):
         return [item for item in items if isinstance(item, float)]
 
     def text(self, at: int) -> str:
-        """Return the argument that is a string, "" if it is none."""
+        """Return that argument as a string, "" if it is not one."""
         value = self.arguments[at] if at < len(self.arguments) else None
         return value if isinstance(value, str) else next(strings(value), "")
 
@@ -97,7 +97,7 @@ def strings(value: Argument) -> Iterator[str]:
 
 
 def _arguments(text: bytes, at: int) -> tuple[list[Argument], int]:
-    """Return (the arguments whose bracket was opened before `at`, where the text goes on)."""
+    """Return (the arguments of the bracket opened before `at`, where the text continues)."""
     outer: list[Argument] = []
     stack = [outer]
     value: Argument = None
@@ -138,7 +138,7 @@ def _number(word: bytes) -> float | None:
 
 
 def string_text(raw: bytes) -> str:
-    """Return what stands between the quotes as text: doubled quotes, and escapes for characters beyond ASCII."""
+    """Return the text between the quotes, decoded: doubled quotes, and escapes for characters beyond ASCII."""
     plain = raw.decode("utf-8", "replace").replace("\n", "")
     if "\\" not in plain:
         return plain.replace("''", "'")

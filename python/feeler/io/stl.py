@@ -1,12 +1,12 @@
 """STL, binary and text.
 
-Binary: a header of 80 bytes, a uint32 count, 50 bytes a triangle (normal, three corners as float32, two spare bytes).
-Which of the two a file is, its size tells: 84 + 50 * count is binary, whatever its first word. Text: every `solid` is a
-part, and its name runs to the end of the line. Normals and spare bytes are not used.
+Binary: a header of 80 bytes, a uint32 count, 50 bytes a triangle (normal, three corners as float32, two spare bytes). A
+file with a size of 84 + 50 * count is binary, whatever its first word. Text: every `solid` is a part, and its name runs
+to the end of the line. Normals and spare bytes are not used.
 
-Text is read as people's programs write it: keywords of any case, in one word or two (`endloop`, `end loop`), a name
-glued to `endsolid`, several statements on a line or one on several. What counts is that every `facet` has three
-vertices and that the file does not end inside one.
+Text is accepted in the variants that programs write: keywords of any case, in one word or two (`endloop`, `end loop`),
+a name attached to `endsolid`, several statements on a line or one on several. Only two things count: every `facet` has
+three vertices, and the file does not end inside one.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from feeler.progress import Progress
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
 
-# Lines of a text STL, by code. _LOOP: the loop of a facet begins or ends, which says nothing that is not known.
+# Lines of a text STL, by code. _LOOP: begin or end of a facet's loop, which adds no information.
 _OTHER, _FACET, _VERTEX, _ENDFACET, _SOLID, _ENDSOLID, _LOOP = range(7)
 _KEYWORDS = {
     "facet": _FACET,
@@ -44,7 +44,7 @@ _GLUED = {b"outerloop": _LOOP, b"facetnormal": _FACET}
 
 _FACET_NORMAL = re.compile(rb"\bfacet\s*normal\b", re.IGNORECASE)
 _CORNER = re.compile(r"\bvertex\s+[-+.\d]", re.IGNORECASE)
-# To lay a text out anew, one statement a line: the ends of names, the beginnings of statements, a solid after a name.
+# For laying out a text anew, one statement a line: ends of names, beginnings of statements, a solid after a name.
 _NAME_END = re.compile(rb"^([ \t]*(?:end[ \t]*)?solid\b[^\n]*)\n", re.IGNORECASE | re.MULTILINE)
 _STATEMENT = re.compile(
     rb"\s+(?=(?:end\s*(?:solid|facet|loop)|facet\s*normal|outer\s*loop)\b|vertex\s+[-+.\d])", re.IGNORECASE
@@ -106,7 +106,7 @@ def _read_text(path: Path, progress: Progress | None) -> RawMesh:
     except LoadError as error:
         with contextlib.suppress(LoadError):
             return _parse(path, _one_statement_a_line(data), None, relaid=True)
-        raise error  # its lines are those of the file
+        raise error  # its line numbers are the file's
 
 
 def _one_statement_a_line(data: bytes) -> bytes:
@@ -168,7 +168,7 @@ def _first_line(line: int, relaid: bool) -> str:
 
 
 def _line_codes(chunk: Chunk, lines: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return what each line is, by its first word or two."""
+    """Return the code of each line, from its first word or two."""
     first = chunk.first_token[lines]
     length = chunk.length(first)
     start, fourth = chunk.letter(first), chunk.letter(first, 3)
@@ -226,7 +226,7 @@ def _check_order(
     if inside.any():
         raise LoadError(f"{path}, line {int(line[border][np.argmax(inside)])}: a solid ends inside a triangle")
     has_end = bool(border.any() and code[border][-1] == _ENDSOLID)
-    # Without it, the text may be cut between two triangles; there has to be no sign that it is cut elsewhere.
+    # Without an end, the text may be cut between two triangles; nothing may indicate a cut elsewhere.
     cut = not len(code) or code[-1] != _ENDFACET or last_strange > int(line[-1])
     if not has_end and (cut or relaid):
         raise LoadError(

@@ -1,4 +1,4 @@
-"""What a reader meets and does not turn into triangles: counted by kind, with the first names."""
+"""Counts elements of a file without triangles, by kind, with the first names."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ _NAME_LENGTH = 60
 
 
 class Tally:
-    """Counts by kind; `notes()` has a line for each kind, in the order in which they were met."""
+    """Counts by kind; `notes()` has a line for each kind, in the order of occurrence."""
 
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
         self._names: dict[str, dict[str, None]] = {}
 
     def add(self, kind: str, name: object = "", count: int = 1) -> None:
-        """Count something. `kind` is a plural with its verb: "lines were left out: only triangles collide"."""
+        """Count an element. `kind` is a plural with its verb: "lines were left out: only triangles collide"."""
         self._counts[kind] = self._counts.get(kind, 0) + count
         known = self._names.setdefault(kind, {})
         label = clean_name(name, "")[:_NAME_LENGTH]

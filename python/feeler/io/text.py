@@ -1,8 +1,8 @@
-"""Text meshes as arrays: encodings undone, tokens and lines found with NumPy, numbers read in bulk, errors with lines.
+"""Text meshes as arrays: decodes, finds tokens and lines with NumPy, reads numbers in bulk, reports errors with lines.
 
-A file is cut into chunks of whole lines. In a chunk every token has a start, an end and a line; a reader picks the
-tokens it wants and gets them as numbers in one call. This reads about a hundred megabytes a second, keeps the order of
-the file, and knows the line of every token.
+A file is cut into chunks of whole lines. Every token in a chunk has a start, an end and a line; a reader selects tokens
+and gets them as numbers in one call. This reads about a hundred megabytes a second, keeps the order of the file, and
+knows the line of every token.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def decoded(data: bytes) -> bytes:
         if wide := _utf16_without_mark(data):
             data = data.decode(wide, "replace").encode("utf-8", "replace")
     if b"\r" in data:
-        # A lone \r ends a line too (old Mac, files glued together): what follows would be lost as a line's surplus.
+        # A lone \r ends a line too (old Mac, concatenated files): the next line would be lost as a surplus.
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return data
 
@@ -63,9 +63,9 @@ def _utf16_without_mark(data: bytes) -> str | None:
 
 
 def name_text(raw: bytes) -> str:
-    """Return a name in a file that does not say its encoding: UTF-8, or else that of Windows in the west.
+    """Return a name from a file of unknown encoding: UTF-8, or else Windows-1252.
 
-    No two different names of bytes become one.
+    Different names in bytes stay different.
     """
     for encoding in ("utf-8", "cp1252"):
         try:
@@ -109,7 +109,7 @@ class Chunk:
         return line
 
     def letter(self, tokens: NDArray[np.int64], at: int = 0) -> NDArray[np.uint8]:
-        """Return the byte at that offset of each token, as a lower-case letter; beyond the token: what is there."""
+        """Return the byte at that offset of each token, as a lower-case letter; beyond the token, the byte there."""
         place = np.minimum(self.starts[tokens] + at, len(self._buffer) - 1)
         letters: NDArray[np.uint8] = self._buffer[place] | np.uint8(0x20)
         return letters
@@ -148,7 +148,7 @@ class Chunk:
         return self._numbers(self.starts[tokens], self.ends[tokens], tokens, np.float64)  # type: ignore[return-value]
 
     def integers(self, tokens: NDArray[np.int64], until_slash: bool = False) -> NDArray[np.int64]:
-        """Read those tokens as integers; with `until_slash` only what stands before the first `/` of each."""
+        """Read those tokens as integers; with `until_slash` only up to the first `/` of each."""
         ends = self.ends[tokens]
         if until_slash:
             slashes = np.flatnonzero(self._buffer == 47)
@@ -230,9 +230,9 @@ def _ranges(starts: NDArray[np.int64], ends: NDArray[np.int64], size: int) -> ND
 
 
 def _parse(text: bytes, dtype: type[np.generic]) -> NDArray[np.generic] | None:
-    """Return the numbers in a text, or None if something in it is no number."""
+    """Return the numbers in a text, or None for other text."""
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # NumPy before 2.3 warns and returns what came before
+        warnings.simplefilter("error")  # NumPy before 2.3 warns and returns the numbers before the error
         try:
             return np.fromstring(text, dtype=dtype, sep=" ")
         except (ValueError, DeprecationWarning):

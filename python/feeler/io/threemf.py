@@ -1,12 +1,12 @@
 """3MF: build items and components as parts, with the file's unit.
 
-An XML reader of our own on expat: it streams, so memory follows the mesh and not the XML, it refuses document type
-declarations (entity bombs), and it looks at the sizes in the archive before it opens anything. Axes stay as in the
-file: z is up by the standard. A vertex goes through the transforms as `feeler.io.placing` says; a part that is mirrored
-has its faces turned.
+Our own XML reader on expat. It streams, so memory follows the mesh and not the XML; it refuses document type
+declarations (entity bombs); and it checks the sizes in the archive before it opens a member. Axes stay as in the file:
+z is up by the standard. Vertices are transformed as described in `feeler.io.placing`; mirrored parts get their faces
+turned.
 
-One rule for what is not in triangles: the object is left out and named with its extension, and the rest is loaded; if
-nothing is left, the error names them.
+Objects without triangles are skipped and noted with their extension, and the rest is loaded; if nothing is left, the
+error lists them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _URI_SHOWN = 120
 
 
 def read_3mf(path: Path, progress: Progress | None = None) -> RawMesh:
-    """Read a 3MF file: one part for every mesh that an item of the build leads to."""
+    """Read a 3MF file: one part for every mesh of every build item."""
     try:
         with zipfile.ZipFile(path) as archive:
             model = Model(Package(path, archive), Tally())
@@ -105,7 +105,7 @@ def _assemble(model: Model) -> RawMesh:
 
 
 def _tell(found: Object, tally: Tally) -> None:
-    """Count what there is to say of an object, when it is reached first."""
+    """Count the notes on an object, when it is reached first."""
     for kind in found.lacks:
         tally.add(kind, found.name)
     if found.kind != "model" and (len(found.faces) or found.uses):
@@ -118,9 +118,9 @@ def _shown(uri: str) -> str:
 
 
 def _count(model: Model) -> tuple[int, int, int]:
-    """Return (vertices, triangles, parts) of the build, before any of it is made; refuse cycles and missing objects.
+    """Return (vertices, triangles, parts) of the build, before it is made; refuse cycles and missing objects.
 
-    Objects may be shared by many components, so a small file can stand for an astronomic build: it is counted first.
+    Many components may share an object, so that a small file can describe an enormous build: it is counted first.
     """
     totals: dict[ObjectKey, tuple[int, int, int, int]] = {}  # vertices, triangles, parts, depth
     open_now: set[ObjectKey] = set()

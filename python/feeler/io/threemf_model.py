@@ -1,4 +1,4 @@
-"""The model files of a 3MF package: objects, and what of their shape is not in triangles."""
+"""The model files of a 3MF package: objects, and notes on shapes that are not triangles."""
 
 from __future__ import annotations
 
@@ -18,13 +18,12 @@ ObjectKey = tuple[str, str]
 """(key of the model file, object id)"""
 
 _FAMILY = re.compile(r"/3dmanufacturing/([a-z]+)", re.IGNORECASE)
-# The extensions whose elements are known here, whatever their version; an element that is not known is treated as one
-# of an unknown extension.
+# Extensions with known elements, in any version; an unknown element is treated as one of an unknown extension.
 _KNOWN = {
     "core", "production", "material", "trianglesets", "triangleset", "slice", "beamlattice", "booleanoperations",
     "volumetric", "implicit", "displacement", "securecontent",
 }  # fmt: skip
-# Elements in objects that move no surface. The properties of a volume are colours and materials, but for its boundary.
+# Elements in objects that move no surface. Volume properties are colours and materials, except for its boundary.
 _HARMLESS = {
     ("production", "alternatives"), ("trianglesets", "trianglesets"), ("triangleset", "trianglesets"),
     ("triangleset", "triangleset"), ("volumetric", "volumedata"), ("displacement", "vertices"),
@@ -50,7 +49,7 @@ _OTHER_UNIT = "model files state another unit than the root model: theirs was no
 
 @dataclass
 class Use:
-    """An item of the build, or a component of an object. `needs`: an extension that is required and not read."""
+    """An item of the build, or a component of an object. `needs`: a required extension that is not read."""
 
     target: ObjectKey
     matrix: Matrix
@@ -60,7 +59,7 @@ class Use:
 
 @dataclass
 class Object:
-    """A mesh, or components, or something that is neither; `lacks` tells of it in the words of a `Tally`."""
+    """A mesh, or components, or neither; `lacks` describes the latter in the words of a `Tally`."""
 
     name: str
     numbers: list[str] = field(default_factory=list)  # x y z of every vertex while reading
@@ -76,7 +75,7 @@ class Object:
 
 
 class Model:
-    """What has been read of all the model files of one 3MF."""
+    """The data read from all model files of one 3MF."""
 
     def __init__(self, package: Package, tally: Tally) -> None:
         self.package = package
@@ -84,8 +83,8 @@ class Model:
         self.objects: dict[ObjectKey, Object] = {}
         self.items: list[Use] = []
         self.unit = "millimeter"
-        self.operands: set[ObjectKey] = set()  # objects that shapes other than triangles are made of
-        self.unread: dict[str, None] = {}  # extensions that are required and not read
+        self.operands: set[ObjectKey] = set()  # objects that other kinds of shapes are made of
+        self.unread: dict[str, None] = {}  # required extensions that are not read
         self.encrypted: set[str] = set()
         self.pending: list[str] = []
 
@@ -94,7 +93,7 @@ class Model:
         self.pending.append(key)
 
     def object(self, use: Use, by: str) -> Object:
-        """Return what a use names; raise if it is nowhere. `by` says whose use it is."""
+        """Return the object of a use; raise if it does not exist. `by` names the user in the error."""
         file, number = use.target
         if use.target not in self.objects and file in self.encrypted:
             self.objects[use.target] = Object(f"object {number[:20]}", lacks={ENCRYPTED: None})
@@ -107,7 +106,7 @@ class Model:
 
 
 class ModelHandler:
-    """Gets the XML elements of one model file."""
+    """Receives the XML elements of one model file."""
 
     def __init__(self, model: Model, key: str, is_root: bool) -> None:
         self.model = model
@@ -126,13 +125,13 @@ class ModelHandler:
         self._triangle_tags: set[str] = set()
 
     def namespace(self, prefix: str | None, uri: str) -> None:
-        """Take the declaration of a namespace."""
+        """Receive the declaration of a namespace."""
         self._prefixes[prefix or ""] = uri
         if _family(uri) == "displacement":
             self._take_meshes_of(uri)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """Take an element that opens."""
+        """Receive the start of an element."""
         current = self.object
         if self._skipped:
             self._start_skipped(tag, attributes)
@@ -156,7 +155,7 @@ class ModelHandler:
                 self._start_extension(uri, word, attributes)
 
     def end(self, tag: str) -> None:
-        """Take an element that closes."""
+        """Receive the end of an element."""
         if self._skipped:
             self._skipped -= 1
             return
@@ -226,7 +225,7 @@ class ModelHandler:
                 self.object.lacks[STAND_IN] = None
 
     def _start_extension(self, uri: str, word: str, attributes: dict[str, str]) -> None:
-        """Take the outermost element of an extension in an object or item; what is in it is skipped."""
+        """Receive the outermost element of an extension in an object or item; its content is skipped."""
         family, current = _family(uri), self.object
         if (family, word) == ("displacement", "displacementmesh") and current is not None:
             current.lacks[DISPLACED] = None
@@ -262,7 +261,7 @@ class ModelHandler:
             self.model.operands.add((self.key, number))
 
     def _check_attributes(self, attributes: dict[str, str]) -> None:
-        """Mark what is open if an attribute belongs to an extension that is required and not read."""
+        """Mark the open use if an attribute belongs to a required extension that is not read."""
         for key in attributes if self._unread else ():
             uri = key.rpartition(SEPARATOR)[0]
             if uri in self._unread:
@@ -293,7 +292,7 @@ class ModelHandler:
                 found.lacks[EMPTY] = None
 
     def _made_use(self, attributes: dict[str, str]) -> Use:
-        # The production extension lets an item or component name another model file.
+        # With the production extension an item or component may name another model file.
         reference = next(
             (
                 value
@@ -324,7 +323,7 @@ class ModelHandler:
 
 
 def read_models(model: Model, root: str, progress: Progress | None = None) -> None:
-    """Read the root model and all the model files that it leads to."""
+    """Read the root model and all model files that it refers to."""
     model.take(root)
     seen: set[str] = set()
     while model.pending:
@@ -341,6 +340,6 @@ def read_models(model: Model, root: str, progress: Progress | None = None) -> No
 
 
 def _family(uri: str) -> str:
-    """Return which extension a namespace is, without its version: "slice"; "" if it is none of the 3MF consortium."""
+    """Return the extension of a namespace, without its version: "slice"; "" if it is none of the 3MF consortium."""
     found = _FAMILY.search(uri)
     return found[1].lower() if found else ""

@@ -1,4 +1,4 @@
-"""The archive side of 3MF: which member is which, and XML out of it, with sizes checked before anything is opened."""
+"""The archive of a 3MF file: finds its members and reads their XML, with sizes checked before anything is opened."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from feeler.io.limits import check_memory
 from feeler.progress import Progress
 
 SEPARATOR = " "
-"""Stands between namespace and name in the tags and attributes that handlers get; no namespace has a blank."""
+"""Separates namespace and name in the tags and attributes of handlers; no namespace has a blank."""
 
 _DEFAULT_MODEL = "3D/3dmodel.model"
 _RELATIONS = "_rels/.rels"
 _MAX_RATIO = 250  # deflate packs the XML of meshes about 5 to 40 times, a bomb up to 1032 times
 _SMALL = 64 * 2**20  # below this a high ratio does no harm
 _READ_BYTES = 2**20
-_ENCRYPTED = b"%3McF"  # how a member begins that the secure content extension has encrypted
+_ENCRYPTED = b"%3McF"  # start of a member that the secure content extension has encrypted
 
 
 class EncryptedError(Exception):
@@ -29,16 +29,16 @@ class EncryptedError(Exception):
 
 
 class Handler(Protocol):
-    """Takes the elements of one XML file."""
+    """Receives the elements of one XML file."""
 
     def namespace(self, prefix: str | None, uri: str) -> None:
-        """Take the declaration of a namespace; it comes before the element that holds it."""
+        """Receive the declaration of a namespace; it comes before the element that holds it."""
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """Take an element that opens."""
+        """Receive the start of an element."""
 
     def end(self, tag: str) -> None:
-        """Take an element that closes."""
+        """Receive the end of an element."""
 
 
 class Package:
@@ -56,7 +56,7 @@ class Package:
         return LoadError(f"{self.path}: {what}; {remedy}")
 
     def find(self, reference: str, beside: str = "") -> str | None:
-        """Return the key of the member that a path names, from the root or else from the member `beside`, or None."""
+        """Return the key of the member at a path, from the root or else relative to the member `beside`, or None."""
         for text in (reference, unquote(reference)):
             word = text.replace("\\", "/").lower()
             for folder in ("", posixpath.dirname(beside)):
@@ -66,11 +66,11 @@ class Package:
         return None
 
     def name(self, key: str) -> str:
-        """Return the name of a member as the archive has it."""
+        """Return the name of a member as written in the archive."""
         return self._members[key].filename
 
     def root_model(self) -> str:
-        """Return the key of the root model: where the relations say, else where everybody puts it."""
+        """Return the key of the root model: from the relations, else at its usual place."""
         relations = _Relations()
         if _RELATIONS in self._members:
             self.parse(_RELATIONS, relations)
@@ -113,7 +113,7 @@ class Package:
             raise self.fail(f"{name!r}, line {line}: the attribute {error} is missing") from error
 
     def _check_size(self, info: zipfile.ZipInfo) -> None:
-        """Refuse a member that unpacks to more than a mesh would."""
+        """Refuse a member that unpacks to an implausible size."""
         if info.file_size > _SMALL and info.file_size > _MAX_RATIO * max(info.compress_size, 1):
             raise self.fail(
                 f"{info.filename!r} unpacks from {info.compress_size:,} to {info.file_size:,} bytes: this is a zip "
@@ -123,21 +123,21 @@ class Package:
 
 
 class _Relations:
-    """Takes the relations of the package: which member is the root model."""
+    """Receives the relations of the package: which member is the root model."""
 
     def __init__(self) -> None:
         self.targets: list[str] = []
 
     def namespace(self, prefix: str | None, uri: str) -> None:
-        """Nothing here depends on it."""
+        """Nothing to do."""
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """Take a relation."""
+        """Receive a relation."""
         if attributes.get("Type", "").endswith("/3dmodel"):
             self.targets.append(attributes.get("Target", ""))
 
     def end(self, tag: str) -> None:
-        """Nothing is open."""
+        """Nothing to do."""
 
 
 class _DoctypeError(Exception):

@@ -1,8 +1,8 @@
-"""What slicers keep beside the model of a 3MF: names, and which parts are holes or modifiers and not bodies.
+"""Settings that slicers store beside the model of a 3MF: names, and parts that are holes or modifiers, not bodies.
 
 PrusaSlicer and SuperSlicer write `Slic3r_PE_model.config`, with volumes that are runs of triangles; Bambu Studio and
-OrcaSlicer write `model_settings.config`, with a part for every component. Neither is in the standard, so nothing in
-them refuses a file.
+OrcaSlicer write `model_settings.config`, with a part for every component. Neither is standard, so errors in them do not
+reject a file.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _TAKEN = "are {} to the slicer that wrote the file: they were taken as bodies, l
 
 
 def apply_settings(model: Model, root: str) -> None:
-    """Give names to objects that have none, and count parts that are no bodies."""
+    """Name objects that have no name, and count parts that are not bodies."""
     for reference in _FILES:
         key = model.package.find(reference)
         if key is None:
@@ -53,21 +53,21 @@ def apply_settings(model: Model, root: str) -> None:
 
 
 class _Settings:
-    """Takes the elements of the settings: <object id>, <part id subtype> or <volume>, <metadata key value>."""
+    """Receives the elements of the settings: <object id>, <part id subtype> or <volume>, <metadata key value>."""
 
     def __init__(self) -> None:
         self.objects: dict[str, str] = {}
         self.parts: dict[tuple[str, str], str] = {}
-        self.others: list[tuple[str, str]] = []  # (kind, name) of what is no body
+        self.others: list[tuple[str, str]] = []  # (kind, name) of parts that are not bodies
         self._object = ""
         self._part: str | None = None
         self._kind = self._label = ""
 
     def namespace(self, prefix: str | None, uri: str) -> None:
-        """The settings have none."""
+        """Nothing to do."""
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """Take an element that opens."""
+        """Receive the start of an element."""
         if tag == "object":
             self._object = attributes.get("id", "")
             self.objects.setdefault(self._object, "")
@@ -84,7 +84,7 @@ class _Settings:
                 self._kind = self._kind or "ParameterModifier"
 
     def end(self, tag: str) -> None:
-        """Take an element that closes."""
+        """Receive the end of an element."""
         if tag in ("part", "volume") and self._part is not None:
             if self._part and self._label:
                 self.parts[self._object, self._part] = self._label

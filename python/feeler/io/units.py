@@ -1,4 +1,4 @@
-"""Length units: the names a user may give, and how many metres each is."""
+"""Length units: their accepted names, and their lengths in metres."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ _BY_NAME: dict[str, Unit] = {
 }
 
 KNOWN_UNITS: tuple[str, ...] = tuple(_UNITS)
-"""The short names, in the order in which messages list them."""
+"""The short names, in the order of messages."""
 
 
 def parse_unit(unit: object) -> Unit:
-    """Return the unit of that name; case does not matter. Raise `OptionError` for a name that is not known."""
+    """Return the unit of that name; case does not matter. Raise `OptionError` for an unknown name."""
     if isinstance(unit, str):
         found = _BY_NAME.get(unit.strip()) or _BY_NAME.get(unit.strip().lower())
         if found is not None:

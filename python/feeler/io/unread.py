@@ -1,4 +1,4 @@
-"""Formats that feeler does not read, told by their names: what a file is, and what to export instead."""
+"""Formats that feeler does not read, by file name: what the file is, and what to export instead."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ _MOST_NAMES = 10_000
 
 
 def unread(path: Path, head: bytes, text: bytes) -> str | None:
-    """What a file is that feeler does not read, with what to do; None where nothing tells."""
+    """The kind of a file that feeler does not read, with advice; None if it is not recognised."""
     if found := _IFC.search(text):
         return f"it is IFC ({found[1].decode('ascii', 'replace')}), which feeler does not read; {_ENDINGS['.ifc'][1]}"
     if b"<robot" in text:

@@ -1,4 +1,4 @@
-"""What a result looks like: coloured bodies, as GLB or as a picture from a renderer that needs no display."""
+"""Pictures of results: coloured bodies, as GLB or rendered without a display."""
 
 from feeler.picture.bars import bars
 from feeler.picture.camera import Camera, Section

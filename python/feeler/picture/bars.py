@@ -1,4 +1,4 @@
-"""Lines as thin bars of three sides, so that any viewer shows them."""
+"""Lines as thin three-sided bars, which every viewer shows."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def bars(
     paths: Sequence[str],
     colour: Colour = RED,
 ) -> Body | None:
-    """A bar for each two points `(k, 3)`, metres, with its path; where it has a length. None if none has."""
+    """A bar between each two points `(k, 3)`, metres, with its path, if it has a length. None if none has."""
     kept = np.flatnonzero(np.abs(end - start).max(axis=1, initial=0.0) > 0.0)
     if not len(kept):
         return None

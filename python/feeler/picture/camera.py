@@ -1,4 +1,4 @@
-"""Where a picture is taken from, and where it is cut."""
+"""Camera and section plane of a picture."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FloatArray = npt.NDArray[np.float64]
 class Camera:
     """A perspective camera.
 
-    eye, target: (3,) metres, world. up: (3,), which way is up in the picture. fov_deg: vertical field of view.
+    eye, target: (3,) metres, world. up: (3,), the up direction of the picture. fov_deg: vertical field of view.
     """
 
     eye: tuple[float, float, float]
@@ -35,7 +35,7 @@ class Camera:
         fov_deg: float = 26.0,
         box: tuple[float, float, float, float] = (0.04, 0.04, 0.92, 0.92),
     ) -> Camera:
-        """The camera that looks along `direction` and sees all of `points` (n, 3) inside a box of the picture.
+        """The camera that looks along `direction` and fits all of `points` (n, 3) into a box of the picture.
 
         size: of the picture, pixels. box: left, top, width, height as shares of the picture, 0 to 1.
         """
@@ -64,7 +64,7 @@ class Camera:
         return cls(triple(eye), triple(eye + forward * distance), triple(up), fov_deg)
 
     def shares(self, points: npt.ArrayLike, size: tuple[int, int]) -> FloatArray:
-        """Where points (n, 3) are seen, (n, 2): shares of width and height from the left and from the top."""
+        """The image of points (n, 3), (n, 2): shares of width and height from the left and from the top."""
         right, up, forward = self.axes()
         away = np.asarray(points, dtype=np.float64) - np.asarray(self.eye)
         half = np.tan(np.radians(self.fov_deg) / 2) * np.maximum(away @ forward, 1e-12)
@@ -72,14 +72,14 @@ class Camera:
         return np.stack([(1 + x) / 2, (1 - away @ up / half) / 2], axis=1)
 
     def axes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Unit vectors right, up, forward, in the world. Raises `OptionError` where eye and target coincide."""
+        """Unit vectors right, up, forward, in the world. Raises `OptionError` if eye and target coincide."""
         forward = _unit(np.subtract(self.target, self.eye), "camera target minus eye")
         right, up = _right_up(forward, np.asarray(self.up, dtype=np.float64))
         return right, up, forward
 
 
 def usual_view(bounds: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Direction and up for a box (2, 3) of which nothing else is known: from above, the longest side across.
+    """Direction and up for a box (2, 3), without other information: from above, the longest side across.
 
     Up is z, or y where the box is longest along z (an engine along its axis, a tower lying down).
     """
@@ -93,17 +93,17 @@ def usual_view(bounds: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class Section:
-    """A cutting plane: what lies on the side the normal points to is taken away.
+    """A section plane: it removes the side that its normal points to.
 
-    point: (3,) metres, on the plane. normal: (3,), need not have length 1. Solids that
-    are cut are closed, in a dark shade of their colour.
+    point: (3,) metres, on the plane. normal: (3,), of any length. Cut solids are closed, in a dark shade of their
+    colour.
     """
 
     point: tuple[float, float, float]
     normal: tuple[float, float, float]
 
     def plane(self) -> tuple[FloatArray, float]:
-        """Unit normal n and offset d; what has n.x > d is taken away."""
+        """Unit normal n and offset d; points with n.x > d are removed."""
         normal = _unit(self.normal, "section normal")
         return normal, float(normal @ np.asarray(self.point, dtype=np.float64))
 
@@ -125,6 +125,6 @@ def _right_up(forward: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def triple(vector: npt.ArrayLike) -> tuple[float, float, float]:
-    """Three numbers as a camera and a section hold them."""
+    """Three numbers for a camera or a section."""
     x, y, z = (float(c) for c in np.asarray(vector, dtype=np.float64))
     return x, y, z

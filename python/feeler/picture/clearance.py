@@ -1,4 +1,4 @@
-"""What is near the tool, as coloured bodies: a thin bar from the tool to each part's closest point."""
+"""Clearances as coloured bodies: a thin bar from the tool to each near part's closest point."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def clearance_bodies(
 ) -> tuple[Body, ...]:
     """The mock-up, the tool at its pose, and the witness lines, coloured.
 
-    Parts that are listed are tinted, the triangles that hold closest points red (mock-up) and orange (tool), lines red.
-    A line is a bar of three sides, as thick as 0.2 % of the tool, so that any viewer shows it; where tool and part
-    meet, it has no length and is left out. context, parts: as for `collision_bodies`.
+    Listed parts are tinted, the triangles of closest points red (mock-up) and orange (tool), lines red. A line is a bar
+    of three sides, as thick as 0.2 % of the tool, which every viewer shows; it is left out where tool and part collide.
+    context, parts: as for `collision_bodies`.
     """
     body, tool_body = collision_bodies(mockup, tool, world_from_tool, clearance, context=context, parts=parts)
     size = float(np.linalg.norm(tool_body.bounds[1] - tool_body.bounds[0]))

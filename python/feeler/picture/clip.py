@@ -1,4 +1,4 @@
-"""Cutting triangles with a plane."""
+"""Clips triangles by a plane."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ IntArray = npt.NDArray[np.int64]
 
 
 def clip_triangles(corners: FloatArray, normal: FloatArray, offset: float) -> tuple[FloatArray, IntArray]:
-    """What of the triangles lies on the side n.x <= offset.
+    """The pieces of the triangles on the side n.x <= offset.
 
     corners: (m, 3, 3). Returns (k, 3, 3) triangles and, for each, the (k,) index of the one it was cut from. A
     triangle that is cut becomes one or two, with its orientation kept.
@@ -19,7 +19,7 @@ def clip_triangles(corners: FloatArray, normal: FloatArray, offset: float) -> tu
     outside = height > 0
     lost = outside.sum(axis=1)
     whole, cut = np.flatnonzero(lost == 0), np.flatnonzero((lost == 1) | (lost == 2))
-    # Turn each triangle so that the corner that stands alone (outside if one is lost, inside if two) is first.
+    # Rotate each triangle so that its single corner (outside if one is lost, inside if two) is first.
     blunt = lost[cut] == 1
     turn = (np.argmax(outside[cut] == blunt[:, None], axis=1)[:, None] + np.arange(3)) % 3
     a, b, c = np.take_along_axis(corners[cut], turn[:, :, None], axis=1).transpose(1, 0, 2)

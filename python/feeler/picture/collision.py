@@ -1,4 +1,4 @@
-"""One collision as coloured bodies: what was hit in red, what hits in orange."""
+"""One collision as coloured bodies: mock-up triangles in red, tool triangles in orange."""
 
 from __future__ import annotations
 
@@ -53,10 +53,9 @@ def collision_bodies(
 ) -> tuple[Body, Body]:
     """The mock-up and the tool at its pose, coloured: colliding triangles red (mock-up) and orange (tool).
 
-    The parts that are hit are tinted, the tool is blue, the rest is light grey, or, where `grey` is false, coloured
-    by assembly. context: None keeps every part; a distance in metres keeps only the parts whose box comes that near
-    to the tool's box (and all parts that are hit). parts: which parts are drawn at all, (parts,) bool, such as
-    `scene.part_mask`; None: all.
+    Parts that are hit are tinted, the tool is blue, the rest is light grey, or, if `grey` is false, coloured by
+    assembly. context: None keeps every part; a distance in metres keeps only parts whose box is that near to the tool's
+    box (and all parts that are hit). parts: which parts are drawn, (parts,) bool, such as `scene.part_mask`; None: all.
     """
     if context is not None and not context >= 0:
         raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
@@ -91,7 +90,7 @@ def write_collision_glb(
 
 
 def _near_parts(body: Body, box: npt.NDArray[np.float64], distance: float) -> npt.NDArray[np.bool_]:
-    """Which parts have a box nearer than `distance` to `box`."""
+    """The parts with a box nearer than `distance` to `box`."""
     count = max(len(body.paths), 1)
     lower, upper = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     order = np.argsort(body.part_of_face, kind="stable")

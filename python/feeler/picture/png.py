@@ -1,4 +1,4 @@
-"""PNG, written with the standard library alone."""
+"""Writes PNG with the standard library alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Visibility: which triangle is seen at each pixel, in arrays without a Python loop over triangles."""
+"""Visibility: the visible triangle at each pixel, computed in arrays without a Python loop over triangles."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ _HALF = np.float32(0.5)
 
 
 class DepthBuffer:
-    """A z-buffer that triangles are drawn into by scanline spans: triangles become rows, rows become pixels."""
+    """A z-buffer filled by scanline spans: triangles become rows, rows become pixels."""
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
-        # One number a pixel, the depth's bits above the triangle's number: positive floats order as their bits do,
-        # so the maximum is the nearest triangle.
+        # One number per pixel, the depth's bits above the triangle's number: positive floats sort like their bits, so
+        # the maximum is the nearest triangle.
         self._keys = np.zeros(width * height, dtype=np.uint64)
 
     def draw(self, x: npt.NDArray[Any], y: npt.NDArray[Any], inverse_depth: npt.NDArray[Any], ids: IntArray) -> None:
-        """Draws triangles; where two are equally near, the one with the larger number is seen.
+        """Draws triangles; of two at equal depth, the one with the larger number is visible.
 
         x, y: (m, 3) screen coordinates of the corners, pixels, y downwards. inverse_depth: (m, 3), 1 / metres,
         positive. ids: (m,) the triangles' numbers, 0 to 2^32 - 1.
@@ -57,7 +57,7 @@ class DepthBuffer:
             right = np.fmin(np.ceil(np.fmax(long, short) - _HALF), self.width)
             some = np.flatnonzero(left < right)
             t, left, length = t[some], left[some], (right - left)[some]
-            # Depth at both ends, held within the triangle's own, then linear between.
+            # Depth at both ends, clamped to the triangle's own, then linear between.
             begin = wa[t] + gx[t] * (left + _HALF - xa[t]) + gy[t] * (centre[some] - ya[t])
             end = np.clip(begin + gx[t] * (length - 1), low[t], high[t])
             begin = np.clip(begin, low[t], high[t])
@@ -77,7 +77,7 @@ class DepthBuffer:
         return np.where(depth > 0, (keys & np.uint64(0xFFFFFFFF)).astype(np.int64), -1), depth
 
     def _covering(self, corners: Float32) -> IntArray:
-        """Triangles whose box holds a pixel centre."""
+        """Triangles whose box contains a pixel centre."""
         kept = np.ones(corners.shape[1], dtype=bool)
         for a, size in ((corners[0], self.width), (corners[1], self.height)):
             first, last = np.ceil(_least(a) - _HALF), np.floor(-_least(-a) - _HALF)
@@ -86,7 +86,7 @@ class DepthBuffer:
 
 
 def _least(a: Float32) -> Float32:
-    """Least of each triangle's three; much faster than a reduction along so short an axis."""
+    """Minimum of each triangle's three; much faster than a reduction along so short an axis."""
     least: Float32 = np.minimum(np.minimum(a[:, 0], a[:, 1]), a[:, 2])
     return least
 

@@ -1,7 +1,7 @@
 """Pictures without a display: a software renderer for mock-ups of millions of triangles.
 
 Flow: bodies, a chunk of triangles at a time -> cut by the section plane -> visible triangle at each pixel (`raster`)
--> a colour for each triangle that is seen, lines, hollows (`shade`) -> mean of 2 by 2 pixels -> PNG.
+-> a colour for each visible triangle, lines, hollows (`shade`) -> mean of 2 by 2 pixels -> PNG.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Image = npt.NDArray[np.uint8]
 _CUT, _CUT_SHARE = np.array((0.085, 0.105, 0.135)), 0.18  # a cut's colour, linear, and how much of the part's is added
 _CHUNK = 1 << 16  # triangles at a time
 _LARGEST_SIDE = 16_384
-_NEAR = 1e-3  # of the distance: what is nearer is cut off, since a plane through the eye cannot be projected
+_NEAR = 1e-3  # of the distance: nearer geometry is clipped, since a plane through the eye cannot be projected
 _NUDGE = 2e-5  # of the distance: far above float32 rounding, far below a pixel
 _INK, _CIRCLE_PX = (40, 44, 52), 10.0  # frame of the inset and its pointer, sRGB bytes; the circle's radius
 
@@ -57,8 +57,8 @@ def render(
 ) -> Image:
     """Renders mock-ups, tools or bodies to a PNG; returns the pixels, (height, width, 3) uint8.
 
-    path: None writes no file. camera: None frames everything (`usual_view`). size: width, height in pixels.
-    section: what to cut away of the bodies with `cut`, in the inset, too. Needs no display and no GPU.
+    path: None writes no file. camera: None frames everything (`usual_view`). size: width, height in pixels. section:
+    cuts the bodies with `cut`, also in the inset. Needs no display and no GPU.
     Raises `WriteError`, `OptionError`, `MeshError`.
     """
     report = progress or (lambda _fraction, _stage: None)
@@ -97,9 +97,9 @@ def _area(corners: FloatArray) -> FloatArray:
 
 
 def _facing(body: Body) -> npt.NDArray[np.int8]:
-    """Per part: 1 where it is a closed solid facing outward, -1 facing inward, 0 where it is open.
+    """Per part: 1 if it is a closed solid facing outward, -1 facing inward, 0 if it is open.
 
-    A closed surface's area vectors sum to zero; the sign of its volume says which way it faces.
+    A closed surface's area vectors sum to zero; the sign of its volume shows its orientation.
     """
     sums = np.zeros((5, max(len(body.paths), 1)))  # area, area vector, volume
     middle = body.bounds.mean(axis=0)
@@ -113,7 +113,7 @@ def _facing(body: Body) -> npt.NDArray[np.int8]:
 
 
 class _View:
-    """One picture in the making, at twice its size. View space: x right, y up, z towards the viewer, eye at 0."""
+    """One picture in progress, at twice its size. View space: x right, y up, z towards the viewer, eye at 0."""
 
     def __init__(
         self,
@@ -158,7 +158,7 @@ class _View:
     ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
         """Corners (m, 3, 3) of faces in view space, and which of them show the inner side of a closed solid.
 
-        Such a side can only be seen through the cut: its pixels are painted as the cut.
+        Such a side is only visible through the cut: its pixels are painted as the cut.
         """
         corners = (body.vertices[body.faces[faces]] - self.eye) @ self.view_from_world.T
         if facing is None:
@@ -167,7 +167,7 @@ class _View:
         return corners, away * facing[body.part_of_face[faces]] > 0
 
     def _shaded(self, seen: npt.NDArray[np.int64], depth: npt.NDArray[np.float32]) -> Image:
-        """Colours what is seen, draws lines, darkens hollows, and averages down to the picture."""
+        """Colours visible triangles, draws lines, darkens hollows, and averages down to the picture."""
         behind = shade.background(self.height)
         image = np.empty((self.height // 2, self.width // 2, 3), dtype=np.uint8)
         image[:] = shade.encode(shade.halved(behind.repeat(2, axis=1)))
@@ -180,7 +180,7 @@ class _View:
     def _lit(
         self, seen: npt.NDArray[np.int64], depth: npt.NDArray[np.float32], behind: Any, rows: slice, columns: slice
     ) -> Image:
-        """The same for the part of the picture that has something to see. behind: `(rows, 3)`, linear."""
+        """The same for the non-empty part of the picture. behind: `(rows, 3)`, linear."""
         mark = np.zeros(self.first[-1] + 1, dtype=bool)
         mark[seen] = True  # -1 marks the spare last entry
         wanted = np.flatnonzero(mark[:-1])
@@ -189,14 +189,14 @@ class _View:
         row = row_of.take(seen, mode="wrap")  # `take` is several times as fast as an index for rows of colours
         colour, part, is_cut = self._looks(wanted)
         if self.plane is not None:
-            # A cut lies in the plane, not where the inner side is that is seen through it.
+            # A cut lies in the plane, not at the inner side seen through it.
             (nx, ny, nz), offset = self.plane
             across = (np.arange(columns.start, columns.stop) + 0.5 - self.width / 2) / self.focal * nx
             down = (self.height / 2 - 0.5 - np.arange(rows.start, rows.stop)) / self.focal * ny - nz
             in_plane = across.astype(np.float32) + down[:, None].astype(np.float32)
             in_plane /= np.float32(offset or 1)
             depth = np.where(is_cut.take(row), np.maximum(in_plane, 0), depth)
-        # What is behind everything are more rows of colours, one for each line of the picture.
+        # The background adds rows of colours, one for each line of the picture.
         line = np.arange(len(wanted), len(wanted) + len(row), dtype=np.int32)[:, None]
         colours = np.concatenate([colour[:-1], behind])
         image = colours.take(np.where(row == len(wanted), line, row), axis=0)
@@ -231,7 +231,7 @@ def _pixel_box(box: tuple[float, float, float, float], size: tuple[int, int]) ->
 
 
 def _lay_over(image: Image, small: Image, box: tuple[int, int, int, int], towards: FloatArray) -> None:
-    """Puts the inset into the picture, with a frame, a circle around what it shows and a line to it."""
+    """Puts the inset into the picture, with a frame, a circle around its content and a line to it."""
     left, top, width, height = box
     rows, columns = (np.arange(n) + 0.5 for n in image.shape[:2])
     dx, dy = columns - towards[0], rows[:, None] - towards[1]

@@ -1,4 +1,4 @@
-"""Light: from what is seen to colours."""
+"""Lighting: colours of visible triangles."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _SKY, _GROUND = np.array((0.36, 0.38, 0.41)), np.array((0.20, 0.19, 0.18))
 _SHINE = 0.22
 _BACKGROUND = ((0.975, 0.98, 0.985), (0.83, 0.85, 0.875))  # top, bottom, sRGB
 _CROWD = 5  # pixels of a window in which lines crowd, odd
-_LINE = 0.55  # how dark the lines between parts are
-_HOLLOW, _DEEP, _REACH = 0.5, 150, 0.016  # hollows: how dark at most, how soon with depth, how far, share of the width
+_LINE = 0.55  # darkness of the lines between parts
+_HOLLOW, _DEEP, _REACH = 0.5, 150, 0.016  # hollows: greatest darkness, growth by depth, share of the width
 
 
 def light(normal: FloatArray, albedo: FloatArray, to_viewer: FloatArray) -> FloatArray:
@@ -41,14 +41,14 @@ def light(normal: FloatArray, albedo: FloatArray, to_viewer: FloatArray) -> Floa
 
 
 def background(height: int) -> Float32:
-    """Behind everything: (height, 1, 3), linear, brighter at the top."""
+    """The background: (height, 1, 3), linear, brighter at the top."""
     shares = (np.arange(height)[:, None, None] + 0.5) / height
     top, bottom = linear_light(_BACKGROUND)
     return np.asarray(top + shares * (bottom - top), dtype=np.float32)
 
 
 def outlines(part: npt.NDArray[Any], depth: Float32) -> Float32:
-    """How dark the lines between parts are, (h / 2, w / 2), 0 to 1.
+    """Darkness of the lines between parts, (h / 2, w / 2), 0 to 1.
 
     part: (h, w), numbers that change across a line. depth: (h, w), 1 / metres.
     """
@@ -57,7 +57,7 @@ def outlines(part: npt.NDArray[Any], depth: Float32) -> Float32:
         # Few pixels are at an edge; a list of them is shorter than a picture.
         at = np.nonzero(part[here] != part[there])
         is_here = depth[here][at] <= depth[there][at]
-        # The farther side carries the line: outlines lie on what is behind.
+        # The farther side carries the line: outlines lie on the background.
         line[here][at[0][is_here], at[1][is_here]] = _LINE
         line[there][at[0][~is_here], at[1][~is_here]] = _LINE
     small = halved(line)
@@ -66,7 +66,7 @@ def outlines(part: npt.NDArray[Any], depth: Float32) -> Float32:
 
 
 def window(is_seen: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
-    """Rows and columns around all that is seen, of even numbers, and so far around it that shading reaches no edge."""
+    """Rows and columns around all visible pixels, of even numbers, with a margin for the shading."""
     reach = 4 * int(_REACH * is_seen.shape[1] / 4) + 2 * _CROWD + 4
     sides = []
     for axis in (1, 0):
@@ -78,15 +78,15 @@ def window(is_seen: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
 
 
 def hollows(depth: Float32, width: int) -> Float32:
-    """How dark pixels are for what stands before them, (h / 2, w / 2), 0 to 1. depth: (h, w), 1 / metres, 0: nothing.
+    """Darkening of pixels by surfaces in front of them, (h / 2, w / 2), 0 to 1. depth: (h, w), 1 / metres, 0: nothing.
     width: of the whole picture, pixels.
 
-    Inverse depth is linear on the screen wherever a surface is plane: what lies below its own mean is a hollow.
+    Inverse depth is linear on the screen wherever a surface is plane: pixels below their own mean are hollows.
     """
     mean = _box_mean(halved(depth), 2 * int(_REACH * width / 4) + 1)
     fours = depth.reshape(mean.shape[0], 2, mean.shape[1], 2)
     below = np.maximum(mean[:, None, :, None] / np.maximum(fours, np.float32(1e-30)) - 1, 0)
-    # Most pixels are in no hollow: the exponential is taken of the others alone.
+    # Most pixels are in no hollow: the exponential is computed for the others only.
     at = np.flatnonzero((fours > 0) & (below > 0))
     dark = np.zeros(depth.size, dtype=np.float32)
     dark[at] = _HOLLOW * (1 - np.exp(-_DEEP * below.ravel()[at]))
@@ -101,7 +101,7 @@ def encode(linear: Float32) -> npt.NDArray[np.uint8]:
 
 
 def linear_light(srgb: npt.ArrayLike) -> FloatArray:
-    """sRGB values, 0 to 1, as amounts of light."""
+    """sRGB values, 0 to 1, as linear light."""
     value = np.asarray(srgb, dtype=np.float64)
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 

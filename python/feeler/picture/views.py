@@ -1,4 +1,4 @@
-"""The picture of a collision: the mock-up cut open where it is hit, and a close view beside it."""
+"""The picture of a collision: the mock-up cut open at the hit, and a close view beside it."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from feeler.picture.renderer import Inset, render
 from feeler.progress import Progress
 
 _INSET = (0.615, 0.535, 0.36, 0.44)  # the close view's left, top, width and height, shares of the picture
-_WHOLES = ((0.025, 0.025, 0.79, 0.75), (0.025, 0.025, 0.565, 0.95))  # over which the close view lies; beside which
+_WHOLES = ((0.025, 0.025, 0.79, 0.75), (0.025, 0.025, 0.565, 0.95))  # the main view under the close view; beside it
 _COVERED = 0.003  # share of the mock-up's vertices that the close view may hide
-_CLOSE = 0.28  # what the close view shows, share of the tool's diagonal
+_CLOSE = 0.28  # extent of the close view, share of the tool's diagonal
 
 
 def render_collision(
@@ -32,11 +32,11 @@ def render_collision(
     parts: npt.ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> npt.NDArray[np.uint8]:
-    """The whole mock-up cut open at the tool, and a close view of what collides; returns the pixels.
+    """The whole mock-up cut open at the tool, and a close view of the collision; returns the pixels.
 
-    The mock-up is cut upright through what collides, and what stands before the cut is taken away.
-    direction, up: of the view, (3,); None: `usual_view` of the mock-up's box. parts: which are drawn, (parts,) bool,
-    such as `scene.part_mask`; None: all. path: None writes no file. Raises `WriteError`, `OptionError`.
+    The mock-up is cut vertically through the collision, and everything in front of the cut is removed. direction, up:
+    of the view, (3,); None: `usual_view` of the mock-up's box. parts: which parts are drawn, (parts,) bool, such as
+    `scene.part_mask`; None: all. path: None writes no file. Raises `WriteError`, `OptionError`.
     """
     body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, grey=False)
     hit = np.asarray(collision.mockup_triangles, dtype=np.int64)
@@ -56,7 +56,7 @@ def render_collision(
         camera = Camera.framing(points, forward, upright, size=size, box=whole)
         seen = camera.shares(points, size)
         covered = np.all(seen > np.array(_INSET[:2]) - 0.01, axis=1)
-        # Of the mock-up a little may be covered, of the tool nothing.
+        # The close view may cover a little of the mock-up, and nothing of the tool.
         if covered.mean() <= _COVERED and not covered[-len(tool_points) :].any():
             break
     reach = float(np.linalg.norm(high - low)) * _CLOSE / 2

@@ -1,1 +1,1 @@
-"""Plans: ways out of a mock-up, their order, access for tools, and the volume that a motion sweeps."""
+"""Planning: removal paths, removal order, tool access and swept volumes."""

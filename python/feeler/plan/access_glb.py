@@ -1,4 +1,4 @@
-"""What `access` found as GLB: the tool at each target, and what is in its way."""
+"""The results of `access` as GLB: the tool at each target, and its blockers."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ TARGET, UNREACHED = STEEL_BLUE, ORANGE
 
 
 def access_bodies(mockup: Mockup, tool: Tool, found: Access) -> tuple[Body, ...]:
-    """The mock-up and the tool, seated at each target, coloured.
+    """The mock-up, and the tool seated at each target, coloured.
 
-    The tool is green where the target is reachable, in the middle of its swing, and orange where it is not. Fasteners
-    are blue, parts in the way of targets that are not reachable red, the rest is light grey. `tool`: with its hand, if
-    there was one (`Tool.assembly`).
+    The tool is green at reachable targets, in the middle of its swing, and orange at others. Fasteners are blue,
+    blockers of unreachable targets red, the rest is light grey. `tool`: with its hand, if there was one
+    (`Tool.assembly`).
     """
     colours = np.tile(np.array(LIGHT_GREY), (mockup.part_count, 1))
     for row in found:

@@ -1,4 +1,4 @@
-"""Ways out as an animated GLB: what moves, what blocked it, and what is near."""
+"""Removal paths as an animated GLB: the moving parts, their blockers, and the parts nearby."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from feeler.plan.removal import Removal
 from feeler.poses import between, rotation_vector
 
 STEP_RAD = 0.1
-"""A film turns by no more from pose to pose: of 0.1 rad, what lies between is off by a 1/800 of the radius."""
+"""The largest turn from pose to pose in a film: at 0.1 rad, the poses in between are off by 1/800 of the radius."""
 MOST_BLOCKERS = 20
 
 
@@ -32,9 +32,9 @@ def write_removal_glb(
 ) -> int:
     """Writes the steps one after the other as a binary glTF 2.0 film; returns its size in bytes.
 
-    What moves is blue, what blocked a part that did not come out is red, what is near is grey. Of a part that did not
-    come out its best try is shown. tool: what moves with the parts of the last step, at the pose `start` in the world.
-    Raises `WriteError`, `MeshError`.
+    Moving parts are blue, blockers of parts without a way red, parts nearby grey. A part without a way shows its best
+    attempt. tool: moves with the parts of the last step, at the pose `start` in the world. Raises `WriteError`,
+    `MeshError`.
     """
     moving = sorted({part for step in steps for part in step.parts})
     blockers = sorted(
@@ -64,7 +64,7 @@ def write_removal_glb(
         poses = in_steps(shown_way(step.removal), bounds.mean(axis=0))
         times = now + moments(poses, bounds)
         together = [place[part] for part in step.parts] + (held if number == len(steps) - 1 else [])
-        # Before its turn a part rests, and after it.
+        # A part rests before and after its motion.
         whole = np.concatenate([[0.0], times]) if now > 0.0 else times
         path_of = np.concatenate([np.eye(4)[None], poses]) if now > 0.0 else poses
         motions += [Motion(each, whole, path_of) for each in together]
@@ -76,14 +76,14 @@ def write_removal_glb(
 
 
 def shown_way(removal: Removal) -> FloatArray:
-    """The way `(n, 4, 4)`; where none was found, from where the part is to where its best try ended."""
+    """The way `(n, 4, 4)`; if none was found, from the part's place to the end of its best attempt."""
     if removal.is_found or not removal.blocked_by:
         return removal.poses
     return np.stack([np.eye(4), max(removal.blocked_by, key=lambda each: each.reach).pose])
 
 
 def bounds_of(mockup: Mockup, parts: Sequence[int], tool: Tool | None, start: FloatArray | None) -> FloatArray:
-    """The box `(2, 3)` of the moving parts; its middle goes straight from pose to pose."""
+    """The box `(2, 3)` of the moving parts; its middle moves straight from pose to pose."""
     moving = Tool.of_parts(mockup, list(parts))
     if tool is not None:
         moving = Tool.assembly({"parts": moving, "tool": (tool, np.eye(4) if start is None else start)})
@@ -92,7 +92,7 @@ def bounds_of(mockup: Mockup, parts: Sequence[int], tool: Tool | None, start: Fl
 
 
 def in_steps(poses: FloatArray, middle: FloatArray) -> FloatArray:
-    """The way with poses between, where it turns: a film moves the origin straight, a way the middle."""
+    """The way with more poses where it turns: a film moves the origin straight, a way the middle of the box."""
     way = [poses[0]]
     for before, after in itertools.pairwise(poses):
         angle = float(np.linalg.norm(rotation_vector(after[:3, :3] @ before[:3, :3].T)))

@@ -1,4 +1,4 @@
-"""What was in the way."""
+"""Parts that block a motion."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Blocker:
-    """A part that was in the way, and how often."""
+    """A part that stopped attempts, and how often."""
 
     part: int
     """Index into `mockup.parts`."""
     path: str
     count: int
-    """Tries that it stopped: seats at which a tool meets it, and casts that end at it."""
+    """Attempts that it stopped: seats at which the tool collides with it, and casts that end at it."""

@@ -1,8 +1,8 @@
-"""Which parts block which along which straight motions: the arcs of a directional blocking graph, found when asked for.
+"""The parts that block straight motions of a part: the arcs of a directional blocking graph, computed on demand.
 
 Wilson and Latombe, "Geometric reasoning about mechanical assembly", Artificial Intelligence 71, 1994. The directions of
-a part come from its contacts, from the axes of fasteners and from the world. Parts that casts meet block it; so do
-those that it is in at the start, where it goes deeper. `removal` checks each step later, by its own rule.
+a part come from its contacts, from the axes of fasteners and from the world. Parts hit by casts block it; so do parts
+that it intersects at the start and would enter deeper. `removal` later checks each step by its own rule.
 """
 
 from __future__ import annotations
@@ -23,33 +23,36 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 TOUCH_M = 1e-6
-"""Parts nearer than this at the start are in contact, as for `removal`."""
+"""Parts nearer than this at the start are in contact, as in `removal`."""
 NEAR_SHARE = 1e-3
-"""Surfaces within this share of the size of a part suggest directions. More finds the walls of looser fits."""
+"""Surfaces within this share of the size of a part suggest directions. A larger value finds the walls of looser
+fits."""
 OPPOSED = 1e-3
-"""A touching plane blocks directions that go against it by more than this cosine."""
+"""A touching plane blocks directions whose cosine against its normal exceeds this."""
 MOST_NORMALS, MOST_DIRECTIONS = 8, 18
-"""Contact normals, and directions, of a part. More finds motions that only crowded parts have, and takes longer."""
+"""Contact normals, and directions, per part. A larger value finds more motions of crowded parts, and takes longer."""
 MOST_BLOCKERS = 24
-"""A direction that more parts block is left out: there are shorter ways, or none."""
+"""A direction with more blockers is dropped: there are shorter sequences, or none."""
 FEW_BLOCKERS = 4
-"""A direction with more than so many blockers more than the best one, and twice as many, is left out."""
+"""A direction is dropped if it has this many blockers more than the best one, and twice as many."""
 DEEPER_M, DEEPER_SHARE = 1e-5, 0.07
-"""Parts in each other at the start may be so much deeper on the way, as for `removal`."""
+"""Parts that intersect at the start may get this much deeper on the way, as in `removal`."""
 DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2.0, 3.0)
-"""Where their depth is measured, in sizes of the moving part. A step that goes too deep between is found out later."""
+"""Where that depth is measured, in sizes of the moving part. `removal` later finds a step that goes too deep
+between."""
 SAME_COSINE = 1.0 - 1e-8
-"""Directions nearer to each other are one: 0.1 mrad."""
+"""Directions closer than this are one: 0.1 mrad."""
 
 SHANK_PLAY = 1.12
-"""A fastener joins the parts that its shank, this much wider, meets. Holes are up to a tenth wider than their bolts."""
+"""A fastener joins the parts that its shank, this much wider, collides with. Holes are up to a tenth wider than their
+bolts."""
 UNDER_NUT = 0.15
-"""How far below a nut, in diameters, is the part that it bears on."""
+"""Depth below a nut, in diameters, at which the part that it bears on is sought."""
 _SIDES = 16
 
 
 class BlockingGraph:
-    """The exits of each part of a scene, and of the wanted ones (`TARGET`), looked for when they are asked for."""
+    """The exits of each part of a scene, and of the wanted ones (`TARGET`), computed on demand."""
 
     def __init__(self, question: Question, clock: Clock) -> None:
         self.question, self.clock = question, clock
@@ -61,12 +64,12 @@ class BlockingGraph:
         self._holding: dict[int, frozenset[int]] = {}
 
     def is_known(self, node: int) -> bool:
-        """Whether the exits of a part were looked for."""
+        """Whether the exits of a part were computed."""
         return node in self._exits
 
     def exits(self, node: int) -> list[Exit]:
-        """What blocks a part along each of its directions; those along which no kept part does. Where nothing blocks
-        one, the others wait until that one is forgotten."""
+        """The blockers of a part along each of its directions, except directions blocked by a kept part. If a direction
+        is free, the others wait until that one is forgotten."""
         if node not in self._exits:
             self._exits[node] = []
             if node not in self.question.kept:
@@ -92,18 +95,18 @@ class BlockingGraph:
                 yield Exit((direction,), frozenset(map(self.question.node_of, blockers)), holding)
 
     def holding(self, node: int) -> frozenset[int]:
-        """The fasteners that join a part to others, and may go."""
+        """The removable fasteners that join a part to others."""
         if node not in self._holding:
             fasteners = self.joints.of(self.question.parts_of([node]))
             self._holding[node] = frozenset(map(self.question.node_of, fasteners)) - self.question.kept - {node}
         return self._holding[node]
 
     def learn(self, node: int, exit_: Exit) -> None:
-        """Adds an exit that was found by other means."""
+        """Adds an exit found by other means."""
         self._exits[node] = undominated([*self.exits(node), exit_])
 
     def forget(self, node: int, motion: Hashable) -> list[Exit]:
-        """Leaves out a motion that turned out to be blocked: what was thought to block it."""
+        """Drops a motion that turned out to be blocked; returns the blockers assumed so far."""
         known = [Exit((motion,), one.blockers, one.fasteners) for one in self.exits(node) if motion in one.motions]
         left = [replace(one, motions=tuple(m for m in one.motions if m != motion)) for one in self.exits(node)]
         self._exits[node] = [one for one in left if one.motions]
@@ -118,7 +121,7 @@ class BlockingGraph:
         return found
 
     def most_gone(self) -> frozenset[int]:
-        """All that is known to come out, alone or together along one motion, with the wanted parts in place."""
+        """All parts known to come out, alone or together along one motion, while the wanted parts stay."""
         gone: set[int] = set()
         motions = {motion for exits in self._exits.values() for one in exits for motion in one.motions}
         while True:
@@ -139,11 +142,11 @@ class BlockingGraph:
 
 
 class _Mover:
-    """A part, or the wanted ones with what grips them, among all other parts of the scene."""
+    """A part, or the wanted ones with their tool, among all other parts of the scene."""
 
     def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int]) -> None:
         self.graph, self.question, self.node = graph, graph.question, node
-        # Parts that go before it, or may be met.
+        # Parts that leave before it, or may touch it.
         self.passed = graph.allowed | before
         self.parts = self.question.parts_of([node])
         self.tool = self.question.moving([node])
@@ -155,12 +158,12 @@ class _Mover:
         flush = set(self.contacts.parts[is_touching].tolist())
         deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
         met = {int(part) for part in touching.parts}
-        # Casts tell of parts that touch, measured depths of those that are in each other.
+        # Casts find touching parts; measured depths find parts that intersect it.
         self.seats = sorted((met - flush | deep) - self.passed)
 
     def directions(self) -> Iterator[Direction]:
-        """Those given; contact normals, the axes of fasteners and of the world, and what is along two contacts; both
-        ways. Those that the fewest touching parts oppose come first."""
+        """The given directions; then contact normals, the axes of fasteners and of the world, and the directions along
+        two contacts, both ways, those opposed by the fewest touching parts first."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
@@ -181,14 +184,14 @@ class _Mover:
         return iter(sorted(chosen, key=lambda direction: len(self.opposed(direction))))
 
     def opposed(self, direction: Direction) -> set[int]:
-        """Touching parts with a contact plane against a direction. What is deeper has no such plane to go by."""
+        """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
         against = self.contacts.normals @ np.array(direction) < -OPPOSED
         touching = np.abs(self.contacts.gaps) <= TOUCH_M
         return set(self.contacts.parts[against & touching].tolist()) - self.passed
 
     def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
-        """All other parts that block it along a direction; `None` where a kept part does, more than `most`, or the time
-        is up."""
+        """All other parts that block a direction; `None` if a kept part does, if there are more than `most`, or if the
+        time is up."""
         kept = self.question.kept
         found = self.opposed(direction)
         if not found & kept:
@@ -197,7 +200,7 @@ class _Mover:
         pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
             ignore = [("*", sorted(passed))] if passed else None
-            # What is met farther on is looked for from where the last one was.
+            # The next cast starts where the last one hit.
             hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
             if hit is None:
                 return frozenset(found)
@@ -208,7 +211,7 @@ class _Mover:
         return None
 
     def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
-        """Those of the parts that it goes deeper into along a direction than it is at the start, by samples."""
+        """The parts that it enters deeper along a direction than at the start, by samples."""
         left = sorted(parts)
         found: set[int] = set()
         way = self._way_out(direction)
@@ -235,7 +238,7 @@ class _Mover:
         return pose
 
     def _way_out(self, direction: Direction) -> float:
-        """How far along a direction the box of the tool leaves the box of all else, metres."""
+        """The distance along a direction at which the box of the tool leaves the box of all else, metres."""
         boxes = self.question.scene.mockup.part_bounds.reshape(-1, 2, 3)[self.rest.part_mask]
         lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
         low, high = self.tool.bounds
@@ -246,7 +249,7 @@ class _Mover:
 
 
 class Joints:
-    """The fasteners of a scene and the parts that each joins, looked at where they are asked for."""
+    """The fasteners of a scene and the parts that each joins, computed on demand."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -256,7 +259,7 @@ class Joints:
         self._joined: dict[int, frozenset[int]] = {}
 
     def among(self, parts: Iterable[int]) -> list[Fastener]:
-        """Those parts that are fasteners."""
+        """The parts that are fasteners."""
         new = sorted(set(parts) - self._seen)
         if new:
             self._seen.update(new)
@@ -265,8 +268,8 @@ class Joints:
         return [self._rows[part] for part in parts if part in self._rows]
 
     def of(self, parts: tuple[int, ...]) -> set[int]:
-        """The fasteners that join one of these parts; none where these are fasteners themselves. Studs stay: it is
-        their nuts that are undone."""
+        """The fasteners that join one of these parts; none if these are fasteners themselves. Studs stay: their nuts
+        are undone instead."""
         if self.among(parts):
             return set()
         bounds = self._bounds
@@ -290,7 +293,7 @@ class Joints:
 
 
 def _shank(row: Fastener, bounds: Floats) -> Tool:
-    """What meets the parts that a fastener joins, as a prism in its frame."""
+    """A prism around the shank, in the fastener's frame: the parts that the fastener joins collide with it."""
     size = row.size if np.isfinite(row.size) else float(np.median(bounds[1] - bounds[0]))
     length = row.length if np.isfinite(row.length) else float(np.linalg.norm(bounds[1] - bounds[0]))
     if row.kind == "nut":

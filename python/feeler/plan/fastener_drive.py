@@ -1,4 +1,4 @@
-"""Which tool goes into a recess: the outline of the walls that face the axis, cut across at one height."""
+"""The tool that fits a recess: found from the outline of the walls that face the axis, cut across at one height."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 CUT = 0.35
-"""Where a recess is cut across, as a share of its depth from the top: below chamfers, above what a drill left."""
+"""Height of that cut, as a share of the depth from the top: below chamfers, above the cone of a drill."""
 SAME = 0.015
-"""Distances of walls from the axis that differ by less, as a share of the recess, are one."""
+"""Walls whose distances from the axis differ by less, as a share of the recess, are one."""
 ALONG_DEG = 3.0
 """Directions of walls that differ by less are one."""
 MOST_DEPTH = 0.8
 """The greatest depth of a recess, as a share of the shape's height: deeper ones are bores."""
 SLIVER = 1e-3
-"""Triangles with a smaller share of the walls that face the axis are not looked at."""
+"""Triangles with a smaller share of the walls that face the axis are ignored."""
 TOP = 0.2
-"""How far below the upper end a recess may begin, as a share of its depth: domes and chamfers."""
+"""How far below the upper end a recess may begin, as a share of its depth, because of domes and chamfers."""
 LOBES = (1.12, 1.7)
-"""How far the lobes of a Torx recess reach, by the distance of what is between them; 1.39 in ISO 10664."""
+"""Radius of the lobes of a Torx recess, relative to the radius between them; 1.39 in ISO 10664."""
 PRISM_SIDES = {4: "square socket", 6: "hexagon socket", 12: "12-point socket"}
 CORNERS = {4: (1.3, 1.45), 6: (1.05, 1.2), 12: (1.12, 1.19)}
-"""How far corners of these reach, by the distance of their sides: `fastener_shape.CORNERS`."""
+"""Radius of the corners of these, relative to the radius of their sides: `fastener_shape.CORNERS`."""
 
 
 @dataclass(frozen=True)
@@ -42,35 +42,35 @@ class Walls:
     area: Floats
 
     def flipped(self) -> Walls:
-        """From the other end."""
+        """Seen from the other end."""
         return Walls(self.corners * [1.0, 1.0, -1.0], self.across, self.distance, self.area)
 
 
 @dataclass(frozen=True)
 class Recess:
-    """What a tool goes into from above."""
+    """A recess for a tool from above."""
 
     drive: str
     """"hexagon socket", "square socket", "12-point socket", "torx socket", "slot" or "cross"."""
     width: float
-    """Across flats; of a slot and of a cross its width."""
+    """Across flats; for a slot and a cross its width."""
     reach: float
-    """How far from the axis it goes."""
+    """Its greatest distance from the axis."""
     walls: Ints
-    """Which walls are the recess's."""
+    """The walls that belong to it."""
 
 
 def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
-    """The recess at the upper end of a shape between `low` and `high`; None where none is known."""
+    """The recess at the upper end of a shape between `low` and `high`; None if none is recognised."""
     is_inner = walls.distance < 0.0
-    # Slivers of plane faces may face anywhere once coordinates are rounded.
+    # Rounded coordinates can turn slivers of plane faces in any direction.
     inner = np.flatnonzero(is_inner & (walls.area > SLIVER * walls.area[is_inner].sum()))
     if not len(inner):
         return None
     z = walls.corners[inner][:, :, 2]
     floor, depth = float(z.min()), high - float(z.min())
     if depth > MOST_DEPTH * (high - low):
-        # Below the recess may be another one, from the other end.
+        # A second recess may lie below, from the other end.
         middle = 0.5 * (low + high)
         is_upper = z.min(axis=1) > middle
         if not is_upper.any() or (~is_upper & (z.max(axis=1) > middle)).any():
@@ -93,7 +93,7 @@ def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
 
 
 def _cut(corners: Floats, level: float) -> tuple[Floats, Floats]:
-    """Where triangles (n, 3, 3) cross a height: both ends of each, (n, 2)."""
+    """The cut of triangles (n, 3, 3) at a height: both ends of each segment, (n, 2)."""
     height = corners[..., 2] - level
     is_alone = (height > 0) == ((height > 0).sum(axis=1) == 1)[:, None]
     alone = np.argmax(is_alone, axis=1)
@@ -107,7 +107,7 @@ def _cut(corners: Floats, level: float) -> tuple[Floats, Floats]:
 
 
 class _Outline:
-    """The outline of a recess: segments, their normals' directions, and how far they are from the axis."""
+    """The outline of a recess: segments, the directions of their normals, and their distances from the axis."""
 
     def __init__(self, begin: Floats, end: Floats, normals: Floats, distance: Floats) -> None:
         self.begin, self.end, self.distance = begin, end, np.einsum("ij,ij->i", -normals, 0.5 * (begin + end))
@@ -118,7 +118,7 @@ class _Outline:
         self.reach = float(self.radii.max())
 
     def _directions(self, chosen: npt.NDArray[np.bool_], count: int) -> Floats | None:
-        """Length of the chosen segments in each of `count` even directions; None where others are among them."""
+        """Length of the chosen segments in each of `count` even directions; None if some lie in other directions."""
         turn = np.radians(self.angle[chosen])
         weight = self.length[chosen]
         phase = complex((weight * np.cos(count * turn)).sum(), (weight * np.sin(count * turn)).sum())
@@ -138,7 +138,7 @@ class _Outline:
         return ("slot", 2.0 * half) if self._is_one(self.distance, half) else None
 
     def cross(self) -> tuple[str, float] | None:
-        """Two slots across each other: walls in four directions that begin off the middle."""
+        """Two crossed slots: walls in four directions that begin off the middle."""
         half = float(self.distance.min())
         near = self.distance < half + 0.1 * self.reach
         half = float(np.average(self.distance[near], weights=self.length[near]))
@@ -164,13 +164,13 @@ class _Outline:
         return None
 
     def lobes(self) -> tuple[str, float] | None:
-        """Six lobes: going around, what is far and what is near from the axis changes twelve times."""
+        """Six lobes: around the axis, far and near walls alternate twelve times."""
         points = np.concatenate([self.begin, self.end, 0.5 * (self.begin + self.end)])
         r, turn = np.linalg.norm(points, axis=1), np.arctan2(points[:, 1], points[:, 0])
         if not LOBES[0] <= self.reach / max(float(r.min()), 1e-300) <= LOBES[1]:
             return None
         sixth = (turn * 6.0) % (2.0 * np.pi)
-        # One lobe on top of the others: all are alike, and far at one angle.
+        # With all lobes laid on top of each other, they must agree, and be far at one angle.
         phase = np.angle(np.sum((r - r.mean()) * np.exp(1j * sixth)))
         model = np.cos(sixth - phase)
         if np.corrcoef(model, r)[0, 1] < 0.9:
@@ -184,7 +184,7 @@ class _Outline:
         return bool(np.abs(distance - middle).max() <= max(SAME * self.reach, 0.01 * middle))
 
     def _is_any_over_its_foot(self, chosen: npt.NDArray[np.bool_]) -> bool:
-        """Whether a wall has the point on it that is nearest to the axis."""
+        """Whether a wall contains its point nearest to the axis."""
         along = np.stack([-self.normals[chosen, 1], self.normals[chosen, 0]], axis=1)
         one = np.einsum("ij,ij->i", along, self.begin[chosen])
         other = np.einsum("ij,ij->i", along, self.end[chosen])

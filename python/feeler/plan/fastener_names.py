@@ -1,4 +1,4 @@
-"""What names say of fasteners: words of several languages, and the numbers of standards."""
+"""Names of fasteners: words in several languages, and the numbers of standards."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ KINDS = {
     "nut": "nut nuts hexnut locknut mutter sechskantmutter ecrou tuerca dado",
     "stud": "stud studs stiftschraube gewindestange goujon",
 }
-"""Words, in lower case, by the kind of fastener that they name."""
+"""Words, in lower case, by kind of fastener."""
 
 STANDARDS = {
     "bolt": "931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
@@ -20,23 +20,23 @@ STANDARDS = {
     "nut": "934 936 439 555 985 982 1587 4032 4033 4034 4035 6923 7040 10511",
     "stud": "835 938 939 976",
 }
-"""Numbers of DIN and ISO standards by the kind of fastener."""
+"""Numbers of DIN and ISO standards by kind of fastener."""
 
 SUPPORTING = "plug plugs sensor sensors"
-"""Words that make a likely shape surer, but no fastener of another one: plugs and sensors with a hexagon are screwed
+"""Words that confirm a likely shape but make no fastener of another one: plugs and sensors with a hexagon are screwed
 in."""
 
 OTHERS = (
     "washer washers plate hole holes boss union pipe tube clamp bracket housing cover wrench driver screwdriver socket "
     "key spanner gear shaft bearing spring ring gasket seal insert pin rivet"
 )
-"""Words that name something else, where they come last: a bolt ring is no bolt."""
+"""Words that name something else if they come last: a bolt ring is not a bolt."""
 
 GENERIC = "part body solid component compound shape object mesh node item product instance copy default assembly"
-"""Words of names that programs give: they say nothing about a part."""
+"""Words of generated names, which say nothing about a part."""
 
 HEADS = "head headed hd set cap button countersunk flat pan drive shoulder"
-"""Words before which "socket" describes a screw."""
+"""Words before "socket" that describe a screw."""
 
 _KIND_OF_WORD = {word: kind for kind, words in KINDS.items() for word in words.split()}
 _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for number in numbers.split()}
@@ -49,20 +49,20 @@ _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 
 def kind_said(name: str) -> str | None:
-    """The kind of fastener that a name says: "bolt", "screw", "nut", "stud"; None where it says nothing.
+    """The kind of fastener in a name: "bolt", "screw", "nut", "stud"; None if the name does not say.
 
-    "other" where it says another thing, "plug" where it makes a likely shape surer.
+    "other" if it names something else, "plug" if it confirms a likely shape.
     """
     standard = _STANDARD.search(name)
     if standard is not None and standard.group(1) in _KIND_OF_STANDARD:
         return _KIND_OF_STANDARD[standard.group(1)]
     plain = "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
-    # "set screw, socket" is a screw: what follows a comma describes it.
+    # "set screw, socket" is a screw: words after a comma describe it.
     return next((said for said in map(_said, re.split(r"[,;(]", plain)) if said is not None), None)
 
 
 def says_nothing(name: str) -> bool:
-    """Whether a name has no word about the part, such as "Part 12"."""
+    """Whether a name has no word about the part, as in "Part 12"."""
     return all(len(word) < 3 or word.lower() in _GENERIC for word in _WORD.findall(name))
 
 

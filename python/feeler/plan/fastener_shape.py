@@ -1,9 +1,9 @@
-"""What a shape looks like as a fastener: its axis, its head, its shank, its bore.
+"""Recognises fasteners by shape: axis, head, shank and bore.
 
-A shape is looked at along each axis about which it could be one. Its walls (triangles along the axis) are put together
-by their distance from it: four directions are a square, six a hexagon, twelve a hexagon turned twice or, like more of
-them, a cylinder; those that face inwards are a bore or a recess (`fastener_drive`). What is beyond the head tells a
-bolt from a nut.
+The shape is examined along each axis about which it could be a fastener. Its walls (triangles along the axis) are
+grouped by their distance from it. Four directions form a square, six a hexagon, twelve a 12-point hexagon; twelve or
+more can also be a cylinder. Walls that face inwards are a bore or a recess (`fastener_drive`). The shape beyond the
+head separates bolts from nuts.
 """
 
 from __future__ import annotations
@@ -20,79 +20,79 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 WALL_SLOPE = 0.17
-"""Sine of how far a wall may lean from the axis: 10 degrees; flanks of threads and chamfers lean more."""
+"""Sine of the largest angle between a wall and the axis: 10 degrees; flanks of threads and chamfers lean more."""
 SAME_RADIUS = 0.012
-"""Walls at distances that differ by less than this share of the shape's radius are one body: rounded coordinates, and
-drafts."""
+"""Walls whose distances differ by less than this share of the shape's radius are one body, because of rounded
+coordinates and drafts."""
 DIRECTION_DEG = 3.0
-"""Directions of walls that differ by less are one: a hexagon's are 60 degrees apart."""
+"""Directions of walls that differ by less are one: those of a hexagon are 60 degrees apart."""
 LEAST_DIRECTION = 0.4
 """The least side of a hexagon, as a share of the mean one."""
 ALIKE = 0.03
-"""Principal values that differ by less, as a share of their sum, are alike: threads and marks make a difference."""
+"""Principal values that differ by less, as a share of their sum, count as equal: threads and marks change them."""
 LEAST_BODY = 0.02
 """Bodies with a smaller share of the walls are details."""
 LEAST_GROUP = 0.002
-"""Walls at one distance with a smaller share of all walls are not looked at."""
+"""Walls at one distance with a smaller share of all walls are ignored."""
 LEAST_ROUND = 0.68
-"""The least width across the axis by the greatest: 0.71 of a square. Only wing nuts are narrower."""
+"""The least width across the axis, relative to the greatest: 0.71 for a square. Only wing nuts are narrower."""
 LEAST_SYMMETRIC = 0.8
-"""Share of the walls that has to belong to bodies about the axis: what has other walls is no fastener."""
+"""The least share of the walls in bodies about the axis: a shape with more other walls is not a fastener."""
 TOP_SHARE = 0.25
-"""How far a head's top may stand out beyond its walls, as a share of their height: chamfers and domes do, sleeves of
-pipe unions stand out more."""
+"""How far a head's top may rise above its walls, as a share of their height, because of chamfers and domes; the sleeves
+of pipe unions rise more."""
 SHANK_SLENDER = 0.7
 """The least length of a shank, in diameters."""
 CORNERS = {4: (1.3, 1.45), 6: (1.0, 1.2), 12: (1.12, 1.19)}
-"""How far from the axis corners of a square, of a hexagon and of two hexagons turned by 30 degrees are, by the distance
-of their sides. Those of a cylinder cut into twelve are at 1.035, walls of slots are longer."""
+"""Radius of the corners, relative to that of the sides: a square, a hexagon, and two hexagons turned by 30 degrees. A
+cylinder with twelve facets has 1.035; walls of slots are longer."""
 PRISMS = {4: "square", 6: "hexagon", 12: "12-point"}
-"""Drives that a tool goes around."""
+"""Drives with the tool on the outside."""
 FLAT_SOCKETS = ("square socket", "hexagon socket", "12-point socket")
-"""Recesses that have a width across flats."""
+"""Recesses with a width across flats."""
 SQUARE_HEAD = (0.4, 1.1)
-"""Height of a square head by its shank's diameter: blocks with a boss are flatter or higher."""
+"""Height of a square head, relative to its shank's diameter: blocks with a boss are flatter or higher."""
 HEAD_HEIGHTS = (0.12, 1.5)
-"""Height of a head by its width across flats: 0.4 in the standards; standoffs are longer."""
+"""Height of a head, relative to its width across flats: 0.4 in the standards; standoffs are longer."""
 SQUARE_NUT = 0.5
-"""The least height of a square nut by half its width: square washers are flatter."""
+"""The least height of a square nut, relative to half its width: square washers are flatter."""
 BODY_TO_FLATS = (0.5, 0.95)
-"""Width of the body beyond a sensor's hexagon by the width across flats: a wrench goes around it."""
+"""Width of the body beyond a sensor's hexagon, relative to the width across flats: a wrench goes around it."""
 HEADLESS_SLENDER = 0.7
 """The least length of a set screw, in diameters."""
 HEADLESS_RECESS = 0.72
-"""How far the corners of a set screw's recess may reach, by its radius: walls of tools and bushes are thinner."""
+"""The greatest corner radius of a set screw's recess, relative to its radius: walls of tools and bushes are thinner."""
 MOST_HEAD = 1.35
-"""The greatest height of a round head with a recess, by its shank's diameter."""
+"""The greatest height of a round head with a recess, relative to its shank's diameter."""
 MOST_HEAD_WIDTH = 3.0
-"""The greatest diameter of such a head, by its shank's."""
+"""The greatest diameter of such a head, relative to its shank's."""
 SLOT_TO_HEAD = 0.25
-"""The greatest width of a slot by its head's diameter: 0.15 in the standards; slots of couplings are wider."""
+"""The greatest width of a slot, relative to its head's diameter: 0.15 in the standards; slots of couplings are
+wider."""
 WING_BORE = (0.3, 0.75)
-"""A wing nut's bore by its hub."""
+"""A wing nut's bore, relative to its hub."""
 CORE = (0.75, 0.97)
-"""Diameter of a thread's core by its shank's: 0.8 to 0.9 in the standards."""
+"""Core diameter of a thread, relative to its shank's: 0.8 to 0.9 in the standards."""
 WIDEST_STUD_M = 0.0251
-"""The widest stud that is told by its two threads: thicker such rods are shafts as a rule."""
+"""The widest stud recognised by its two threads alone: thicker rods of this form are usually shafts."""
 STUD_SLENDER = 3.0
 """The least length of a stud, in diameters."""
 THREAD_TO_FLATS = (0.3, 0.88)
-"""Thread diameter by width across flats: 0.5 to 0.67 in the standards, up to 0.8 for flanged heads."""
+"""Thread diameter, relative to the width across flats: 0.5 to 0.67 in the standards, up to 0.8 for flanged heads."""
 BORE_TO_FLATS = (0.3, 0.68)
-"""A nut's bore by its width across flats: at most 0.67 in the standards."""
+"""A nut's bore, relative to its width across flats: at most 0.67 in the standards."""
 BORE_TO_12_POINT = 0.86
-"""The most of a 12-point nut's: M8 has 10 mm across flats."""
+"""The same limit for a 12-point nut: M8 has 10 mm across flats."""
 NUT_HEIGHT = (0.15, 2.05)
-"""Height by width across flats: thin nuts to long ones."""
+"""Height, relative to the width across flats: thin nuts to long ones."""
 PRISM_HEIGHT = (0.25, 1.0)
-"""The same of a prism that stands for a head or a nut in a coarse mesh."""
+"""The same for a prism that represents a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
-"""The widest shank, and width across flats, of shapes that other things have as well: larger ones are seldom
-fasteners."""
+"""The widest shank, and width across flats, of ambiguous shapes: larger parts of such a shape are seldom fasteners."""
 HEAD_TO_SHANK = (1.4, 2.4)
-"""Diameter of a round head by its shank's: 1.5 for socket heads, 2 for pan heads."""
+"""Diameter of a round head, relative to its shank's: 1.5 for socket heads, 2 for pan heads."""
 HEAD_HEIGHT = (0.45, 1.2)
-"""Height of a round head by its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
+"""Height of a round head, relative to its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
 
 _TURNS = np.arange(4) * (np.pi / 4.0)
@@ -101,19 +101,19 @@ _AROUND = np.stack([np.cos(_TURNS), np.sin(_TURNS)], axis=1)
 
 @dataclass(frozen=True)
 class Looks:
-    """What a shape looks like, in the frame of its corners, metres; NaN where the mesh does not show it."""
+    """The recognised shape, in the frame of its corners, metres; NaN if the mesh does not show a value."""
 
     kind: str
-    """"bolt", "screw", "nut" or "stud"; where the mesh does not tell "head" (bolt or screw) or "prism" (or nut); "rod":
-    another shape."""
+    """"bolt", "screw", "nut" or "stud"; if the mesh is too coarse "head" (bolt or screw) or "prism" (also nut); "rod"
+    for other shapes."""
     axis: Floats
     """Unit; out of the joint, unless `is_two_sided`."""
     top: Floats
-    """On the axis, where the head or the nut ends."""
+    """On the axis, at the end of the head or nut."""
     height: float
     """From there to the other end, along the axis."""
     is_two_sided: bool
-    """Whether both ends look alike, so that only what is around tells which is outside."""
+    """Whether both ends look alike, so that only the surroundings show which one is outside."""
     ring: float
     """Radius of a circle about the axis on which the shape bears on the joint."""
     size: float
@@ -121,12 +121,12 @@ class Looks:
     length: float
     head_height: float
     is_strong: bool
-    """Whether hardly anything else looks so."""
+    """Whether hardly any other thing has this shape."""
     because: str
     drive: str = ""
     """As `Fastener.drive`."""
     is_known_by_name: bool = False
-    """Whether things that are no fasteners look so as often, so that the name decides."""
+    """Whether other things have this shape as often, so that the name decides."""
 
 
 @dataclass(frozen=True)
@@ -137,11 +137,11 @@ class _Body:
     is_inside: bool
     directions: int
     sides: int
-    """4, 6 or 12 of a square, a hexagon, or two hexagons that are turned by 30 degrees; 0: round."""
+    """4, 6 or 12 for a square, a hexagon, or two hexagons turned by 30 degrees; 0: round."""
     low: float
     high: float
     share: float
-    """Of the area of all walls."""
+    """Share of the area of all walls."""
 
     @property
     def height(self) -> float:
@@ -170,7 +170,7 @@ class _View:
         return float(self.z.max())
 
     def flipped(self) -> _View:
-        """From the other end."""
+        """Seen from the other end."""
         bodies = [_Body(b.radius, b.is_inside, b.directions, b.sides, -b.high, -b.low, b.share) for b in self.bodies]
         return _View(bodies, -self.z, self.r, self.across, self.recesses[::-1])
 
@@ -181,7 +181,7 @@ class _View:
         return [b for b in self.bodies if b.is_inside]
 
     def is_hollow(self) -> bool:
-        """Whether a bore goes all the way through."""
+        """Whether a bore goes right through."""
         inner, full = self.inner(), self.high - self.low
         is_open = [
             any(b.low < self.low + 0.1 * full for b in inner),
@@ -191,7 +191,7 @@ class _View:
 
 
 def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
-    """What the shape looks like; None where like no fastener. `vertices` (n, 3), `faces` (m, 3)."""
+    """The recognised shape; None if it is not like a fastener. `vertices` (n, 3), `faces` (m, 3)."""
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     double = np.sqrt(np.einsum("ij,ij->i", cross, cross))
@@ -201,7 +201,7 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
     corners, area, normals = corners[is_flat], double[is_flat], cross[is_flat] / double[is_flat][:, None]
     centre = np.average(corners.mean(axis=1), axis=0, weights=area)
     if float(np.einsum("ni,ni,n->", normals, corners.mean(axis=1) - centre, area)) < 0.0:
-        normals = -normals  # wound inside out
+        normals = -normals  # the mesh is wound inside out
     best: Looks | None = None
     for axis in _axes(corners, area, normals, centre):
         view = _view(corners, area, normals, centre, axis) if _is_round(vertices - centre, axis) else None
@@ -215,9 +215,9 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
 
 
 def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
-    """The shape as a rod or block about the axis that suits it best, for parts that a name calls a fastener.
+    """The shape as a rod or block about its best axis, for parts that a name calls a fastener.
 
-    None where it is not about as wide in both directions across that axis.
+    None if its widths across that axis differ too much.
     """
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -234,7 +234,7 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
     offset = vertices - centre
     z = offset @ axis
     r = np.sqrt(np.maximum(np.einsum("ij,ij->i", offset, offset) - z * z, 0.0))
-    # The end that is wider is the head.
+    # The wider end is the head.
     low, high = float(z.min()), float(z.max())
     upper, lower = (float(r[near].max()) for near in (z > 0.8 * high + 0.2 * low, z < 0.2 * high + 0.8 * low))
     is_two_sided = abs(upper - lower) < 0.05 * max(upper, lower)
@@ -250,8 +250,8 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
 def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Iterator[Floats]:
     """Axes about which the shape may be a fastener, likely ones first.
 
-    A shape with three equal directions or more about an axis has two equal principal values of its normals and of its
-    surface, and the axis is that of the third. A slot or wings leave the axis a principal one. Where values are alike,
+    A shape with three or more equal directions about an axis has two equal principal values of its normals and of its
+    surface; the axis is that of the third. With a slot or wings the axis is still a principal one. If values are equal,
     the directions of the largest plane faces are tried.
     """
     candidates: list[Floats] = []
@@ -276,20 +276,20 @@ def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Ite
 
 
 def _surface_moment(corners: Floats, area: Floats) -> Floats:
-    """The second moment (3, 3) of a surface of triangles (n, 3, 3) about the origin, but for a factor."""
+    """The second moment (3, 3) of a surface of triangles (n, 3, 3) about the origin, up to a factor."""
     total = corners.sum(axis=1)
     return np.asarray(np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total))
 
 
 def _frame(axis: Floats) -> Floats:
-    """(3, 3): rows across an axis, and along it."""
+    """(3, 3): two rows across an axis, and one along it."""
     x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     x /= np.linalg.norm(x)
     return np.stack([x, np.cross(axis, x), axis])
 
 
 def _is_round(offset: Floats, axis: Floats) -> bool:
-    """Whether a shape's corners, from its middle, are about as wide in all directions across an axis, but for wings."""
+    """Whether a shape's corners, from its middle, spread equally in all directions across an axis, except for wings."""
     across = offset @ _frame(axis)[:2].T
     around = across @ _AROUND.T
     widths = around.max(axis=0) - around.min(axis=0)
@@ -299,7 +299,7 @@ def _is_round(offset: Floats, axis: Floats) -> bool:
 
 
 def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
-    """The shape along an axis; None where it is not symmetric about it."""
+    """The shape along an axis; None if it is not symmetric about it."""
     frame = _frame(axis)
     points, turned = (corners - centre) @ frame.T, normals @ frame.T
     r = np.hypot(points[..., 0], points[..., 1])
@@ -344,9 +344,9 @@ def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: 
 def _body(
     distance: Floats, angle: Floats, weight: Floats, heights: Floats, farthest: Floats, total: float
 ) -> _Body | None:
-    """Walls at about one distance, if they go around the axis evenly."""
+    """Walls at about one distance, if they surround the axis evenly."""
     sides = np.round(angle / DIRECTION_DEG).astype(np.int64)
-    # Directions of a hexagon may fall beside a border of these steps: neighbours are one.
+    # Directions of a hexagon may fall on both sides of a step's border: neighbours count as one.
     order = np.argsort(angle)
     new = np.flatnonzero(np.diff(angle[order]) > DIRECTION_DEG) + 1
     runs = np.split(order, new)
@@ -357,7 +357,7 @@ def _body(
     lean = abs(complex((weight * np.cos(turn)).sum(), (weight * np.sin(turn)).sum())) / weight.sum()
     if lean > 0.1:
         return None
-    # A fine cylinder is one run, all around.
+    # A fine cylinder is one run all around.
     count = len(np.unique(sides)) if len(runs) < 3 else len(runs)
     middle = float(np.average(distance, weights=weight))
     out = float(farthest.max()) / max(abs(middle), 1e-300)
@@ -373,7 +373,7 @@ def _body(
 
 
 def _wings(across: Floats, r: Floats) -> tuple[float, float] | None:
-    """Radius of the hub, and how far its two wings reach; None where there are none."""
+    """Radius of the hub, and of its two wings; None without wings."""
     reach = float(r.max())
     tip = across[int(np.argmax(r))] / reach
     along, beside = np.abs(across @ tip), np.abs(across @ np.array([-tip[1], tip[0]]))
@@ -419,7 +419,7 @@ def _recognised(view: _View, axis: Floats, centre: Floats) -> Looks | None:
 
 @dataclass(frozen=True)
 class _Found:
-    """What `Looks` is made of, along the view's axis."""
+    """The values for `Looks`, along the view's axis."""
 
     kind: str
     size: float
@@ -437,7 +437,7 @@ class _Found:
 
 
 def _shank(view: _View, under: float, wide: float) -> tuple[float, float] | None:
-    """Radius and length of what goes on below a head that ends at `under` and whose walls are `wide` off the axis."""
+    """Radius and length of the shape below a head that ends at `under` and has walls at `wide` from the axis."""
     length = under - view.low
     below = view.r[view.z < under - 0.35 * length]
     if not len(below) or length <= 0:
@@ -449,7 +449,7 @@ def _shank(view: _View, under: float, wide: float) -> tuple[float, float] | None
 
 
 def _bearing(view: _View, radius: float, wide: float) -> float:
-    """Where a head of radius `wide` bears on the joint: the end of what is wider than the shank, its thread or not."""
+    """The height at which a head of radius `wide` bears on the joint: the end of all that is wider than the shank."""
     head = view.z[view.r > radius + 0.35 * (wide - radius)]
     return float(head.min())
 
@@ -481,7 +481,7 @@ def _bolt(view: _View) -> _Found | None:
     is_strong = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
     is_domed = beyond < head.height and not any(b.high > head.high + 0.1 * beyond for b in view.outer())
     if beyond > TOP_SHARE * head.height and not is_domed:
-        # A sensor: its hexagon is between a thread and a body that a wrench goes around.
+        # A sensor: its hexagon lies between a thread and a body that a wrench goes around.
         if head.sides != 6 or beyond > 2.0 * head.height or length > 2.5 * head.height:
             return None
         body = float(view.r[view.z > head.high + 0.3 * beyond].max())
@@ -492,7 +492,7 @@ def _bolt(view: _View) -> _Found | None:
         top = float(view.z[view.r > 1.03 * body].max())
         is_strong, is_known_by_name, height = False, True, top - bearing
         because += ", under a round body"
-    # Where the shank has six sides too, the head may as well be a round one that is cut as coarsely.
+    # If the shank has six sides too, the head may be a round one with equally coarse facets.
     is_coarse = any(b.sides == 6 and b.radius < 0.97 * head.radius for b in prisms)
     kind = "head" if is_coarse and head.sides == 6 else "bolt"
     ring = 0.9 * head.radius
@@ -510,7 +510,7 @@ def _recessed_screw(view: _View) -> _Found | None:
     radius = float(view.r[view.z < view.low + 0.4 * full].max())
     if radius < 0.3 * head:  # a pointed tip
         radius = max((b.radius for b in outer if b.radius < 0.75 * head), default=radius)
-    # A slot may run out of the head on both sides; others are inside it.
+    # A slot may run out of the head on both sides; other recesses are inside it.
     if not recess.reach < 0.85 * head and recess.drive != "slot":
         return None
     if any(b.sides and b.radius > radius for b in outer):
@@ -544,7 +544,7 @@ def _nut(view: _View) -> _Found | None:
         return None
     body, bore = max(prisms, key=lambda b: (b.sides > 4, b.radius)), min(bores, key=lambda b: b.radius)
     full = view.high - view.low
-    # The bore of a domed nut goes in from below.
+    # The bore of a domed nut enters from below.
     is_blind = bore.high < view.high - 0.1 * full
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
         return None
@@ -565,8 +565,8 @@ def _nut(view: _View) -> _Found | None:
     )
     is_two_sided = below < 1.1 * above and not is_blind
     if above > 1.1 * below:
-        return None  # a flange: the other way round it is on the joint's side
-    # Slots of a castle nut are open above: between the bore and the outside, corners at their floor.
+        return None  # a flange: seen from the other end it is on the joint's side
+    # Slots of a castle nut are open above: they have corners at their floor, between the bore and the outside.
     floor = view.z[(view.r > 1.15 * bore.radius) & (np.abs(view.z - 0.5 * (view.low + view.high)) < 0.42 * full)]
     floor = floor[(floor > body.low + 0.02 * full) & (floor < body.high - 0.02 * full)]
     if is_two_sided and len(floor):
@@ -587,7 +587,7 @@ def _wing_nut(view: _View) -> _Found | None:
     least, full = float(view.r.min()), view.high - view.low
     if not WING_BORE[0] <= least / hub <= WING_BORE[1] or not least > 0.6 * bore or full > 2.0 * reach:
         return None
-    # Wings rise from the joint: what is outside of the hub is higher than its lower end.
+    # Wings rise from the joint: outside the hub, the shape is above the hub's lower end.
     low, high = float(view.z[view.r > 1.2 * hub].min()), float(view.z[view.r <= 1.02 * hub].max())
     is_risen = view.high > high - 1e-9 and low > view.low + 0.02 * full
     if not is_risen:
@@ -598,7 +598,7 @@ def _wing_nut(view: _View) -> _Found | None:
 
 
 def _stud(view: _View) -> _Found | None:
-    """A shank between two threads that are drawn with the core's diameter, each with a chamfered end."""
+    """A shank between two threads drawn with the core's diameter, each with a chamfered end."""
     outer = [b for b in view.outer() if not b.sides or b.directions >= 6]
     if len(outer) != 2 or view.inner() or any(view.recesses):
         return None

@@ -1,4 +1,4 @@
-"""`find_fasteners`: bolts, screws, nuts and studs of a mock-up, by geometry, and by name as a second voice."""
+"""`find_fasteners`: bolts, screws, nuts and studs of a mock-up, by geometry and, second, by name."""
 
 from __future__ import annotations
 
@@ -26,41 +26,42 @@ Floats = npt.NDArray[np.float64]
 KINDS = ("bolt", "screw", "nut", "stud")
 
 LARGEST_M = 0.6
-"""The longest side of the box of a part that is looked at: longer bolts are rare, and large parts cost time."""
+"""The longest side of the box of examined parts: longer bolts are rare, and large parts cost time."""
 MOST_TRIANGLES = 100_000
-"""Triangles of a part that is looked at; a bolt with a finely cut thread has some ten thousand."""
+"""The most triangles of examined parts; a bolt with a finely meshed thread has some ten thousand."""
 
 STRONG, WEAK = 0.9, 0.5
-"""Confidence in a shape that hardly anything else has, and in one that other things have as well."""
+"""Confidence in an unambiguous shape, and in an ambiguous one."""
 AGREED = 0.99
-"""Confidence where the name says so too."""
+"""Confidence if the name agrees."""
 NAMED = 0.6
-"""Confidence where the name says so and the shape is only about as wide both ways."""
+"""Confidence if the name says so and the shape is only about as wide both ways."""
 DOUBTED = 0.3
-"""What is left of the confidence where the name says that it is another thing, and in a weak shape without such a name
-among parts that are named fasteners."""
+"""Factor of the confidence if the name says that it is another thing, and for a weak shape without such a name among
+parts that are named as fasteners."""
 LEAST_CONFIDENCE = 0.5
-"""What is found is at least so sure."""
+"""Results have at least this confidence."""
 
 ROD_TO_BORE = (0.85, 1.25)
-"""Diameter of a stud by the bore of its nut: threads are drawn with the core's diameter, the nominal one, or both."""
+"""Diameter of a stud, relative to the bore of its nut: threads are drawn with the core's diameter, the nominal one, or
+both."""
 ROD_FULL = 0.6
 """The least share of its cylinder that a stud fills: tubes fill less."""
 ROD_SLENDER = 1.5
 """The least length of a stud in a nut, in diameters."""
 
 _AROUND = 12  # rays from each end, around the axis
-_RAY_BEGIN = 1e-3  # how far off the end they begin, as a share of the height
-_FAR = 5.0  # heights beyond which what rays meet need not be the joint
-_INSIDE = 0.15  # what room counts for to an end that is inside something
-_BESIDE = 0.3  # heights from each end, where it is then asked what is nearest
-_NEARER = 0.88  # the nearest of one end by that of the other, for a clear answer
+_RAY_BEGIN = 1e-3  # their distance from the end, as a share of the height
+_FAR = 5.0  # heights beyond which a hit need not be the joint
+_INSIDE = 0.15  # weight of the room at an end that is inside something
+_BESIDE = 0.3  # heights from each end, where the nearest part is then sought
+_NEARER = 0.88  # for a clear answer: the nearest distance of one end, relative to that of the other
 _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
 
 
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Fastener:
-    """One fastener, as it is guessed. Metres; NaN where the mesh does not show it."""
+    """One fastener, as recognised. Metres; NaN if the mesh does not show a value."""
 
     part: int
     """Index into `mockup.parts`."""
@@ -68,21 +69,21 @@ class Fastener:
     kind: str
     """"bolt" (hexagon head), "screw" (round head, or a socket without one), "nut" or "stud"."""
     frame: Floats
-    """`(4, 4)` world_from_fastener: the origin in the middle of the top of head or nut, z along the axis out of the
-    joint, where the tool comes from. x is across that coordinate axis of the world which is least along z."""
+    """`(4, 4)` world_from_fastener: the origin in the middle of the top of head or nut; z along the axis out of the
+    joint, towards the tool; x perpendicular to the world axis least aligned with z."""
     size: float
-    """Diameter of the thread as the mesh has it; of a nut its bore's."""
+    """Diameter of the thread as modelled; for a nut its bore."""
     across_flats: float
-    """Width across flats: of the hexagon, of a socket screw's socket."""
+    """Width across flats: of the hexagon, or of the socket."""
     length: float
-    """From where the head bears to the tip; of a nut its height."""
+    """From the bearing surface of the head to the tip; for a nut its height."""
     head_height: float
     confidence: float
-    """0 to 1; not a probability: an order. `because` says what it comes from."""
+    """0 to 1: an order, not a probability. `because` explains it."""
     because: str
     drive: str = ""
-    """Where the tool goes: "hexagon", "square", "12-point" or "wings" around it; "hexagon socket", "square socket",
-    "12-point socket", "torx socket", "slot" or "cross" into it; empty where the mesh does not show it."""
+    """The drive of the tool: "hexagon", "square", "12-point" or "wings" on the outside; "hexagon socket", "square
+    socket", "12-point socket", "torx socket", "slot" or "cross" inside; empty if the mesh does not show it."""
 
     @property
     def axis(self) -> Floats:
@@ -91,7 +92,7 @@ class Fastener:
 
 
 class Fasteners(Sequence[Fastener]):
-    """What `find_fasteners` found, by part."""
+    """The results of `find_fasteners`, sorted by part."""
 
     def __init__(self, rows: Iterable[Fastener]) -> None:
         self._rows = tuple(rows)
@@ -131,9 +132,10 @@ class Fasteners(Sequence[Fastener]):
         kind: str | None = None,
         across_flats: float | tuple[float, float] | None = None,
     ) -> Fasteners:
-        """Those whose path or its last step matches a pattern (`*bolt*`), of a kind, and of a width across flats.
+        """The fasteners of a kind and of a width across flats whose path, or its last step, matches a pattern
+        (`*bolt*`).
 
-        `across_flats`: metres, within 3 %; or from, to. Raises `OptionError` for a kind that there is not.
+        `across_flats`: metres, within 3 %; or from, to. Raises `OptionError` for an unknown kind.
         """
         if kind is not None and kind not in KINDS:
             raise OptionError(f"kind is {kind!r}: choose one of {', '.join(KINDS)}")
@@ -171,15 +173,16 @@ def _key(row: Fastener) -> tuple[Any, ...]:
 def find_fasteners(
     mockup: Mockup | Scene, parts: PartsLike | None = None, progress: Progress | None = None
 ) -> Fasteners:
-    """Which parts are bolts, screws, nuts and studs, where their heads are, and of what size: a guess, by part.
+    """Recognises the bolts, screws, nuts and studs of a mock-up, with the place of their heads and their size.
 
-    Shapes are told by their walls: a hexagon on a shank, a hexagon socket in a round head, a hexagon with a bore. A
-    name that says so makes it surer; where the mesh is too coarse to tell, it decides. What lies around the ends of
-    nuts, and of heads without a shank, says which end is outside. Parts of one shape are looked at once.
+    The walls of a part decide: a hexagon on a shank, a hexagon socket in a round head, a hexagon with a bore. A name
+    that agrees raises the confidence; if the mesh is too coarse, the name decides. The surroundings of both ends show
+    which end of a nut, or of a head without a shank, is outside. Parts of one shape are examined once. Results are
+    estimates.
 
-    `mockup`: also a `Scene`, of which only the parts that are there are looked at. `parts`: only these, as
-    `Parts.select` takes them. A part is one fastener at most: several in one part, and those made of several parts, are
-    not found. Raises `OptionError` for parts that are not there.
+    `mockup`: also a `Scene`, of which only the present parts are examined. `parts`: only these, as `Parts.select` takes
+    them. A part is at most one fastener: several in one part, and fasteners made of several parts, are not found.
+    Raises `OptionError` for parts that do not exist.
     """
     if not isinstance(mockup, (Mockup, Scene)):
         raise MeshError(f"fasteners are of a feeler.Mockup or a feeler.Scene, not of {type(mockup).__name__}")
@@ -205,16 +208,16 @@ def find_fasteners(
 
 
 def shaped_as_fasteners(mockup: Mockup) -> npt.NDArray[np.int64]:
-    """The parts whose shape, with their name as a second voice, is that of a fastener with confidence `STRONG` or more.
+    """The parts recognised as fasteners, by shape and name, with a confidence of at least `STRONG`.
 
-    The same parts as `find_fasteners(mockup)` finds so surely; their frames, which need an index, are not looked for.
+    The same parts as in `find_fasteners(mockup)`, without their frames, which need an index.
     """
     found = _looked_at(mockup, np.arange(mockup.part_count), None)
     return np.array(sorted(row.part for row, _ in found if row.confidence >= STRONG), dtype=np.int64)
 
 
 def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress | None) -> list[tuple[Fastener, Looks]]:
-    """The fasteners among the parts, each with its looks; which of two like ends is outside is not told yet."""
+    """The fasteners among the parts, each with its looks; which of two equal ends is outside is still open."""
     said = [kind_said(name) for name in world.part_names]
     is_naming = any(kind in KINDS for kind in said)
     small = _small(world, chosen)
@@ -229,7 +232,7 @@ def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress 
 
 
 def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -> list[Fastener]:
-    """Studs among the parts: rods, which alone look like pins, in the bore of a nut that was found."""
+    """Studs among the parts: rods, which alone look like pins, in the bore of a recognised nut."""
     nuts = [row for row in rows if row.kind == "nut" and row.size > 0.0]
     if not nuts:
         return []
@@ -270,7 +273,7 @@ def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -
 
 
 def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """The parts that may be fasteners, by size."""
+    """The parts small enough for fasteners."""
     bounds = world.part_bounds.reshape(-1, 2, 3)[chosen]
     sides = bounds[:, 1] - bounds[:, 0]
     triangles = world.part_triangles[chosen]
@@ -279,7 +282,7 @@ def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64
 
 
 def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool) -> list[tuple[Fastener, Looks]]:
-    """The parts of one shape as fasteners, those that are one."""
+    """The fasteners among the parts of one shape."""
     looks = looks_of(shape.vertices, shape.faces)
     names = [said[part] for part in shape.parts]
     rod = rod_of(shape.vertices, shape.faces) if looks is None and any(kind in KINDS for kind in names) else None
@@ -321,7 +324,7 @@ def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
 
 
 def _kind(looks: Looks, name: str | None) -> str:
-    """A strong shape knows what it is, but for studs; of others the name, if it says so."""
+    """A strong shape decides, except for studs; for other shapes the name does, if it says so."""
     if name == "stud" and looks.kind != "nut":
         return "stud"
     if looks.kind == "head":
@@ -334,7 +337,7 @@ def _kind(looks: Looks, name: str | None) -> str:
 
 
 def _frame(origin: Floats, axis: Floats) -> Floats:
-    """A frame with z along an axis; x is across the coordinate axis that is least along it."""
+    """A frame with z along an axis; x is perpendicular to the coordinate axis least aligned with it."""
     x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     x /= np.linalg.norm(x)
     frame = np.eye(4)
@@ -343,10 +346,10 @@ def _frame(origin: Floats, axis: Floats) -> Floats:
 
 
 def _turned_out(scene: Scene, found: list[tuple[Fastener, Looks]]) -> list[Fastener]:
-    """With their frames at the end that is outside: rays from both ends, around the axis.
+    """Moves frames to the outer end, found by rays from both ends, around the axis.
 
-    The joint's end is the one before which there is less room; what is left of something that the end is inside of
-    counts for less. Where rays meet something from both, but far away, it is the one that is nearer to anything.
+    The end with less room before it is the joint's; room inside another body counts for less. If rays of both ends hit
+    only far away, the joint's end is the one nearer to any part.
     """
     turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
     circle = np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND), np.ones(_AROUND)], axis=1)
@@ -376,7 +379,7 @@ def _turned_out(scene: Scene, found: list[tuple[Fastener, Looks]]) -> list[Faste
 
 
 def _nearer_end(scene: Scene, row: Fastener, looks: Looks, unless: bool) -> bool:
-    """Whether the end at the frame is clearly nearer to other parts than the other one; `unless` neither is."""
+    """Whether the end at the frame is clearly nearer to other parts than the other end; `unless` if neither is."""
     point = Tool(_POINT, [[0, 1, 2]], name="point")
     near = []
     for z in (_BESIDE, -1.0 - _BESIDE):
@@ -387,7 +390,7 @@ def _nearer_end(scene: Scene, row: Fastener, looks: Looks, unless: bool) -> bool
 
 
 def _from_inside(world: Mockup, triangles: npt.NDArray[np.int64], ways: Floats) -> npt.NDArray[np.bool_]:
-    """Whether rays along `ways` meet the triangles (-1: none) from behind, as they are wound."""
+    """Whether rays along `ways` hit the triangles (-1: none) from behind, by their winding."""
     corners = world.vertices[world.faces[np.maximum(triangles, 0)]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return np.asarray((triangles >= 0) & (np.einsum("ij,ij->i", normals, ways) > 0))

@@ -1,4 +1,4 @@
-"""`feeler.insertion`: the path of parts into their place, or to another."""
+"""`feeler.insertion`: the path of parts into their place, or to another place."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 ROOM = 2.0
-"""How far what moves keeps off everything on its way around it, in diagonals of all there is."""
+"""How far the moving parts stay off everything when they go around it, in diagonals of the whole."""
 
 
 def insertion(
@@ -46,22 +46,22 @@ def insertion(
     overlap: float = 0.0,
     seats: bool = True,
 ) -> Removal:
-    """A path by which parts come into their place in the mock-up of a scene, or to another place.
+    """A path that brings parts into their place in the mock-up of a scene, or to another place.
 
     - `scene`, `parts`: with the parts in their places, as `feeler.removal` takes them.
-    - `start`: `(4, 4)`, where the parts are now: their motion in the world from their place until there. The path
-      begins there: out of the neighbours, around the mock-up, and in. Without it the path begins outside.
-    - `goal`: `(4, 4)`, where they shall be, as a motion from their place. Default: their place, the identity.
+    - `start`: `(4, 4)`, the pose where the parts are now, as a motion in the world from their place. The path begins
+      there: out of the neighbours, around the mock-up, and in. Without it the path begins outside.
+    - `goal`: `(4, 4)`, the final pose, as a motion from their place. Default: their place, the identity.
     - `tool`, `grip`: a hand or tool that holds the parts and moves with them; its pose `world_from_tool` when the parts
       are in their place, by default the identity. It must be free at `start` and `goal`.
-    - all else: as `feeler.removal`; `directions` lead out of the goal.
+    - all others: as `feeler.removal`; `directions` lead out of the goal.
 
-    From `start` the straight path is tried first; its `clearance` is not measured (NaN).
+    With `start`, the straight path is tried first; its `clearance` is not measured (NaN).
 
-    The answer is a `Removal` whose legs and poses lead from `start` to `goal`. If no path was found, it lists the parts
-    in the way at the goal if the parts could not leave it, else those at the start.
+    Returns a `Removal` whose legs and poses lead from `start` to `goal`. If no path was found, it lists the blockers at
+    the goal if the parts could not leave it, else those at the start.
 
-    Raises what `feeler.removal` raises, and `PoseError` for a `start` or `goal` that is not rigid.
+    Raises the errors of `feeler.removal`, and `PoseError` for a `start` or `goal` that is not rigid.
     """
     begin = time.perf_counter()
     end = np.eye(4) if goal is None else rigid_pose(goal, "goal")
@@ -118,7 +118,7 @@ def insertion(
 
 
 def _of_all(progress: Progress | None, begin: float, seconds: float) -> Progress | None:
-    """Progress of both searches as one: the share of all the time."""
+    """Progress of both searches as one: the share of the total time."""
     if not callable(progress):
         return progress
     told = progress
@@ -146,14 +146,14 @@ def _direct(lies: Floats, end: Floats, allowed: Allowed, seed: int, rest: Scene,
 
 
 def _moved_by(moving: Tool, one: Floats, other: Floats) -> float:
-    """How far the farthest corner of its box is at another pose, metres."""
+    """The largest travel of a corner of its box to another pose, metres."""
     corners = corners_of(moving.bounds)
     places = [corners @ pose[:3, :3].T + pose[:3, 3] for pose in (one, other)]
     return float(np.linalg.norm(places[1] - places[0], axis=1).max())
 
 
 def turned_round(way: Removal) -> Removal:
-    """The way back along a way."""
+    """The reverse of a way."""
     if not way.is_found:
         return way
     ends = [way.poses[0], *(leg.pose for leg in way.legs)]
@@ -168,8 +168,8 @@ def turned_round(way: Removal) -> Removal:
 
 
 def _link(scene: Scene, parts: PartsLike, moving: Tool, first: Floats, last: Floats, clearance: float) -> Floats | None:
-    """Poses from one to another, both outside of the box of all there is: straight, where no clearance is asked for, or
-    around it; None: none of the tries was free."""
+    """Poses from one to another, both outside the box of the whole: straight if no clearance is required, or around the
+    box; None if no attempt was free."""
     rest = scene.without(scene.mockup.parts.select(parts))
     bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)[rest.part_mask]
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
@@ -177,7 +177,7 @@ def _link(scene: Scene, parts: PartsLike, moving: Tool, first: Floats, last: Flo
     axes = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
 
     def outwards(pose: Floats) -> list[Floats]:
-        """Along which it is beyond the box: from there it gets no nearer to anything."""
+        """Directions that lead away from the box: along them it gets no nearer to anything."""
         corners = moving.vertices @ pose[:3, :3].T + pose[:3, 3]
         return [axis for axis in axes if (corners @ axis).min() >= max(low @ axis, high @ axis)]
 

@@ -1,4 +1,4 @@
-"""The legs of a way, as a person would say them."""
+"""The legs of a way, and their description in words."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from feeler import _core
 from feeler._core import Screw
 
 STRAIGHT_RAD = 1e-6
-"""A leg that turns by less is straight."""
+"""A leg with a smaller rotation is straight."""
 STILL_M = 1e-9
-"""A leg whose middle moves by less is a turn in place."""
+"""A leg whose middle moves less is a rotation in place."""
 AXIS_SHARE = 0.999
-"""What is as near to an axis of the world as this cosine is called by its name."""
+"""A direction at least this close (cosine) to a world axis is named after it."""
 _UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"))
 
 
 @dataclass(frozen=True, eq=False)
 class RemovalLeg:
-    """One leg of a way, from where the one before ended; the first begins where the parts are."""
+    """One leg of a way, from the end of the previous one; the first begins where the parts are."""
 
     screw: Screw | None
-    """A turn about an axis of the world, with an advance along it, exactly; None: to `pose`, as `Scene.cast` moves."""
+    """A rotation about a world axis with an advance along it, exact; None: a motion to `pose`, as in `Scene.cast`."""
     pose: npt.NDArray[np.float64]
     """`(4, 4)`: the motion of the parts in the world at its end."""
     path_length: float
-    """How far the middle of the box of what moves goes, metres."""
+    """The travel of the middle of the moving parts' box, metres."""
     rotation: float
-    """How far it turns, radians."""
+    """The rotation, radians."""
     direction: tuple[float, float, float]
-    """Unit, world: along which it moves; of a screw its axis, right-handed; zero where it does not move."""
+    """Unit, world: the direction of the motion; for a screw its axis, right-handed; zero without a translation."""
 
     def __str__(self) -> str:
         along = _named(self.direction)
@@ -67,8 +67,8 @@ class RemovalLeg:
 def legs_of(
     answer: _core.RemovalAnswer, middle: npt.NDArray[np.float64], lies: npt.NDArray[np.float64]
 ) -> tuple[RemovalLeg, ...]:
-    """The legs that the core found. middle: of the box of what moves, in its place; lies: its motion until the way
-    begins."""
+    """The legs that the core found. middle: of the box of the moving parts, in their place; lies: their motion up to
+    the start of the way."""
     legs: list[RemovalLeg] = []
     before = lies[:3, :3] @ middle + lies[:3, 3]
     lengths, angles = answer.leg_lengths.tolist(), answer.leg_angles.tolist()
@@ -87,7 +87,7 @@ def legs_of(
 def path_of_json(legs: list[dict[str, Any]]) -> list[npt.NDArray[np.float64] | Screw]:
     """A path as `Scene.check_path` takes it, from legs as `RemovalLeg.as_json` gives them.
 
-    Raises `ValueError` for what is no leg, `OptionError` for numbers that make no screw.
+    Raises `ValueError` for entries that are not legs, `OptionError` for numbers that do not define a screw.
     """
     path: list[npt.NDArray[np.float64] | Screw] = [np.eye(4)]
     for leg in legs:
@@ -108,7 +108,7 @@ def _unit(vector: npt.NDArray[np.float64]) -> tuple[float, float, float]:
 
 
 def _named(direction: tuple[float, float, float]) -> str:
-    """An axis of the world by its name, anything else in numbers."""
+    """A world axis by its name, any other direction in numbers."""
     largest = max(range(3), key=lambda axis: abs(direction[axis]))
     if abs(direction[largest]) >= AXIS_SHARE:
         return ("-" if direction[largest] < 0.0 else "+") + "xyz"[largest]

@@ -1,4 +1,4 @@
-"""`feeler.removal_order`: what has to go before a part comes out."""
+"""`feeler.removal_order`: the parts to remove before a part comes out."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from feeler.progress import Progress
 from feeler.scene import Scene
 
 TRY_SHARE = 0.05
-"""One try of pushes and random trees takes at most this share of the time, at first. More finds harder ways, fewer of
-them."""
+"""An attempt with pushes and random trees takes at most this share of the time, at first. A larger value finds harder
+ways, but fewer."""
 LEAST_TRY_S = 0.25
-"""Seconds of such a try at least, and of one along a direction."""
+"""The least seconds of such an attempt, and of one along a direction."""
 
 
 @dataclass(frozen=True)
 class RemovalStep:
-    """Parts that come out together, and their way, found in the mock-up without the parts of the steps before it."""
+    """Parts that leave together, and their way, in the mock-up without the parts of the previous steps."""
 
     parts: tuple[int, ...]
     removal: Removal
@@ -34,11 +34,11 @@ class RemovalStep:
 
 @dataclass(frozen=True)
 class RemovalOrder:
-    """Which parts go, in order, the wanted ones last.
+    """The parts to remove, in order, the wanted ones last.
 
-    - `is_found`: whether the wanted parts come out by these steps. That they do not is no proof that they cannot.
-    - `steps`: `RemovalStep`s in order. Where none was found: the best try of the wanted parts alone.
-    - `seconds`: what it took.
+    - `is_found`: whether these steps free the wanted parts. False is no proof that nothing does.
+    - `steps`: `RemovalStep`s in order. If no order was found: the best attempt of the wanted parts alone.
+    - `seconds`: the time it took.
     """
 
     is_found: bool
@@ -52,7 +52,7 @@ class RemovalOrder:
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """All that goes, in order; the wanted parts too."""
+        """All removed parts, in order, including the wanted ones."""
         return tuple(part for step in self.steps for part in step.parts)
 
     def __len__(self) -> int:
@@ -83,20 +83,20 @@ def removal_order(
     overlap: float = 0.0,
     seats: bool = True,
 ) -> RemovalOrder:
-    """Which parts have to go before these come out, in the fewest steps, and the way of each.
+    """The parts to remove before these come out, in the fewest steps, and the way of each.
 
     Arguments as of `feeler.removal`; `parts` come out together, with the tool; those that go before go without it.
 
-    - Parts that block each other go together, in one step, where none of them comes out alone.
-    - Fasteners go before the parts that they join (`find_fasteners`), unless they are kept or do not come out.
-    - `keep`: parts that never go, as `Parts.select` takes them.
-    - `seconds`: for all of it. The search ends earlier only where it found an order.
-    - `progress`: called with the share of the time, 0 to 1, and what is being tried.
+    - Parts that block each other leave together in one step if none comes out alone.
+    - Fasteners leave before the parts that they join (`find_fasteners`), unless they are kept or do not come out.
+    - `keep`: parts that must stay, as `Parts.select` takes them.
+    - `seconds`: in total. The search ends earlier only if it finds an order.
+    - `progress`: called with the share of the time, 0 to 1, and the current attempt.
 
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
     random trees as well; so are `parts` before it is said that others have to go.
 
-    Raises what `feeler.removal` raises; Ctrl-C ends it with `KeyboardInterrupt`.
+    Raises the errors of `feeler.removal`; Ctrl-C ends it with `KeyboardInterrupt`.
     """
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     check_progress(progress)
@@ -121,7 +121,7 @@ def removal_order(
 
 
 class _Search:
-    """Plans by what blocks what along straight motions; checks each step; tries bent ways for what is left."""
+    """Plans from the blockers of straight motions, checks each step, and tries bent ways for stuck parts."""
 
     def __init__(self, question: Question, clock: Clock) -> None:
         self.question, self.clock = question, clock
@@ -131,7 +131,7 @@ class _Search:
         self.last: Removal | None = None
 
     def order(self) -> RemovalOrder:
-        """The order; where there is none, the best try of the wanted parts."""
+        """The order; if there is none, the best attempt of the wanted parts."""
         question, target = self.question, frozenset([TARGET])
         if int(question.scene.part_mask.sum()) == len(question.wanted):
             return self._ended(True, [RemovalStep(question.wanted, alone(int(question.options["seed"])))])
@@ -161,7 +161,7 @@ class _Search:
         return shortest_sequence(TARGET, self.graph, self.question.node_count, self.clock.goes_on)
 
     def _checked(self, plan: list[SequenceStep]) -> list[RemovalStep] | None:
-        """The steps with their ways. Where one has none, the graph learns what blocks it, and there are no steps."""
+        """The steps with their ways. If a step has none, the graph learns its blockers, and the result is empty."""
         steps: list[RemovalStep] = []
         gone: frozenset[int] = frozenset()
         for step in plan:
@@ -183,10 +183,10 @@ class _Search:
         direction = step.motion if isinstance(step.motion, tuple) else None
         way = question.removal(step.parts, gone, direction, LEAST_TRY_S, self.clock)
         if not way.is_found and (direction is None or not way.blocked_by):
-            # There was no time for the direction itself, or it is a bent way.
+            # There was no time left for the direction itself, or the way is bent.
             way = question.removal(step.parts, gone, direction, self._try_s(0), self.clock)
         if not way.is_found:
-            # A way that was found with more parts gone holds, since it meets none of those that are there.
+            # A way that was found with more parts removed is valid if it is free of those still there.
             held = next((way for before, way in self.ways.get(parts, []) if before <= gone), None)
             if held is None:
                 self._learn_blockers(step, gone, way)
@@ -196,7 +196,7 @@ class _Search:
         return way
 
     def _learn_blockers(self, step: SequenceStep, gone: frozenset[int], tried: Removal) -> None:
-        """A step that is not free has more blockers than casts along it told."""
+        """Adds blockers: a step that is not free has more of them than casts along it found."""
         worst = (self.question.node_of(each.part) for each in tried.blocked_by)
         more = next((node for node in worst if node not in step.parts), None)
         for node in step.parts:
@@ -205,8 +205,8 @@ class _Search:
                     self.graph.learn(node, replace(one, blockers=one.blockers | {more}))
 
     def _try_what_is_stuck(self, rounds: int) -> None:
-        """Pushes and trees, with all gone that can go, for the parts that cannot: the wanted ones first, then
-        the small ones; longer in each round. Ends with the first that is found, for then there may be a plan."""
+        """Pushes and trees for stuck parts, with all removable parts gone: first for the wanted parts, then for small
+        ones, longer in each round. Ends with the first success, which may make a plan possible."""
         gone = self.graph.most_gone()
         stuck = [frozenset([node]) for node in sorted(self.graph.reached(), key=self.question.size) if node not in gone]
         worst = [] if self.last is None else [self.question.node_of(each.part) for each in self.last.blocked_by[:2]]
@@ -216,7 +216,7 @@ class _Search:
                 return
 
     def _try_bent(self, nodes: frozenset[int], gone: frozenset[int], seconds: float) -> bool:
-        """Whether there is any way with some parts gone; the graph learns it, with those of them that it meets."""
+        """Whether a way exists with some parts gone; the graph learns it, with those of them that it collides with."""
         question = self.question
         if len(nodes) + len(gone) >= question.node_count:
             return False

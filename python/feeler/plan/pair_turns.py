@@ -1,8 +1,8 @@
-"""The angles over which two triangles meet while one of them turns about the z axis: closed forms.
+"""The angles over which two triangles collide while one of them turns about the z axis: closed forms.
 
-Two triangles begin and cease to meet where a corner of one lies in the plane of the other or two edges are coplanar.
-For a turn R about z each of these is `u . R v = w`, that is a cos t + b sin t = c, with at most two roots (Canny 1986
-has the same for a cube's rotations). Between two roots nothing changes, so one look between them decides.
+Two triangles begin or cease to collide where a corner of one lies in the plane of the other or two edges are coplanar.
+For a rotation R about z each of these is `u . R v = w`, that is a cos t + b sin t = c, with at most two roots (Canny
+1986 has the same for a cube's rotations). Between two roots nothing changes, so one test between them decides.
 """
 
 from __future__ import annotations
@@ -14,18 +14,19 @@ Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 FLUSH = 1e-12
-"""Gaps below this share of the triangles' coordinates count as contact, as rounding opens and closes them. Larger:
-blocked angles reach a little too far."""
-_LEVEL = 1e-9  # how little the normals of two triangles that may slide in one plane across z lean from it
+"""Gaps below this share of the triangles' coordinates count as contact, because rounding opens and closes them. With a
+larger value, blocked angles extend slightly too far."""
+_LEVEL = 1e-9  # the largest lean from z of the normals of two triangles that can slide in one plane across z
 _NEXT = np.array([1, 2, 0])
 
 
 def angular_spans(triangles: Floats) -> tuple[Floats, Floats]:
-    """Middle and half-width of the angles about z that each triangle `(n, 3, 3)` takes, radians; pi around the axis."""
+    """Middle and half-width of the angles about z that each triangle `(n, 3, 3)` covers, radians; pi around the
+    axis."""
     angles = np.arctan2(triangles[..., 1], triangles[..., 0])
     off = (angles - angles[:, :1] + np.pi) % (2.0 * np.pi) - np.pi
     low, high = _least(off), -_least(-off)
-    # A triangle around the axis has it on one side of all edges; of another one the corners are less than pi apart.
+    # A triangle around the axis has it on one side of all edges; corners of any other are less than pi apart.
     edges = triangles[:, _NEXT, :2] - triangles[..., :2]
     side = edges[..., 0] * triangles[..., 1] - edges[..., 1] * triangles[..., 0]
     is_around = (_least(side) >= 0.0) | (_least(-side) >= 0.0) | (high - low >= np.pi)
@@ -33,15 +34,15 @@ def angular_spans(triangles: Floats) -> tuple[Floats, Floats]:
 
 
 def _least(each: Floats) -> Floats:
-    """The least of three along the last axis, in fewer steps than numpy's own for so short an axis."""
+    """The least of three along the last axis, faster than numpy's own for so short an axis."""
     return np.asarray(np.minimum(np.minimum(each[..., 0], each[..., 1]), each[..., 2]))
 
 
 def blocked_turns(turning: Floats, fixed: Floats) -> tuple[Floats, Floats]:
-    """For each pair of triangles, the turns about z, radians, around 0, at which they meet.
+    """For each pair of triangles, the interval of rotations about z, radians, around 0, over which they collide.
 
-    `turning`, `fixed`: `(k, 3, 3)`, where they are at turn 0. Returns `low <= 0 <= high`, each `(k,)`, at most a whole
-    turn apart; both are 0 where the pair does not meet at turn 0.
+    `turning`, `fixed`: `(k, 3, 3)`, at rotation 0. Returns `low <= 0 <= high`, each `(k,)`, at most a whole turn apart;
+    both are 0 if the pair does not collide at rotation 0.
     """
     middle_a, half_a = angular_spans(turning)
     middle_b, half_b = angular_spans(fixed)
@@ -59,7 +60,7 @@ def blocked_turns(turning: Floats, fixed: Floats) -> tuple[Floats, Floats]:
     is_met = np.zeros((len(ends), ends.shape[1] - 1), dtype=bool)
     turns = 0.5 * (ends[rows, columns] + ends[rows, columns + 1])
     is_met[rows, columns] = _meet(_turned(turning[rows], turns), fixed[rows])
-    is_met |= np.diff(ends, axis=1) <= 0.0  # nothing is between two equal roots
+    is_met |= np.diff(ends, axis=1) <= 0.0  # equal roots have nothing between them
     index = np.arange(is_met.shape[1])
     is_here = is_met[np.arange(len(cell)), cell]
     after = np.where(~is_met & (index > cell[:, None]), index, is_met.shape[1]).min(axis=1)
@@ -71,7 +72,8 @@ def blocked_turns(turning: Floats, fixed: Floats) -> tuple[Floats, Floats]:
 
 
 def _roots(a: Floats, b: Floats) -> Floats:
-    """The turns at which two triangles may begin or cease to meet, `(k, m)`, radians in -pi..pi; NaN where none."""
+    """The rotations at which two triangles may begin or cease to collide, `(k, m)`, radians in -pi..pi; NaN for
+    none."""
     edges_a, edges_b = a[:, _NEXT] - a, b[:, _NEXT] - b
     normals_a = np.cross(edges_a[:, 0], edges_a[:, 1])
     normals_b = np.cross(edges_b[:, 0], edges_b[:, 1])
@@ -103,7 +105,7 @@ def _roots(a: Floats, b: Floats) -> Floats:
 
 
 def _form(u: Floats, v: Floats) -> Floats:
-    """(3, ...): u . R v as factors of the cosine, of the sine, and of 1."""
+    """(3, ...): the coefficients of cosine, sine and 1 in u . R v."""
     return np.stack(
         [
             u[..., 0] * v[..., 0] + u[..., 1] * v[..., 1],
@@ -120,7 +122,7 @@ def _turned(triangles: Floats, turns: Floats) -> Floats:
 
 
 def _meet(a: Floats, b: Floats) -> Flags:
-    """Whether two triangles `(n, 3, 3)` meet: no direction separates them (Gottschalk, Lin, Manocha 1996)."""
+    """Whether two triangles `(n, 3, 3)` collide: no axis separates them (Gottschalk, Lin, Manocha 1996)."""
     edges_a, edges_b = a[:, _NEXT] - a, b[:, _NEXT] - b
     normal_a = np.cross(edges_a[:, 0], edges_a[:, 1])[:, None]
     normal_b = np.cross(edges_b[:, 0], edges_b[:, 1])[:, None]

@@ -1,4 +1,4 @@
-"""What is asked of a removal order, in numbers of parts, and the time that there is."""
+"""The problem of a removal order, in part indices, and its time limit."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from feeler.progress import Progress
 from feeler.scene import Scene
 
 TARGET = -1
-"""Stands for the wanted parts, which come out together, among the numbers of all other parts."""
+"""The node of the wanted parts, which leave together, among the indices of all other parts."""
 LEAST_S = 1e-3
-"""Seconds of a removal that is asked for when the time is up."""
+"""Seconds of a removal that starts after the time is up."""
 
 Direction = tuple[float, float, float]
 
 
 class _NotStraightError(FeelerError):
-    """Raised to end a removal that goes on to ways that were not asked for."""
+    """Ends a removal that would go on to other ways than straight ones."""
 
 
 class Clock:
-    """The time that there is, and what is told of it."""
+    """The time limit, and the progress reports."""
 
     def __init__(self, seconds: float, progress: Progress | None = None) -> None:
         self.seconds, self.progress = seconds, progress
@@ -36,7 +36,7 @@ class Clock:
 
     @property
     def spent(self) -> float:
-        """Seconds since it began."""
+        """Seconds since the start."""
         return time.monotonic() - self._begun
 
     @property
@@ -49,14 +49,14 @@ class Clock:
         return self.spent < self.seconds
 
     def tell(self, what: str) -> None:
-        """Reports the share of the time and what is being tried."""
+        """Reports the share of the time and the current attempt."""
         if self.progress is not None:
             self.progress(min(1.0, self.spent / self.seconds), what)
 
 
 @dataclass(frozen=True)
 class Question:
-    """Which parts are to come out of which scene, how, and what may not go before them."""
+    """Which parts leave which scene, how, and which parts must stay."""
 
     scene: Scene
     wanted: tuple[int, ...]
@@ -68,15 +68,15 @@ class Question:
 
     @property
     def node_count(self) -> int:
-        """All parts that are there, the wanted ones counted as one."""
+        """Number of present parts, the wanted ones counted as one."""
         return int(self.scene.part_mask.sum()) - len(self.wanted) + 1
 
     def node_of(self, part: int) -> int:
-        """The part itself, or `TARGET` for one that is wanted."""
+        """The part itself, or `TARGET` for a wanted one."""
         return TARGET if part in self.wanted else part
 
     def parts_of(self, nodes: Iterable[int]) -> tuple[int, ...]:
-        """The parts that nodes stand for, in order of their numbers."""
+        """The parts of nodes, by index."""
         return tuple(sorted(part for node in nodes for part in (self.wanted if node == TARGET else (node,))))
 
     def size(self, node: int) -> float:
@@ -85,13 +85,13 @@ class Question:
         return float(np.linalg.norm(upper - lower))
 
     def names(self, nodes: Iterable[int]) -> str:
-        """For people: the name of the first, and how many more."""
+        """For people: the name of the first, and the number of others."""
         parts = self.parts_of(nodes)
         more = f" and {len(parts) - 1} more" if len(parts) > 1 else ""
         return f"{self.scene.mockup.part_names[parts[0]]}{more}"
 
     def moving(self, nodes: Iterable[int]) -> Tool:
-        """The parts as one tool, the wanted ones with what grips them."""
+        """The parts as one tool; the wanted ones with the tool that grips them."""
         nodes = frozenset(nodes)
         own = Tool.of_parts(self.scene.mockup, list(self.parts_of(nodes)))
         if TARGET not in nodes or self.grip["tool"] is None:
@@ -120,7 +120,8 @@ class Question:
         )
 
     def straight_way(self, seconds: float, clock: Clock) -> Removal | None:
-        """A straight way of the wanted parts with all else in place, if there is one: `removal` without searches."""
+        """A straight way of the wanted parts with all other parts in place, if there is one: `removal` without
+        searches."""
 
         def only_straight(_done: float, stage: str) -> None:
             if stage != "straight ways":
@@ -135,7 +136,7 @@ class Question:
         return way if way.is_found else None
 
     def is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
-        """Whether a way meets another part, or the wanted ones."""
+        """Whether a way collides with another part, or the wanted ones."""
         there = self.scene.only(list(self.parts_of([other])))
         return not there.check_path(self.moving(nodes), way.poses, touching="free").is_free
 

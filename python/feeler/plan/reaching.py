@@ -1,4 +1,4 @@
-"""`access`: can a tool reach fasteners, and how far can it be swung there?"""
+"""`access`: can a tool reach fasteners, and how far can it swing there?"""
 
 from __future__ import annotations
 
@@ -29,55 +29,55 @@ Hand = Tool | tuple[Tool, npt.ArrayLike]
 LEAST_ANGLES, MOST_ANGLES = 4, 3600
 """Seats around the axis."""
 SIDEWAYS_ANGLES = 24
-"""Angles of each free swing from which the tool is drawn off sideways: evenly spread, the middle first."""
+"""Angles of each free swing from which the tool is pulled off sideways: evenly spread, the middle first."""
 STRAIGHT_ANGLES = 48
-"""Angles of each free swing from which it is drawn off straight. More: narrower slots above the seat are found, and a
-target without a way takes longer."""
+"""Angles of each free swing from which it is pulled off straight. A larger value finds narrower slots above the seat,
+and takes longer for targets without a way."""
 STRAIGHT_DEG = 0.1
-"""Angles that differ less are one where a straight way is sought, degrees."""
+"""Angles that differ less are one in the search for a straight way, degrees."""
 BEYOND_M = 1e-6
-"""How far beyond an impact the parts that stopped the tool are met, metres."""
+"""How far beyond an impact the tool collides with the parts that stopped it, metres."""
 SIDEWAYS = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0)
-"""Directions across the axis, degrees from where the handle is, in which the tool is drawn off sideways."""
+"""Directions across the axis, degrees from the handle, in which the tool is pulled off sideways."""
 NEAR_M = 0.02
-"""How far from the origin of a bare frame its fastener is sought, metres."""
+"""The largest distance between the origin of a bare frame and its fastener, metres."""
 UNDER_M = 1e-4
-"""How far under that origin, so that of what meets there the head comes first."""
+"""How far below that origin the search begins, so that the head comes first, metres."""
 _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
 
 
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Reach:
-    """What was found for one target."""
+    """The result for one target."""
 
     target: int
-    """Which it is."""
+    """Index of the target."""
     part: int | None
-    """Its fastener, index into `mockup.parts`: the tool may meet it. None: nothing is near the target."""
+    """Its fastener, index into `mockup.parts`: the tool may touch it. None: no part is near the target."""
     path: str | None
     is_reachable: bool
-    """Whether there is a way in, to a free swing that is large enough."""
+    """Whether there is a way in to a free swing that is large enough."""
     swing_deg: float
-    """The largest free swing, degrees, 360 for a full turn: the largest that has a way in, if one has. Never too
-    large."""
+    """The largest free swing with a way in, degrees, 360 for a full turn; without a way in, the largest free swing.
+    Never too large."""
     angle_deg: float
-    """Where it begins, degrees about the target's z from its x axis, 0 to 360. NaN where there is none."""
+    """Where it begins, degrees about the target's z from its x axis, 0 to 360. NaN without a swing."""
     pose: Floats
-    """`(4, 4)` world_from_tool: the tool seated in the middle of the swing; at angle 0 where there is none."""
+    """`(4, 4)` world_from_tool: the tool seated in the middle of the swing; at angle 0 without one."""
     way: Floats
-    """`(k, 4, 4)` world_from_tool: the way in, to a seat within the swing; `(0, 4, 4)` where none was found."""
+    """`(k, 4, 4)` world_from_tool: the way in, to a seat within the swing; `(0, 4, 4)` if none was found."""
     looked: float
-    """How far from its seat a way in was looked for, metres: `approach`. What is farther away was not looked at."""
+    """The distance from the seat over which a way in was searched, metres: `approach`."""
     drawn: float
-    """How far the tool came out of its seat at best, metres: `looked` where a way was found, 0 without a free seat."""
+    """How far the tool came out of its seat at best, metres: `looked` if a way was found, 0 without a free seat."""
     because: str
-    """In words what the answer comes from."""
+    """The reason for the answer, in words."""
     blockers: tuple[Blocker, ...]
-    """What was in the way, the most frequent first."""
+    """The blockers, most frequent first."""
 
 
 class Access(Sequence[Reach]):
-    """The answers of `access`, one a target, in their order."""
+    """The results of `access`, one per target, in their order."""
 
     def __init__(self, rows: Sequence[Reach], is_partial: bool = False) -> None:
         self._rows = tuple(rows)
@@ -109,12 +109,12 @@ class Access(Sequence[Reach]):
 
     @property
     def angles_deg(self) -> Floats:
-        """`(n,)`, degrees; NaN where there is no swing."""
+        """`(n,)`, degrees; NaN without a swing."""
         return np.array([row.angle_deg for row in self._rows], dtype=np.float64)
 
     @property
     def blockers(self) -> tuple[Blocker, ...]:
-        """What was in the way of targets that are not reachable, over all of these, the most frequent first."""
+        """The blockers of all unreachable targets together, most frequent first."""
         counts: Counter[tuple[int, str]] = Counter()
         for row in self._rows:
             if not row.is_reachable:
@@ -127,7 +127,7 @@ class Access(Sequence[Reach]):
 
 
 class AccessInterrupted(KeyboardInterrupt):
-    """Ctrl-C, with what was found until then: `.access`, the answers for the first targets."""
+    """Ctrl-C; `.access` has the answers for the targets finished by then."""
 
     def __init__(self, access: Access) -> None:
         self.access = access
@@ -151,27 +151,28 @@ def access(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Access:
-    """Whether the tool gets to each target, and how far it can be swung there, about the target's z axis.
+    """Whether the tool reaches each target, and how far it can swing there, about the target's z axis.
 
     The tool's frame is laid on the target's: origin on origin, z along z, turned about z by any angle. Every free swing
-    of at least a thousandth of a degree is found, and no swing is said to be larger than it is. Then a way in is looked
-    for over `approach` metres: straight along z, or else sideways, across z. `access` never claims that there is no
-    way: each answer says how far it looked (`looked`) and how far the tool came out (`drawn`).
+    of at least a thousandth of a degree is found, and none is reported larger than it is. Then a way in is searched
+    over `approach` metres: straight along z, or else sideways, across z. `access` never claims that there is no way:
+    each answer says how far it searched (`looked`) and how far the tool came out (`drawn`).
 
-    - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The fastener itself
-      may be met at the seat, when swung, and on a straight way; not when the tool is drawn off sideways, so that a ring
-      is not drawn off through the head. Of a bare frame it is the part nearest to its origin, up to 20 mm away.
-    - `swing_deg`: degrees that are needed, above 0 up to 360.
-    - `angles`: even steps around z that are tried first; `blockers` counts these. The free swings do not depend on it.
+    - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The tool may touch
+      the fastener at the seat, while swinging, and on a straight way; not when it is pulled off sideways, so that a
+      ring does not pass through the head. The fastener of a bare frame is the part nearest to its origin, up to 20 mm
+      away.
+    - `swing_deg`: the required degrees, above 0 up to 360.
+    - `angles`: even steps around z that are tried first, and counted in `blockers`. Free swings do not depend on it.
     - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`.
-    - `grip`: where the target's frame is in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that is to
-      point out of the joint, about its origin: "y" for `sample_tool("wrench")`, whose jaw turns about y.
-    - `lift`: metres by which the tool sits above the target's origin, one or one a target; negative: below.
+    - `grip`: the target's frame in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that points out of the
+      joint, about its origin: "y" for `sample_tool("wrench")`, whose jaw turns about y.
+    - `lift`: metres by which the tool sits above the target's origin, one or one per target; negative: below.
     - `threads`: default: all. The answer does not depend on it.
 
-    Raises `OptionError` where there is no target, a number is out of range, or fasteners are of another mock-up,
-    `PoseError` for frames that are not rigid, `MeshError` for what is no tool, and `AccessInterrupted`, a
-    `KeyboardInterrupt`, with what was found until Ctrl-C.
+    Raises `OptionError` if there is no target, a number is out of range, or fasteners are of another mock-up,
+    `PoseError` for frames that are not rigid, `MeshError` if the tool is not one, and `AccessInterrupted`, a
+    `KeyboardInterrupt`, with the answers found before Ctrl-C.
     """
     if not isinstance(scene, Scene):
         raise MeshError(f"access needs a feeler.Scene, not {type(scene).__name__}")
@@ -222,17 +223,17 @@ def _in_threads(
 
 @dataclass
 class _Drawn:
-    """How far the tool came out at best, as a share of the way."""
+    """How far the tool came out at best, as a fraction of the way."""
 
     most: float = 0.0
 
     def came(self, share: float) -> None:
-        """One try came so far."""
+        """Records the fraction of one attempt."""
         self.most = max(self.most, share)
 
 
 class _Question:
-    """What is asked of each target."""
+    """The arguments that all targets share."""
 
     def __init__(self, scene: Scene, seated: SeatedTool, needed: float, angles: int, approach: float) -> None:
         self._scene, self._seated, self._needed, self._approach = scene, seated, needed, approach
@@ -241,7 +242,7 @@ class _Question:
         self._sides = [turned(side)[:3, :3] @ seated.outward for side in SIDEWAYS]
 
     def reach(self, target: int, frame: Floats, part: int | None) -> Reach:
-        """The answer for one target."""
+        """The result for one target."""
         scene, seated = self._scene, self._seated
         ignore = seated.ignoring(scene.mockup, part)
         blocked: Counter[int] = Counter()
@@ -288,9 +289,9 @@ class _Question:
         return f"{found.span:.1f} degrees are free{enough}, with a way in over {looked}"
 
     def _straight(self, frame: Floats, swing: Swing, ignore: Any, blocked: Counter[int], drawn: _Drawn) -> Floats:
-        """The way along z to one of the swing's seats, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards.
+        """The way along z to one of the swing's seats, (2, 4, 4), found by casts outwards; (0, 4, 4) if there is none.
 
-        What stops the tool on its way rules out all angles at which it goes on stopping it at that height.
+        A triangle that stops the tool rules out all angles at which it would stop it at that height.
         """
         scene, tool = self._scene, self._seated.tool
         closed = [] if swing.span == 360.0 else [(swing.start + swing.span, 360.0 - swing.span)]
@@ -317,7 +318,7 @@ class _Question:
         return np.empty((0, 4, 4))
 
     def _sideways(self, frame: Floats, swing: Swing, part: int | None, blocked: Counter[int], drawn: _Drawn) -> Floats:
-        """The way across z to one of the swing's seats, (2, 4, 4); (0, 4, 4) where none was found."""
+        """The way across z to one of the swing's seats, (2, 4, 4); (0, 4, 4) if none was found."""
         scene, tool = self._scene, self._seated.tool
         for angle in _spread(swing):
             seat = frame @ turned(angle)
@@ -325,7 +326,7 @@ class _Question:
                 out = _shifted(seat, self._approach * (seat[:3, :3] @ side))
                 impact = scene.cast(tool, seat, out)
                 if impact is not None and impact.part == part and impact.fraction == 0.0:
-                    impact = scene.cast(tool, seat, out, touching="free")  # a jaw without play slides off
+                    impact = scene.cast(tool, seat, out, touching="free")  # lets a jaw without play slide off
                 if impact is not None:
                     drawn.came(impact.fraction)
                     if impact.part != part:
@@ -336,14 +337,14 @@ class _Question:
         return np.empty((0, 4, 4))
 
     def _is_inside(self, pose: Floats, ignore: Any, blocked: Counter[int]) -> bool:
-        """Whether the tool meets nothing since it is inside something, or something in it."""
+        """Whether the tool is inside a part, or contains one, without a collision."""
         found = self._scene.containment(self._seated.tool, pose, ignore=ignore)
         blocked.update([*found.containing.tolist(), *found.contained.tolist()])
         return bool(found)
 
 
 def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, list[int | None]]:
-    """Frames (n, 4, 4), and the fastener of each."""
+    """Frames (n, 4, 4), and their fasteners."""
     mockup = scene.mockup
     if isinstance(targets, Fasteners):
         if not len(targets):

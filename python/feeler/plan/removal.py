@@ -1,4 +1,4 @@
-"""`feeler.removal`: the way of parts out of a mock-up, or what was in their way."""
+"""`feeler.removal`: the path of parts out of a mock-up, or the parts that block it."""
 
 from __future__ import annotations
 
@@ -32,57 +32,56 @@ _LARGEST_SEED = 2**64 - 1
 
 @dataclass(frozen=True, eq=False)
 class RemovalBlocker(Blocker):
-    """A part that was in the way, how often, and the best try that it stopped."""
+    """A part that stopped attempts, how often, and the best attempt that it stopped."""
 
     reach: float
-    """How far from the start the middle of what moves was in the best of these tries, metres."""
+    """The travel of the middle of the moving parts in the best of these attempts, metres."""
     pose: npt.NDArray[np.float64]
-    """`(4, 4)`: the motion of the part then."""
+    """`(4, 4)`: the motion of the part at that point."""
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What leads to the same answer again: with these versions, the same scene and arguments."""
+    """The values that reproduce the answer: with these versions, the same scene and arguments."""
 
     seed: int
     method: str
-    """How the way was found: "straight", "pushes", "tree 3" (of random trees, by number), "out" (it was out already),
+    """How the way was found: "straight", "pushes", "tree 3" (of random trees, by number), "out" (it was already out),
     "direct" (an insertion, straight from its start to its goal), "none"."""
     casts: int
-    """Motions that were followed."""
+    """Number of casts."""
     versions: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Removal:
-    """A way of parts out of a mock-up, or the parts in the way. Only `held_by` shows that there is no way."""
+    """A path of parts out of a mock-up, or the blocking parts. Only `held_by` proves that there is no path."""
 
     is_found: bool
     legs: tuple[RemovalLeg, ...]
-    """The way, leg by leg, from where the parts are until they are out; `str(leg)` says it in words."""
+    """The path, leg by leg, from the place of the parts until they are out; `str(leg)` describes it in words."""
     poses: npt.NDArray[np.float64]
-    """`(n, 4, 4)`: the same as poses, screws cut into pieces: the motion of the parts in the world, from the identity,
-    where they are, until they are out: their corner, as the mock-up has it, is at `poses[i] @ corner`. Between two
-    poses they move as `Scene.cast` does. Where nothing was found, the identity alone."""
+    """`(n, 4, 4)`: the same path as poses, screws cut into pieces: the motion of the parts in the world, from the
+    identity until they are out. A corner of the mock-up is at `poses[i] @ corner`. Between two poses they move as in
+    `Scene.cast`. If no path was found, the identity alone."""
     path_length: float
-    """How far the middle of the box of what moves goes, metres."""
+    """The travel of the middle of the moving parts' box, metres."""
     rotation: float
-    """How far it turns in all, radians."""
+    """The total rotation, radians."""
     clearance: float
-    """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/64 of the
-    size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found or time was
-    up before it was known. Pairs in contact at the start are left out until they separate, and parts that may be
-    met all along."""
+    """The smallest distance along the path, metres, without pairs in contact at the start until they separate, and
+    without allowed parts. Its error is at most 1/20 of its value or 1/64 of the size of the moving parts, whichever is
+    more. Infinite if there is no other part, NaN if no path was found or time ran out before it was measured."""
     certificate: Certificate
     blocked_by: tuple[RemovalBlocker, ...]
-    """The parts that stopped a try, the one that stopped most first; also where a way was found."""
+    """The parts that stopped an attempt, most frequent first; also if a path was found."""
     held_by: tuple[Part, ...]
-    """The parts that are shown to hold it, so that no way leads out while they stay. Empty where that was not shown,
-    which does not say that there is a way."""
+    """The parts proven to hold it: no path exists while they stay. Empty without a proof, which does not mean that a
+    path exists."""
     play: float
-    """Where it is held: no point of it can move farther than this, metres. Else NaN."""
+    """If it is held: no point of it can move farther than this, metres. Else NaN."""
     is_out_of_time: bool
-    """Whether `seconds` were over before all was tried."""
+    """Whether `seconds` ran out before the search was complete."""
     seconds: float
 
     @property
@@ -97,7 +96,7 @@ class Removal:
 
     @property
     def path(self) -> list[npt.NDArray[np.float64] | Screw]:
-        """The legs as `Scene.check_path` takes them: the pose where it begins, then a pose or a screw for each leg."""
+        """The legs as `Scene.check_path` takes them: the start pose, then a pose or a screw for each leg."""
         return [self.poses[0], *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
 
     def __repr__(self) -> str:
@@ -111,7 +110,7 @@ class Removal:
 
 
 class RemovalInterrupted(KeyboardInterrupt):
-    """Ctrl-C, with what was found until then: `.removal`."""
+    """Ctrl-C; `.removal` has the result found by then."""
 
     def __init__(self, removal: Removal) -> None:
         self.removal = removal
@@ -161,7 +160,7 @@ def removal(
     overlap: float = 0.0,
     seats: bool = True,
 ) -> Removal:
-    """A way by which parts come out of the mock-up of a scene.
+    """A path by which parts come out of the mock-up of a scene.
 
     - `scene`: with these parts in their places. `parts`: as `Parts.select` takes them; they move as one.
     - `tool`: what grips them and moves with them, at the pose `start` (`world_from_tool`, by default the identity). It
@@ -176,16 +175,15 @@ def removal(
       on `threads`, unless time ends while it is made shorter.
     - `progress`: called with the share of the time that is over (0 to 1), and what is being tried.
 
-    Ctrl-C ends it with a `RemovalInterrupted`, which has what blocked it until then.
+    Ctrl-C ends it with a `RemovalInterrupted`, which has the blockers found by then.
 
-    Touching ends a way, but for what is allowed. Pairs that meet at the start (nearer than 1e-6 m) are seats, surface
-    by surface, and may slide and part. What touches or fits (up to 1/50 of the size of what moves deep) is cast, made
-    smaller by its depth and a play of 1e-6 or 1e-5 m. What is deeper has no hole in the model: at steps of half a
-    thickness, its surface is inside the other only where the part itself was. See docs/removal.md.
+    Every contact that is not allowed ends a path. Pairs in contact at the start (nearer than 1e-6 m) are seats, surface
+    by surface, and may slide and separate. Parts that touch or fit (up to 1/50 of the size of the moving parts deep)
+    are cast at a size reduced by that depth and a play of 1e-6 or 1e-5 m. Deeper ones are sunk: at steps of half a
+    thickness, their surface may be inside the other part only where the part itself was. See docs/removal.md.
 
-    Raises `OptionError` for parts that are not there, or that are all there are, and for numbers that cannot be;
-    `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or
-    tool.
+    Raises `OptionError` for parts that do not exist, for all parts of the scene, and for invalid numbers; `PoseError`
+    for a `start` that is not rigid or where the tool collides; `MeshError` if the scene or the tool is not one.
     """
     return way_from(
         np.eye(4),
@@ -220,9 +218,9 @@ def way_from(
     where: str = "start",
     first: Callable[[Scene, Tool], Removal | None] | None = None,
 ) -> Removal:
-    """`removal` of parts that lie elsewhere: `lies` `(4, 4)` is their motion until there, where the path begins.
-    `where`: what errors call that. `first`: an answer that is tried before, of the scene without the parts, and of what
-    moves."""
+    """`removal` of parts that lie elsewhere: `lies` `(4, 4)` is their motion up to there, where the path begins.
+    `where`: the name of that pose in errors. `first`: an attempt to try before, a function of the scene without the
+    parts and of the moving parts."""
     begin = time.perf_counter()
     chosen, rest = _chosen(scene, parts)
     mockup = scene.mockup
@@ -276,7 +274,7 @@ def way_from(
 
 
 def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
-    """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, under the name of its argument."""
+    """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, with the name of its argument."""
     try:
         given = np.asarray(plain(pose), dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -291,13 +289,13 @@ def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
 
 
 def alone(seed: int) -> Removal:
-    """Of parts that are all there is: they are out."""
+    """The answer for parts that are the whole mock-up: they are out."""
     certificate = Certificate(seed, "out", 0, _VERSIONS)
     return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, certificate, (), (), math.nan, False, 0.0)
 
 
 def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
-    """The parts that move, and the scene without them."""
+    """The moving parts, and the scene without them."""
     if not isinstance(scene, Scene):
         raise MeshError(f"a feeler.Scene is needed, not {type(scene).__name__}")
     chosen = scene.mockup.parts.select(parts)
@@ -322,7 +320,7 @@ def _gripped(
     rest: Scene,
     allowed: Allowed,
 ) -> Tool:
-    """The parts with the tool that grips them, free where they lie."""
+    """The parts with the tool that grips them, checked to be free."""
     if not isinstance(tool, Tool):
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
     lies, where = place_of_parts

@@ -1,4 +1,4 @@
-"""Parts that are one shape at several places, so that each shape is looked at once."""
+"""Groups parts of one shape at several places, so that each shape is examined once."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 SAME_SHARE = 1e-3
-"""How far corners of two parts of one shape may differ, as a share of the part's size: files round coordinates, and a
-guess at what a part is does not turn on so little."""
+"""How far corners of two parts of one shape may differ, as a share of the part's size: files round coordinates, and the
+recognition of fasteners does not need more."""
 BATCH_NUMBERS = 3_000_000
-"""Numbers that are aligned at once: 24 MB a copy."""
+"""Numbers aligned at once: 24 MB a copy."""
 HELD_NUMBERS = 30_000_000
-"""Numbers that are held of parts with the same triangles: 240 MB."""
+"""Numbers kept of parts with the same triangles: 240 MB."""
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,13 @@ class SameShape:
     faces: Ints
     parts: Ints
     places: Floats
-    """(k, 4, 4): where the shape is for each part."""
+    """(k, 4, 4): the place of the shape for each part."""
 
 
 def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
-    """The shapes of these parts: the same triangles over the same corners, but for a rigid motion.
+    """The shapes of these parts: the same triangles over the same corners, up to a rigid motion.
 
-    Parts without triangles, and with corners that are not finite, are left out.
+    Skips parts without triangles, and with corners that are not finite.
     """
     meshes = PartMeshes(mockup)
     alike: dict[tuple[int, int, int], list[int]] = {}
@@ -47,7 +47,7 @@ def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
         if len(faces) and np.isfinite(vertices).all():
             alike.setdefault((len(vertices), len(faces), hash(faces.tobytes())), []).append(part)
     for (count, _, _), group in alike.items():
-        # Of very many parts, shares one after the other: a shape may then come more than once.
+        # Very many parts are processed in shares; a shape can then occur more than once.
         step = max(1, HELD_NUMBERS // (3 * count))
         for begin in range(0, len(group), step):
             share = group[begin : begin + step]
@@ -71,7 +71,7 @@ def _told_apart(corners: Floats, faces: Ints, parts: Ints) -> Iterator[SameShape
 
 
 def _aligned(shape: Floats, corners: Floats, tolerance: float) -> tuple[npt.NDArray[np.bool_], Floats]:
-    """Which of `corners` (k, n, 3) are `shape` (n, 3) moved, and by what (least squares: Arun 1987)."""
+    """Which of `corners` (k, n, 3) are `shape` (n, 3) moved, and the motion (least squares: Arun 1987)."""
     middles = corners.mean(axis=1)
     u, _, v = np.linalg.svd(np.einsum("ni,knj->kij", shape, corners - middles[:, None]))
     v[:, 2] *= np.sign(np.linalg.det(u @ v))[:, None]

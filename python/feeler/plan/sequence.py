@@ -1,8 +1,8 @@
-"""The shortest disassembly sequence, searched over the ways that each part could go.
+"""The shortest disassembly sequence, searched over the possible motions of each part.
 
-Each part has a few motions, and for each motion the parts that block it: the arcs of a directional blocking graph
-(Wilson and Latombe 1994). A sequence chooses one motion for each part that has to go. Parts that block each other, in a
-cycle, must move together, which they can where they share the motion: each strongly connected component is one step.
+Each part has a few motions, and each motion has the parts that block it: the arcs of a directional blocking graph
+(Wilson and Latombe 1994). A sequence chooses one motion for each part that must leave. Parts that block each other in a
+cycle must move together, which they can if they share the motion: each strongly connected component is one step.
 """
 
 from __future__ import annotations
@@ -13,38 +13,38 @@ from dataclasses import dataclass
 from typing import Protocol
 
 STANDING_COST = 1000.0
-"""Steps that a sequence may be longer so that one fastener is not left standing in what it joins."""
+"""Extra steps that a sequence may take so that a fastener does not stay behind in the parts that it joins."""
 UNSEEN_COST = 0.75
-"""Steps that a part counts for as long as its blockers are not known. Less than 1 looks at more parts, and prefers
-sequences that are not known in full to known ones of the same length."""
+"""Steps counted for a part whose blockers are still unknown. With less than 1 the search examines more parts, and
+prefers sequences that are not fully known to known ones of the same length."""
 MOST_STATES = 20_000
-"""States of the search: of more, the sequence so far is not the shortest, so none is given."""
+"""The most states of the search; beyond it the best sequence so far need not be the shortest, so none is returned."""
 
 
 @dataclass(frozen=True)
 class Exit:
-    """A motion by which a part could go, or several that the same parts block."""
+    """A motion by which a part could leave, or several with the same blockers."""
 
     motions: tuple[Hashable, ...]
-    """The one that is preferred first. Parts with a motion in common can move together."""
+    """The preferred one first. Parts with a common motion can move together."""
     blockers: frozenset[int]
-    """Parts that are in the way: they go before, or along."""
+    """Blocking parts: they leave before, or along."""
     fasteners: frozenset[int] = frozenset()
-    """Fasteners that join the part to another: they go before, or along where the part blocks them."""
+    """Fasteners that join the part to another: they leave before, or along if the part blocks them."""
 
 
 @dataclass(frozen=True)
 class SequenceStep:
-    """Parts that go together, by one motion."""
+    """Parts that leave together, by one motion."""
 
     parts: frozenset[int]
     motion: Hashable
 
 
 def undominated(exits: Sequence[Exit]) -> list[Exit]:
-    """The exits of one part, those with the same needs as one, and without those that need all that another does.
+    """The exits of one part; merges those with the same blockers, and drops those that need all blockers of another.
 
-    A part that could go without others would go without them: only those that block each other move together.
+    A part that could leave without others would: only parts that block each other move together.
     """
     by_needs: dict[tuple[frozenset[int], frozenset[int]], list[Hashable]] = {}
     for one in exits:
@@ -58,26 +58,26 @@ def undominated(exits: Sequence[Exit]) -> list[Exit]:
 
 
 class Graph(Protocol):
-    """Where the exits of parts come from."""
+    """The source of the exits of parts."""
 
     def exits(self, node: int) -> Sequence[Exit]:
-        """The exits of a part; to find them may take long."""
+        """The exits of a part; computing them may take long."""
 
     def is_known(self, node: int) -> bool:
-        """Whether they are known already."""
+        """Whether they are already computed."""
 
     def holding(self, node: int) -> frozenset[int]:
-        """The fasteners that join a part to others: found in less time."""
+        """The fasteners that join a part to others; faster to compute."""
 
 
 def shortest_sequence(
     target: int, graph: Graph, node_count: int, goes_on: Callable[[], bool]
 ) -> list[SequenceStep] | None:
-    """The steps after which `target` is out, it last; `None` where there are none, or no time is left.
+    """The steps that free `target`, its own last; `None` if there are none, or no time is left.
 
-    The exits of a part are asked for only if it may be in a shortest sequence. `node_count` parts are all there is: not
-    all that is left can be moved out together. Best first: the cost is the number of steps, and a part whose exit is
-    not chosen yet counts for one at most.
+    Computes the exits of a part only if it may be in a shortest sequence. There are `node_count` parts; the last step
+    must leave one behind. Best first: the cost is the number of steps, and a part without a chosen exit counts for one
+    at most.
     """
     count = 0
     queue: list[tuple[float, int, dict[int, Exit], float]] = [(0.0, 0, {}, 0.0)]
@@ -88,7 +88,7 @@ def shortest_sequence(
             return _steps(chosen)
         if not goes_on() or count > MOST_STATES:
             return None
-        # Of the parts that are left, the one with the fewest exits.
+        # Continue with the open part that has the fewest exits.
         known = [part for part in pending if graph.is_known(part)]
         part = min(known, key=lambda each: len(graph.exits(each))) if known else pending[0]
         for one, more in _with_fasteners_standing(graph.exits(part)):
@@ -104,7 +104,7 @@ def shortest_sequence(
 
 
 def _with_fasteners_standing(exits: Sequence[Exit]) -> Iterator[tuple[Exit, float]]:
-    """Each exit with its fasteners gone before; and, at a cost, with them left."""
+    """Each exit with its fasteners removed before; and, at a cost, with them left."""
     for one in exits:
         yield one, 0.0
         standing = len(one.fasteners - one.blockers)
@@ -113,7 +113,7 @@ def _with_fasteners_standing(exits: Sequence[Exit]) -> Iterator[tuple[Exit, floa
 
 
 def _pending(target: int, chosen: Mapping[int, Exit]) -> list[int]:
-    """Parts that have to go, and of which no exit is chosen; in order of their numbers."""
+    """Parts that must leave and have no chosen exit, by index."""
     if not chosen:
         return [target]
     needed = {part for one in chosen.values() for part in one.blockers | one.fasteners}
@@ -121,7 +121,7 @@ def _pending(target: int, chosen: Mapping[int, Exit]) -> list[int]:
 
 
 def _least_cost(part: int, chosen: Mapping[int, Exit], graph: Graph) -> float:
-    """A part is a step more, and so is each fastener that holds it, unless it and one that is chosen block each other
+    """A part costs one more step, and so does each fastener that holds it, unless it and a chosen part block each other
     along the same motion."""
     if not graph.is_known(part):
         return UNSEEN_COST + len(graph.holding(part) - chosen.keys())
@@ -134,7 +134,7 @@ def _least_cost(part: int, chosen: Mapping[int, Exit], graph: Graph) -> float:
 
 
 def _can_go(groups: Sequence[Sequence[int]], chosen: Mapping[int, Exit], node_count: int) -> bool:
-    """Whether the parts of each component have a motion in common, and the last is not all that is left."""
+    """Whether the parts of each component share a motion, and the last component is not all that is left."""
     if len(groups[-1]) > 1 and len(chosen) >= node_count:
         return False
     return all(_in_common([chosen[part] for part in group]) for group in groups)
@@ -146,12 +146,12 @@ def _steps(chosen: Mapping[int, Exit]) -> list[SequenceStep]:
 
 
 def _in_common(exits: Sequence[Exit]) -> list[Hashable]:
-    """The motions that all of these have."""
+    """The motions that all of these share."""
     return [motion for motion in exits[0].motions if all(motion in other.motions for other in exits[1:])]
 
 
 def _groups(chosen: Mapping[int, Exit]) -> list[list[int]]:
-    """The strongly connected components of who has to go before whom, those first that go first (Tarjan 1972)."""
+    """The strongly connected components of the precedence relation, those that leave first come first (Tarjan 1972)."""
     number: dict[int, int] = {}
     low: dict[int, int] = {}
     stack: list[int] = []

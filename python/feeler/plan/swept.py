@@ -1,4 +1,4 @@
-"""The volume that a tool sweeps on its way, as a closed mesh: docs/swept.md."""
+"""The swept volume of a moving tool, as a closed mesh: docs/swept.md."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ def swept(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Mockup:
-    """A closed mesh around all that the tool sweeps from pose to pose, and nothing farther than `error` from that.
+    """A closed mesh that contains the whole swept volume of a tool and exceeds it by at most `error`.
 
-    - `poses`: `(n, 4, 4)`, world_from_tool, metres; between two of them the tool moves as in `Scene.cast`. One pose is
-      the tool where it is, grown.
+    - `poses`: `(n, 4, 4)`, world_from_tool, metres; between two of them the tool moves as in `Scene.cast`. A single
+      pose gives the tool at that pose, grown.
     - `error`: metres. Half of it makes four times the triangles.
     - `threads`: default all. `progress`: called with the share done (0 to 1) and the stage.
-    - `memory_limit`: most bytes that it may take; default: 80 % of what is free.
+    - `memory_limit`: the most bytes it may take; default: 80 % of the free memory.
 
-    The mesh is in the world's frame, wound outwards, each edge once each way; one part, named after the tool. What a
-    closed surface of the tool has inside is swept, too; of an open one the surface alone. A hollow that nothing sweeps
-    stays: an inner surface. The same on any number of threads.
+    The mesh is in the world's frame, wound outwards, with each edge once in each direction; one part, named after the
+    tool. The inside of closed surfaces of the tool is swept, too; of open ones the surface alone. A hollow that the
+    tool never enters stays, as an inner surface. The result does not depend on the number of threads.
 
-    Raises `PoseError` for no pose and poses that are not rigid, `OptionError` for an error that is no positive length,
-    and `LimitError` for one that is too small: it says which would fit.
+    Raises `PoseError` for no pose and poses that are not rigid, `OptionError` for an error that is not a positive
+    length, and `LimitError` for one that is too small; the message has one that would fit.
     """
     given: object = tool
     if not isinstance(given, Tool):

@@ -1,7 +1,7 @@
-"""The free swings of a tool about an axis: every free interval of angles, not only those that even steps hit.
+"""The free swings of a tool about an axis: every free interval of angles, not only those hit by even steps.
 
-A seat that is free is swung both ways by casts. A seat that is blocked rules out all angles around it at which one of
-the pairs of triangles that meet there goes on meeting. The next seats are in the middle of what neither covers.
+From a free seat, casts find how far the tool swings both ways. A blocked seat rules out all angles around it over which
+one of its colliding pairs of triangles keeps colliding. The next seats are in the middle of what neither covers.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 FINEST_DEG = 1e-3
-"""A free swing at least this wide is found, degrees. Smaller: narrower ones are found, where many small triangles
-border on each other with more seats."""
+"""Free swings at least this wide are found, degrees. A smaller value finds narrower ones, with more seats where many
+small triangles border on each other."""
 SWING_TOLERANCE_M = 1e-7
-"""How far before its first contact a swing may end, metres. Smaller: swings come closer to what is free, casts take
-longer."""
+"""The most by which a swing may end before its first contact, metres. With a smaller value, swings are more complete
+and casts take longer."""
 BORDER_DEG = 0.02
-"""How far beyond the end of a swing the pair of triangles that ended it begins to meet, at most, degrees."""
+"""The most by which the pair of triangles that ended a swing begins to collide beyond that end, degrees."""
 PAIRS_A_SEAT = 4
 """Pairs of triangles by which a blocked seat rules out its neighbours. More: fewer seats, each with more work."""
 PAIRS_COMPARED = 256
-"""Pairs among which these are chosen. More: wider ones are chosen, with more work."""
+"""Pairs among which these are chosen. More: wider intervals, with more work."""
 COARSE = 8
-"""One in so many of the first seats is looked at before the others, of which then fewer are left to rule out."""
+"""One in this many of the first seats is tested before the others, which leaves fewer of them to test."""
 _BEFORE_ALL = float(np.nextafter(1.0, 0.0))  # the largest fraction that is not all of a step
 
 
@@ -45,7 +45,7 @@ class Swing:
     span: float
 
     def holds(self, angle: float) -> bool:
-        """Whether a seat is in it."""
+        """Whether it contains a seat."""
         return (angle - self.start) % 360.0 <= self.span
 
 
@@ -61,8 +61,8 @@ class Swings:
     ) -> list[Swing]:
         """The free swings, degrees, the largest first.
 
-        `seats`: angles that are looked at first; `blocked` counts the parts that are met at these and by casts. Where a
-        swing is found, free gaps that are narrower than it and than `needed` may be left out.
+        `seats`: angles to test first; `blocked` counts the parts hit at these and by casts. If a swing is found, free
+        gaps narrower than it and than `needed` may be missing.
         """
         found: list[Swing] = []
         covered: list[tuple[float, float]] = []
@@ -97,7 +97,7 @@ class Swings:
         return sorted(found, key=lambda swing: (-swing.span, swing.start))
 
     def ruled_out(self, frame: Floats, angle: float, ignore: IgnoredPairs | None) -> list[tuple[float, float]]:
-        """Angles around a seat at which what meets there goes on meeting: from, how far; degrees. Empty: it is free."""
+        """Angles around a seat over which its collision persists: start and extent, degrees. Empty if it is free."""
         contacts = self._scene.collide(self._tool, frame @ turned(angle), ignore=ignore)
         return _ruled_out([(angle, *self._widest(frame, angle, contacts.pairs))]) if len(contacts) else []
 
@@ -120,7 +120,7 @@ class Swings:
     def _cast(
         self, frame: Floats, angle: float, by: float, ignore: IgnoredPairs | None, blocked: Counter[int]
     ) -> tuple[float, Cast | None]:
-        """Degrees that are free from a seat on, of so many either way; all of them only where nothing is met."""
+        """Degrees that are free from a seat on, up to a given number; all of them only without a hit."""
         screw = Screw(frame[:3, 2], frame[:3, 3], np.radians(by))
         seat = frame @ turned(angle)
         impact = self._scene.cast(self._tool, seat, screw=screw, tolerance=SWING_TOLERANCE_M, ignore=ignore)
@@ -130,7 +130,8 @@ class Swings:
         return min(impact.fraction, _BEFORE_ALL) * abs(by), impact
 
     def _widest(self, frame: Floats, angle: float, pairs: npt.NDArray[np.integer]) -> tuple[Floats, Floats]:
-        """The pairs that may meet over the most angles: the tool's triangles at a seat, the mock-up's, in the frame."""
+        """The pairs that may collide over the most angles: the tool's triangles at a seat, the mock-up's, in the
+        frame."""
         mockup = self._scene.mockup
         pairs = pairs[:: 1 + len(pairs) // PAIRS_COMPARED]
         turning = self._turning[pairs[:, 0]] @ turned(angle)[:3, :3].T
@@ -147,7 +148,7 @@ def _holds(covered: list[tuple[float, float]], angle: float) -> bool:
 
 
 def _ruled_out(met: list[tuple[float, Floats, Floats]]) -> list[tuple[float, float]]:
-    """Angles at which pairs go on meeting around each seat: from, how far; degrees."""
+    """Angles over which pairs keep colliding around each seat: start and extent, degrees."""
     if not met:
         return []
     angles = np.repeat([angle for angle, _, _ in met], [len(turning) for _, turning, _ in met])
@@ -158,14 +159,14 @@ def _ruled_out(met: list[tuple[float, Floats, Floats]]) -> list[tuple[float, flo
 
 
 def uncovered(covered: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """What intervals (from, how far), degrees, leave of the circle, in the same form; the whole circle for none."""
+    """The part of the circle that intervals (start, extent), degrees, leave, in the same form; all of it for none."""
     if not covered:
         return [(0.0, 360.0)]
     starts = np.array([start for start, _ in covered]) % 360.0
     spans = np.array([span for _, span in covered])
     order = np.argsort(starts)
     starts, reach = starts[order], np.maximum.accumulate((starts + spans)[order])
-    # What reaches over 360 covers what begins behind 0.
+    # An interval that extends over 360 covers the one that begins after 0.
     ends = np.maximum(reach, reach[-1] - 360.0)
     following = np.append(starts[1:], starts[0] + 360.0)
     spans = following - ends
@@ -173,7 +174,7 @@ def uncovered(covered: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def turned(degrees: float) -> Floats:
-    """(4, 4): a turn about z."""
+    """(4, 4): a rotation about z."""
     angle = np.radians(degrees)
     turn = np.eye(4)
     turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]

@@ -1,4 +1,4 @@
-"""A tool as access uses it: in the frame of what it is put on."""
+"""The tool of `access`, in the frame of its seat."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class SeatedTool:
     seat_from_tool: Floats
     """(4, 4): from the frame of the tool as it was given."""
     outward: Floats
-    """(3,), unit, across z: where the most of the tool is, as its handle."""
+    """(3,), unit, across z: towards the bulk of the tool, such as its handle."""
 
     def ignoring(self, mockup: Mockup, part: int | None) -> IgnoredPairs | None:
-        """Pairs that `tool` ignores where the fastener is `part`."""
+        """Pairs that `tool` ignores if the fastener is `part`."""
         if part is None:
             return None
         count = self.tool.part_count
@@ -36,7 +36,7 @@ class SeatedTool:
 
 
 def seated_tool(tool: object, hand: object = None, grip: object = None) -> SeatedTool:
-    """The tool, with a hand if there is one, as `access` takes them. Raises `MeshError`, `OptionError`, `PoseError`."""
+    """The tool, with its hand if given, as `access` takes them. Raises `MeshError`, `OptionError`, `PoseError`."""
     if not isinstance(tool, Tool):
         raise MeshError(f"the tool is {type(tool).__name__}: a feeler.Tool is needed (feeler.load_tool reads one)")
     if hand is not None:

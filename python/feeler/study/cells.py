@@ -1,4 +1,4 @@
-"""The cells of a study on disk: each is written when it is done, so an interrupted study goes on where it was."""
+"""The cells of a study on disk: each is written when it is done, so that an interrupted study can continue."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Cell = dict[str, Any]
 
 
 class Cells:
-    """The finished cells in a folder, by name and by what they were measured with."""
+    """The finished cells in a folder, by name and settings."""
 
     def __init__(self, folder: Path, resume: bool) -> None:
         self.folder = folder
@@ -44,7 +44,7 @@ class Cells:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a file whole or not at all."""
+    """Writes a file completely or not at all."""
     part = path.with_name(path.name + ".part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -54,7 +54,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """The same in types that JSON has; a number it lacks becomes null."""
+    """The same in JSON types; numbers that JSON lacks become null."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""What a row of (size, time) says: the fitted optimum, the optimal zone, an estimator's error, how well ranks agree."""
+"""Evaluation of (size, time) curves: fitted optimum, optimal zone, error of an estimator, rank correlation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 ZONE_ABSOLUTE_S = 1e-3
-"""The paper's zone: one millisecond more than the optimum, of the hundred that 10 Hz leave."""
+"""The paper's zone: one millisecond more than the optimum, of the hundred at 10 Hz."""
 
 ZONE_RELATIVE = 0.10
 """The zone relative to the optimum's time, for machines on which everything takes less than a millisecond."""
@@ -19,7 +19,7 @@ DEGREE = 5
 
 @dataclass(frozen=True)
 class Zone:
-    """Sizes that are good enough, metres. Where an end is that of the measured range, the zone may go on beyond."""
+    """The range of good sizes, metres. At an end of the measured range, the zone may extend beyond."""
 
     least: float
     most: float
@@ -43,7 +43,7 @@ class Fit:
         return Fit(tuple(float(s) for s in sizes), tuple(float(c) for c in coefficients))
 
     def seconds(self, size: float) -> float:
-        """The time at a size (metres); beyond the measured sizes that of the nearest one."""
+        """The time at a size (metres); beyond the measured range, that of the nearest measured size."""
         x = np.log(self.sizes)
         middle, half = 0.5 * (x.max() + x.min()), max(0.5 * (x.max() - x.min()), 1e-9)
         at = float(np.clip((np.log(size) - middle) / half, -1.0, 1.0))
@@ -70,9 +70,9 @@ class Fit:
 
 
 def epsilon(predicted: float, optimum: float, zone: Zone) -> float:
-    """Equation 11: the error of a predicted size over the half of the zone it errs to; at most 1 is inside the zone.
+    """Equation 11: the error of a predicted size relative to the half of the zone on its side; at most 1 is inside.
 
-    Infinite where that half is empty: the optimum lies at the end of what was measured.
+    Infinite if that half is empty: the optimum lies at the end of the measured range.
     """
     error = abs(predicted - optimum)
     half = optimum - zone.least if predicted < optimum else zone.most - optimum
@@ -82,7 +82,7 @@ def epsilon(predicted: float, optimum: float, zone: Zone) -> float:
 
 
 def rank_correlation(one: Sequence[float], other: Sequence[float]) -> float:
-    """Spearman's: 1 where both order the sizes alike. 0 where one of them orders nothing."""
+    """Spearman's rank correlation: 1 if both order the sizes alike. 0 if one of them has no order."""
     a, b = (_ranks(np.asarray(values, dtype=np.float64)) for values in (one, other))
     a, b = a - a.mean(), b - b.mean()
     scale = float(np.sqrt((a @ a) * (b @ b)))

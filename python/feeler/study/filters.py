@@ -1,4 +1,4 @@
-"""What each filter before the triangle test brings (the paper: half the time, together)."""
+"""The effect of each filter before the triangle test (the paper: half the time, together)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a study leaves in its folder: results, samples, and one page that explains itself."""
+"""The output of a study: results, samples, and one self-contained page."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ th.word, td.word { text-align: left } img { max-width: 100% }"""
 def write_study(
     folder: Path, results: dict[str, Any], samples: tuple[list[str], list[list[Any]]], plots: list[str]
 ) -> None:
-    """Writes `results.json`, `samples.csv` and `index.html`; the plots are there already."""
+    """Writes `results.json`, `samples.csv` and `index.html`; the plots already exist."""
     slim = {**results, "rows": [_without_samples(row) for row in results["rows"]]}
     write_text(folder / "results.json", json.dumps(slim, indent=1, allow_nan=False) + "\n")
     write_text(folder / "samples.csv", csv_table(*samples).decode("utf-8"))

@@ -1,4 +1,4 @@
-"""What the piece size, the blocks' counterpart of the voxel size, is worth: time by size, by default, as chosen."""
+"""The effect of the piece size, the blocks' counterpart of the voxel size: time by size, default and chosen size."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _measure(mockup: Mockup, tool: Tool, plan: Plan) -> Cell:
 
 
 def _judged(cell: Cell) -> Cell:
-    """The cell with what the default and the chosen size cost over the best of the sweep."""
+    """The cell with the extra time of the default and the chosen size over the best of the sweep."""
     points = cell["points"]
     best = min(points, key=lambda point: point["seconds"])
     quiet = min(point["quiet_s"] for point in points)

@@ -68,7 +68,7 @@ def _short(value: float) -> str:
 
 
 def draw_voxel_size(folder: Path, rows: list[dict[str, Any]]) -> list[str]:
-    """One panel a pair: measured and predicted time by voxel size, the fit, and what each estimator says."""
+    """One panel per pair: measured and predicted time by voxel size, the fit, and the size of each estimator."""
     if not _is_there():
         return []
     mockups, tools = ([*dict.fromkeys(row[what] for row in rows)] for what in ("mockup", "tool"))

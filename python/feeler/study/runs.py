@@ -1,4 +1,4 @@
-"""The loop that all studies share: every pair of a mock-up and a tool, measured now or found on disk."""
+"""The loop of all studies: every pair of a mock-up and a tool, measured now or loaded from disk."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from .subjects import Plan, Subject, Workshop
 
 Pair = tuple[Subject[Mockup], Subject[Tool]]
 
-_LAYOUT = 2  # of the cells; those of another are measured anew
+_LAYOUT = 2  # of the cells; cells of another layout are measured anew
 
 
 def measure_pairs(
     study: str, plan: Plan, pairs: Sequence[Pair], measure: Callable[[Mockup, Tool], Cell], **settings: Any
 ) -> Iterator[Cell]:
-    """The cell of each pair, with the names of both, in order; what was measured with the same settings is kept.
+    """The cell of each pair, with both names, in order; cells measured with the same settings are reused.
 
-    What is measured depends on the pair, on poses, rounds and seed of the plan, and on `settings`.
+    A measurement depends on the pair, on poses, rounds and seed of the plan, and on `settings`.
     """
     cells, workshop = Cells(plan.folder, plan.resume), Workshop()
     for number, (mockup, tool) in enumerate(pairs):

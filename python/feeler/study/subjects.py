@@ -1,4 +1,4 @@
-"""What a study works on: mock-ups and tools that are made when needed, and how much to measure."""
+"""The subjects of a study: mock-ups and tools, made on demand, and the extent of the measurements."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Thing = TypeVar("Thing", Mockup, Tool)
 
 @dataclass(frozen=True)
 class Subject(Generic[Thing]):
-    """A mock-up or a tool by name; `make` loads or builds it. `key` tells apart what goes by the same name."""
+    """A mock-up or a tool by name; `make` loads or builds it. `key` separates subjects of one name."""
 
     name: str
     key: str
@@ -25,7 +25,7 @@ class Subject(Generic[Thing]):
 
 @dataclass
 class Plan:
-    """A study to run: where, on what, how thoroughly."""
+    """A study to run: output folder, subjects, extent."""
 
     folder: Path
     mockups: list[Subject[Mockup]]
@@ -36,7 +36,7 @@ class Plan:
     seed: int = 0
     resume: bool = True
     memory_limit: int = 2_000_000_000
-    """Bytes of the largest index to build; sizes that need more are left out, and said so."""
+    """Bytes of the largest index to build; sizes that need more are skipped and reported."""
     progress: Progress = field(default=lambda _fraction, _stage: None)
 
     def pairs(self) -> list[tuple[Subject[Mockup], Subject[Tool]]]:
@@ -45,7 +45,7 @@ class Plan:
 
 
 class Workshop:
-    """Keeps the mock-up in work, so that it is made once for all its tools, and frees the last one."""
+    """Keeps the current mock-up, so that it is made once for all its tools, and frees the last one."""
 
     def __init__(self) -> None:
         self._name: tuple[str, str] | None = None

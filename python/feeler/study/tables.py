@@ -1,4 +1,4 @@
-"""The tables of the studies, in words and figures: for the terminal, the page and the documentation alike."""
+"""The tables of the studies, as text and numbers: for the terminal, the page and the documentation."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Section:
-    """A title, what to know, and a table; the first `words` columns are text."""
+    """A title, an explanation, and a table; the first `words` columns are text."""
 
     title: str
     text: list[str]
     heading: list[str] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     words: int = 2
-    caption: str = ""  # what the plot shows, for pages that have it
+    caption: str = ""  # of the plot, for pages that have it
 
 
 def sections_of(results: dict[str, Any]) -> list[Section]:

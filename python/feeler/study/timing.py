@@ -1,4 +1,4 @@
-"""Timing, defended against noise: what is compared is measured in turns, many times, and medians are taken."""
+"""Timing that is robust to noise: settings are measured in turns, many times, and compared by medians."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Setting:
-    """A scene and how it is queried."""
+    """A scene and its query options."""
 
     scene: Scene
     filters: dict[str, bool]
@@ -35,11 +35,11 @@ class Times:
     samples: Floats
 
     def seconds(self) -> list[float]:
-        """Of each setting: the mean over the poses of the median over the rounds."""
+        """For each setting: the mean over the poses of the median over the rounds."""
         return [float(x) for x in np.median(self.samples, axis=1).mean(axis=1)]
 
     def spread(self) -> list[tuple[float, float]]:
-        """Of each setting: the quartiles over the rounds of the mean over the poses."""
+        """For each setting: the quartiles over the rounds of the mean over the poses."""
         low, high = np.percentile(self.samples.mean(axis=2), [25, 75], axis=1)
         return [(float(a), float(b)) for a, b in zip(low, high, strict=True)]
 
@@ -47,11 +47,10 @@ class Times:
 def time_in_turns(
     settings: Sequence[Setting], tool: Tool, poses: Floats, rounds: int, seed: int, budget_s: float = 20.0
 ) -> Times:
-    """Queries every setting at every pose, round after round, each round in another order.
+    """Queries every setting at every pose, in rounds, each in another order.
 
-    Before its poses are timed, a setting runs them once untimed: what is measured is a tool that moves in one scene,
-    with warm caches. The clock is `query_clock`. When the budget is used up no new round begins; three rounds are run
-    in any case.
+    Before its poses are timed, a setting runs them once untimed, so that a tool moving in one scene with warm caches is
+    measured. The clock is `query_clock`. After the budget is used up no new round begins; at least three rounds run.
     """
     rng = np.random.default_rng(seed)
     samples = np.empty((len(settings), rounds, len(poses)))
@@ -72,7 +71,7 @@ def time_in_turns(
 
 
 def least_in_turns(*tasks: Callable[[], object], rounds: int = 5) -> list[float]:
-    """Seconds that each task takes by the wall, all threads: the least of the rounds, in which each takes its turn."""
+    """Wall-clock seconds of each task, all threads: the least over rounds in which the tasks take turns."""
     least = [float("inf")] * len(tasks)
     for _ in range(rounds):
         for i, task in enumerate(tasks):
@@ -89,7 +88,7 @@ def mean_work(scene: Scene, tool: Tool, poses: Floats) -> dict[str, float]:
 
 
 def machine() -> dict[str, Any]:
-    """What the times depend on."""
+    """The circumstances that the times depend on."""
     return {
         "cpu": cpu_name(),
         "cores": os.cpu_count(),

@@ -1,4 +1,4 @@
-"""Figure 7 and Table 2: collision time by voxel size, the measured optimum, and what each estimator predicts."""
+"""Figure 7 and Table 2: collision time by voxel size, the measured optimum, and the prediction of each estimator."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def study_voxel_size(plan: Plan, storage: str = "dense", hashing: float = 0.0) -
 
 
 def _measure(mockup: Mockup, tool: Tool, plan: Plan, storage: str, hashing: float) -> Cell:
-    """The cell of one pair: what each estimator says, and the times at a ladder of sizes and at what they say."""
+    """The cell of one pair: the size of each estimator, and the times at a ladder of sizes and at these sizes."""
     around = Scene(mockup)
     poses = np.asarray(sample_poses(around, tool, "nominal", plan.poses, seed=plan.seed))
     del around
@@ -57,7 +57,7 @@ def _measure(mockup: Mockup, tool: Tool, plan: Plan, storage: str, hashing: floa
 
     predicted["calibrated"] = choose()
     predictor = _core.Predictor(mockup, tool, storage, hashing)
-    # The ladder knows only the paper's estimator, so as not to favour ours. It errs to large sizes.
+    # The ladder depends only on the paper's estimator, to avoid favouring ours. That one errs to large sizes.
     middle = 0.7 * predicted["area"]
     ladder = [float(size) for size in np.geomspace(_RANGE[0] * middle, _RANGE[1] * middle, plan.sizes)]
     sizes, left_out, scenes = [], [], []
@@ -75,7 +75,7 @@ def _measure(mockup: Mockup, tool: Tool, plan: Plan, storage: str, hashing: floa
         raise LimitError(
             f"{len(sizes)} of {len(ladder)} sizes fit into {limit} bytes: allow more, or take a smaller mock-up"
         )
-    # Where the chosen size does not fit, the build of the one before stands for it.
+    # If the chosen size does not fit, the previous build takes its place.
     choosing_s, building_s = least_in_turns(choose, partial(build, sizes[-1]))
     times = time_in_turns([Setting(scene, _FILTERS) for scene in scenes], tool, poses, plan.rounds, plan.seed)
     seconds, spread = times.seconds(), times.spread()
@@ -109,7 +109,7 @@ def _measure(mockup: Mockup, tool: Tool, plan: Plan, storage: str, hashing: floa
 
 
 def judged(cell: Cell) -> Cell:
-    """The cell with what its points say: optimum, zones, errors of the estimators."""
+    """The cell with the evaluation of its points: optimum, zones, errors of the estimators."""
     points = cell["points"]
     ladder = [point for point in points if point["is_ladder"]]
     fit = Fit.of([p["size_m"] for p in points], [p["seconds"] for p in points])
@@ -152,7 +152,7 @@ def judged(cell: Cell) -> Cell:
 
 
 def summary(rows: list[Cell]) -> dict[str, Any]:
-    """Over all pairs: how much slower than the sweep's best each estimator's size is, and the goals."""
+    """Over all pairs: the slowdown of each estimator's size over the sweep's best, and the goals."""
     table = {}
     for name in ALL:
         over = [row["estimators"][name]["over_best"] for row in rows]

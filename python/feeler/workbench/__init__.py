@@ -1,1 +1,1 @@
-"""The workbench: a page in the browser, the server that feeds it, and the session that both look at."""
+"""The workbench: a page in the browser, the server behind it, and the session that both share."""

@@ -1,4 +1,4 @@
-"""The page's own files: a table of names made once, so that no path of a request is ever looked up on the disk."""
+"""The page's files: a table of names made once, so that no path of a request is ever looked up on the disk."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pathlib import Path
 from feeler.errors import WorkbenchError
 
 STATIC = Path(__file__).parent / "static"
-"""The built page, which the wheel carries."""
+"""The built page, included in the wheel."""
 
-# Our own, for what the system says of a suffix is anybody's to change.
+# Our own table, because the system's one can be changed by other programs.
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -27,7 +27,7 @@ ANY = "application/octet-stream"
 
 @dataclass(frozen=True)
 class File:
-    """What a name stands for."""
+    """The file of a name."""
 
     type: str
     data: bytes
@@ -41,7 +41,7 @@ def type_of(name: str) -> str:
 def static_files(folder: Path = STATIC) -> dict[str, File]:
     """Path of a URL -> file, for all files of a folder, and "/" for its index.html.
 
-    Raises `WorkbenchError` where the page is not there.
+    Raises `WorkbenchError` if the page is not built.
     """
     names = sorted(path for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else []
     files = {f"/{path.relative_to(folder).as_posix()}": File(type_of(path.name), path.read_bytes()) for path in names}

@@ -41,16 +41,16 @@ def view(
     mode: str = "stop",
     unit: str = "mm",
 ) -> View:
-    """Opens the workbench on a scene, or on a mock-up which is indexed first, with a tool in hand.
+    """Opens the workbench on a scene, or on a mock-up, which is indexed first, with a tool in hand.
 
-    - `port`: of 127.0.0.1; 0: any that is free.
-    - `browser`: opens the page; else `.url` says where it is.
-    - `pose`: `(4, 4)` world_from_tool where the hand begins; default above the mock-up.
-    - `mode`: what contact does to the hand: `"stop"`, `"glide"` or `"pass"`.
-    - `unit`: in which lengths are shown: `"mm"`, `"cm"`, `"m"` or `"in"`.
+    - `port`: of 127.0.0.1; 0: any free one.
+    - `browser`: opens the page; otherwise see `.url`.
+    - `pose`: `(4, 4)` world_from_tool of the hand at the start; default above the mock-up.
+    - `mode`: the effect of contact on the hand: `"stop"`, `"glide"` or `"pass"`.
+    - `unit`: of displayed lengths: `"mm"`, `"cm"`, `"m"` or `"in"`.
 
-    It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, and `WorkbenchError` for what is
-    no pose, or where the server cannot start.
+    It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, and `WorkbenchError` for an
+    invalid pose, or if the server cannot start.
     """
     given: object = scene
     if not isinstance(given, (Scene, Mockup)):
@@ -105,14 +105,14 @@ class View(ViewCommands):
 
     @property
     def url(self) -> str:
-        """Where the page is, with the token that lets it in."""
+        """The page's address, with the token for access."""
         return str(self._server.url)
 
     @property
     def pose(self) -> Floats:
-        """Where the hand is, `(4, 4)` world_from_tool, metres. Set, it is a wish: contact stops it as the mode says.
+        """The hand's pose, `(4, 4)` world_from_tool, metres. Setting it sets a target: contact stops it by the mode.
 
-        Setting waits until the hand is there, and can be undone. Raises `WorkbenchError` for what is no pose.
+        Setting waits for the hand to arrive, and can be undone. Raises `WorkbenchError` for an invalid pose.
         """
         return np.array(self.session.engine.pose)
 
@@ -122,15 +122,15 @@ class View(ViewCommands):
 
     @property
     def touched(self) -> list[str]:
-        """Paths of the parts that the hand meets, or is stopped by."""
+        """Paths of the parts that the hand touches, or that stop it."""
         snapshot, mockup = self.session.snapshot(), self._scene.mockup
         return [] if snapshot is None else [mockup.part_paths[part] for part in snapshot.parts]
 
     def show_hit(self, hit: Collision | Cast | npt.ArrayLike) -> None:
         """Shows an answer of the scene until the hand moves: what collides, where a cast ends, or a pose.
 
-        Of a `Collision` its triangles, at the pose where the hand is; of a `Cast`, or of a pose, the hand is there,
-        however it would come there. Raises `WorkbenchError` for what is none of these.
+        For a `Collision` its triangles are shown at the present pose of the hand; for a `Cast`, or a pose, the hand is
+        put there, without a motion. Raises `WorkbenchError` for other values.
         """
         if isinstance(hit, Collision):
             self.session.engine.show(np.asarray(hit.pairs), np.asarray(hit.kind_codes))
@@ -139,16 +139,16 @@ class View(ViewCommands):
         self.session.engine.jump(motion.checked(pose, "show_hit"))
 
     def on_pose(self, watcher: Callable[[Floats], object]) -> Callable[[], None]:
-        """Calls a function with the pose `(4, 4)` whenever the hand came to another, the newest if it is slow.
+        """Calls a function with the pose `(4, 4)` after each move of the hand; a slow function gets the newest one.
 
-        In a thread of its own, which ends with the view, or by calling the result.
+        It runs in a thread of its own, which ends with the view, or by calling the result.
         """
         started = _Watcher(self.session, watcher)
         self._watchers.append(started)
         return started.end
 
     def screenshot(self, path: str | Path | None = None, *, size: tuple[int, int] = _SHOT_SIZE) -> bytes:
-        """A picture as PNG, written to a file if one is named: what a page shows, or without a page one of our own.
+        """A picture as PNG, written to a file if one is named: from a page, or without one from our own renderer.
 
         size: width and height in pixels. Raises `WriteError`, `OptionError`.
         """
@@ -162,7 +162,7 @@ class View(ViewCommands):
         return data
 
     def close(self) -> None:
-        """Ends the server and the session; a second time does nothing."""
+        """Ends the server and the session; a second call does nothing."""
         for watcher in self._watchers:
             watcher.end()
         self._watchers = []
@@ -176,7 +176,7 @@ class View(ViewCommands):
         self.close()
 
     def _repr_html_(self) -> str:
-        # A link and no frame: the page lets nobody frame it.
+        # A link instead of a frame: the page forbids framing.
         url = html.escape(self.url, quote=True)
         return f'<a href="{url}" target="_blank" rel="noopener">Open the workbench</a>'
 
@@ -204,7 +204,7 @@ class View(ViewCommands):
 
 
 class _Watcher:
-    """Calls a function with the newest pose, so that a slow one holds nobody up."""
+    """Calls a function with the newest pose, so that a slow one delays nobody."""
 
     def __init__(self, session: Session, watcher: Callable[[Floats], object]) -> None:
         self._session, self._watcher = session, watcher
@@ -214,7 +214,7 @@ class _Watcher:
         self._thread.start()
 
     def end(self) -> None:
-        """No call begins after this."""
+        """Ends further calls."""
         self._is_ended = True
         self._end()
         self._news.set()

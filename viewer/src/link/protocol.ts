@@ -1,13 +1,13 @@
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
 
-/** Of the protocol: a page of another one is told to reload. */
+/** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;
 
 /** Closes a socket without the token, or past a limit. */
 export const NOT_ALLOWED = 1008;
 
-/** Closes a socket of another protocol version: the page is to be loaded anew. */
+/** Closes a socket of another protocol version: the page must reload. */
 export const RELOAD = 4001;
 
 /** Colliding triangles listed in a state, of each side. */
@@ -51,41 +51,41 @@ export type DepthKind = "exact" | "bound" | "estimate";
 
 export type Source = "mouse" | "keys" | "gizmo" | "spacemouse" | "gamepad" | "xr" | "api";
 
-/** What is known of the mock-up. */
+/** Facts about the mock-up. */
 export interface MockupFacts {
   readonly name: string;
-  /** Of its content, hex: the address of its geometry. */
+  /** Hash of its content, hex: the address of its geometry. */
   readonly hash: string;
-  /** Of the parts that are in the scene. */
+  /** Of the parts in the scene. */
   readonly triangles: number;
-  /** All, also those that were left out: the number of every part is below it. */
+  /** All, including excluded ones: the number of every part is below it. */
   readonly parts: number;
 }
 
-/** What is known of the tool in hand. */
+/** Facts about the tool in hand. */
 export interface ToolFacts {
   readonly name: string;
   readonly triangles: number;
 }
 
-/** A record that the job "replay" goes through. */
+/** A record for the job "replay". */
 export interface RecordFacts {
   readonly name: string;
   readonly is_playing: boolean;
-  /** Whether all of it came out as it was recorded; null before that is known. */
+  /** Whether all results equalled the recorded ones; null before that is known. */
   readonly is_same: boolean | null;
   /** The same as a sentence. */
   readonly verdict: string | null;
 }
 
-/** How far reading and indexing are. */
+/** Progress of reading and indexing. */
 export interface Loading {
   readonly stage: string;
   /** 0 to 1. */
   readonly share: number;
 }
 
-/** A plane that cuts the picture: what is kept has normal . x >= offset. */
+/** A section plane: keeps the points with normal . x >= offset. */
 export interface Section {
   readonly id: number;
   /** Unit. */
@@ -95,21 +95,21 @@ export interface Section {
   readonly is_on: boolean;
 }
 
-/** One removal: parts, the way they took, and what came near. */
+/** One removal: parts, their way, and its clearance. */
 export interface SequenceLine {
   readonly id: number;
   readonly name: string;
   readonly parts: readonly number[];
   /** world_from_hand. */
   readonly way: readonly Pose[];
-  /** Metres; 0 where something touched, null where it is not known. */
+  /** Metres; 0 if something touched, null if not known. */
   readonly least_clearance: number | null;
   /** Part paths. */
   readonly touched: readonly string[];
   readonly tool: string | null;
 }
 
-/** A measure with the points that it was taken at. */
+/** A measure with its points. */
 export interface Measure {
   readonly id: number;
   readonly name: string;
@@ -118,11 +118,11 @@ export interface Measure {
   readonly points: readonly Vec3[];
   readonly value: number;
   readonly unit: "m" | "rad";
-  /** Taken by the engine on the triangles, not from the picture. */
+  /** Computed by the engine on the triangles, not from the picture. */
   readonly is_exact: boolean;
 }
 
-/** Where a picture is seen from. */
+/** A camera pose. */
 export interface Camera {
   readonly position: Vec3;
   readonly target: Vec3;
@@ -131,20 +131,20 @@ export interface Camera {
   readonly fov_rad: number;
 }
 
-/** A camera that was kept. */
+/** A stored camera. */
 export interface Viewpoint {
   readonly id: number;
   readonly name: string;
   readonly camera: Camera;
 }
 
-/** What a clash check says of two parts. */
+/** One finding of a clash check. */
 export interface Finding {
   readonly id: string;
   /** A part path, as is `b`. */
   readonly a: string;
   readonly b: string;
-  /** Null: the part is not in this mock-up, or was left out of the scene. */
+  /** Null: the part is not in this mock-up, or was excluded from the scene. */
   readonly part_a: number | null;
   readonly part_b: number | null;
   readonly verdict: string;
@@ -157,21 +157,21 @@ export interface Finding {
   readonly sentence: string;
 }
 
-/** Findings that belong together, the deepest first. */
+/** Findings of one group, the deepest first. */
 export interface FindingGroup {
   readonly name: string;
   readonly findings: readonly Finding[];
 }
 
-/** What a clash run found, as groups, and how far each finding is. */
+/** The findings of a clash check, in groups, with the status of each. */
 export interface Findings {
   readonly groups: readonly FindingGroup[];
-  /** By the finding's id; "new" where there is none. */
+  /** By the finding's id; "new" if missing. */
   readonly status: Readonly<Record<string, FindingStatus>>;
   readonly is_touching_hidden: boolean;
 }
 
-/** All that a page shows and that a command may change; what a reload brings back. */
+/** The state that a page shows and that commands may change; a reload restores it. */
 export interface Document {
   readonly mockup: MockupFacts | null;
   /** Null once the engine answers. */
@@ -179,12 +179,12 @@ export interface Document {
   /** Why there is no mock-up. */
   readonly failed: string | null;
   readonly tool: ToolFacts | null;
-  /** Names of what can be taken in hand. */
+  /** Names for `take_tool`. */
   readonly tools: readonly string[];
   readonly record: RecordFacts | null;
-  /** Parts that were left out of the scene from the start: nothing meets them, and nobody sees them. */
+  /** Parts excluded when the mock-up was opened: they do not collide and are not drawn. */
   readonly absent: readonly number[];
-  /** Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty. */
+  /** Version of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty. */
   readonly held_version: number;
   readonly unit: Unit;
   readonly mode: Mode;
@@ -194,15 +194,15 @@ export interface Document {
   readonly explode: number;
   readonly isolated: boolean;
   readonly sections: readonly Section[];
-  /** Where the hand was last put down by a command. */
+  /** The last pose of the hand that a command set. */
   readonly pose: Pose;
   readonly gripped: readonly number[];
-  /** Part id -> world_from_part: the identity is where it was loaded. */
+  /** Part id -> world_from_part; the identity is the loaded place. */
   readonly moved: Readonly<Record<string, Pose>>;
   /** Parts taken out of the mock-up. */
   readonly out: readonly number[];
   readonly sequence: readonly SequenceLine[];
-  /** The line of the sequence that is being replayed. */
+  /** The line of the sequence being replayed. */
   readonly replaying: number | null;
   readonly measures: readonly Measure[];
   readonly viewpoints: readonly Viewpoint[];
@@ -212,15 +212,15 @@ export interface Document {
 
 /** The parts of a mock-up by column. */
 export interface ManifestParts {
-  /** Empty for those that were left out. */
+  /** Empty for excluded parts. */
   readonly paths: readonly string[];
   readonly triangles: readonly number[];
-  /** Of each part's box, metres; an empty part, or one that was left out, has lower above upper. */
+  /** Of each part's box, metres; an empty or excluded part has lower above upper. */
   readonly lower: readonly Vec3[];
   readonly upper: readonly Vec3[];
-  /** 1: so small beside the mock-up that it may be left out while the camera moves. */
+  /** 1: so small beside the mock-up that it may be skipped while the camera moves. */
   readonly small: readonly number[];
-  /** sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page gives its own. */
+  /** sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page chooses some. */
   readonly colours: readonly number[];
 }
 
@@ -233,9 +233,9 @@ export interface ManifestPiece {
   readonly bytes: number;
   readonly lower: Vec3;
   readonly upper: Vec3;
-  /** Of small parts alone. */
+  /** Of small parts only. */
   readonly small: boolean;
-  /** How many parts have triangles in it. */
+  /** Number of parts with triangles in it. */
   readonly parts: number;
 }
 
@@ -255,7 +255,7 @@ export interface Manifest {
   readonly middle: Vec3;
   readonly lower: Vec3;
   readonly upper: Vec3;
-  /** In the pieces: those that are drawn. */
+  /** In the pieces: the drawn ones. */
   readonly triangles: number;
   readonly vertices: number;
   readonly part_bytes: 2 | 4;
@@ -277,7 +277,7 @@ export interface HeldManifest {
   readonly pieces: readonly ManifestPiece[];
 }
 
-/** How far the tool is from the mock-up, and between which points. */
+/** The distance of tool and mock-up, and the two closest points. */
 export interface NearestPoints {
   readonly value: number;
   readonly tool_point: Vec3;
@@ -285,7 +285,7 @@ export interface NearestPoints {
   readonly part: number;
 }
 
-/** The first thing in sight on a ray. */
+/** The first visible hit of a ray. */
 export interface RayHit {
   readonly distance: number;
   readonly point: Vec3;
@@ -295,14 +295,14 @@ export interface RayHit {
   readonly triangle: number;
 }
 
-/** The same, with the point drawn to a corner or an edge that is near. */
+/** The same, with the point snapped to a near corner or edge. */
 export interface Snapped extends RayHit {
   readonly type: "vertex" | "edge" | "face";
-  /** Of the triangle, where it is now. */
+  /** Of the triangle, at its present place. */
   readonly corners: [Vec3, Vec3, Vec3];
 }
 
-/** What a measure would come to. */
+/** The value of a measure. */
 export interface Measured {
   readonly type: MeasureType;
   readonly points: readonly Vec3[];
@@ -312,7 +312,7 @@ export interface Measured {
   readonly parts: readonly number[];
 }
 
-/** What is known of a part. */
+/** Facts about a part. */
 export interface PartFacts {
   readonly part: number;
   readonly name: string;
@@ -325,7 +325,7 @@ export interface PartFacts {
   readonly is_hidden: boolean;
 }
 
-/** Where planes cut the mock-up. */
+/** The cuts of the mock-up by planes. */
 export interface Outline {
   readonly count: number;
   /** Base64 of little-endian float32 `(count, 2, 3)`: metres, world. */
@@ -342,17 +342,17 @@ export interface Written {
 
 /** One HTML file with the mock-up inside. */
 export interface WrittenPage extends Written {
-  /** Triangles that had no room. */
+  /** Triangles that did not fit. */
   readonly left_out: number;
 }
 
-/** What came of a record that was gone through. */
+/** The result of a replay. */
 export interface Replayed {
   readonly is_same: boolean;
   readonly verdict: string;
 }
 
-/** What went wrong, where, and what to do about it; "where" and "do" may be empty. */
+/** An error: what is wrong, where, and what to do; "where" and "do" may be empty. */
 export interface Trouble {
   readonly what: string;
   readonly where: string;
@@ -364,13 +364,13 @@ export interface Hello {
   readonly kind: "hello";
   readonly protocol: number;
   readonly token: string;
-  /** The one that the page was in before its connection broke. */
+  /** The session of the page before its connection broke. */
   readonly session: string | null;
-  /** The newest that it has; 0: none. */
+  /** The newest that the page has; 0: none. */
   readonly last_event: number;
 }
 
-/** Where the hand wants to be. The newest counts. */
+/** The target of the hand. Only the newest counts. */
 export interface Wish {
   readonly kind: "pose";
   readonly seq: number;
@@ -381,7 +381,7 @@ export interface Wish {
   readonly pose: Float64Array;
 }
 
-/** A state was taken. At most two are on their way unacknowledged. */
+/** Acknowledges a state. At most two may be unacknowledged. */
 export interface Ack {
   readonly kind: "ack";
   readonly seq: number;
@@ -403,7 +403,7 @@ export interface Ask {
   readonly args: Readonly<Record<string, unknown>>;
 }
 
-/** Something that takes a while: progress comes by messages of the same id, the result as a reply. */
+/** Starts a long task: progress comes in messages of the same id, the result as a reply. */
 export interface Job {
   readonly kind: "job";
   readonly id: number;
@@ -411,24 +411,24 @@ export interface Job {
   readonly args: Readonly<Record<string, unknown>>;
 }
 
-/** Gives up a job of this page; its reply is an error then. */
+/** Cancels a job of this page; its reply is then an error. */
 export interface Cancel {
   readonly kind: "cancel";
   readonly id: number;
 }
 
-/** The picture that a "shot" event asked for, or the next piece of it: a message may have 1 MiB, a picture more. */
+/** The picture for a "shot" event, or the next piece of it: a message may have 1 MiB, a picture more. */
 export interface Shot {
   readonly kind: "shot";
   readonly id: number;
   readonly name: string;
-  /** Of a multiple of 4 characters in each piece but the last. */
+  /** A multiple of 4 characters in each piece but the last. */
   readonly png_base64: string;
   /** Another piece follows. */
   readonly more: boolean;
 }
 
-/** What a page measured, as a "benchmark" event asked for. */
+/** The measurements for a "benchmark" event. */
 export interface Benchmarked {
   readonly kind: "benchmarked";
   readonly id: number;
@@ -436,84 +436,84 @@ export interface Benchmarked {
   readonly figures: Readonly<Record<string, unknown>>;
 }
 
-/** The answer to hello: everything. */
+/** The answer to hello: the whole state. */
 export interface Welcome {
   readonly kind: "welcome";
   readonly protocol: number;
   readonly session: string;
   readonly document: Document;
-  /** The newest event that the document has in it; those that follow are greater. */
+  /** The newest event included in the document; later ones are greater. */
   readonly event: number;
   /** A haptic device moves the hand. */
   readonly device: boolean;
   readonly recording: boolean;
   /** Of the mesh in hand; null: the hand is empty, or there is no mock-up yet. */
   readonly held: HeldManifest | null;
-  /** Of the server's software, by name. */
+  /** Versions of the server's software, by name. */
   readonly versions: Readonly<Record<string, string>>;
 }
 
-/** What the engine found at the newest pose. A newer one replaces it. */
+/** The engine's results at the newest pose. A newer state replaces it. */
 export interface State {
   readonly kind: "state";
   readonly seq: number;
-  /** Of the wish that it answers. */
+  /** The number of the wish that it answers. */
   readonly pose_seq: number;
   readonly engine_us: number;
-  /** From the wish to the answer. */
+  /** Time from the wish to the answer. */
   readonly age_ms: number;
-  /** Answers a second. */
+  /** Answers per second. */
   readonly rate_hz: number;
   readonly mode: Mode;
-  /** Nothing meets, nothing is inside. */
+  /** No collision and no containment. */
   readonly is_free: boolean;
-  /** The solid tool is held back from the wish. */
+  /** Contact holds the solid tool back from the wish. */
   readonly blocked: boolean;
   readonly force: Vec3;
   /** About the tool's origin, N m. */
   readonly torque: Vec3;
-  /** How far the tool is out of what it is in; 0: in nothing, or not found yet. */
+  /** The length of the way out of a penetration; 0: there is none, or it is not known yet. */
   readonly depth: number;
-  /** Of the depth: no way out is shorter, one may be, or this one does not free it. */
+  /** Kind of the depth: no way out is shorter, one may be, or this one does not free the tool. */
   readonly depth_kind: DepthKind;
   /** Colliding triangles of the mock-up, listed or not. */
   readonly hit_count: number;
-  /** Of them, those not listed. */
+  /** Number of those not listed. */
   readonly hit_more: number;
-  /** Contact planes not listed. */
+  /** Number of contact planes not listed. */
   readonly contact_more: number;
   readonly distance: NearestPoints | null;
-  /** Touched, ids. */
+  /** Ids of touched parts. */
   readonly parts: readonly number[];
-  /** The solid tool's. */
+  /** Of the solid tool. */
   readonly pose: Float64Array;
-  /** The hand's. */
+  /** Of the hand. */
   readonly wish: Float64Array;
   /** Packed triangles of the mock-up. */
   readonly hits: Uint32Array;
   /** Packed triangles of the mesh in hand. */
   readonly tool_hits: Uint32Array;
-  /** A row a contact: point 3, normal 3 (from the mock-up to the tool), gap, share of the force in newtons. */
+  /** A row per contact: point 3, normal 3 (from the mock-up to the tool), gap, share of the force in newtons. */
   readonly planes: Float32Array;
   readonly plane_parts: Uint32Array;
-  /** A row a near part: distance, point on the tool 3, point on the mock-up 3. */
+  /** A row per near part: distance, point on the tool 3, point on the mock-up 3. */
   readonly clearance: Float32Array;
   readonly clearance_parts: Uint32Array;
 }
 
-/** The document changed: the new values of some of its fields. */
+/** A change of the document: the new values of some fields. */
 export interface Patch {
   readonly kind: "event";
   readonly type: "patch";
   readonly n: number;
   readonly fields: Partial<Document>;
-  /** What changed it; null: not a command. */
+  /** The command behind it; null: none. */
   readonly command: string | null;
   readonly undo_depth: number;
   readonly redo_depth: number;
 }
 
-/** The tool met a part that it did not touch before. */
+/** The tool hit a part that it did not touch before. */
 export interface Impact {
   readonly kind: "event";
   readonly type: "impact";
@@ -528,7 +528,7 @@ export interface Impact {
   readonly force: number;
 }
 
-/** Something to tell whoever looks at the page. */
+/** A notice for the user. */
 export interface Notice {
   readonly kind: "event";
   readonly type: "notice";
@@ -537,7 +537,7 @@ export interface Notice {
   readonly text: string;
 }
 
-/** A script wants a picture: one page answers by a shot of the same id. */
+/** A script requests a picture: one page answers by a shot of the same id. */
 export interface ShotWanted {
   readonly kind: "event";
   readonly type: "shot";
@@ -545,11 +545,11 @@ export interface ShotWanted {
   readonly id: number;
   readonly width: number;
   readonly height: number;
-  /** Null: as the page stands. */
+  /** Null: the page's own camera. */
   readonly camera: Camera | null;
 }
 
-/** A page is to measure what it draws: it answers by a "benchmarked" message of the same id. */
+/** Requests measurements of the frame rate: the page answers by a "benchmarked" message of the same id. */
 export interface BenchmarkWanted {
   readonly kind: "event";
   readonly type: "benchmark";
@@ -557,7 +557,7 @@ export interface BenchmarkWanted {
   readonly id: number;
 }
 
-/** The hand holds something else: fetch `/held/VERSION`. */
+/** The content of the hand changed: fetch `/held/VERSION`. */
 export interface HeldChanged {
   readonly kind: "event";
   readonly type: "held";
@@ -567,7 +567,10 @@ export interface HeldChanged {
   readonly manifest: HeldManifest | null;
 }
 
-/** How far a job of this page is. A newer one replaces it; it is no event, as it means nothing to other pages. */
+/**
+ * Progress of a job of this page. A newer message replaces it; it is not an event, because other pages ignore
+ * it.
+ */
 export interface Progress {
   readonly kind: "progress";
   readonly id: number;
@@ -576,7 +579,7 @@ export interface Progress {
   readonly stage: string;
 }
 
-/** A command, question or job was done. */
+/** A command, question or job succeeded. */
 export interface Answer {
   readonly kind: "reply";
   readonly ok: true;
@@ -584,7 +587,7 @@ export interface Answer {
   readonly result: unknown;
 }
 
-/** A command, question or job was not done; or a message was none. */
+/** A command, question or job failed; or a message was invalid. */
 export interface Refusal {
   readonly kind: "reply";
   readonly ok: false;
@@ -684,14 +687,14 @@ export interface Commands {
 
 /** The arguments of questions, and their answers. */
 export interface Questions {
-  /** The first thing in sight on a ray; None: there is nothing. */
+  /** The first visible hit of a ray; None if there is none. */
   readonly ray: { readonly args: { readonly origin: Vec3; readonly direction: Vec3 }; readonly answer: RayHit | null };
-  /** As `ray`, with what the point snaps to; `within` in metres. */
+  /** As `ray`, with the snapped point; `within` in metres. */
   readonly snap: {
     readonly args: { readonly origin: Vec3; readonly direction: Vec3; readonly within?: number };
     readonly answer: Snapped | null;
   };
-  /** What a measure would come to; arguments as of `measure_add`. */
+  /** The value of a measure; arguments as of `measure_add`. */
   readonly measure: {
     readonly args: {
       readonly type: MeasureType;
@@ -701,20 +704,20 @@ export interface Questions {
     };
     readonly answer: Measured;
   };
-  /** What is known of a part. */
+  /** Facts about a part. */
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
 }
 
 /** The arguments of jobs, and what they come to. */
 export interface Jobs {
-  /** The exact outlines of the sections that are on, or of one plane. */
+  /** The exact outlines of the active sections, or of one plane. */
   readonly outline: { readonly args: { readonly normal?: Vec3; readonly offset?: number }; readonly answer: Outline };
   readonly export_csv: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_html: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_glb: { readonly args: Record<string, never>; readonly answer: Written };
-  /** One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first. */
+  /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
-  /** Goes through the record that the workbench was opened with. */
+  /** Replays the record that the workbench was opened with. */
   readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
 }
 

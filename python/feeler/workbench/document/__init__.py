@@ -1,1 +1,1 @@
-"""What is drawn and known, how commands change it, and the messages that say so: values and pure functions."""
+"""The document of the workbench, its commands, and the messages to the page: values and pure functions."""

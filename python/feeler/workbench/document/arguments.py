@@ -1,4 +1,4 @@
-"""Arguments of commands, questions and jobs: what a page or a script sent, checked."""
+"""Arguments of commands, questions and jobs, from a page or a script, checked."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ class Maybe:
 
 
 Shape = Mapping[str, Any]
-"""The arguments by name, and their types: those of `protocol.py`, from which the page's are made."""
+"""The arguments by name, and their types, as in `protocol.py`, from which the page's types are generated."""
 
 
 class Arguments:
-    """What came with a command. Every reading checks, and says where it failed."""
+    """The arguments of a command. Every access checks, and errors name the argument."""
 
     def __init__(self, command: str, given: Any, shape: Shape) -> None:
-        """Raises `WorkbenchError` for what is no object, and for names the command does not know."""
+        """Raises `WorkbenchError` for values that are not objects, and for names unknown to the command."""
         self.command, self._shape = command, shape
         if not isinstance(given, Mapping):
             raise WorkbenchError("the arguments are no object", command, "send names with their values")
@@ -49,17 +49,17 @@ class Arguments:
                 )
 
     def fail(self, name: str, what: str, do: str) -> WorkbenchError:
-        """An error of an argument, to be raised."""
+        """An error of an argument, to raise."""
         return WorkbenchError(what, f"{self.command}, {name}", do)
 
     def has(self, name: str) -> bool:
-        """Whether it was given, and is not null."""
+        """Whether it is present, and not null."""
         return self._given.get(name) is not None
 
     def raw(self, name: str, kind: Any) -> Any:
-        """As it came, None where it is absent. kind: its type, which has to be the one of the shape.
+        """The raw value, None if absent. kind: its type, which must match the shape.
 
-        Raises `TypeError` where a command reads what its row in the table does not say: the page would send another.
+        Raises `TypeError` if a command reads an argument that its row in the table lacks: the page would not send it.
         """
         declared = _bare(self._shape[name])
         if declared != kind:
@@ -101,7 +101,7 @@ class Arguments:
     def choice(self, name: str, choices: Iterable[str]) -> str:
         """One of several words."""
         words = list(choices)
-        # Of words that are known before, the page is told.
+        # The page has lists of words that are known beforehand.
         is_listed = get_origin(_bare(self._shape[name])) is Literal
         value = self.raw(name, Literal[tuple(words)] if is_listed else str)
         if value not in words:
@@ -121,7 +121,7 @@ class Arguments:
         return tuple(self._triple(name, each) for each in value)
 
     def unit(self, name: str) -> Point:
-        """A direction, made one metre long."""
+        """A direction, normalised."""
         x, y, z = self.point(name)
         length = math.sqrt(x * x + y * y + z * z)
         if not 1e-12 < length < _LARGEST:
@@ -133,7 +133,7 @@ class Arguments:
         return motion.row(motion.checked(self.raw(name, Pose), f"{self.command}, {name}"))
 
     def parts(self, name: str, parts: Parts, most: int | None = None) -> tuple[int, ...]:
-        """Parts by indices, paths or patterns: their indices, ascending. Says what is spelt alike."""
+        """Parts by indices, paths or patterns: their indices, ascending. Errors list similar names."""
         value: Any = self.raw(name, Selection)
         if not isinstance(value, (int, str)) and not is_sequence(value):
             raise self.fail(name, f"{_shown(value)} names no part", "send indices, paths or patterns")
@@ -146,7 +146,7 @@ class Arguments:
         return found
 
     def place_of(self, items: Sequence[Any], name: str = "id") -> int:
-        """Where in a list the item with a number is."""
+        """The position in a list of the item with a given number."""
         wanted = self.whole(name)
         for place, item in enumerate(items):
             if item.id == wanted:
@@ -162,7 +162,7 @@ class Arguments:
 
 
 def _bare(kind: Any) -> Any:
-    """A type without what says that it may be absent or null."""
+    """A type without its markers for absent and null."""
     inside = kind.type if isinstance(kind, Maybe) else kind
     if get_origin(inside) in (Union, types.UnionType):
         some = [each for each in get_args(inside) if each is not type(None)]
@@ -171,22 +171,22 @@ def _bare(kind: Any) -> Any:
 
 
 def replaced(items: tuple[Item, ...], place: int, item: Item) -> tuple[Item, ...]:
-    """The items, with another at a place."""
+    """The items, with one replaced."""
     return (*items[:place], item, *items[place + 1 :])
 
 
 def without(items: tuple[Item, ...], place: int) -> tuple[Item, ...]:
-    """The items but one."""
+    """The items without one."""
     return (*items[:place], *items[place + 1 :])
 
 
 def is_number(value: Any) -> bool:
-    """Whether it is a finite number, within what lengths can be."""
+    """Whether it is a finite number within the range of lengths."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
 
 
 def is_sequence(value: Any) -> bool:
-    """Whether it is a list of things."""
+    """Whether it is a list."""
     return isinstance(value, (list, tuple))
 
 

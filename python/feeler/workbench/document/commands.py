@@ -1,7 +1,7 @@
-"""Every change of the document: the name of a command -> a function of the document, the arguments and what is known.
+"""All changes of the document: command names -> functions of the document, the arguments and `Known` facts.
 
-The functions are pure: the same document, arguments and knowledge give the same document. What only the engine can tell
-(where the hand is, the way it went, what was measured) the session puts into `Known` before it calls one.
+The functions are pure: the same document, arguments and facts give the same document. Before a command, the session
+puts facts that only the engine has (pose of the hand, its path, measured values) into `Known`.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ from feeler.workbench.document.protocol import (
 )
 
 LEAST_MOVED_M = 1e-3
-"""Parts that a release left less far from where they were gripped are no line of the sequence."""
-_GRID_M = 2.0**-10  # of the hand's place where it holds parts alone: subtracting it from a coordinate loses no digit
+"""Parts that a release left nearer than this to where they were gripped add no line to the sequence."""
+_GRID_M = 2.0**-10  # of the pose of a hand that holds only parts: subtracting it from a coordinate loses no digit
 _MOST_SECTIONS = 6
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a measure came to; see `document.Measure`."""
+    """The result of a measure; see `document.Measure`."""
 
     type: str
     points: tuple[tuple[float, float, float], ...]
@@ -66,11 +66,11 @@ class Measured:
 
 @dataclass(frozen=True)
 class Known:
-    """What commands know beside the document.
+    """The facts that commands need beside the document.
 
-    bounds: `(2, 3)` of the parts in the scene. tools: by name, the triangles of those that were made. pose: where the
-    hand is. tool_pose: where a tool that is taken is free. trip: of the parts in the hand, and their least clearance on
-    it. absent: parts that were left out of the scene from the start.
+    bounds: `(2, 3)` of the parts in the scene. tools: triangles by name, of the tools made so far. pose: of the hand.
+    tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
+    absent: parts that were excluded when the mock-up was opened.
     """
 
     parts: Parts
@@ -94,7 +94,7 @@ Change = Callable[[Document, Arguments, Known], Document]
 
 @dataclass(frozen=True)
 class Command:
-    """A change and its arguments. moves_hand: the document it begins with has the hand where it is."""
+    """A change and its arguments. moves_hand: the document before it has the hand where it is."""
 
     change: Change
     arguments: Shape = field(default_factory=dict)
@@ -211,7 +211,7 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
     places = {part: motion.matrix(document.moved.get(part, motion.HOME)) for part in parts}
     pose = motion.matrix(known.pose)
     if document.tool is None and not document.gripped:
-        # Nothing is in the hand, so it may be anywhere: in the middle of what it takes.
+        # The hand is empty, so it may be anywhere: in the middle of the gripped parts.
         boxes = np.array([[known.parts[part].lower, known.parts[part].upper] for part in parts])
         around = np.concatenate(
             [
@@ -403,7 +403,7 @@ def finding_filter(document: Document, given: Arguments, _known: Known) -> Docum
 
 
 MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
-"""What a measure is of; each type needs one of them."""
+"""The objects of a measure; each type needs one of them."""
 
 COMMANDS: dict[str, Command] = {
     "hide": Command(hide, {"parts": Selection}),
@@ -440,11 +440,11 @@ COMMANDS: dict[str, Command] = {
     "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
 }
 STEPS = ("undo", "redo")
-"""Commands that choose between documents and make none."""
+"""Commands that choose between documents instead of making one."""
 
 
 def applied(document: Document, name: str, args: Any, known: Known) -> Document:
-    """The document after a command. Raises `WorkbenchError` for a command or arguments that cannot be."""
+    """The document after a command. Raises `WorkbenchError` for an invalid command or arguments."""
     command = COMMANDS.get(name)
     if command is None:
         raise WorkbenchError(f"there is no command {name!r}", "command", near(name, [*COMMANDS, *STEPS]))
@@ -452,7 +452,7 @@ def applied(document: Document, name: str, args: Any, known: Known) -> Document:
 
 
 def _there(given: Arguments, known: Known) -> tuple[int, ...]:
-    """The argument "parts", those of them that are in the scene."""
+    """The argument "parts", without those that are not in the scene."""
     return tuple(part for part in given.parts("parts", known.parts) if part not in known.absent)
 
 

@@ -1,7 +1,7 @@
-"""The document: all that is drawn and known, as one immutable value. Every change makes another.
+"""The document: the whole visible state, as one immutable value. Every change makes another.
 
-What did not change is shared between the two, so that undo keeps whole documents, and a patch is the fields that are
-not the same. Lengths are metres, poses 16 numbers row by row (`motion.Row`), parts indices into `mockup.parts`.
+Unchanged fields are shared between documents, so that undo can keep whole documents, and a patch consists of the fields
+that differ. Lengths are metres, poses 16 numbers row by row (`motion.Row`), parts indices into `mockup.parts`.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from feeler.workbench.document.protocol import DocumentFields
 
 Point = tuple[float, float, float]
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
-"""Metres of each unit that can be shown."""
+"""Metres of each available unit."""
 MODES = ("stop", "glide", "pass")
 MEASURES = ("point", "edge", "angle", "parts")
 MATERIALS = ("steel", "aluminium", "plastic", "rubber")
-"""Of which parts may be, as far as they are heard."""
+"""Materials of parts, for their sounds."""
 
 
 @dataclass(frozen=True)
 class MockupFacts:
-    """What is open. triangles: of the parts that are in the scene; parts: all, so that every part's number is below."""
+    """The open mock-up. triangles: of the parts in the scene; parts: all, so that every part's number is below it."""
 
     name: str
     hash: str
@@ -43,7 +43,7 @@ class ToolFacts:
 
 @dataclass(frozen=True)
 class RecordFacts:
-    """A record that can be replayed. is_playing: now. is_same, verdict: what came of it; None before that."""
+    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one."""
 
     name: str
     is_playing: bool = False
@@ -53,7 +53,7 @@ class RecordFacts:
 
 @dataclass(frozen=True)
 class Loading:
-    """What is being done until a mock-up is open; share: 0 to 1."""
+    """The stage of opening a mock-up; share: 0 to 1."""
 
     stage: str
     share: float
@@ -61,7 +61,7 @@ class Loading:
 
 @dataclass(frozen=True)
 class SectionPlane:
-    """A cut: kept is where `normal . x >= offset`."""
+    """A section: keeps the points with `normal . x >= offset`."""
 
     id: int
     normal: Point
@@ -73,10 +73,10 @@ class SectionPlane:
 class Removal:
     """A line of the sequence: parts that were moved.
 
-    way: poses of the hand, `world_from_hand`, from grip to release: `way[i] @ inverse(way[0])` carries the parts from
-    where they were gripped. starts: where that was, of those that were not at home. least_clearance: of what moved, on
-    the way, to all it was not seated on, metres; None where nothing was within reach. touched: paths of what it met or
-    was stopped by.
+    way: poses of the hand, `world_from_hand`, from grip to release: `way[i] @ inverse(way[0])` moves the parts from
+    where they were gripped. starts: these places, for parts that were not at home. least_clearance: of the moved parts,
+    on the way, to all parts without seats, metres; None if no part came within reach. touched: paths of the parts that
+    they touched or that stopped them.
     """
 
     id: int
@@ -91,7 +91,7 @@ class Removal:
 
 @dataclass(frozen=True)
 class Measure:
-    """Something measured. value: metres or radians, as `unit` says; is_exact: found by the engine on the triangles."""
+    """A measure. value: metres or radians, as in `unit`; is_exact: computed by the engine on the triangles."""
 
     id: int
     name: str
@@ -105,7 +105,7 @@ class Measure:
 
 @dataclass(frozen=True)
 class CameraView:
-    """A camera: where it is, what it looks at, what is up, and its vertical field of view."""
+    """A camera: its position, target, up direction, and vertical field of view."""
 
     position: Point
     target: Point
@@ -124,7 +124,7 @@ class Viewpoint:
 
 @dataclass(frozen=True)
 class Findings:
-    """What a clash check found. groups: as `findings.grouped` makes them; status: by the finding's id."""
+    """The findings of a clash check. groups: as made by `findings.grouped`; status: by the finding's id."""
 
     groups: tuple[Mapping[str, Any], ...]
     status: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
@@ -133,10 +133,10 @@ class Findings:
 
 @dataclass(frozen=True)
 class Trip:
-    """What gripped parts went through so far.
+    """The trip of gripped parts so far.
 
-    way: poses of the hand, as of `Removal`. touched: parts that were met or stopped them, ascending. seated: pairs of
-    the hand's and the mock-up's parts that met at the grip, which count neither as clearance nor as touched.
+    way: poses of the hand, as in `Removal`. touched: parts that they touched or that stopped them, ascending. seated:
+    seats at the grip, as pairs of hand part and mock-up part; they count neither for clearance nor as touched.
     """
 
     way: tuple[Row, ...]
@@ -146,7 +146,7 @@ class Trip:
 
 @dataclass(frozen=True)
 class Isolation:
-    """Which parts are isolated, and what was hidden before."""
+    """The isolated parts, and the parts hidden before."""
 
     parts: tuple[int, ...]
     hidden_before: tuple[int, ...]
@@ -157,12 +157,12 @@ NOTHING: Mapping[int, Row] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Document:
-    """All that is drawn and known.
+    """The whole visible state.
 
-    absent: parts that were left out of the scene from the start. hidden: only out of sight; such parts still collide.
-    gripped: parts in the hand, and where there (`hand_from_part`). moved: where parts are that were put down elsewhere
-    (`world_from_part`). out: those of them that lie outside the box of what is in the scene. tools: names of what
-    `take_tool` can take. pose: where the hand was last put down by a command (`world_from_tool`).
+    absent: parts excluded when the mock-up was opened. hidden: invisible parts; they still collide. gripped: parts in
+    the hand, and their places in it (`hand_from_part`). moved: places of parts put down elsewhere (`world_from_part`).
+    out: those of them outside the box of the scene. tools: names for `take_tool`. pose: the last pose of the hand that
+    a command set (`world_from_tool`).
     """
 
     mockup: MockupFacts | None = None
@@ -194,22 +194,22 @@ class Document:
     next_id: int = 1
 
     def with_id(self, **changes: Any) -> Document:
-        """Changed, with the number `next_id` used up."""
+        """A changed document with `next_id` used up."""
         return replace(self, next_id=self.next_id + 1, **changes)
 
     def to_json(self) -> DocumentFields:
-        """All of it, as the page gets it."""
+        """All of it, in the form for the page."""
         return cast(DocumentFields, {name: _json_of(self, name) for name in JSON_FIELDS})
 
 
-# What the page is told. The rest is what commands have to remember.
+# The fields that the page gets. Only commands need the others.
 _KEPT_BACK = {"isolation", "next_id", "trip"}
 _KEPT_BACK_OF = {Removal: {"starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 
 
 def patch(before: Document, after: Document) -> dict[str, Any]:
-    """The fields that are not the same, with their new values, as JSON."""
+    """The fields that differ, with their new values, as JSON."""
     return {name: _json_of(after, name) for name in JSON_FIELDS if _value(before, name) != _value(after, name)}
 
 
@@ -224,7 +224,7 @@ def _json_of(document: Document, name: str) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """Dataclasses, tuples and mappings as what JSON has."""
+    """Dataclasses, tuples and mappings as JSON values."""
     if isinstance(value, (str, int, float)) or value is None:
         return value
     if isinstance(value, Mapping):

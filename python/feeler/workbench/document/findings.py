@@ -1,10 +1,9 @@
-"""Findings of a clash check, as `feeler clash --json` writes them: in groups, the deepest first, a sentence each.
+"""Findings of a clash check, in the format of `feeler clash --json`: grouped, deepest first, with a sentence each.
 
     {"version": 1, "clashes": [{"id", "a", "b", "verdict", "depth", "gap", "point_a", "point_b", "box", "rule",
                                 "status", "group"}]}
 
-Lengths are metres; `a` and `b` are part paths. Read tolerantly: a field that is missing or unknown does no harm, and
-unknown ones are kept.
+Lengths are metres; `a` and `b` are part paths. Reading is tolerant: fields may be missing, and unknown ones are kept.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ from feeler.workbench.document.document import Findings
 VERSION = 1
 STATUS = ("new", "active", "reviewed", "approved", "resolved")
 TOUCHING = ("touching", "touch", "contact")
-"""Verdicts of parts that only touch."""
+"""Verdicts of parts in contact."""
 DUPLICATE = "duplicate"
 """The verdict of parts that have the same surface; their depth is 0."""
 
 
 def read_findings(path: str | Path) -> Any:
-    """What a file holds, for `grouped`. Raises `MissingFileError`, and `LoadError` for what is no such file."""
+    """The content of a file, for `grouped`. Raises `MissingFileError`, and `LoadError` for other files."""
     file = Path(path)
     try:
         data = json.loads(file.read_text(encoding="utf-8-sig"))
@@ -43,9 +42,9 @@ def read_findings(path: str | Path) -> Any:
 
 
 def grouped(data: Any, parts: Parts, absent: Collection[int] = (), where: str = "findings") -> Findings:
-    """Findings as `feeler clash --json` has them, for the document. Raises `LoadError` for what is none at all.
+    """Findings of `feeler clash --json`, for the document. Raises `LoadError` if there are none at all.
 
-    absent: parts that were left out of the scene; findings name them, but nothing can be looked at.
+    absent: parts excluded from the scene; findings list them, but the page cannot show them.
     """
     clashes = _clashes(data, where)
     found = [_finding(each, number, parts, absent) for number, each in enumerate(clashes) if isinstance(each, Mapping)]
@@ -79,7 +78,7 @@ def _clashes(data: Any, where: str) -> Any:
 
 
 def ids(groups: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Of all findings, in the order in which they are shown."""
+    """All findings, in display order."""
     return [each["id"] for group in groups for each in group["findings"]]
 
 
@@ -125,18 +124,18 @@ def _sentence(a: str, b: str, verdict: str, depth: float | None, gap: float | No
 
 
 def _verdict(depth: float | None, gap: float | None) -> str:
-    """The verdict of a finding that states none."""
+    """The verdict of a finding that does not state one."""
     return TOUCHING[0] if not depth and gap == 0.0 else "clash"
 
 
 def _worst_first(finding: Mapping[str, Any]) -> tuple[bool, float, float]:
-    """Duplicates first, as in `Columns.order`: their depth is 0. Then the deepest, then the nearest."""
+    """Duplicates first, as in `Columns.order`: their depth is 0. Then by depth, then by distance."""
     gap = finding["gap"] if finding["gap"] is not None else 0.0
     return (finding["verdict"] != DUPLICATE, -_depth_in_order(finding), gap)
 
 
 def _depth_in_order(finding: Mapping[str, Any]) -> float:
-    """The depth of parts that share space; a contact keeps its depth and still comes after them."""
+    """The depth of parts that overlap; a contact keeps its depth and still comes after them."""
     return 0.0 if finding["verdict"] in TOUCHING else finding["depth"] or 0.0
 
 

@@ -1,12 +1,12 @@
-"""How a message becomes a frame of the socket, and back: written loosely, read strictly.
+"""Encodes messages as frames of the socket, and decodes them strictly.
 
 A message is a frozen dataclass with a `KIND`. One without arrays is JSON text: its fields, and "kind". One with arrays
 is binary, little-endian:
 
     u32 version | u32 header bytes | JSON header, padded with spaces | arrays, each at a multiple of 8
 
-The header has the other fields, "kind", and "arrays": name -> [type, shape, offset from the end of the header]. What is
-read is checked in full against the dataclass, as it comes from a page that may be anything: `ProtocolError` says what
+The header has the other fields, "kind", and "arrays": name -> [type, shape, offset from the end of the header]. Every
+received frame is checked in full against the dataclass, because any page may send anything: `ProtocolError` says what
 is wrong and where.
 """
 
@@ -27,14 +27,14 @@ import numpy.typing as npt
 from feeler.errors import WorkbenchError
 
 VERSION = 1
-"""Of the protocol: a page of another one is told to reload."""
+"""Version of the protocol: pages with another one must reload."""
 
 MOST_DEEP = 32
-"""Nesting of lists and objects in what has no schema of its own."""
+"""The deepest nesting of lists and objects in values without a schema."""
 
 _DTYPES = {"f8": "<f8", "f4": "<f4", "u4": "<u4", "u2": "<u2", "u1": "|u1"}
 _MOST_HEADER_BYTES = 1 << 20
-_MOST_WHOLE = 2**53  # what a number of JavaScript counts without gaps
+_MOST_WHOLE = 2**53  # the largest whole number of JavaScript without gaps
 _PREFIX = struct.Struct("<II")
 
 
@@ -47,10 +47,10 @@ class ProtocolError(WorkbenchError):
 
 @dataclass(frozen=True)
 class Array:
-    """What an array field holds.
+    """The format of an array field.
 
-    type: "f8", "f4", "u4", "u2" or "u1". shape: a number, or a name for a length that is free; where a name occurs in
-    several arrays of a message, their lengths agree. most: rows, where the first length is free.
+    type: "f8", "f4", "u4", "u2" or "u1". shape: numbers, or names for free lengths; if a name occurs in several arrays
+    of a message, their lengths must agree. most: the most rows, if the first length is free.
     """
 
     type: str
@@ -67,14 +67,14 @@ class Partial:
 
 @dataclass(frozen=True)
 class Open:
-    """Marks an object with the keys of a `TypedDict`, and maybe others, of which nothing is said."""
+    """Marks an object with the keys of a `TypedDict`, and maybe others, which are not checked."""
 
     of: type
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """The fields of a message: those of the JSON, and the arrays."""
+    """The fields of a message: JSON ones, and arrays."""
 
     plain: dict[str, Any]
     arrays: dict[str, Array]
@@ -95,12 +95,12 @@ def _plan(message: Any) -> _Plan:
 
 
 def tag_of(message: type) -> dict[str, Any]:
-    """What tells a message from others in JSON: "kind", and "type" or "ok" where several share a kind."""
+    """The keys that identify a message in JSON: "kind", and "type" or "ok" if several share a kind."""
     return {"kind": message.__dict__["KIND"], **message.__dict__.get("TAG", {})}
 
 
 def pack(message: Any) -> str | bytes:
-    """The frame of a message: text, or bytes where it has arrays. Raises `ProtocolError`."""
+    """The frame of a message: text, or bytes if it has arrays. Raises `ProtocolError`."""
     cls: Any = type(message)
     plan = _plan(cls)
     header = {**tag_of(cls), **{name: getattr(message, name) for name in plan.plain}}
@@ -138,7 +138,7 @@ def _plain(value: Any) -> Any:
 
 
 def unpack(frame: str | bytes, messages: Iterable[type]) -> Any:
-    """The message of a frame, one of the classes given. Raises `ProtocolError`, and nothing else."""
+    """The message of a frame, one of the given classes. Raises `ProtocolError`, and nothing else."""
     if isinstance(frame, str):
         return _build(_json_object(frame), messages, None)
     if len(frame) < _PREFIX.size:
@@ -157,7 +157,7 @@ def unpack(frame: str | bytes, messages: Iterable[type]) -> Any:
 
 
 def version_of(frame: str | bytes) -> int | None:
-    """The protocol version that a first message names, whatever else is in it; None: it names none."""
+    """The protocol version in a first message, whatever its other content; None if there is none."""
     try:
         value = _json_object(frame) if isinstance(frame, str) else {}
     except ProtocolError:
@@ -167,7 +167,7 @@ def version_of(frame: str | bytes) -> int | None:
 
 
 def id_of(frame: str | bytes) -> int | None:
-    """The id in a frame that is otherwise wrong, so that its error finds who asked; None: there is none."""
+    """The id in a frame that is otherwise wrong, so that its error can be matched to the request; None if missing."""
     try:
         value = _json_object(frame) if isinstance(frame, str) else {}
     except ProtocolError:
@@ -244,7 +244,7 @@ def _array(place: Any, spec: Array, body: bytes, lengths: dict[str, int], where:
 def _check_shape(shape: tuple[int, ...], spec: Array, lengths: dict[str, int], where: str) -> None:
     is_right = len(shape) == len(spec.shape)
     for length, wanted in zip(shape, spec.shape, strict=False):
-        # A name stands for the length that the first array has there.
+        # A name is the length that the first array has there.
         is_right = is_right and length >= 0
         is_right = is_right and length == (lengths.setdefault(wanted, length) if isinstance(wanted, str) else wanted)
     if not is_right:
@@ -254,7 +254,7 @@ def _check_shape(shape: tuple[int, ...], spec: Array, lengths: dict[str, int], w
 
 
 def check(value: Any, hint: Any, where: str) -> Any:
-    """A value of JSON as the type says, lists as tuples where it says so. Raises `ProtocolError`."""
+    """A JSON value of the given type, with tuples instead of lists if it has them. Raises `ProtocolError`."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
         mark = args[1]
@@ -364,7 +364,7 @@ def _name(value: Any) -> str:
 
 
 def _short(value: Any) -> str:
-    """As it is written, cut: what a message is wrong about may be huge."""
+    """The value as text, truncated: the wrong part of a message may be huge."""
     if isinstance(value, int) and abs(value) > _MOST_WHOLE:
         return "a huge number"
     if isinstance(value, dict | list) and not (len(value) <= 8 and all(type(each) is int for each in value)):

@@ -28,24 +28,24 @@ class History:
         return len(self._redo)
 
     def changed(self, before: Document) -> None:
-        """A change was made of a document; what was undone is forgotten."""
+        """Records a change of a document; redo is cleared."""
         self._undo.append(before)
         del self._undo[:-MOST_UNDO]
         self._redo.clear()
 
     def next(self, name: str) -> Document:
-        """What "undo" or "redo" leads to. Raises `WorkbenchError` where there is nothing."""
+        """The result of "undo" or "redo". Raises `WorkbenchError` if there is none."""
         stack = self._undo if name == "undo" else self._redo
         if not stack:
             raise WorkbenchError(f"there is nothing to {name}", name, "change something first")
         return stack[-1]
 
     def stepped(self, name: str, now: Document) -> None:
-        """`next` is what is shown now; `now` is what was before."""
+        """Moves on: `next` is the new document, `now` the previous one."""
         here, there = (self._undo, self._redo) if name == "undo" else (self._redo, self._undo)
         here.pop()
         there.append(now)
 
     def revise(self, revised: Callable[[Document], Document]) -> None:
-        """Changes all that undo leads to: for what is no change of the user's."""
+        """Applies a change to all documents in the history, for changes that the user did not make."""
         self._undo = [revised(each) for each in self._undo]

@@ -1,4 +1,4 @@
-"""Rigid motions: poses as rows of 16 numbers, and how far one carries."""
+"""Rigid motions: poses as rows of 16 numbers, and the distance between two."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Row = tuple[float, ...]
 """A pose `(4, 4)`, row by row: 16 numbers."""
 
 HOME: Row = tuple(np.eye(4).ravel().tolist())
-"""The identity: where a part was loaded."""
+"""The identity: the loaded place of a part."""
 
-_NEARLY_RIGID = 1e-4  # what single precision, or a page that turns step by step, makes of a rotation
+_NEARLY_RIGID = 1e-4  # deviation of rotations in single precision, or accumulated by a page
 _LARGEST_M = 1e9
 
 
@@ -32,7 +32,7 @@ def matrix(pose: Row) -> Floats:
 
 
 def checked(given: Any, where: str) -> Floats:
-    """A pose somebody sent: 16 numbers or `(4, 4)`, rigid but for rounding, which is repaired.
+    """A received pose: 16 numbers or `(4, 4)`, rigid up to rounding, which is repaired.
 
     Raises `WorkbenchError`.
     """
@@ -49,7 +49,7 @@ def checked(given: Any, where: str) -> Floats:
 
 
 def shifted(offset: npt.ArrayLike) -> Floats:
-    """A pose that only moves."""
+    """A translation."""
     pose = np.eye(4)
     pose[:3, 3] = offset
     return pose
@@ -62,6 +62,6 @@ def corners(bounds: Floats) -> Floats:
 
 
 def carried(start: Floats, end: Floats, points: Floats) -> float:
-    """How far, metres, the farthest of `(n, 3)` points is carried from one pose to the other."""
+    """The largest travel of `(n, 3)` points between two poses, metres."""
     moved = points @ (end[:3, :3] - start[:3, :3]).T + (end[:3, 3] - start[:3, 3])
     return float(np.sqrt((moved * moved).sum(axis=1).max()))

@@ -1,8 +1,8 @@
-"""The messages between the page and the server, and the JSON objects in them: the one place that says what they are.
+"""The messages between the page and the server, and the JSON objects in them: their only definition.
 
-`viewer/src/link/protocol.ts` is written from this file by `tools/protocol_ts.py`. Everything is SI (metres, newtons,
+`tools/protocol_ts.py` generates `viewer/src/link/protocol.ts` from this file. Everything is SI (metres, newtons,
 radians, seconds unless the name says otherwise), in the mock-up's frame ("world"); a pose is world_from_tool, row by
-row. `frames.py` says how a message is laid out. From the page come `FROM_PAGE`, from the server `FROM_SERVER`.
+row. `frames.py` has the encoding. `FROM_PAGE` are the page's messages, `FROM_SERVER` the server's.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ NOT_ALLOWED = 1008
 """Closes a socket without the token, or past a limit."""
 
 RELOAD = 4001
-"""Closes a socket of another protocol version: the page is to be loaded anew."""
+"""Closes a socket of another protocol version: the page must reload."""
 
 MOST_HITS = 20_000
 """Colliding triangles listed in a state, of each side."""
@@ -92,37 +92,37 @@ Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
 
 
 class MockupFacts(TypedDict):
-    """What is known of the mock-up."""
+    """Facts about the mock-up."""
 
     name: str
     hash: str
-    """Of its content, hex: the address of its geometry."""
+    """Hash of its content, hex: the address of its geometry."""
     triangles: int
-    """Of the parts that are in the scene."""
+    """Of the parts in the scene."""
     parts: int
-    """All, also those that were left out: the number of every part is below it."""
+    """All, including excluded ones: the number of every part is below it."""
 
 
 class ToolFacts(TypedDict):
-    """What is known of the tool in hand."""
+    """Facts about the tool in hand."""
 
     name: str
     triangles: int
 
 
 class RecordFacts(TypedDict):
-    """A record that the job "replay" goes through."""
+    """A record for the job "replay"."""
 
     name: str
     is_playing: bool
     is_same: bool | None
-    """Whether all of it came out as it was recorded; null before that is known."""
+    """Whether all results equalled the recorded ones; null before that is known."""
     verdict: str | None
     """The same as a sentence."""
 
 
 class Loading(TypedDict):
-    """How far reading and indexing are."""
+    """Progress of reading and indexing."""
 
     stage: str
     share: float
@@ -130,7 +130,7 @@ class Loading(TypedDict):
 
 
 class Section(TypedDict):
-    """A plane that cuts the picture: what is kept has normal . x >= offset."""
+    """A section plane: keeps the points with normal . x >= offset."""
 
     id: int
     normal: Vec3
@@ -141,7 +141,7 @@ class Section(TypedDict):
 
 
 class SequenceLine(TypedDict):
-    """One removal: parts, the way they took, and what came near."""
+    """One removal: parts, their way, and its clearance."""
 
     id: int
     name: str
@@ -149,14 +149,14 @@ class SequenceLine(TypedDict):
     way: list[Pose]
     """world_from_hand."""
     least_clearance: float | None
-    """Metres; 0 where something touched, null where it is not known."""
+    """Metres; 0 if something touched, null if not known."""
     touched: list[str]
     """Part paths."""
     tool: str | None
 
 
 class Measure(TypedDict):
-    """A measure with the points that it was taken at."""
+    """A measure with its points."""
 
     id: int
     name: str
@@ -166,11 +166,11 @@ class Measure(TypedDict):
     value: float
     unit: Literal["m", "rad"]
     is_exact: bool
-    """Taken by the engine on the triangles, not from the picture."""
+    """Computed by the engine on the triangles, not from the picture."""
 
 
 class Camera(TypedDict):
-    """Where a picture is seen from."""
+    """A camera pose."""
 
     position: Vec3
     target: Vec3
@@ -180,7 +180,7 @@ class Camera(TypedDict):
 
 
 class Viewpoint(TypedDict):
-    """A camera that was kept."""
+    """A stored camera."""
 
     id: int
     name: str
@@ -188,14 +188,14 @@ class Viewpoint(TypedDict):
 
 
 class Finding(TypedDict):
-    """What a clash check says of two parts."""
+    """One finding of a clash check."""
 
     id: str
     a: str
     """A part path, as is `b`."""
     b: str
     part_a: int | None
-    """Null: the part is not in this mock-up, or was left out of the scene."""
+    """Null: the part is not in this mock-up, or was excluded from the scene."""
     part_b: int | None
     verdict: str
     depth: float | None
@@ -208,23 +208,23 @@ class Finding(TypedDict):
 
 
 class FindingGroup(TypedDict):
-    """Findings that belong together, the deepest first."""
+    """Findings of one group, the deepest first."""
 
     name: str
     findings: list[Annotated[dict[str, Any], Open(Finding)]]
 
 
 class Findings(TypedDict):
-    """What a clash run found, as groups, and how far each finding is."""
+    """The findings of a clash check, in groups, with the status of each."""
 
     groups: list[Annotated[dict[str, Any], Open(FindingGroup)]]
     status: dict[str, FindingStatus]
-    """By the finding's id; "new" where there is none."""
+    """By the finding's id; "new" if missing."""
     is_touching_hidden: bool
 
 
 class DocumentFields(TypedDict):
-    """All that a page shows and that a command may change; what a reload brings back."""
+    """The state that a page shows and that commands may change; a reload restores it."""
 
     mockup: MockupFacts | None
     loading: Loading | None
@@ -233,12 +233,12 @@ class DocumentFields(TypedDict):
     """Why there is no mock-up."""
     tool: ToolFacts | None
     tools: list[str]
-    """Names of what can be taken in hand."""
+    """Names for `take_tool`."""
     record: RecordFacts | None
     absent: list[int]
-    """Parts that were left out of the scene from the start: nothing meets them, and nobody sees them."""
+    """Parts excluded when the mock-up was opened: they do not collide and are not drawn."""
     held_version: int
-    """Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty."""
+    """Version of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty."""
     unit: Unit
     mode: Mode
     hidden: list[int]
@@ -248,15 +248,15 @@ class DocumentFields(TypedDict):
     isolated: bool
     sections: list[Section]
     pose: Pose
-    """Where the hand was last put down by a command."""
+    """The last pose of the hand that a command set."""
     gripped: list[int]
     moved: dict[str, Pose]
-    """Part id -> world_from_part: the identity is where it was loaded."""
+    """Part id -> world_from_part; the identity is the loaded place."""
     out: list[int]
     """Parts taken out of the mock-up."""
     sequence: list[SequenceLine]
     replaying: int | None
-    """The line of the sequence that is being replayed."""
+    """The line of the sequence being replayed."""
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None
@@ -267,15 +267,15 @@ class ManifestParts(TypedDict):
     """The parts of a mock-up by column."""
 
     paths: list[str]
-    """Empty for those that were left out."""
+    """Empty for excluded parts."""
     triangles: list[int]
     lower: list[Vec3]
-    """Of each part's box, metres; an empty part, or one that was left out, has lower above upper."""
+    """Of each part's box, metres; an empty or excluded part has lower above upper."""
     upper: list[Vec3]
     small: list[int]
-    """1: so small beside the mock-up that it may be left out while the camera moves."""
+    """1: so small beside the mock-up that it may be skipped while the camera moves."""
     colours: list[int]
-    """sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page gives its own."""
+    """sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page chooses some."""
 
 
 class ManifestPiece(TypedDict):
@@ -289,9 +289,9 @@ class ManifestPiece(TypedDict):
     lower: Vec3
     upper: Vec3
     small: bool
-    """Of small parts alone."""
+    """Of small parts only."""
     parts: int
-    """How many parts have triangles in it."""
+    """Number of parts with triangles in it."""
 
 
 class Manifest(TypedDict):
@@ -311,7 +311,7 @@ class Manifest(TypedDict):
     lower: Vec3
     upper: Vec3
     triangles: int
-    """In the pieces: those that are drawn."""
+    """In the pieces: the drawn ones."""
     vertices: int
     part_bytes: Literal[2, 4]
     parts: ManifestParts
@@ -334,7 +334,7 @@ class HeldManifest(TypedDict):
 
 
 class NearestPoints(TypedDict):
-    """How far the tool is from the mock-up, and between which points."""
+    """The distance of tool and mock-up, and the two closest points."""
 
     value: float
     tool_point: Vec3
@@ -342,11 +342,11 @@ class NearestPoints(TypedDict):
     part: int
 
 
-# What questions and jobs answer; `asking.py` has their names and arguments.
+# Answers to questions and jobs; `asking.py` has their names and arguments.
 
 
 class RayHit(TypedDict):
-    """The first thing in sight on a ray."""
+    """The first visible hit of a ray."""
 
     distance: float
     point: Vec3
@@ -357,15 +357,15 @@ class RayHit(TypedDict):
 
 
 class Snapped(RayHit):
-    """The same, with the point drawn to a corner or an edge that is near."""
+    """The same, with the point snapped to a near corner or edge."""
 
     type: Literal["vertex", "edge", "face"]
     corners: tuple[Vec3, Vec3, Vec3]
-    """Of the triangle, where it is now."""
+    """Of the triangle, at its present place."""
 
 
 class Measured(TypedDict):
-    """What a measure would come to."""
+    """The value of a measure."""
 
     type: MeasureType
     points: list[Vec3]
@@ -376,7 +376,7 @@ class Measured(TypedDict):
 
 
 class PartFacts(TypedDict):
-    """What is known of a part."""
+    """Facts about a part."""
 
     part: int
     name: str
@@ -390,7 +390,7 @@ class PartFacts(TypedDict):
 
 
 class Outline(TypedDict):
-    """Where planes cut the mock-up."""
+    """The cuts of the mock-up by planes."""
 
     count: int
     segments: str
@@ -410,18 +410,18 @@ class WrittenPage(Written):
     """One HTML file with the mock-up inside."""
 
     left_out: int
-    """Triangles that had no room."""
+    """Triangles that did not fit."""
 
 
 class Replayed(TypedDict):
-    """What came of a record that was gone through."""
+    """The result of a replay."""
 
     is_same: bool
     verdict: str
 
 
 class Trouble(TypedDict):
-    """What went wrong, where, and what to do about it; "where" and "do" may be empty."""
+    """An error: what is wrong, where, and what to do; "where" and "do" may be empty."""
 
     what: str
     where: str
@@ -439,14 +439,14 @@ class Hello:
     protocol: int
     token: str
     session: str | None
-    """The one that the page was in before its connection broke."""
+    """The session of the page before its connection broke."""
     last_event: int
-    """The newest that it has; 0: none."""
+    """The newest that the page has; 0: none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Wish:
-    """Where the hand wants to be. The newest counts."""
+    """The target of the hand. Only the newest counts."""
 
     KIND: ClassVar[str] = "pose"
     seq: int
@@ -459,7 +459,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Ack:
-    """A state was taken. At most two are on their way unacknowledged."""
+    """Acknowledges a state. At most two may be unacknowledged."""
 
     KIND: ClassVar[str] = "ack"
     seq: int
@@ -487,7 +487,7 @@ class Ask:
 
 @dataclass(frozen=True)
 class Job:
-    """Something that takes a while: progress comes by messages of the same id, the result as a reply."""
+    """Starts a long task: progress comes in messages of the same id, the result as a reply."""
 
     KIND: ClassVar[str] = "job"
     id: int
@@ -497,7 +497,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Cancel:
-    """Gives up a job of this page; its reply is an error then."""
+    """Cancels a job of this page; its reply is then an error."""
 
     KIND: ClassVar[str] = "cancel"
     id: int
@@ -505,20 +505,20 @@ class Cancel:
 
 @dataclass(frozen=True)
 class Shot:
-    """The picture that a "shot" event asked for, or the next piece of it: a message may have 1 MiB, a picture more."""
+    """The picture for a "shot" event, or the next piece of it: a message may have 1 MiB, a picture more."""
 
     KIND: ClassVar[str] = "shot"
     id: int
     name: str
     png_base64: str
-    """Of a multiple of 4 characters in each piece but the last."""
+    """A multiple of 4 characters in each piece but the last."""
     more: bool
     """Another piece follows."""
 
 
 @dataclass(frozen=True)
 class Benchmarked:
-    """What a page measured, as a "benchmark" event asked for."""
+    """The measurements for a "benchmark" event."""
 
     KIND: ClassVar[str] = "benchmarked"
     id: int
@@ -531,90 +531,90 @@ class Benchmarked:
 
 @dataclass(frozen=True)
 class Welcome:
-    """The answer to hello: everything."""
+    """The answer to hello: the whole state."""
 
     KIND: ClassVar[str] = "welcome"
     protocol: int
     session: str
     document: DocumentFields
     event: int
-    """The newest event that the document has in it; those that follow are greater."""
+    """The newest event included in the document; later ones are greater."""
     device: bool
     """A haptic device moves the hand."""
     recording: bool
     held: HeldManifest | None
     """Of the mesh in hand; null: the hand is empty, or there is no mock-up yet."""
     versions: dict[str, str]
-    """Of the server's software, by name."""
+    """Versions of the server's software, by name."""
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What the engine found at the newest pose. A newer one replaces it."""
+    """The engine's results at the newest pose. A newer state replaces it."""
 
     KIND: ClassVar[str] = "state"
     seq: int
     pose_seq: int
-    """Of the wish that it answers."""
+    """The number of the wish that it answers."""
     engine_us: float
     age_ms: float
-    """From the wish to the answer."""
+    """Time from the wish to the answer."""
     rate_hz: float
-    """Answers a second."""
+    """Answers per second."""
     mode: Mode
     is_free: bool
-    """Nothing meets, nothing is inside."""
+    """No collision and no containment."""
     blocked: bool
-    """The solid tool is held back from the wish."""
+    """Contact holds the solid tool back from the wish."""
     force: Vec3
     torque: Vec3
     """About the tool's origin, N m."""
     depth: float
-    """How far the tool is out of what it is in; 0: in nothing, or not found yet."""
+    """The length of the way out of a penetration; 0: there is none, or it is not known yet."""
     depth_kind: DepthKind
-    """Of the depth: no way out is shorter, one may be, or this one does not free it."""
+    """Kind of the depth: no way out is shorter, one may be, or this one does not free the tool."""
     hit_count: int
     """Colliding triangles of the mock-up, listed or not."""
     hit_more: int
-    """Of them, those not listed."""
+    """Number of those not listed."""
     contact_more: int
-    """Contact planes not listed."""
+    """Number of contact planes not listed."""
     distance: NearestPoints | None
     parts: list[int]
-    """Touched, ids."""
+    """Ids of touched parts."""
     pose: Annotated[F8, Array("f8", (4, 4))]
-    """The solid tool's."""
+    """Of the solid tool."""
     wish: Annotated[F8, Array("f8", (4, 4))]
-    """The hand's."""
+    """Of the hand."""
     hits: Annotated[U4, Array("u4", ("hits",), MOST_HITS)]
     """Packed triangles of the mock-up."""
     tool_hits: Annotated[U4, Array("u4", ("tool hits",), MOST_HITS)]
     """Packed triangles of the mesh in hand."""
     planes: Annotated[F4, Array("f4", ("planes", 8), MOST_PLANES)]
-    """A row a contact: point 3, normal 3 (from the mock-up to the tool), gap, share of the force in newtons."""
+    """A row per contact: point 3, normal 3 (from the mock-up to the tool), gap, share of the force in newtons."""
     plane_parts: Annotated[U4, Array("u4", ("planes",), MOST_PLANES)]
     clearance: Annotated[F4, Array("f4", ("clearances", 7), MOST_CLEARANCES)]
-    """A row a near part: distance, point on the tool 3, point on the mock-up 3."""
+    """A row per near part: distance, point on the tool 3, point on the mock-up 3."""
     clearance_parts: Annotated[U4, Array("u4", ("clearances",), MOST_CLEARANCES)]
 
 
 @dataclass(frozen=True)
 class Patch:
-    """The document changed: the new values of some of its fields."""
+    """A change of the document: the new values of some fields."""
 
     KIND: ClassVar[str] = "event"
     TAG: ClassVar[dict[str, Any]] = {"type": "patch"}
     n: int
     fields: Annotated[dict[str, Any], Partial(DocumentFields)]
     command: str | None
-    """What changed it; null: not a command."""
+    """The command behind it; null: none."""
     undo_depth: int
     redo_depth: int
 
 
 @dataclass(frozen=True)
 class Impact:
-    """The tool met a part that it did not touch before."""
+    """The tool hit a part that it did not touch before."""
 
     KIND: ClassVar[str] = "event"
     TAG: ClassVar[dict[str, Any]] = {"type": "impact"}
@@ -631,7 +631,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class Notice:
-    """Something to tell whoever looks at the page."""
+    """A notice for the user."""
 
     KIND: ClassVar[str] = "event"
     TAG: ClassVar[dict[str, Any]] = {"type": "notice"}
@@ -642,7 +642,7 @@ class Notice:
 
 @dataclass(frozen=True)
 class ShotWanted:
-    """A script wants a picture: one page answers by a shot of the same id."""
+    """A script requests a picture: one page answers by a shot of the same id."""
 
     KIND: ClassVar[str] = "event"
     TAG: ClassVar[dict[str, Any]] = {"type": "shot"}
@@ -651,12 +651,12 @@ class ShotWanted:
     width: int
     height: int
     camera: Camera | None
-    """Null: as the page stands."""
+    """Null: the page's own camera."""
 
 
 @dataclass(frozen=True)
 class BenchmarkWanted:
-    """A page is to measure what it draws: it answers by a "benchmarked" message of the same id."""
+    """Requests measurements of the frame rate: the page answers by a "benchmarked" message of the same id."""
 
     KIND: ClassVar[str] = "event"
     TAG: ClassVar[dict[str, Any]] = {"type": "benchmark"}
@@ -666,7 +666,7 @@ class BenchmarkWanted:
 
 @dataclass(frozen=True)
 class HeldChanged:
-    """The hand holds something else: fetch `/held/VERSION`."""
+    """The content of the hand changed: fetch `/held/VERSION`."""
 
     KIND: ClassVar[str] = "event"
     TAG: ClassVar[dict[str, Any]] = {"type": "held"}
@@ -678,7 +678,8 @@ class HeldChanged:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a job of this page is. A newer one replaces it; it is no event, as it means nothing to other pages."""
+    """Progress of a job of this page. A newer message replaces it; it is not an event, because other pages ignore
+    it."""
 
     KIND: ClassVar[str] = "progress"
     id: int
@@ -689,7 +690,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class Answer:
-    """A command, question or job was done."""
+    """A command, question or job succeeded."""
 
     KIND: ClassVar[str] = "reply"
     TAG: ClassVar[dict[str, Any]] = {"ok": True}
@@ -699,7 +700,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Refusal:
-    """A command, question or job was not done; or a message was none."""
+    """A command, question or job failed; or a message was invalid."""
 
     KIND: ClassVar[str] = "reply"
     TAG: ClassVar[dict[str, Any]] = {"ok": False}
@@ -721,18 +722,18 @@ FROM_SERVER: tuple[type, ...] = (
 
 
 def encode(message: FromPage | FromServer) -> str | bytes:
-    """The frame of a message: text, or bytes where it has arrays.
+    """The frame of a message: text, or bytes if it has arrays.
 
-    Raises `ProtocolError` for a shape that does not fit, too many rows, and NaN or infinity in the JSON.
+    Raises `ProtocolError` for a wrong shape, too many rows, and NaN or infinity in the JSON.
     """
     return pack(message)
 
 
 def decode_from_page(frame: str | bytes) -> FromPage:
-    """The message of a frame that a page sent. Raises `ProtocolError` for anything that is none, and nothing else."""
+    """The message of a frame from a page. Raises `ProtocolError` for anything invalid, and nothing else."""
     return cast(FromPage, unpack(frame, FROM_PAGE))
 
 
 def decode_from_server(frame: str | bytes) -> FromServer:
-    """The message of a frame that a server sent. Raises `ProtocolError` for anything that is none."""
+    """The message of a frame from a server. Raises `ProtocolError` for anything invalid."""
     return cast(FromServer, unpack(frame, FROM_SERVER))

@@ -1,1 +1,1 @@
-"""What the hand holds and meets: the mock-up as it stands, the moves of the hand, and questions of geometry."""
+"""The engine of the workbench: the present state of the mock-up, the moves of the hand, and geometric questions."""

@@ -1,9 +1,8 @@
-"""A haptic device that moves the hand of a session: its force comes from a servo loop of its own, its pose is a wish.
+"""A haptic device that moves the hand of a session: a servo loop makes its force, and its pose is the wish.
 
-The device runs by `feeler.haptics`, against the scene that the pages show, with what the hand holds; whatever the pages
-and the engine do meanwhile. A thread here passes on where it wants the tool, and begins anew where parts were gripped,
-taken out or put down, or the hand was placed elsewhere. A device that stops moves nothing any more, and the pages are
-told why.
+`feeler.haptics` runs the device against the scene on the pages, with the content of the hand, independently of the
+pages and the engine. A thread here passes on the device's pose, and restarts the run when parts are gripped, taken out
+or put down, or the hand is placed elsewhere. When a device stops, the hand stays, and the pages get the reason.
 """
 
 from __future__ import annotations
@@ -21,32 +20,32 @@ from feeler.mockup import Tool
 from feeler.workbench.engine.world import World
 
 LOOK_S = 0.004
-"""Between two looks at the device: as often as the engine answers."""
+"""Interval between samples of the device: the engine's own."""
 
 
 class Moved(Protocol):
-    """What a device moves: the session of a workbench."""
+    """The session of a workbench, as a device needs it."""
 
     def wish(self, pose: npt.NDArray[np.float64], seq: int, source: str, /) -> None:
-        """Where the hand wants to be."""
+        """Sets the target of the hand."""
 
     def tell(self, event: dict[str, str], /) -> None:
-        """An event for the pages."""
+        """Sends an event to the pages."""
 
     def hand_key(self) -> object:
-        """Another one whenever the hand, or the world around it, is another."""
+        """A key that changes whenever the hand, or the world around it, changes."""
 
     def hand_now(self) -> tuple[object, World, Tool | None, npt.NDArray[np.float64]]:
-        """The key, the world, what the hand holds (None: nothing), and where it is, `world_from_tool`."""
+        """The key, the world, the content of the hand (None: nothing), and its pose, `world_from_tool`."""
 
 
 class DeviceHand:
-    """Moves a session's hand by a device, from now until `close()`."""
+    """Moves a session's hand by a device, until `close()`."""
 
     def __init__(self, moved: Moved, device: Device) -> None:
         """Raises `DeviceError`, `SessionError`."""
         self._moved, self._device = moved, device
-        self._lock = threading.Lock()  # of beginnings, which close() waits for
+        self._lock = threading.Lock()  # held while a run starts; close() waits for it
         self._ends = threading.Event()
         self._haptics: Session | None = None
         self._key: object = None
@@ -56,11 +55,11 @@ class DeviceHand:
 
     @property
     def haptics(self) -> Session | None:
-        """The session that runs now; None where the hand holds nothing."""
+        """The running session; None if the hand is empty."""
         return self._haptics
 
     def close(self) -> None:
-        """Lets go of the force first, then of the hand. A second time does nothing."""
+        """Releases first the force, then the hand. A second call does nothing."""
         self._ends.set()
         with self._lock:
             self._let_go()
@@ -73,7 +72,7 @@ class DeviceHand:
             haptics.stop()
 
     def _begin(self) -> None:
-        """Begins, or begins anew, with what the hand holds where it is."""
+        """Starts, or restarts, with the content of the hand at its pose."""
         with self._lock:
             self._let_go()
             self._key, world, tool, pose = self._moved.hand_now()

@@ -1,9 +1,9 @@
-"""The engine: the newest wish of the hand in, an immutable snapshot of what it meets out.
+"""The engine: takes the newest wish of the hand, returns an immutable snapshot of its contacts.
 
-`tick()` does one round, on a clock that is passed in; a thread only calls it in a loop. What the hand does and what it
-meets is decided in full every round, so that it can be replayed. Contact planes, distances, clearances and the depth,
-which nothing depends on, are found within a budget, at lower rates where they cost more than that. What is not asked
-for every round is found a little early where that leaves a round short, so that no wish waits for all of it at once.
+`tick()` does one round, on a clock that is passed in; a thread only calls it in a loop. The hand's motion and
+collisions are computed completely in every round, so that they can be replayed. Contact planes, distances, clearances
+and depth, which affect nothing else, are computed within a time budget, at lower rates if they exceed it. They are
+computed a little early in rounds with time left, so that no wish has to wait for all of them at once.
 """
 
 from __future__ import annotations
@@ -29,29 +29,29 @@ from feeler.workbench.engine.trip import TripRecorder, least_clearance
 from feeler.workbench.engine.world import NO_HITS, NO_PLANES, NO_ROWS, World
 
 OFF_M = 5e-7
-"""The tool stops so far before an impact, along its way: where it rests, rounding cannot bring it into contact."""
+"""The tool stops this far before an impact, along its way, so that rounding cannot bring it into contact."""
 MARGIN_M = 0.002
-"""What is nearer is a contact plane."""
+"""Surfaces nearer than this get contact planes."""
 WITHIN_M = 0.02
-"""What is nearer is a clearance row."""
+"""Parts nearer than this get clearance rows."""
 BUDGET_S = 0.004
-"""Of a tick, for what has lower rates."""
+"""Time per tick for results with lower rates."""
 ROUND_S = 0.001
-"""What is early makes no round longer, but for one in which nothing else is done."""
+"""Results computed early do not lengthen a round, except an otherwise empty one."""
 _TOLERANCE_M = 2.5e-7  # of the casts: with `OFF_M`, a stop is early by less than the tolerance of `Scene.cast`
-_LONGEST_WAIT_S = 0.25  # even what costs more than the budget is found so often
+_LONGEST_WAIT_S = 0.25  # results are computed at least this often, even beyond the budget
 _PERIODS_S = {"planes": 0.0, "distance": 0.015, "rows": 0.1, "inside": 0.05, "depth": 0.1}
-_EARLY = 0.75  # of a period: from then on what is due next is found where a round has time for it
+_EARLY = 0.75  # of a period: from then on a result is computed if a round has time for it
 _DEPTH_SHARE = 0.05  # of all time at most: deep in a dense mock-up the way out takes tens of milliseconds
-_RATE_SHARE = 0.1  # of the newest round in the mean length of rounds
-_PLACE_STEPS = 100  # ticks of the proxy that a placing waits for it to come to rest
+_RATE_SHARE = 0.1  # weight of the newest round in the mean length of rounds
+_PLACE_STEPS = 100  # ticks that a placing waits for the proxy to come to rest
 _REST_M = 1e-7
 _PLAY_M_PER_S = 0.25
 
 
 @dataclass(frozen=True)
 class Bump:
-    """The hand met a part that it did not touch before. speed: metres a second; force: newtons, 0 but in glide."""
+    """The hand hit a part that it did not touch before. speed: metres a second; force: newtons, 0 except in glide."""
 
     part: int
     point: Floats
@@ -61,7 +61,7 @@ class Bump:
 
 @dataclass(frozen=True)
 class Ticked:
-    """What a round did, as a record keeps it. steps: of the proxy, 0 but in glide."""
+    """The actions of a round, for a record. steps: of the proxy, 0 except in glide."""
 
     time: float
     seq: int
@@ -74,9 +74,9 @@ class Ticked:
 
 
 class Engine:
-    """One hand in one world. Thread-safe: what changes it waits for the tick under way, and no longer."""
+    """One hand in one world. Thread-safe: changes wait for the current tick, and no longer."""
 
-    # What is forgotten when the hand is set elsewhere.
+    # The state to reset when the hand is placed elsewhere.
     _guarded: GuardedMove | None
     _glide: Glide | None
     _force: Floats
@@ -119,7 +119,7 @@ class Engine:
         self._number = 0
         self._snapshot: Snapshot | None = None
         self._last_tick = clock()
-        self._owed_s = 0.0  # time of the clock that the proxy has not yet been stepped for
+        self._owed_s = 0.0  # time of the clock for which the proxy has not yet been stepped
         self._period_s = 0.0
         self._cost: dict[str, float] = {}
         self._trip: TripRecorder | None = None
@@ -142,9 +142,9 @@ class Engine:
         is_carrying: bool = False,
         trip: Trip | None = None,
     ) -> None:
-        """Another world, tool, mode, or all of them, with the hand at a pose, however it came there.
+        """Sets another world, tool, mode, or all of them, with the hand at a pose, without a motion.
 
-        is_carrying: from now on the way is kept, after that of `trip`, if there is one.
+        is_carrying: from now on the way is recorded, after that of `trip`, if there is one.
         """
         with self._lock:
             self._world, self._tool, self._mode = world, tool, mode
@@ -155,12 +155,12 @@ class Engine:
                 self._trip = TripRecorder(tool, pose, trip, frozenset(seated))
 
     def wish(self, pose: Floats, seq: int, source: str) -> None:
-        """Where the hand wants to be. The newest counts; waits for nothing."""
+        """Sets the target of the hand; only the newest counts. Never waits."""
         with self._wish_lock:
             self._newest = (pose, seq, source, self._clock())
 
     def let_go(self) -> None:
-        """Nobody moves the hand any more: it stays where it is."""
+        """Clears the target: the hand stays where it is."""
         with self._lock:
             self._drop_wish()
             self._flush_idle()
@@ -168,7 +168,7 @@ class Engine:
             self._is_settled = False
 
     def place(self, pose: Floats) -> Floats:
-        """Moves the hand to a pose at once, as far as the mode lets it come; where that is."""
+        """Moves the hand to a pose at once, as far as the mode allows; returns its pose."""
         with self._lock:
             self._drop_wish()
             self._flush_idle()
@@ -181,21 +181,21 @@ class Engine:
                 if self._carried(before, self._pose) < _REST_M:
                     break
             self._is_quiet = False
-            self._is_changed = True  # whoever waits for ticks is told of it by the next
+            self._is_changed = True  # the next tick reports it to listeners
             return self._pose
 
     def paused(self) -> AbstractContextManager[Any]:
-        """No tick is done while a `with` of this lasts."""
+        """Blocks ticks during a `with`."""
         return self._lock
 
     def flush(self) -> None:
-        """Tells `on_tick` of steps in which nothing happened, which it is else told of with the next that did."""
+        """Reports idle steps to `on_tick`, which otherwise gets them with the next change."""
         with self._lock:
             self._flush_idle()
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """No round but those of `replayed` is done while a `with` of this lasts; then the hand stays where it is."""
+        """Blocks all rounds except those of `replayed` during a `with`; then the hand stays where it is."""
         with self._lock:
             self._is_held = True
         try:
@@ -207,11 +207,11 @@ class Engine:
 
     @property
     def is_held(self) -> bool:
-        """Whether only what was recorded moves the hand."""
+        """Whether only recorded wishes move the hand."""
         return self._is_held
 
     def replayed(self, wish: Floats, seq: int, source: str, steps: int) -> Ticked:
-        """A round as a record has it."""
+        """Runs a round from a record."""
         with self._lock:
             self.wish(wish, seq, source)
             self._round(steps)
@@ -219,37 +219,37 @@ class Engine:
 
     @property
     def ticked_at(self) -> float:
-        """When the last round began, on the engine's clock."""
+        """Start of the last round, on the engine's clock."""
         return self._last_tick
 
     @property
     def pose(self) -> Floats:
-        """Where the hand is. Waits for nothing."""
+        """The pose of the hand. Never waits."""
         return self._pose
 
     def snapshot(self) -> Snapshot | None:
-        """The newest; None before the first tick."""
+        """The newest snapshot; None before the first tick."""
         return self._snapshot
 
     def trip(self) -> Trip | None:
-        """What the gripped parts went through so far; None where the hand was not `set` to keep that."""
+        """The trip of the gripped parts so far; None if it is not recorded."""
         with self._lock:
             return self._trip.so_far(self._pose) if self._trip is not None else None
 
     def least_clearance(self, trip: Trip) -> float | None:
-        """Of what the hand holds, on a trip; see `trip.least_clearance`."""
+        """Clearance of the hand's content on a trip; see `trip.least_clearance`."""
         with self._lock:
             if self._world is None or self._tool is None:
                 return None
             return least_clearance(self._world, self._tool, trip)
 
     def jump(self, pose: Floats) -> None:
-        """The hand at a pose, however it came there."""
+        """Puts the hand at a pose, without a motion."""
         with self._lock:
             self._jump(pose)
 
     def show(self, pairs: npt.NDArray[np.uint32], kinds: npt.NDArray[np.uint8]) -> None:
-        """Shows pairs `(k, 2)` of tool and mock-up triangles, and their kinds, as what meets, until the hand moves."""
+        """Shows pairs `(k, 2)` of tool and mock-up triangles, and their kinds, as colliding, until the hand moves."""
         with self._lock:
             world, tool = self._world, self._tool
             if world is None or tool is None or not len(pairs):
@@ -259,18 +259,18 @@ class Engine:
             self._is_changed = True
 
     def play(self, way: Sequence[Floats], on_played: Callable[[], None]) -> None:
-        """Wishes the hand along a way at an even speed, then calls `on_played`, in the thread of the ticks."""
+        """Moves the hand along a way at a constant speed, then calls `on_played`, in the thread of the ticks."""
         with self._lock:
             self._way, self._on_played = list(way), on_played
 
     def tick(self) -> bool:
-        """One round. Whether there is a new snapshot."""
+        """One round. Returns whether there is a new snapshot."""
         with self._lock:
             now = self._clock()
             elapsed, self._last_tick = max(0.0, now - self._last_tick), now
             if self._is_held:
                 return False
-            # The mean of the lengths, and not of the rates: these are few and huge where rounds come in pairs.
+            # The mean of the lengths, not of the rates, which are few and huge when rounds come in pairs.
             share = _RATE_SHARE if self._period_s > 0.0 else 1.0
             self._period_s += share * (elapsed - self._period_s)
             self._play_on(elapsed)
@@ -288,7 +288,7 @@ class Engine:
         return has_moved
 
     def warm_up(self) -> None:
-        """Makes what the first answers need: how the meshes hang together."""
+        """Builds the connectivity of the meshes, which the first answers need."""
         with self._lock:
             if self._world is not None and self._tool is not None:
                 self._world.contacts(self._tool, self._pose, MARGIN_M)
@@ -333,7 +333,7 @@ class Engine:
         self._way, self._on_played = [], None
 
     def _told(self, steps: int, has_changed: bool) -> None:
-        """Tells of the round; steps of a proxy at rest are told of together, before the next that changes something."""
+        """Reports the round; idle steps of the proxy are reported together, before the next change."""
         if self._is_quiet:
             return
         if not has_changed:
@@ -351,7 +351,7 @@ class Engine:
         return Ticked(self._clock(), self._seq, self._source, self._wish, steps, self._mode, self._pose, self._hits)
 
     def _move(self, steps: int) -> bool:
-        """The hand toward its wish. Whether anything is other than before."""
+        """Moves the hand towards its wish. Returns whether anything changed."""
         before, force = self._pose, self._force
         world, tool = self._world, self._tool
         self._force = self._torque = NO_FORCE
@@ -395,7 +395,7 @@ class Engine:
         return Impact(1.0, glided.points[0], glided.normals[0], glided.parts[0])
 
     def _bumped(self, impact: Impact | None) -> None:
-        """Tells of parts that are touched now and were not before, where the hand moves."""
+        """Reports parts that are newly touched, while the hand moves."""
         touched = dict(self._held_by)
         if self._mode == "pass":
             touched.update(self._cut())
@@ -408,7 +408,7 @@ class Engine:
         self._touched = set(touched)
 
     def _cut(self) -> dict[int, tuple[Floats, Floats | None]]:
-        """The parts that are met, each with a corner of the tool that meets it."""
+        """The colliding parts, each with a colliding corner of the tool."""
         if self._world is None or self._tool is None:
             return {}
         owners = self._world.part_of(self._hits.pairs[:, 1])
@@ -420,7 +420,7 @@ class Engine:
         return found
 
     def _speed_at(self, point: Floats, normal: Floats | None) -> float:
-        """How fast the hand came to a point: against the normal, or where there is none, at all."""
+        """The speed of the hand at a point: against the normal, or without one, its magnitude."""
         in_hand = self._hand_from[:3, :3].T @ (point - self._hand_from[:3, 3])
         way = self._wish[:3, :3] @ in_hand + self._wish[:3, 3] - point
         metres = float(np.linalg.norm(way)) if normal is None else max(0.0, -float(normal @ way))
@@ -429,9 +429,9 @@ class Engine:
     # ---- what has lower rates ----
 
     def _look_around(self, begun: float, is_busy: bool) -> bool:
-        """Finds what is stale and due, as far as the budget lasts; then what soon is. Whether anything was found.
+        """Computes stale results that are due, within the budget; then those due soon. Returns whether there were any.
 
-        is_busy: the hand was moved in this round.
+        is_busy: the hand moved in this round.
         """
         world, tool = self._world, self._tool
         if world is None or tool is None:
@@ -455,7 +455,7 @@ class Engine:
         return found
 
     def _wanted(self) -> list[tuple[str, bool]]:
-        """What is stale and due, the longest waiting first; then what is so soon."""
+        """Stale results that are due, the longest waiting first; then those due soon."""
         waited = {name: self._waited(name) for name, is_stale in self._stale.items() if is_stale}
         order = sorted(waited, key=lambda name: (-waited[name], name))
         due = [name for name in order if waited[name] >= self._period(name)]
@@ -482,7 +482,7 @@ class Engine:
         else:
             before = self._contains
             self._contains = not self._hits and world.is_containing(tool, self._pose)
-            self._stale["depth"] |= self._contains != before  # of what is inside there is a depth as well
+            self._stale["depth"] |= self._contains != before  # containment has a depth as well
 
     # ---- state ----
 
@@ -517,7 +517,7 @@ class Engine:
         return motion.carried(before, after, motion.corners(self._tool.bounds))
 
     def _play_on(self, elapsed: float) -> None:
-        """The next wish of a way that is played. Poses of the way are never left out: the hand goes through each."""
+        """The next wish of a played way. No pose of the way is skipped: the hand goes through each."""
         if not self._way:
             return
         goal, step = self._way[0], _PLAY_M_PER_S * elapsed

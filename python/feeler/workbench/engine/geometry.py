@@ -1,4 +1,4 @@
-"""Geometry as the page gets it: packed pieces of a mock-up, big shapes first, and of what the hand holds."""
+"""Geometry for the page: packed pieces of a mock-up, big shapes first, and of the hand's content."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from feeler.workbench.document.protocol import HeldManifest, Manifest, ManifestP
 from feeler.workbench.engine.snapshot import NOT_DRAWN
 
 SMALL_SHARE = 0.01
-"""A part is small where its box's diagonal is less than this share of the mock-up's."""
+"""A part is small if its box's diagonal is less than this share of the mock-up's."""
 
 
 def absent_parts(scene: Scene) -> tuple[int, ...]:
-    """The parts that were left out of a scene, ascending."""
+    """The parts excluded from a scene, ascending."""
     return tuple(np.flatnonzero(~scene.part_mask).tolist())
 
 
 def scene_bounds(scene: Scene) -> Floats:
-    """`(2, 3)`: the box of the parts that are in a scene."""
+    """`(2, 3)`: the box of the parts in a scene."""
     boxes = scene.mockup.part_bounds.reshape(-1, 2, 3)[scene.part_mask]
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def small_parts(scene: Scene) -> npt.NDArray[np.bool_]:
-    """`(parts,)`: which parts may be left out while the camera moves."""
+    """`(parts,)`: which parts may be skipped while the camera moves."""
     boxes = scene.mockup.part_bounds.reshape(-1, 2, 3)
     sizes = np.linalg.norm(np.maximum(0.0, boxes[:, 1] - boxes[:, 0]), axis=1)
     lower, upper = scene_bounds(scene)
@@ -49,7 +49,7 @@ class PackedScene:
 
 
 def pack_scene(scene: Scene) -> PackedScene:
-    """What is in a scene, for drawing: of parts that were left out nothing leaves this process."""
+    """The parts of a scene, for drawing: nothing of excluded parts leaves this process."""
     mockup, small = scene.mockup, small_parts(scene)
     if scene.part_mask.all():
         packed = mockup.pack(small=small)
@@ -77,11 +77,11 @@ class Geometry:
         self._packed, self.places = made.packed, made.places
 
     def manifest(self) -> Manifest:
-        """What `GET /scene` says."""
+        """The content of `GET /scene`."""
         mockup, there = self._scene.mockup, self._scene.part_mask
         lower, upper = scene_bounds(self._scene)
         boxes = mockup.part_bounds.reshape(-1, 2, 3)
-        # An empty part's box is crossed, and infinite: JSON has no infinity. To pages, one that was left out is empty.
+        # An empty part's box is crossed, and infinite, which JSON lacks. Pages see excluded parts as empty.
         is_seen = np.isfinite(boxes) & there[:, None, None]
         boxes = np.where(is_seen, boxes, [[[1.0] * 3, [0.0] * 3]])
         pieces = _pieces(self._packed)
@@ -109,7 +109,7 @@ class Geometry:
 
     @property
     def piece_count(self) -> int:
-        """How many pieces there are."""
+        """Number of pieces."""
         return len(self._packed.pieces)
 
     def piece(self, number: int) -> bytes:
@@ -120,7 +120,7 @@ class Geometry:
 
 
 class HeldGeometry:
-    """What the hand holds, packed, in its own frame."""
+    """The content of the hand, packed, in its own frame."""
 
     def __init__(self, tool: Tool, version: int) -> None:
         self._tool, self._version = tool, version
@@ -128,7 +128,7 @@ class HeldGeometry:
         self.places: npt.NDArray[np.uint32] = self._packed.places
 
     def manifest(self) -> HeldManifest:
-        """What a "held" event says."""
+        """The content of a "held" event."""
         lower, upper = self._tool.bounds
         pieces = _pieces(self._packed)
         return {
@@ -149,7 +149,7 @@ class HeldGeometry:
 
 
 def _colours(scene: Scene) -> list[int]:
-    """`ManifestParts.colours`. Of parts that were left out not even the colour is sent."""
+    """`ManifestParts.colours`. Not even the colour of an excluded part is sent."""
     colours = stated_colours(scene.mockup, scene.mockup.part_count)
     if colours is None:
         return []

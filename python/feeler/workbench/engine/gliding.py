@@ -1,4 +1,4 @@
-"""How a hand moves that contact leads: the proxy of `feeler.haptics`, with the mouse as its device."""
+"""Motion of a hand guided by contact: the proxy of `feeler.haptics`, with the mouse as its device."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from feeler.workbench.engine.world import World
 STEP_S = 0.002
 """Of the session."""
 MOST_STEPS = 16
-"""Steps a tick at most: after a longer pause the hand catches up in the next ones."""
+"""The most steps per tick: after a longer pause the hand catches up in the next ones."""
 
 
 @dataclass(frozen=True)
 class Glided:
-    """Where the proxy is, force and torque on the hand, and the planes that hold it, with their parts."""
+    """The proxy's pose, force and torque on the hand, and the active planes with their parts."""
 
     pose: Floats
     force: Floats
@@ -28,14 +28,14 @@ class Glided:
 
 
 class Glide:
-    """A proxy of a tool in a world, from a pose on; begun anew where either changes."""
+    """The proxy of a tool in a world, from a pose on; restarted when either changes."""
 
     def __init__(self, world: World, tool: Tool, pose: Floats) -> None:
         self._session = Session(world.in_place, tool, put_down=world.put_down)
         self._session.start(pose)
 
     def step(self, wish: Floats, steps: int) -> Glided:
-        """Some steps toward a wish. The force is zero where the session is in doubt."""
+        """Some steps towards a wish. The force is zero while the session is in doubt."""
         step = self._session.step(wish, STEP_S)
         for _ in range(steps - 1):
             step = self._session.step(wish, STEP_S)

@@ -1,4 +1,4 @@
-"""What the hand holds, and the world around it, as a document says: made when asked for, and kept a while for undo."""
+"""The content of the hand, and the world around it, for a document: made on demand, and cached for undo."""
 
 from __future__ import annotations
 
@@ -27,20 +27,21 @@ Made = TypeVar("Made")
 
 
 def held_key(document: Document) -> HeldKey:
-    """By what the hand's content is told apart: the tool's name, and the gripped parts with their places."""
+    """A key of the hand's content: the tool's name, and the gripped parts with their places."""
     return (document.tool.name if document.tool else None, tuple(document.gripped.items()))
 
 
 def world_key(document: Document) -> WorldKey:
-    """By what the world is told apart: parts put down elsewhere, and parts that are gone from it."""
+    """A key of the world: parts put down elsewhere, and parts absent from it."""
     return (tuple(document.moved.items()), tuple(document.gripped))
 
 
 class Hands:
-    """Tools, worlds and what pages get of the hand, for documents of one scene."""
+    """Tools, worlds and the hand's geometry for pages, for documents of one scene."""
 
     def __init__(self, scene: Scene, tools: dict[str, Tool]) -> None:
-        """tools: those at hand; the built-in ones can be taken as well, but for their names, and are made only then."""
+        """tools: available ones; built-in ones are available too, unless their name is taken, and are made on
+        demand."""
         self.scene, self._tools = scene, dict(tools)
         self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
         self.meshes = PartTools(scene.mockup)
@@ -51,17 +52,17 @@ class Hands:
         self._keys: dict[int, HeldKey] = {}
 
     def tool(self, name: str) -> Tool:
-        """One of those in `names`."""
+        """The tool of a name in `names`."""
         if name not in self._tools:
             self._tools[name] = sample_tool(name)
         return self._tools[name]
 
     def counts(self) -> dict[str, int]:
-        """Triangles of all tools by name; 0 of those that nobody has taken yet."""
+        """Triangles of all tools by name; 0 for those not taken yet."""
         return {name: self._tools[name].triangle_count if name in self._tools else 0 for name in self.names}
 
     def version(self, document: Document) -> int:
-        """The number of the hand's content, the same whenever it is the same; 0: it is empty."""
+        """The version of the hand's content, the same for the same content; 0: it is empty."""
         key = held_key(document)
         if key == (None, ()):
             return 0
@@ -70,17 +71,17 @@ class Hands:
         return version
 
     def held(self, document: Document) -> Tool | None:
-        """What the hand holds; None where it is empty."""
+        """The content of the hand; None if it is empty."""
         key = held_key(document)
         return None if key == (None, ()) else self._tool(key)
 
     def world(self, document: Document) -> World:
-        """What the hand may meet."""
+        """The world around the hand."""
         moved, gone = world_key(document)
         return _kept(self._worlds, (moved, gone), lambda: World(self.scene, self.meshes, dict(moved), gone))
 
     def geometry(self, version: int) -> HeldGeometry:
-        """What pages get of the hand's content. Raises `WorkbenchError` for a version that never was."""
+        """The geometry of the hand's content, for pages. Raises `WorkbenchError` for a version that never existed."""
         if version not in self._keys:
             raise WorkbenchError(f"there is no version {version} of what the hand holds", "held", "reload the page")
         return _kept(self._geometries, version, lambda: HeldGeometry(self._tool(self._keys[version]), version))
@@ -97,14 +98,14 @@ class Hands:
             items[name] = self.tool(name)
         for part, place in gripped:
             path = self.scene.mockup.part_paths[part]
-            # Paths need not be unique, and one may be called as the tool.
+            # Paths need not be unique, and a part may have the tool's name.
             label = path if path not in items else f"{path} ({part})"
             items[label] = (self.meshes.of(part)[0], motion.matrix(place))
         return Tool.assembly(items, name or "parts")
 
 
 def _kept(cache: OrderedDict[Key, Made], key: Key, make: Callable[[], Made]) -> Made:
-    """The value of a key, made where it is not kept; the oldest goes."""
+    """The value of a key, made if it is not cached; drops the oldest."""
     if key not in cache:
         cache[key] = make()
         if len(cache) > _KEPT:

@@ -1,7 +1,7 @@
-"""Questions about geometry that change nothing: what a ray meets, what a point snaps to, how far, how long, how turned.
+"""Geometric questions that change nothing: hits of rays, snapping, distances, lengths and angles.
 
-All of it is of what is in sight: hidden parts are not there, what a section cuts away is not there, and parts that were
-put down elsewhere are where they lie.
+All of them are about visible geometry: hidden parts and parts cut away by a section do not count, and parts that were
+put down elsewhere are at their new places.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Plane = tuple[Point, float]
 
 @dataclass(frozen=True)
 class Picked:
-    """What a ray meets first. triangle, part: of the mock-up; corners: `(3, 3)`, where the triangle is now.
+    """The first hit of a ray. triangle, part: of the mock-up; corners: `(3, 3)`, at the triangle's present place.
 
     cut: the section whose fill it is, the inside of a part that it cuts; a fill has no triangle, -1.
     """
@@ -43,7 +43,7 @@ class Picked:
     cut: Plane | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """As the page gets it."""
+        """In the form for the page."""
         return {
             "distance": self.distance,
             "point": self.point.tolist(),
@@ -54,7 +54,7 @@ class Picked:
 
 
 class Sight:
-    """What is in sight of a document: scenes without the hidden parts, made once."""
+    """The visible geometry of a document: scenes without the hidden parts, made once."""
 
     def __init__(self, world: World, document: Document) -> None:
         self._world = world
@@ -68,7 +68,7 @@ class Sight:
         self._outlines: dict[Plane, Floats] = {}
 
     def pick(self, origin: Point, direction: Point) -> Picked | None:
-        """The first thing on a ray; `distance` in metres, `direction` a unit."""
+        """The first hit of a ray; `distance` in metres, `direction` a unit vector."""
         start, way = np.array(origin), np.array(direction)
         entry = self._entry(start, way)
         seen = self._first(start, way, self.sections)
@@ -76,9 +76,9 @@ class Sight:
             return seen
         plane, distance = entry
         point = start + distance * way
-        # The ray is in a solid where it enters what the sections leave if the face that it then meets, or the one that
-        # it left before, is met from inside. One would do but for parts that touch: of two faces in one place either
-        # may be the first. What is seen then is the fill.
+        # The ray enters the sections' remainder inside a solid if the next face, or the last one before, is hit from
+        # inside. One of them would suffice, except where parts touch: of two faces in one place either may come first.
+        # The hit is then the fill.
         for met, towards in ((seen, way), (self._first(point, -way, None), -way)):
             if met is not None and _is_from_inside(met, towards):
                 return Picked(distance, point, -np.array(plane[0]), -1, met.part, met.corners, plane)
@@ -99,7 +99,7 @@ class Sight:
         return best
 
     def _entry(self, origin: Floats, direction: Floats) -> tuple[Plane, float] | None:
-        """Through which section a ray enters what all of them leave, and how far along; None: it begins in there."""
+        """The section through which a ray enters the remainder of all, and the distance; None: it begins inside."""
         last: tuple[Plane, float] | None = None
         for plane in self.planes:
             normal, offset = np.array(plane[0]), plane[1]
@@ -109,7 +109,7 @@ class Sight:
         return last
 
     def cut_lines(self, plane: Plane) -> Floats:
-        """The outline of a section that is on, `(k, 2, 3)`, as far as the others leave it; found once."""
+        """The outline of an active section, `(k, 2, 3)`, clipped by the others; computed once."""
         found = self._outlines.get(plane)
         if found is None:
             others = [each for each in self.planes if each != plane]
@@ -117,7 +117,7 @@ class Sight:
         return found
 
     def outline(self, normal: Point, offset: float) -> tuple[Floats, list[int]]:
-        """Where a plane cuts what is in sight: segments `(k, 2, 3)`, and the part of each."""
+        """The cut of a plane through the visible geometry: segments `(k, 2, 3)`, and the part of each."""
         point = np.array(normal) * offset
         segments: list[Floats] = []
         parts: list[int] = []
@@ -135,7 +135,7 @@ def _is_from_inside(picked: Picked, direction: Floats) -> bool:
 
 
 def clipped(segments: Floats, parts: list[int], planes: list[Plane]) -> tuple[Floats, list[int]]:
-    """What planes `(normal, offset)` leave of segments `(k, 2, 3)`, and of the part of each."""
+    """Segments `(k, 2, 3)` clipped by planes `(normal, offset)`, and the part of each."""
     owners = np.array(parts, dtype=np.int64)
     for normal, offset in planes:
         heights = segments @ np.array(normal) - offset
@@ -151,9 +151,9 @@ def clipped(segments: Floats, parts: list[int], planes: list[Plane]) -> tuple[Fl
 
 
 def snapped(picked: Picked, within: float, sight: Sight) -> dict[str, Any]:
-    """What a picked point snaps to: the nearest corner, else the nearest edge, within some metres; else itself.
+    """The snap of a picked point: the nearest corner, else the nearest edge, within some metres; else the point itself.
 
-    On the fill of a section it is the section's outline.
+    On the fill of a section it snaps to the section's outline.
     """
     if picked.cut is not None:
         return _snapped_to_outline(picked, within, sight.cut_lines(picked.cut))
@@ -191,11 +191,11 @@ def _snapped_to_outline(picked: Picked, within: float, lines: Floats) -> dict[st
 
 
 def measured(given: Arguments, document: Document, scene: Scene, meshes: PartTools) -> Measured:
-    """What a measure comes to. Raises `WorkbenchError`.
+    """The value of a measure. Raises `WorkbenchError`.
 
-    type "point": the distance of two `points`. "edge": its length, two `points`. "angle": `points` of three (in the
-    middle the corner) or of two edges (four), or the planes of two `triangles`. "parts": the distance of two `parts`,
-    decided on their triangles, with the two closest points.
+    type "point": the distance of two `points`. "edge": its length, two `points`. "angle": `points` of three (the corner
+    in the middle) or of two edges (four), or the planes of two `triangles`. "parts": the distance of two `parts`,
+    computed on their triangles, with the two closest points.
     """
     kind = given.choice("type", MEASURES)
     if kind == "parts":
@@ -218,7 +218,7 @@ def _between_parts(given: Arguments, document: Document, scene: Scene, meshes: P
         raise given.fail("parts", f"{held[0]} is in the hand", "release it first")
     one, other = parts
     at_one, at_other = (motion.matrix(document.moved.get(part, motion.HOME)) for part in parts)
-    # In the frame in which the first is where it was loaded, so that the scene's own index answers.
+    # In the frame in which the first one is at its loaded place, so that the scene's own index answers.
     near = scene.only([one]).distance(meshes.of(other)[0], inverse(at_one) @ at_other)
     if near.point_on_mockup is None or near.point_on_tool is None:
         raise given.fail("parts", "one of the two has no triangle that can be queried", "measure another part")
@@ -232,7 +232,7 @@ def _angle(given: Arguments, document: Document, scene: Scene) -> Measured:
         if not isinstance(triangles, (list, tuple)) or len(triangles) != 2:
             raise given.fail("triangles", "two are needed", "pick two faces")
         normals, middles = zip(*(_plane(given, each, document, scene) for each in triangles), strict=True)
-        # Of planes, which have no direction: at most a right angle.
+        # Planes have no direction: their angle is at most a right one.
         cosine = abs(float(normals[0] @ normals[1]))
         return Measured("angle", middles, math.acos(min(1.0, cosine)), "rad", True)
     points = given.points("points", 3, 4)
@@ -241,7 +241,7 @@ def _angle(given: Arguments, document: Document, scene: Scene) -> Measured:
     sizes = np.linalg.norm(first), np.linalg.norm(second)
     if min(sizes) < _PARALLEL:
         raise given.fail("points", "an edge has no length", "pick points that differ")
-    # By the tangent: near 0 and pi a cosine tells little.
+    # By the tangent, since a cosine is inaccurate near 0 and pi.
     angle = math.atan2(float(np.linalg.norm(np.cross(first, second))), float(first @ second))
     return Measured("angle", points, angle if len(points) == 3 else min(angle, math.pi - angle), "rad", False)
 
@@ -272,7 +272,7 @@ def _in(pose: Floats, point: Floats) -> Point:
 
 
 def part_facts(part: int, document: Document, scene: Scene) -> dict[str, Any]:
-    """What is known of a part."""
+    """Facts about a part."""
     found = scene.mockup.parts[part]
     has_box = math.isfinite(found.lower[0])
     if part in document.gripped:

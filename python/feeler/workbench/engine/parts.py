@@ -25,13 +25,13 @@ class PartTools:
         self._lying: dict[int, tuple[Row, Scene]] = {}
 
     def of(self, part: int) -> tuple[Tool, Ints]:
-        """A part in the mock-up's frame, and which of the mock-up's triangles its triangles are."""
+        """A part in the mock-up's frame, and the mock-up's index of each of its triangles."""
         if part not in self._kept:
             ids = self._meshes.triangles(part)
             faces, vertices = self.mockup.faces[ids], self.mockup.vertices
             used = np.unique(faces)
             used = used[used < len(vertices)]
-            # What is out of range stays out of range.
+            # Indices out of range stay out of range.
             own = np.where(faces < len(vertices), np.searchsorted(used, faces), 2**32 - 1)
             name, path = self.mockup.part_names[part], self.mockup.part_paths[part]
             tool = Tool(vertices[used], own, name, part_paths=[path], source=self.mockup.source)
@@ -45,7 +45,7 @@ class PartTools:
         return placed(mesh.vertices, motion.matrix(place), "a part that was put down"), faces
 
     def lying(self, part: int, place: Row) -> Scene:
-        """The scene of a part alone at a `world_from_part`; each part's last one is kept."""
+        """The scene of a part alone at a `world_from_part`; the last one of each part is cached."""
         kept = self._lying.get(part)
         if kept is None or kept[0] != place:
             vertices, faces = self.at(part, place)

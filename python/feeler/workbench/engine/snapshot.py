@@ -1,4 +1,4 @@
-"""What the engine says of one moment: immutable, for any thread."""
+"""The engine's results at one moment: immutable, for any thread."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ NO_FORCE = np.zeros(3)
 NO_FORCE.flags.writeable = False
 
 Places = npt.NDArray[np.uint32] | None
-"""Mock-up or tool triangle -> packed triangle, `NOT_DRAWN` where it has none; None: they are the same."""
+"""Mock-up or tool triangle -> packed triangle, `NOT_DRAWN` without one; None: the numbers are the same."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The hand, and what it meets there.
+    """The hand and its contacts.
 
-    number: grows. pose: where the engine lets the tool be; wish: where the hand wants it. blocked: contact keeps the
-    two apart. force, torque: on the hand, N and Nm, world axes, at the pose's origin; zero in stop and pass, and in
-    doubt. contains: it is wholly inside something, or something inside it. is_current: planes, rows, distance and the
-    way out are of this pose, and not of one a moment ago.
+    number: grows. pose: where the engine lets the tool be; wish: the target of the hand. blocked: contact separates the
+    two. force, torque: on the hand, N and Nm, world axes, at the pose's origin; zero in stop and pass, and in doubt.
+    contains: it is wholly inside a part, or contains one. is_current: planes, rows, distance and the way out belong to
+    this pose, and not to an earlier one.
     """
 
     number: int
@@ -58,20 +58,21 @@ class Snapshot:
 
     @property
     def is_free(self) -> bool:
-        """Whether nothing meets, and nothing is inside."""
+        """Whether there is no collision and no containment."""
         return not self.hits and not self.contains
 
     @property
     def parts(self) -> list[int]:
-        """The parts it touches: what it meets, or is stopped by; sorted."""
+        """The touched parts: colliding ones, and those that stop it; sorted."""
         stopped = set() if self.stopped_by is None else {self.stopped_by}
         return sorted(stopped.union(self.hits.parts.tolist()))
 
     @property
     def depth(self) -> float:
-        """How far it is out, metres; 0 where nothing is met, and until that is found. `depth_kind` says what it is.
+        """The length of the way out, metres; 0 without a collision, and until it is known. See `depth_kind`.
 
-        A contact plane's gap is no such depth: a sheet across the tool has one as deep as the tool is long from there.
+        It is not the gap of a contact plane: for a sheet across the tool that gap is as large as the tool extends
+        behind it.
         """
         return 0.0 if self.is_free or self.way_out is None else self.way_out.depth
 
@@ -81,24 +82,24 @@ class Snapshot:
         return "exact" if self.is_free or self.way_out is None else cast(DepthKind, self.way_out.kind)
 
     def packed_hits(self) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], int]:
-        """Packed triangles of mock-up and hand that meet, at most `MOST_HITS` each, and how many more of the former."""
+        """Colliding packed triangles of mock-up and hand, at most `MOST_HITS` each, and the number of further ones."""
         hits = _packed(self.hits.mockup_triangles, self.places)
         ours = _packed(self.hits.tool_triangles, self.held_places)
         return hits[:MOST_HITS], ours[:MOST_HITS], max(0, len(hits) - MOST_HITS)
 
     def shares(self) -> Floats:
-        """How much of the force each plane carries, N, `(k,)`: in proportion to how far the two point the same way."""
+        """The force on each plane, N, `(k,)`: shared in proportion to the cosine between the two."""
         size = float(np.linalg.norm(self.force))
         if not len(self.planes) or size == 0.0:
             return np.zeros(len(self.planes))
         along = np.maximum(0.0, self.planes.normals @ (self.force / size))
-        along[self.planes.gaps > 1e-4] = 0.0  # far beyond the skin: it carries nothing
+        along[self.planes.gaps > 1e-4] = 0.0  # far beyond the skin: no force
         whole = float((along * along).sum())
         shares: Floats = along * (size / whole) if whole > 0.0 else along
         return shares
 
     def message(self, now: float | None = None) -> State:
-        """The state that pages get. now: on the engine's clock, for the age; default: when it was made."""
+        """The state for pages. now: on the engine's clock, for the age; default: the time of its creation."""
         hits, tool_hits, more = self.packed_hits()
         planes, rows, near = self.planes, self.rows, self.distance
         shown = slice(0, MOST_CLEARANCES)

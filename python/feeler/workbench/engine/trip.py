@@ -1,4 +1,4 @@
-"""The way of gripped parts while they are in the hand: thinned, with what it came near and touched."""
+"""The way of gripped parts in the hand: thinned, with its clearance and touched parts."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.world import Pairs, World
 
 STEP_M = 1e-3
-"""Poses of the way are at first so far apart, by the corner of the hand's box that is carried farthest."""
+"""Initial distance between poses of the way, by the fastest corner of the hand's box."""
 MOST_POSES = 500
-"""With more, every other one is left out, and the step doubled."""
+"""With more poses, every other one is dropped, and the distance doubled."""
 REACH_M = 0.1
-"""What was never nearer than this is no clearance worth a figure."""
+"""Larger distances are not reported as clearance."""
 
 
 class TripRecorder:
     """Watches the hand from a grip to the release."""
 
     def __init__(self, tool: Tool, pose: Floats, trip: Trip | None, seated: Pairs) -> None:
-        """trip: goes on with it; None: begins at a pose, where pairs of parts are seated."""
+        """trip: continues it; None: begins at a pose, with seated pairs of parts."""
         self._corners = motion.corners(tool.bounds)
         self._poses = [pose] if trip is None else [motion.matrix(each) for each in trip.way]
         self._step = STEP_M
@@ -32,7 +32,7 @@ class TripRecorder:
         self._touched: set[int] = set() if trip is None else set(trip.touched)
 
     def moved(self, pose: Floats, impact: Impact | None, hits: Collision) -> None:
-        """The hand is at another pose, or was stopped."""
+        """Records a new pose of the hand, or a stop."""
         if motion.carried(self._poses[-1], pose, self._corners) >= self._step:
             self._poses.append(pose)
             if len(self._poses) > MOST_POSES:
@@ -42,13 +42,13 @@ class TripRecorder:
             self._touched.add(impact.part)
 
     def so_far(self, pose: Floats) -> Trip:
-        """All of it, with the hand at a pose now."""
+        """The trip up to the hand's present pose."""
         poses = self._poses if np.array_equal(self._poses[-1], pose) else [*self._poses, pose]
         return Trip(tuple(motion.row(each) for each in poses), tuple(sorted(self._touched)), self._seated)
 
 
 def least_clearance(world: World, tool: Tool, trip: Trip) -> float | None:
-    """The least distance on the way of a trip, to all that the parts were not seated on; None beyond `REACH_M`."""
+    """The smallest distance on the way of a trip, to all parts without seats; None beyond `REACH_M`."""
     way = np.array([motion.matrix(each) for each in trip.way])
     least = world.least_distance(tool, way, REACH_M, sorted(trip.seated))
     return least if least < REACH_M else None

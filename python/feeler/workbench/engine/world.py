@@ -1,4 +1,4 @@
-"""The mock-up as it stands: what is in place, and the parts that were put down elsewhere, asked as one.
+"""The present state of the mock-up: parts in place, and parts put down elsewhere, queried as one.
 
 `feeler._core.World` answers. Parts and triangles are those of the mock-up throughout, wherever they lie.
 """
@@ -21,16 +21,16 @@ Pairs = frozenset[tuple[int, int]]
 
 
 class World(_core.World):
-    """What a tool may meet. Immutable, but for what it keeps to answer faster."""
+    """The surroundings of a tool. Immutable, except for caches."""
 
     in_place: Scene
-    """The parts that are where they were loaded."""
+    """The parts at their loaded places."""
     put_down: dict[int, Scene]
-    """The parts that lie elsewhere, each with the scene of it alone."""
+    """The parts that lie elsewhere, each with a scene of it alone."""
     _meshes: PartTools
 
     def __new__(cls, scene: Scene, meshes: PartTools, moved: Mapping[int, Row], gone: Iterable[int] = ()) -> World:
-        """moved: `world_from_part` of parts put down elsewhere; gone: parts that are in the hand."""
+        """moved: `world_from_part` of parts put down elsewhere; gone: parts in the hand."""
         absent = sorted({*moved, *gone})
         in_place = scene.without(absent) if absent else scene
         put_down = {part: meshes.lying(part, place) for part, place in moved.items()}
@@ -39,7 +39,7 @@ class World(_core.World):
         return world
 
     def triangle_of(self, part: int, own: int) -> int:
-        """The triangle of the mock-up that a triangle of a part that was put down is."""
+        """The mock-up's triangle of a triangle of a part put down elsewhere."""
         return int(self._meshes.of(part)[1][own])
 
 

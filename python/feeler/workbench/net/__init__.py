@@ -1,1 +1,1 @@
-"""The server: who may connect, and what is sent to each page."""
+"""The server: access control, and the messages to each page."""

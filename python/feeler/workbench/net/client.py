@@ -1,7 +1,7 @@
-"""One page's connection: hello, what it sends, and what it is sent. Lives in the net thread.
+"""One page's connection: hello, its messages, and the replies. Lives in the net thread.
 
-Commands are done one after the other, and so are questions, each in a thread of a pool: the net thread waits for none
-of them, and a long question holds up neither the page's commands nor other pages.
+Commands run one after the other, and so do questions, each in a thread of a pool. The net thread never waits for them,
+and a long question delays neither the page's commands nor other pages.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Request = protocol.Command | protocol.Ask | protocol.Job
 
 
 class Client:
-    """A page that has said hello."""
+    """A page after its hello."""
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class Client:
     # ---- what the server calls ----
 
     async def serve(self, missed_after: int | None, welcome: Callable[[], protocol.Welcome]) -> None:
-        """Until the page is gone. missed_after: its newest event, where it comes back to the same session."""
+        """Runs until the page is gone. missed_after: its newest event, if it returns to the same session."""
         tasks = [asyncio.create_task(self._send())]
         try:
             missed, greeting = await self._run(self._prepare, missed_after, welcome)
@@ -84,17 +84,17 @@ class Client:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
             for job in [*self._jobs.values()]:
-                job.cancel()  # nobody is left to take what would come of it
+                job.cancel()  # nobody is left to receive the result
 
     def tell(self, number: int, text: str) -> None:
-        """An event, by its number and as it is sent."""
+        """Queues an event, by its number and encoded."""
         if self._early is not None:
             self._early.append((number, text))
         else:
             self._put(text)
 
     def news(self) -> None:
-        """There is a newer state."""
+        """Signals a newer state."""
         self._wake.set()
 
     # ---- sending ----
@@ -102,7 +102,7 @@ class Client:
     def _prepare(
         self, missed_after: int | None, welcome: Callable[[], protocol.Welcome]
     ) -> tuple[list[str], protocol.Welcome]:
-        """What a page missed comes before the welcome: the page knows it by its numbers, notices and all."""
+        """Missed events come before the welcome: the page recognises them by their numbers, notices included."""
         missed = None if missed_after is None else self._session.events_since(missed_after)
         greeting = welcome()
         return [event_frame(event) for event in missed or [] if event["n"] <= greeting.event], greeting
@@ -111,11 +111,11 @@ class Client:
         if self._outbox.put(frame):
             self._wake.set()
         else:
-            # A closing handshake would wait behind all that the page does not take.
+            # A closing handshake would wait for all that the page does not read.
             self._socket.transport.abort()
 
     async def _send(self) -> None:
-        """Sends what waits. Only this waits for a slow page."""
+        """Sends queued messages. Only this waits for a slow page."""
         while True:
             await self._wake.wait()
             self._wake.clear()
@@ -145,7 +145,7 @@ class Client:
             try:
                 self._take(protocol.decode_from_page(frame))
             except Exception as error:
-                # One message must not end the connection, whatever is wrong with it or with what takes it.
+                # No error in one message may end the connection.
                 self._refuse(protocol.id_of(frame), error, "message")
 
     def _take(self, message: protocol.FromPage) -> None:
@@ -243,7 +243,7 @@ class Client:
         return await self._loop.run_in_executor(self._pool, work, *args)
 
     def _call(self, work: Callable[..., object], *args: Any) -> None:
-        """From any thread, into the net thread, as long as there is one."""
+        """From any thread, calls into the net thread while there is one."""
         try:
             self._loop.call_soon_threadsafe(work, *args)
         except RuntimeError:
@@ -256,7 +256,7 @@ def event_frame(event: dict[str, Any]) -> str:
 
 
 def trouble(error: Exception, where: str) -> protocol.Trouble:
-    """An error as a page is told of it. What nobody foresaw is told by its type alone: its text may say anything."""
+    """An error for a page. An unexpected one is sent by its type only: its text may contain anything."""
     if isinstance(error, WorkbenchError):
         return {"what": error.what, "where": error.where or where, "do": error.do}
     if isinstance(error, FeelerError):
@@ -266,7 +266,7 @@ def trouble(error: Exception, where: str) -> protocol.Trouble:
 
 
 def _answer(work: Callable[[str, dict[str, Any]], Any], request: protocol.Command | protocol.Ask) -> str:
-    """In a thread of the pool, writing included: an answer may be long."""
+    """Runs in a thread of the pool, encoding included: an answer may be long."""
     return _text(protocol.Answer(request.id, work(request.name, request.args)))
 
 

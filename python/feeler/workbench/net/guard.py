@@ -1,8 +1,8 @@
-"""Who may talk to the server, and how much: pure functions of what a request says, and a limit on a clock passed in.
+"""Access control of the server: pure functions of the request, and a rate limit on a clock that is passed in.
 
 The server listens on loopback, where every page of every browser of this machine can reach it, by name too (DNS
-rebinding). So a request has to name the server by an address of loopback, must not come from another site, and, for
-all but the page's own files, has to carry the token of this start.
+rebinding). Therefore a request must name the server by a loopback address, must not come from another site, and, except
+for the page's own files, must carry the token of this start.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 TOKEN_BYTES = 32
-MOST_TEXT = 200  # of a header that is compared; more is not read
+MOST_TEXT = 200  # compared characters of a header; more is not read
 
 
 @dataclass(frozen=True)
 class Refused:
-    """Why a request is not answered. status: of HTTP; reason: for whoever wrote the client, without secrets."""
+    """Why a request is refused. status: of HTTP; reason: for the developer of the client, without secrets."""
 
     status: int
     reason: str
@@ -27,7 +27,7 @@ class Refused:
 
 @dataclass(frozen=True)
 class Door:
-    """By which names the server may be called.
+    """The accepted names of the server.
 
     hosts: "name:port", whole strings in lower case; is_tls: whether it speaks TLS.
     """
@@ -37,34 +37,34 @@ class Door:
 
     @property
     def scheme(self) -> str:
-        """Of its addresses: "http" or "https"."""
+        """Scheme of its addresses: "http" or "https"."""
         return "https" if self.is_tls else "http"
 
 
 def loopback_hosts(port: int) -> frozenset[str]:
-    """What a Host header may be of a server on this machine's own addresses."""
+    """Accepted Host headers of a server on this machine's own addresses."""
     return frozenset({f"127.0.0.1:{port}", f"localhost:{port}", f"[::1]:{port}"})
 
 
 def is_loopback(host: str) -> bool:
-    """Whether an address to listen on is this machine's own; a name other than localhost is not looked up."""
+    """Whether an address to listen on is this machine's own; names other than localhost are not looked up."""
     return host in ("127.0.0.1", "::1", "localhost")
 
 
 def new_token() -> str:
-    """A secret of one start of the server, for the fragment of its address."""
+    """A secret for one start of the server, for the fragment of its address."""
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
 def is_token(given: str, token: str) -> bool:
-    """Whether a token is the right one; takes as long wherever they differ."""
+    """Whether a token is right, in constant time."""
     return hmac.compare_digest(given.encode("utf-8", "surrogatepass"), token.encode())
 
 
 def check_request(door: Door, method: str, headers: Iterable[tuple[str, str]]) -> Refused | None:
-    """What every request is asked, that for a socket too: method, Host, Origin, Sec-Fetch-Site. None: it may pass.
+    """Checks every request, also for a socket: method, Host, Origin, Sec-Fetch-Site. None: accepted.
 
-    An empty Origin is one that is sent, and wrong; each of these headers may be there once at most.
+    An empty Origin counts as present, and is wrong; each of these headers may occur at most once.
     """
     found: dict[str, list[str]] = {}
     for name, value in headers:
@@ -72,7 +72,7 @@ def check_request(door: Door, method: str, headers: Iterable[tuple[str, str]]) -
     if method != "GET":
         return Refused(405, f"method {method[:20]}: only GET is answered")
     host = _single(found, "host")
-    # Bytes after a port or a name that only begins right must not pass: the whole string is compared.
+    # The whole string is compared, because bytes may follow a port, or a name with the right beginning.
     if host is None or host.lower() not in door.hosts:
         return Refused(421, "this server is not called so: use the address that it printed")
     if "origin" in found and _single(found, "origin") != f"{door.scheme}://{host.lower()}":
@@ -96,7 +96,7 @@ def _single(found: Mapping[str, list[str]], name: str) -> str | None:
 
 
 def security_headers(door: Door, host: str) -> dict[str, str]:
-    """What every answer carries. host: by which the page called, one of the door's."""
+    """Headers of every answer. host: the name in the request, one of the door's."""
     socket = f"{'wss' if door.is_tls else 'ws'}://{host}"
     policy = {
         "default-src": "'none'",
@@ -115,12 +115,12 @@ def security_headers(door: Door, host: str) -> dict[str, str]:
         "Referrer-Policy": "no-referrer",
         "Cross-Origin-Resource-Policy": "same-origin",
         "Cross-Origin-Opener-Policy": "same-origin",
-        "Cache-Control": "no-store",  # a mock-up is a secret, and a disk cache is not
+        "Cache-Control": "no-store",  # a mock-up is secret, and a disk cache is not
     }
 
 
 class RateLimit:
-    """At most so many in any window of time."""
+    """Allows a limited number in any time window."""
 
     def __init__(self, most: int, window_s: float = 1.0) -> None:
         self._most = most
@@ -128,7 +128,7 @@ class RateLimit:
         self._times: deque[float] = deque(maxlen=most)
 
     def allows(self, now_s: float) -> bool:
-        """Whether one more may come now; it counts if so. now_s: of a clock that never goes back."""
+        """Whether one more is allowed now; counts it if so. now_s: of a clock that never goes back."""
         if len(self._times) == self._most and now_s - self._times[0] < self._window_s:
             return False
         self._times.append(now_s)

@@ -1,4 +1,4 @@
-"""Where the server listens: sockets on loopback, or on one named address with TLS where that is allowed."""
+"""The server's sockets: on loopback, or on one named address with TLS if that is allowed."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _HTTPS_PORT = 443
 class Place:
     """Where to listen.
 
-    host: None: loopback. Another one needs `allow_remote` and TLS, and is what pages must call the server by: a name or
-    an address, not "0.0.0.0". port: 0: any that is free. certificate, key: PEM files.
+    host: None: loopback. Another one needs `allow_remote` and TLS; pages must use it to address the server: a name or
+    an address, not "0.0.0.0". port: 0: any free one. certificate, key: PEM files.
     """
 
     host: str | None = None
@@ -36,7 +36,7 @@ class Place:
         return self.host is not None and not is_loopback(self.host)
 
     def check(self) -> None:
-        """Raises `OptionError` for what cannot be, or what would let others in without being asked to."""
+        """Raises `OptionError` for invalid places, and for unintended access by others."""
         if not 0 <= self.port <= 65_535:
             raise OptionError(f"port is {self.port}: give one from 0 (any that is free) to 65535")
         if (self.certificate is None) != (self.key is None):
@@ -57,7 +57,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Listening:
-    """Sockets that listen, the names that count as the server's, and the address for a browser."""
+    """Listening sockets, the accepted names of the server, and the address for a browser."""
 
     sockets: list[socket.socket]
     door: Door
@@ -75,7 +75,7 @@ def listen(place: Place) -> Listening:
     name = f"[{host}]" if ":" in host else host
     hosts = {f"{name.lower()}:{port}"} if place.is_remote else {*loopback_hosts(port)}
     if port == _HTTPS_PORT and tls is not None:
-        hosts |= {each.rpartition(":")[0] for each in hosts}  # browsers leave the usual port out
+        hosts |= {each.rpartition(":")[0] for each in hosts}  # browsers omit the default port
     door = Door(frozenset(hosts), tls is not None)
     return Listening(sockets, door, tls, f"{door.scheme}://{name}:{port}/")
 
@@ -90,7 +90,7 @@ def _loopback_sockets(port: int) -> list[socket.socket]:
             cause = error.__cause__
             is_taken = isinstance(cause, OSError) and cause.errno == errno.EADDRINUSE
             if not is_taken or port:
-                return [first]  # no IPv6 here, or another's port there: the address that is printed is the other one
+                return [first]  # no IPv6 here, or that port is taken: the printed address is the other one
             first.close()
     return [_bound(_LOOPBACK, port)]
 

@@ -1,12 +1,12 @@
-"""The net thread: the page's files, the geometry, and the pages' sockets. No engine call is made in it.
+"""The net thread: serves the page's files, the geometry, and the sockets. It makes no engine calls.
 
     server = Server(session)
     server.start()
     print(server.url)      # with the token in its fragment, which browsers send nowhere
     server.close()
 
-`guard.py` says who is answered. A slow page holds up nobody: each has an outbox of its own, of states the newest wins,
-and one that does not take its messages is closed.
+`guard.py` decides about access. A slow page delays no other: each has its own outbox, only the newest state counts, and
+a page that does not read its messages is closed.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ from feeler.workbench.net.serving import Limits, SessionLike
 
 log = logging.getLogger("feeler.workbench")
 
-# What websockets says of handshakes that failed is about clients, not about us.
+# Messages of websockets about failed handshakes concern clients, not us.
 _quiet = logging.getLogger("feeler.workbench.sockets")
 _quiet.setLevel(logging.CRITICAL)
 
 _CLOSE_S = 0.4
 _PING_S = 20.0
-_POOL = 12  # two threads for each of the pages, and those that fetch geometry
+_POOL = 12  # two threads for each page, and some that fetch geometry
 _JSON = "application/json"
 _PLAIN = "text/plain; charset=utf-8"
 _UPGRADE = ("upgrade", "websocket")
@@ -68,8 +68,8 @@ class Server:
     ) -> None:
         """place: where to listen; default loopback at `port`. files: the page's, default the built ones.
 
-        has_device: whether a haptic device moves the hand. clock: seconds, for the limit on messages.
-        Raises `OptionError`, and `WorkbenchError` where the page is not built.
+        has_device: whether a haptic device moves the hand. clock: seconds, for the rate limit. Raises `OptionError`,
+        and `WorkbenchError` if the page is not built.
         """
         self._session = session
         self._files = static_files() if files is None else dict(files)
@@ -93,18 +93,18 @@ class Server:
 
     @property
     def url(self) -> str:
-        """Where the page is, with the token in its fragment. Raises `WorkbenchError` before `start`."""
+        """The page's address, with the token in its fragment. Raises `WorkbenchError` before `start`."""
         return f"{self.address}#t={self._token}"
 
     @property
     def address(self) -> str:
-        """Where the server is, without the token: what may be written into a log."""
+        """The server's address, without the token: safe for a log."""
         if self._listening is None:
             raise WorkbenchError("the server is not started", "server", "call start() first")
         return self._listening.address
 
     def start(self) -> None:
-        """Listens, and answers from now on. Raises `OptionError` for a port that is in use."""
+        """Starts listening. Raises `OptionError` for a port in use."""
         if self._thread is not None:
             raise WorkbenchError("the server was started before", "server", "make another one")
         self._listening = listen(self._place)
@@ -118,9 +118,9 @@ class Server:
             )
 
     def close(self) -> None:
-        """Closes all sockets and ends the thread; a second time does nothing."""
+        """Closes all sockets and ends the thread; a second call does nothing."""
         if self._loop is not None and self._stop is not None:
-            with contextlib.suppress(RuntimeError):  # it has ended already
+            with contextlib.suppress(RuntimeError):  # it has already ended
                 self._loop.call_soon_threadsafe(self._stop.set)
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()
@@ -138,7 +138,7 @@ class Server:
         try:
             asyncio.run(self._main(is_up))
         except Exception as error:
-            # Before it was up, `start` says it; afterwards nobody else would.
+            # `start` reports errors of the start; after that nobody else would report them.
             self._trouble = error
             if is_up.is_set():
                 log.error("the server ended", exc_info=error)
@@ -161,7 +161,7 @@ class Server:
                 end()
             for server in servers:
                 server.close()
-            with contextlib.suppress(asyncio.TimeoutError):  # what hangs is cancelled with the loop
+            with contextlib.suppress(asyncio.TimeoutError):  # hanging tasks are cancelled with the loop
                 await asyncio.wait_for(asyncio.gather(*(each.wait_closed() for each in servers)), 2 * _CLOSE_S)
             self._pool.shutdown(wait=False, cancel_futures=True)
 
@@ -188,7 +188,7 @@ class Server:
         """The response to a request; None lets a socket open."""
         assert self._listening is not None
         headers = list(request.headers.raw_items())
-        # Older versions of the library read no method but GET, and do not say it.
+        # Older versions of the library accept only GET, and report no method.
         refused = check_request(self._listening.door, str(getattr(request, "method", "GET")), headers)
         if refused is not None:
             return self._refusal(refused)
@@ -216,7 +216,7 @@ class Server:
         return self._response(200, kind, data, host)
 
     def _secret(self, path: str) -> tuple[str, Callable[[], bytes]] | None:
-        """What a path with the token stands for: its type, and what makes it."""
+        """The resource at a path with the token: its type, and its maker."""
         session = self._session
         match path.split("/")[1:]:
             case ["scene"]:
@@ -231,7 +231,7 @@ class Server:
 
     def _refusal(self, refused: Refused) -> Response:
         assert self._listening is not None
-        # Whoever called by another name is told of none.
+        # A request by another name gets no address.
         host = next(iter(sorted(self._listening.door.hosts)))
         return self._response(refused.status, _PLAIN, f"{refused.reason}\n".encode(), host)
 
@@ -262,7 +262,7 @@ class Server:
             await self._attend(socket, hello)
 
     async def _greet(self, socket: ServerConnection) -> protocol.Hello | None:
-        """The hello that lets a page in; None where the socket is closed instead."""
+        """Reads the hello that admits a page; None if the socket was closed instead."""
         refused = "the first message is hello, with the token"
         try:
             frame = await asyncio.wait_for(socket.recv(), self._limits.hello_s)
@@ -297,7 +297,7 @@ class Server:
         finally:
             self._clients.discard(client)
             self._session.pages = len(self._clients)
-            # At the end of the server there is no hand any more; a thread that waits for the engine would hold that up.
+            # While the server ends there is no hand: a thread that waits for the engine would delay it.
             if not self._clients and self._stop is not None and not self._stop.is_set():
                 self._pool.submit(self._session.hand_gone)
 
@@ -321,14 +321,14 @@ class Server:
         self._soon(self._spread, event)
 
     def _on_snapshot(self) -> None:
-        # The engine may be faster than the net: one call that waits is enough.
+        # The engine may be faster than the net: one pending call is enough.
         if not self._has_news.is_set():
             self._has_news.set()
             self._soon(self._spread_news)
 
     def _soon(self, work: Callable[..., object], *args: Any) -> None:
         assert self._loop is not None
-        with contextlib.suppress(RuntimeError):  # the server ends, and with it the pages
+        with contextlib.suppress(RuntimeError):  # the server is ending, and its pages with it
             self._loop.call_soon_threadsafe(work, *args)
 
     def _spread(self, event: dict[str, Any]) -> None:
@@ -346,7 +346,7 @@ class Server:
             client.news()
 
     def _state_frame(self, is_wanted: Callable[[int], bool]) -> tuple[int, bytes] | None:
-        """The newest state, if its number is wanted; packed once for all pages."""
+        """The newest state, if its number is wanted; encoded once for all pages."""
         snapshot = self._session.snapshot()
         if snapshot is None or not is_wanted(snapshot.number):
             return None
@@ -358,7 +358,7 @@ class Server:
                 assert isinstance(packed, bytes), "a state has arrays"
                 frame = packed
             except Exception as error:
-                # The next state may be right again: the pages go on with what they have.
+                # The next state may be valid again: the pages keep the last one.
                 log.error("a state that cannot be told", exc_info=error)
             self._state = (number, frame)
         return None if frame is None else (number, frame)

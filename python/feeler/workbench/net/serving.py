@@ -1,4 +1,4 @@
-"""What the server needs of a session, and its limits: names only, so that neither knows the other's insides."""
+"""The server's view of a session, and its limits: protocols only, so that neither depends on the other."""
 
 from __future__ import annotations
 
@@ -14,59 +14,59 @@ from feeler.workbench.document.protocol import DocumentFields, HeldManifest, Man
 
 
 class SnapshotLike(Protocol):
-    """What the engine found at one moment."""
+    """The engine's results at one moment."""
 
     @property
     def number(self) -> int:
         """Grows."""
 
     def message(self) -> State:
-        """The state that pages get."""
+        """The state for pages."""
 
 
 class JobLike(Protocol):
-    """A job under way; a `concurrent.futures.Future` is one."""
+    """A running job; a `concurrent.futures.Future` is one."""
 
     def result(self) -> Any:
-        """What came of it, once it is done."""
+        """The result, once it is done."""
 
     def cancel(self) -> bool:
-        """Gives it up."""
+        """Cancels it."""
 
     def add_done_callback(self, fn: Callable[[Any], object], /) -> None:
         """Calls back when it is done, in any thread."""
 
 
 class SessionLike(Protocol):
-    """The session of a workbench. All of it may be called from any thread."""
+    """The session of a workbench. All methods may be called from any thread."""
 
     pages: int
-    """How many pages look at it; the server keeps the number."""
+    """Number of open pages, kept by the server."""
 
     @property
     def is_recording(self) -> bool:
-        """Whether what happens is written down."""
+        """Whether the session is recorded."""
 
     def document_and_event(self) -> tuple[DocumentFields, int]:
-        """The document as JSON, and the number of the newest event that it has in it."""
+        """The document as JSON, and the number of the newest event included in it."""
 
     def subscribe(self, listener: Callable[[dict[str, Any]], None], /) -> Callable[[], None]:
-        """Every event from now on, with its number "n". Call the result to end that."""
+        """Subscribes to events, with their number "n". Call the result to unsubscribe."""
 
     def events_since(self, number: int, /) -> list[dict[str, Any]] | None:
-        """The events after a number; None where not all of them are kept."""
+        """The events after a number; None if some were dropped."""
 
     def snapshot(self) -> SnapshotLike | None:
-        """The engine's newest."""
+        """The engine's newest results."""
 
     def on_snapshot(self, listener: Callable[[], None], /) -> Callable[[], None]:
-        """Told that there is a newer snapshot. Call the result to end that."""
+        """Subscribes to new snapshots. Call the result to unsubscribe."""
 
     def wish(self, pose: npt.NDArray[np.float64], seq: int, source: str, /) -> None:
-        """Where the hand wants to be. The newest counts; waits for nothing."""
+        """Sets the target of the hand; only the newest counts. Never waits."""
 
     def hand_gone(self) -> None:
-        """No page is left."""
+        """The last page has left."""
 
     def command(self, name: str, args: dict[str, Any], /) -> Any:
         """Changes the document."""
@@ -75,37 +75,37 @@ class SessionLike(Protocol):
         """Answers a question."""
 
     def job(self, name: str, args: dict[str, Any], on_progress: Progress, /) -> JobLike:
-        """Starts what takes a while."""
+        """Starts a long task."""
 
     def shot_taken(self, number: int, png: bytes, /) -> None:
-        """A page's picture."""
+        """Receives a page's picture."""
 
     def benchmarked(self, number: int, figures: dict[str, Any], /) -> None:
-        """What a page measured."""
+        """Receives a page's measurements."""
 
     def manifest(self) -> Manifest:
-        """Of the geometry."""
+        """Manifest of the geometry."""
 
     def piece(self, number: int, /) -> bytes:
         """A piece of the geometry."""
 
     def held_manifest(self, version: int, /) -> HeldManifest | None:
-        """Of the mesh in hand; None for version 0."""
+        """Manifest of the mesh in hand; None for version 0."""
 
     def held(self, version: int, /) -> bytes:
         """The mesh in hand."""
 
     def export(self, name: str, /) -> bytes:
-        """What a job wrote."""
+        """A file written by a job."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """How much a page may ask of the server.
+    """Limits for a page.
 
-    hello_s: until the first message; message_bytes: of one; pages: at once; waiting: sockets that have not said hello;
-    messages_per_s; requests: commands, questions and jobs of a page that are not answered yet; shot_bytes: of a picture
-    in base64, all pieces together.
+    hello_s: time until the first message; message_bytes: of one message; pages: at once; waiting: sockets before their
+    hello; messages_per_s; requests: unanswered commands, questions and jobs of a page; shot_bytes: of a picture in
+    base64, all pieces together.
     """
 
     hello_s: float = 2.0

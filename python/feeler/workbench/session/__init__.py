@@ -1,1 +1,1 @@
-"""The session: document, undo, engine, jobs and record together, and the files that are made of them. No sockets."""
+"""The session: document, undo, engine, jobs and record together, and the exported files. No sockets."""

@@ -1,4 +1,4 @@
-"""Questions and jobs by name: what they take, and who answers."""
+"""Questions and jobs by name, with their arguments and functions."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True)
 class Place:
-    """What is asked about.
+    """The subject of questions and jobs.
 
-    exports: where jobs leave what they wrote, by name. replay: goes through the record, where there is one.
+    exports: files written by jobs, by name. replay: replays the record, if there is one.
     """
 
     document: Document
@@ -74,32 +74,32 @@ class Work(Generic[Found]):
 
 
 def ray(place: Place, given: Arguments) -> RayHit | None:
-    """The first thing in sight on a ray; None: there is nothing."""
+    """The first visible hit of a ray; None if there is none."""
     picked = place.sight.pick(given.point("origin"), given.unit("direction"))
     return None if picked is None else cast(RayHit, picked.to_json())
 
 
 def snap(place: Place, given: Arguments) -> Snapped | None:
-    """As `ray`, with what the point snaps to; `within` in metres."""
+    """As `ray`, with the snapped point; `within` in metres."""
     within = given.number("within", 0.0, 1e3) if given.has("within") else _SNAP_M
     picked = place.sight.pick(given.point("origin"), given.unit("direction"))
     return None if picked is None else cast(Snapped, measuring.snapped(picked, within, place.sight))
 
 
 def measure(place: Place, given: Arguments) -> Measured:
-    """What a measure would come to; arguments as of `measure_add`."""
+    """The value of a measure; arguments as of `measure_add`."""
     found = measuring.measured(given, place.document, place.scene, place.meshes)
     return cast(Measured, plain(found))
 
 
 def part(place: Place, given: Arguments) -> PartFacts:
-    """What is known of a part."""
+    """Facts about a part."""
     (number,) = given.parts("part", place.scene.mockup.parts, most=1)
     return cast(PartFacts, measuring.part_facts(number, place.document, place.scene))
 
 
 def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
-    """The exact outlines of the sections that are on, or of one plane."""
+    """The exact outlines of the active sections, or of one plane."""
     if given.has("normal"):
         planes = [(given.unit("normal"), given.number("offset"))]
     else:
@@ -119,7 +119,7 @@ def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
 
 
 def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage:
-    """One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first."""
+    """One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view."""
     document, geometry = place.document, place.geometry
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
     data, left_out = page.page(
@@ -130,7 +130,7 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
 
 
 def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
-    """Goes through the record that the workbench was opened with."""
+    """Replays the record that the workbench was opened with."""
     if place.replay is None:
         raise WorkbenchError("there is no record", given.command, "start by feeler replay FILE --page")
     return cast(Replayed, place.replay(progress))

@@ -1,8 +1,8 @@
-"""What `feeler view --benchmark` writes: the page's figures, and what they are of.
+"""The output of `feeler view --benchmark`: the page's measurements, and their circumstances.
 
-The page measures (`viewer/src/app/benchmark.ts` says what each figure is): frames a second while the camera moves and
-while the tool moves, input to drawn, and what single frames, picks and hiding everything cost. Here they get the
-mock-up, the software and the times that only this side knows.
+The page measures (see `viewer/src/app/benchmark.ts`) frames a second while the camera moves and while the tool moves,
+the latency from input to picture, and the cost of single frames, picks and hiding everything. This module adds the
+mock-up, the software and the times known only to the server.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import numpy as np
 from feeler.errors import WorkbenchError
 
 FILE = "feeler-benchmark.json"
-"""Where `feeler view --benchmark` writes, in the folder where it is started."""
+"""The output file of `feeler view --benchmark`, in the current folder."""
 
 Figures = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Opened:
-    """How long a mock-up took to open. indexed_at: seconds since 1970, when it was read and indexed."""
+    """Times of opening a mock-up. indexed_at: seconds since 1970, when it was read and indexed."""
 
     read_s: float
     index_s: float
@@ -33,10 +33,10 @@ class Opened:
 
 
 def report(figures: Figures, document: Mapping[str, Any], opened: Opened) -> dict[str, Any]:
-    """The whole of what is written, as JSON. figures: the page's; document: the session's, as JSON.
+    """The whole output, as JSON. figures: the page's; document: the session's, as JSON.
 
-    "first_picture_s" and "whole_picture_s" are seconds from when the mock-up was read and indexed, or the page was
-    opened, whichever was later, until the device had drawn it. Raises `WorkbenchError` for figures of another page.
+    "first_picture_s" and "whole_picture_s" are seconds from when the mock-up was indexed, or the page was opened,
+    whichever was later, until the picture was drawn. Raises `WorkbenchError` for unexpected figures.
     """
     from feeler import __version__
 
@@ -67,7 +67,7 @@ def report(figures: Figures, document: Mapping[str, Any], opened: Opened) -> dic
 
 
 def rows(written: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of what is worth a line. Raises `WorkbenchError` as `report` does."""
+    """Name and value of the printed lines. Raises `WorkbenchError` as `report` does."""
     page = written["page"]
     try:
         found = [

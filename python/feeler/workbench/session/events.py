@@ -1,4 +1,4 @@
-"""The events of a session: numbered, told to whoever listens, and kept a while for pages that come back."""
+"""The events of a session: numbered, sent to listeners, and kept for a while for pages that reconnect."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 MOST_KEPT = 2000
-"""Events that a page may have missed; one that missed more gets the whole document."""
+"""Events kept for pages; one that missed more gets the whole document."""
 
 Event = dict[str, Any]
 
@@ -32,7 +32,7 @@ class Events:
                 listener(numbered)
 
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
-        """From now on the listener is told. Call the result to end that."""
+        """Subscribes a listener. Call the result to unsubscribe."""
         with self._lock:
             self._listeners.append(listener)
 
@@ -44,7 +44,7 @@ class Events:
         return end
 
     def since(self, number: int) -> list[Event] | None:
-        """The events after one; None where some of them are no longer kept, or the number was never given."""
+        """The events after a number; None if some are no longer kept, or the number was never used."""
         with self._lock:
             missed = self.last - number
             if not 0 <= missed <= len(self._kept):

@@ -1,4 +1,4 @@
-"""The sequence of removals for others: as a table (CSV), as a page (HTML), as a film in three dimensions (GLB)."""
+"""Exports the sequence of removals: as a table (CSV), a page (HTML), or an animated model (GLB)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> byte
 
 
 def sequence_html(document: Document, mockup: Mockup, progress: Progress) -> bytes:
-    """A page with the same table; it loads nothing from elsewhere."""
+    """A page with the same table; it loads no other files."""
     progress(0.0, "page")
     name = html.escape(document.mockup.name if document.mockup else "mock-up")
     head = "".join(f"<th>{html.escape(each)}</th>" for each in _headings(document.unit))
@@ -52,7 +52,7 @@ th, td {{ border-bottom: 1px solid #ccd2d8; padding: .4rem .8rem; text-align: le
 
 
 def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> bytes:
-    """The removals one after the other as an animated glTF: the parts that move, and what is near them."""
+    """The removals one after the other as an animated glTF: the moving parts, and the parts nearby."""
     progress(0.0, "parts")
     moving = sorted({part for line in document.sequence for part in line.parts})
     shown = with_neighbours(mockup, moving, document.absent)
@@ -74,7 +74,7 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
                     poses[part].append(pose @ start)
         now += float(shown_at[-1]) + PAUSE_S
         for part in line.parts:
-            # It rests until its next turn.
+            # It rests until its next motion.
             times[part].append(now)
             poses[part].append(poses[part][-1])
     motions = [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in moving]

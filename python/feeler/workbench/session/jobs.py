@@ -1,4 +1,4 @@
-"""The jobs thread: one after the other what takes longer than a command may, with progress, and given up when asked."""
+"""The jobs thread: runs long tasks one after the other, with progress, and cancels them on request."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from feeler.progress import Progress
 
 
 class JobCancelledError(WorkbenchError):
-    """A job was given up by whoever asked for it."""
+    """A job was cancelled."""
 
     def __init__(self) -> None:
         super().__init__("the job was cancelled", "job", "start it again")
@@ -23,7 +23,7 @@ class JobCancelledError(WorkbenchError):
 
 
 class Job(Future[Any]):
-    """What a job comes to. `cancel()` gives it up also while it runs: it ends at its next report of progress."""
+    """The future of a job. `cancel()` also cancels a running one: it ends at its next report of progress."""
 
     def __init__(self, work: Callable[[Progress], Any], on_progress: Progress) -> None:
         super().__init__()
@@ -31,18 +31,18 @@ class Job(Future[Any]):
         self._is_given_up = threading.Event()
 
     def cancel(self) -> bool:
-        """Gives it up. False where it is done already."""
+        """Cancels it. False if it is already done."""
         self._is_given_up.set()
         return super().cancel() or not self.done()
 
     def run(self) -> None:
-        """Does the work, in the thread that calls."""
+        """Runs it, in the calling thread."""
         if not self.set_running_or_notify_cancel():
             return
         try:
             result = self._work(self._report)
         except Exception as error:
-            # The thread goes on with the next job; whoever waits for this one gets the error as it is.
+            # The thread goes on with the next job; callers waiting for this one get the error unchanged.
             self.set_exception(error)
         else:
             self.set_result(result)
@@ -54,7 +54,7 @@ class Job(Future[Any]):
 
 
 class Jobs:
-    """A thread that does jobs one by one."""
+    """A thread that runs jobs one by one."""
 
     def __init__(self) -> None:
         self._waiting: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
@@ -64,7 +64,7 @@ class Jobs:
         self._thread.start()
 
     def start(self, work: Callable[[Progress], Any], on_progress: Progress) -> Job:
-        """Puts a job at the end of the queue. Raises `WorkbenchError` after `close`."""
+        """Appends a job to the queue. Raises `WorkbenchError` after `close`."""
         if self._is_closed:
             raise WorkbenchError("the session is closed", "job", "open the workbench again")
         job = Job(work, on_progress)
@@ -72,7 +72,7 @@ class Jobs:
         return job
 
     def close(self) -> None:
-        """Gives up what runs and what waits, and ends the thread."""
+        """Cancels running and waiting jobs, and ends the thread."""
         self._is_closed = True
         running = self._running
         if running is not None:

@@ -1,4 +1,4 @@
-"""What a session begins with: the document, the geometry and the record's first line of a mock-up that is opened."""
+"""The initial state of a session: the document, the geometry and the record's first line for an opened mock-up."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ABOVE_M = 0.005
 
 @dataclass(frozen=True)
 class Opening:
-    """What a session has of a mock-up. header: the first line of its record."""
+    """The parts of a session that belong to a mock-up. header: the first line of its record."""
 
     document: Document
     hands: Hands
@@ -44,13 +44,13 @@ def opening(
     name: str | None,
     seed: int,
 ) -> Opening:
-    """Makes it. before: the document until now, of which the record and what is heard stay."""
+    """Makes it. before: the previous document; its record and sound settings stay."""
     mockup = scene.mockup
     known = {tool.name: tool} if tool is not None else {}
     for each in tools:
         known.setdefault(each.name, each)
     with ThreadPoolExecutor(1) as pool:
-        # Neither holds the lock of the interpreter: the longer one is what opening takes.
+        # Neither holds the interpreter's lock: opening takes as long as the longer one.
         digested = pool.submit(digest, mockup)
         packed = pack_scene(scene)
         content = digested.result()
@@ -73,7 +73,7 @@ def opening(
 
 
 def name_of(mockup: Mockup) -> str:
-    """What a mock-up is called: as its file, else as what all its parts lie in, else by where it comes from."""
+    """The name of a mock-up: that of its file, else of its root assembly, else of its source."""
     if mockup.source.files:
         return Path(mockup.source.files[0]).name
     roots = {path.split("/")[0] for path in mockup.part_paths}
@@ -81,7 +81,7 @@ def name_of(mockup: Mockup) -> str:
 
 
 def above(scene: Scene, tool: Tool | None) -> Floats:
-    """Upright, over the middle of what is in the scene, a little above its box."""
+    """Upright, above the middle of the scene's box."""
     low, high = scene_bounds(scene)
     bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
     offset = 0.5 * (low + high - bottom - top)
@@ -90,7 +90,7 @@ def above(scene: Scene, tool: Tool | None) -> Floats:
 
 
 def _triangles(scene: Scene) -> int:
-    """Of the parts that are in a scene."""
+    """Triangles of the parts in a scene."""
     return int(np.count_nonzero(scene.part_mask[scene.mockup.part_of_face]))
 
 

@@ -1,20 +1,20 @@
-"""One HTML file to send: the page with the mock-up inside. It opens anywhere, reads only, and needs no network.
+"""One HTML file to send: the page with the mock-up inside. It works offline, and is read-only.
 
 The file has the page's style, its script, and in a `<script type="application/octet-stream" id="feeler-page">` the
 base64 of a gzip of
 
     u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | data
 
-little-endian. The header has "document", "camera" (from where it is seen at first, or null), "manifest" (of the pieces
-that are inside), "left_out" (triangles that are not) and "grid": {"lower": [3], "step"}. The data are the pieces of the
-manifest, one after the other, each as planes of bytes: the lowest bytes of all numbers first, then the next, so that
-gzip finds what is alike. Of v vertices, in the order in which the triangles first name them, and t triangles:
+little-endian. The header has "document", "camera" (the initial view, or null), "manifest" (of the included pieces),
+"left_out" (number of missing triangles) and "grid": {"lower": [3], "step"}. The data are the pieces of the manifest in
+order, each as planes of bytes: the lowest bytes of all numbers first, then the next, which compresses better.
+Of v vertices, in the order in which the triangles first use them, and t triangles:
 
     3 times (x, y, z)  3 planes of v   difference to the vertex before, zigzag: position = lower + number * step
     1 time (part)      4 planes of v   difference to the vertex before, zigzag
     3 times (corners)  2 planes of t   how far a corner is below the first vertex that no corner before it named
 
-where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0.
+where zigzag encodes 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and 0 precedes the first vertex.
 `viewer/src/link/offline-file.ts` reads it.
 """
 
@@ -43,7 +43,7 @@ GRID_BITS = 18
 """Positions are in whole steps of the longest side over 2^18: 11 micrometres of a mock-up of 3 m."""
 
 MOST_BYTES = 25_000_000
-"""Of the packed geometry. What is beyond it, the smallest parts first, is left out, and said to be."""
+"""Limit of the packed geometry. Beyond it the smallest parts are left out, and the page says so."""
 
 Ints = npt.NDArray[np.int64]
 
@@ -57,9 +57,9 @@ def page(
     progress: Progress,
     most_bytes: int = MOST_BYTES,
 ) -> tuple[bytes, int]:
-    """The file, and how many triangles are left out of it. piece: the bytes of a piece, by its number.
+    """The file, and the number of triangles left out. piece: the bytes of a piece, by its number.
 
-    files: the page's own, `static_files()`. Raises `WorkbenchError` where its script is not among them.
+    files: the page's own, `static_files()`. Raises `WorkbenchError` if its script is missing.
     """
     packed, left_out = container(document, camera, manifest, piece, progress, most_bytes)
     progress(0.9, "writing")
@@ -74,8 +74,8 @@ def container(
     progress: Progress,
     most_bytes: int = MOST_BYTES,
 ) -> tuple[bytes, int]:
-    """Header and data before they are compressed, and how many triangles are left out."""
-    # From the pieces' own boxes: a triangle that is not drawn has no place on the grid.
+    """Header and data before compression, and the number of triangles left out."""
+    # From the pieces' own boxes: triangles that are not drawn have no place on the grid.
     lower = np.min([each["lower"] for each in manifest["pieces"]], axis=0)
     upper = np.max([each["upper"] for each in manifest["pieces"]], axis=0)
     step = float(max((upper - lower).max(), 1e-9)) / (2**GRID_BITS - 1)
@@ -86,7 +86,7 @@ def container(
     for number, sizes in enumerate(manifest["pieces"]):
         progress(0.9 * number / len(manifest["pieces"]), "packing")
         block = packed_piece(*_arrays(piece(number), sizes, manifest["part_bytes"]), lower, step)
-        # The share is of what gzip makes of it, which nobody knows before: about a third.
+        # The limit applies to gzip's output, which is not known yet: about a third.
         size += len(block) // 3
         if size > most_bytes and inside:
             break
@@ -125,7 +125,7 @@ def packed_piece(
     place = np.zeros(len(positions), np.int64)
     place[order] = np.arange(len(order))
     corners = place[corners]
-    # The first vertex that is not named yet; a corner is that one, or one before it.
+    # The first unused vertex; a corner is that one, or one before it.
     next_new = np.concatenate([[0], np.maximum.accumulate(corners)[:-1] + 1])
     below = (next_new - corners).reshape(-1, 3)
     steps = np.rint((positions[order] - lower) / step).astype(np.int64)
@@ -161,7 +161,7 @@ def _document(name: str, files: Mapping[str, File], compressed: bytes) -> bytes:
     for needed in ("/main.js", "/style.css"):
         if needed not in files:
             raise WorkbenchError(f"the page has no {needed[1:]}", "page", "run `make build` again")
-    # A closing tag in a text of the script would end the script.
+    # A closing tag inside a text of the script would end the script.
     script = _lines(files["/main.js"]).replace("</script", "<\\/script").replace("<!--", "<\\!--")
     style = _lines(files["/style.css"]).replace("</style", "<\\/style")
     policy = "; ".join(
@@ -195,11 +195,12 @@ def _document(name: str, files: Mapping[str, File], compressed: bytes) -> bytes:
 
 
 def _lines(file: File) -> str:
-    """The text with the ends of lines that a browser makes of any, or the digests would differ."""
+    """The text with normalised line ends, as browsers read it, or the digests would differ."""
     return file.data.decode().replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _allowed(texts: Iterable[str]) -> str:
-    """Source expressions for inline text, so that nothing else inline runs: names of a mock-up are in this file too."""
+    """Source expressions for inline text, so that nothing else inline runs: the file also contains names of a
+    mock-up."""
     digests = (hashlib.sha256(text.encode()).digest() for text in texts)
     return " ".join(f"'sha256-{base64.b64encode(digest).decode('ascii')}'" for digest in digests)

@@ -1,8 +1,8 @@
-"""Records of a session: JSON lines, each whole once it is written, so that what a crash leaves can be read.
+"""Records of a session: JSON lines, each written as a whole, so that a crash leaves a readable record.
 
-The first line is the header. Then, in the order in which they were: commands with what became of the document, and
-rounds of the engine that changed something, with the wish that was used, where the hand came, and what met there.
-Triangles are written as what came and what went since the round before.
+The first line is the header. The others, in order, are commands with a digest of the resulting document, and rounds of
+the engine that changed something, with the wish, the hand's pose, and the collisions. Triangles are written as the
+changes since the previous round.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FORMAT = 1
 
 
 def digest(mesh: Mockup | Tool) -> str:
-    """Of the content of a mesh: vertices, faces and parts, names included; hex."""
+    """Digest of a mesh: vertices, faces and parts, names included; hex."""
     found = hashlib.sha256()
     for array in (mesh.vertices, mesh.faces, mesh.part_of_face):
         found.update(np.ascontiguousarray(array).data)
@@ -38,7 +38,7 @@ def digest(mesh: Mockup | Tool) -> str:
 
 
 def document_digest(document: Document) -> str:
-    """Of all that commands can change; hex."""
+    """Digest of everything that commands can change; hex."""
     facts = dict(document.to_json())
     for name in ("mockup", "loading", "failed", "tools", "record", "absent"):
         del facts[name]
@@ -46,17 +46,17 @@ def document_digest(document: Document) -> str:
 
 
 def hits_digest(hits: Collision) -> str:
-    """Of the pairs of triangles that meet, and how they do; hex."""
+    """Digest of the colliding pairs of triangles, and their kinds; hex."""
     found = hashlib.sha256(np.ascontiguousarray(hits.pairs, dtype="<i8").data)
     found.update(np.ascontiguousarray(hits.kind_codes, dtype=np.uint8).data)
     return found.hexdigest()[:32]
 
 
 class Recorder:
-    """Writes a record. Thread-safe. After the first error of the disk it writes no more, and `trouble` says why."""
+    """Writes a record. Thread-safe. After the first disk error it stops writing, and `trouble` has the reason."""
 
     def __init__(self, path: Path) -> None:
-        """Raises `WorkbenchError` where the file cannot be written."""
+        """Raises `WorkbenchError` if the file cannot be written."""
         self.path = path
         self.trouble: str | None = None
         self._lock = threading.Lock()
@@ -72,12 +72,12 @@ class Recorder:
         self._write({"kind": "header", "format": FORMAT, **facts})
 
     def command(self, time: float, name: str, args: Any, after: Document | None, error: str | None) -> None:
-        """A command, and the document after it; or why there is none."""
+        """A command, and the document after it; or its error."""
         result = {"error": error} if after is None else {"document": document_digest(after), "pose": list(after.pose)}
         self._write({"kind": "command", "time": time, "name": name, "args": args, **result})
 
     def let_go(self, time: float) -> None:
-        """Nobody held the hand any more."""
+        """The hand was released."""
         self._write({"kind": "let_go", "time": time})
 
     def ticked(self, ticked: Ticked) -> None:
@@ -102,7 +102,7 @@ class Recorder:
         self._before = now
 
     def close(self) -> None:
-        """Ends the record; a second time does nothing."""
+        """Ends the record; a second call does nothing."""
         with self._lock:
             self._file.close()
 
@@ -111,7 +111,7 @@ class Recorder:
             if self.trouble is not None or self._file.closed:
                 return
             try:
-                # A line in one piece, and out of this process: a crash of it loses nothing.
+                # A line at once, flushed out of this process: a crash loses nothing.
                 self._file.write(json.dumps(entry, separators=(",", ":"), allow_nan=False) + "\n")
                 self._file.flush()
             except (OSError, ValueError) as error:
@@ -120,7 +120,7 @@ class Recorder:
 
 @dataclass(frozen=True)
 class Record:
-    """What a record holds. is_torn: its last line was cut off, as by a crash, and is left out."""
+    """The content of a record. is_torn: its last line was cut off, as by a crash, and is ignored."""
 
     path: Path
     header: dict[str, Any]
@@ -129,7 +129,7 @@ class Record:
 
 
 def read_record(path: str | Path) -> Record:
-    """Reads a record. Raises `MissingFileError`, and `LoadError` for what is none, or is broken before its end."""
+    """Reads a record. Raises `MissingFileError`, and `LoadError` for other files, and for errors before the end."""
     file = Path(path)
     try:
         data = file.read_bytes()

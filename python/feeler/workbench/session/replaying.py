@@ -1,4 +1,4 @@
-"""A record gone through again, without a page: the same hits to the last triangle, or where they part."""
+"""Replays a record without a page, and compares the collisions to the last triangle."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from feeler.workbench.session.session import Session
 
 _MOST_IDS = 20
 _LONGEST_REST_S = 0.5
-"""Pages are shown what was done at the speed at which it was; of rests so much."""
+"""Pages see a replay at the recorded speed; pauses are cut to this."""
 _TOLD_S = 0.1
 
 
 @dataclass(frozen=True)
 class Parted:
-    """The first entry that came out otherwise. entry: its number in the record, from 1, without the header."""
+    """The first entry with another result. entry: its number in the record, from 1, without the header."""
 
     entry: int
     what: str
     missing: tuple[int, ...] = ()
-    """Triangles of the mock-up that met then, and not now; the first of them."""
+    """Triangles of the mock-up that collided then, and do not now; the first of them."""
     added: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class Replayed:
-    """What came of a record; true where all of it came out the same.
+    """The result of a replay; true if all entries gave the same.
 
-    ticks, commands: gone through. hits: ticks at which something met. most_hits: triangles of the mock-up at the worst.
-    touched: ids of all parts that were met.
+    ticks, commands: replayed ones. hits: ticks with a collision. most_hits: the most triangles of the mock-up at once.
+    touched: ids of all colliding parts.
     """
 
     ticks: int
@@ -59,7 +59,7 @@ class Replayed:
 
 
 def check_meshes(record: Record, scene: Scene, tool: Tool | None) -> None:
-    """Raises `LoadError` where a record was made with another mock-up or tool, or with other parts left out."""
+    """Raises `LoadError` if a record was made with another mock-up or tool, or with other parts excluded."""
     mockup = scene.mockup
     facts: Any = record.header.get("mockup")
     if not isinstance(facts, dict) or facts.get("hash") != digest(mockup):
@@ -68,7 +68,7 @@ def check_meshes(record: Record, scene: Scene, tool: Tool | None) -> None:
             f"{record.path} was made with another mock-up: {made.get('name')!r}, {made.get('triangles')} triangles in "
             f"{made.get('parts')} parts; this one has {mockup.triangle_count} in {mockup.part_count}"
         )
-    # Records of before this was written down say nothing of it: such a replay parts where it matters.
+    # Older records lack this value: their replay differs at the entry where it matters.
     absent = facts.get("absent", list(absent_parts(scene)))
     if absent != list(absent_parts(scene)):
         raise LoadError(f"{record.path} was made with other parts left out: {_difference(absent, scene)}")
@@ -92,9 +92,9 @@ def _difference(absent: Any, scene: Scene) -> str:
 def replay(
     record: Record, mockup: Mockup, scene: Scene, tool: Tool | None, progress: Progress = lambda share, stage: None
 ) -> Replayed:
-    """Does again what a record has: every command, and every wish that was used. Raises `LoadError`.
+    """Repeats a record: every command, and every wish that was used. Raises `LoadError`.
 
-    What `stop` and `pass` decide is exact, and so is the proxy of `glide` with the steps that it was recorded with.
+    The results of `stop` and `pass` are exact, and so is the proxy of `glide` with the recorded steps.
     """
     check_meshes(record, scene, tool)
     with Session(has_threads=False, clock=lambda: 0.0) as session:
@@ -107,7 +107,7 @@ def replay(
 
 
 class Replay:
-    """A record, and a session that goes through it."""
+    """A record, and a session that replays it."""
 
     def __init__(self, record: Record, session: Session) -> None:
         self._record, self._session = record, session
@@ -117,14 +117,14 @@ class Replay:
         self._parted: Parted | None = None
 
     def open(self, mockup: Mockup, scene: Scene, tool: Tool | None, name: str | None = None) -> None:
-        """Begins as the record does. Raises `LoadError`."""
+        """Starts as the record does. Raises `LoadError`."""
         with self._readable():
             header = self._record.header
             unit, mode = header["options"]["unit"], header["options"]["mode"]
             self._session.open(mockup, scene, tool, pose=header["pose"], mode=mode, unit=unit, name=name)
 
     def steps(self) -> Iterator[tuple[int, float]]:
-        """Goes through the entries, up to where it parts: the number and the time (s) of each that comes next.
+        """Replays entries up to a difference; yields the number and the time (s) of each before it.
 
         Raises `LoadError`.
         """
@@ -137,7 +137,7 @@ class Replay:
 
     @property
     def found(self) -> Replayed:
-        """What came of it so far."""
+        """The result so far."""
         touched = tuple(sorted(self._touched))
         return Replayed(
             self._ticks, self._commands, self._hits, self._most, touched, self._record.is_torn, self._parted
@@ -200,7 +200,7 @@ class Replay:
 
 
 class Player:
-    """Goes through a record in a session that pages look at, at the speed of the record; as often as they like."""
+    """Replays a record in a session with pages, at the recorded speed, any number of times."""
 
     def __init__(
         self,
@@ -212,7 +212,7 @@ class Player:
         *,
         name: str | None = None,
     ) -> None:
-        """Opens the session as the record begins, and offers the record. Raises `LoadError` for other meshes."""
+        """Opens the session at the record's start, and offers the record. Raises `LoadError` for other meshes."""
         check_meshes(record, scene, tool)
         self._record, self._session = record, session
         self._meshes = (mockup, scene, tool, name)
@@ -221,7 +221,7 @@ class Player:
         session.offer(self._facts, self.play)
 
     def play(self, progress: Progress) -> dict[str, Any]:
-        """From the beginning to the end, or to where it parts: {"is_same", "verdict"}."""
+        """Replays to the end, or to a difference: {"is_same", "verdict"}."""
         session, entries = self._session, self._record.entries
         gone = Replay(self._record, session)
         shown = self._facts
@@ -244,7 +244,7 @@ class Player:
 
 
 def sentence(found: Replayed) -> str:
-    """What came of a record, for people."""
+    """The result of a replay, for people."""
     if found.parted is None:
         return f"The same hits to the last triangle: {found.ticks:,} rounds, {found.commands:,} commands."
     text = f"It parts at entry {found.parted.entry}: {found.parted.what}."

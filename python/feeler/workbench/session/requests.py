@@ -1,4 +1,4 @@
-"""Questions and jobs of a session: who answers, what they are asked of, and what jobs wrote."""
+"""Questions and jobs of a session: their subjects, their answers, and the files that jobs wrote."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from feeler.workbench.session.jobs import Job, Jobs
 
 Replay = Callable[[Progress], dict[str, Any]]
 Places = Callable[[], Place]
-"""What is asked about, at the moment. Raises `WorkbenchError` before a mock-up is open."""
+"""The present subject. Raises `WorkbenchError` before a mock-up is open."""
 
 
 class Requests:
@@ -31,15 +31,15 @@ class Requests:
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
         self.replay: Replay | None = None
-        """Goes through the record, where there is one."""
+        """Replays the record, if there is one."""
 
     def forget(self) -> None:
-        """Another mock-up is open: what was written and seen of the one before is gone."""
+        """Another mock-up is open: drops files and caches of the previous one."""
         with self._lock:
             self._exports, self._sight = {}, None
 
     def place(self, document: Document, hands: Hands, geometry: Geometry) -> Place:
-        """What questions and jobs are asked of: all of it immutable, so that nothing waits for them."""
+        """The subject of questions and jobs: immutable, so that nothing waits for them."""
         world = hands.world(document)
         key = (world, document.hidden, document.sections)
         with self._lock:
@@ -57,7 +57,7 @@ class Requests:
         return answer
 
     def job(self, places: Places, name: str, args: dict[str, Any], on_progress: Progress | None) -> Job:
-        """Something that takes a while, in the jobs' thread; see `asking.JOBS`. Raises `WorkbenchError`."""
+        """Runs a long task in the jobs thread; see `asking.JOBS`. Raises `WorkbenchError`."""
         known = JOBS.get(name)
         if known is None:
             raise WorkbenchError(f"there is no job {name!r}", "job", near(name, JOBS))
@@ -73,13 +73,13 @@ class Requests:
             return self._jobs.start(work, on_progress or (lambda share, stage: None))
 
     def export(self, name: str) -> bytes:
-        """What a job wrote. Raises `WorkbenchError`."""
+        """A file written by a job. Raises `WorkbenchError`."""
         data = self._exports.get(name)
         if data is None:
             raise WorkbenchError(f"there is no {name!r}", "exports", near(name, self._exports, "start the job first"))
         return data
 
     def close(self) -> None:
-        """Gives up all jobs."""
+        """Cancels all jobs."""
         if self._jobs is not None:
             self._jobs.close()

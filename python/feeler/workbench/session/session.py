@@ -1,7 +1,7 @@
-"""The session of a workbench: document, undo, engine, jobs and record. What a server and scripts talk to; no sockets.
+"""The session of a workbench: document, undo, engine, jobs and record. Servers and scripts use it; no sockets.
 
-Every change goes through `command`. The pages get it as a patch event, the record as a line, and undo has the document
-before. Everything here may be called from any thread.
+Every change goes through `command`. It sends a patch event to the pages, writes a line to the record, and keeps the
+previous document for undo. All methods may be called from any thread.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ from feeler.workbench.session.requests import Requests
 from feeler.workbench.session.wanted import Wanted
 
 LEAST_TICK_S = 0.004
-"""The engine's thread begins no more than one round in this: 250 Hz."""
-_CLOSE_S = 10.0  # for a round of the engine that is under way
+"""The engine's thread starts at most one round per this time: 250 Hz."""
+_CLOSE_S = 10.0  # for the current round of the engine
 
 
 class Session:
-    """See the module. Raises `OptionError` for a unit that is not known."""
+    """See the module. Raises `OptionError` for an unknown unit."""
 
     def __init__(
         self,
@@ -78,7 +78,7 @@ class Session:
         self._hands: Hands | None = None
         self._geometry: Geometry | None = None
         self.pages = 0
-        """How many pages look at the session; the server keeps it."""
+        """Number of open pages, kept by the server."""
         self._snapshot_listeners: list[Callable[[], None]] = []
         self._wake, self._is_closed, self._is_warming = threading.Event(), False, False
         self._thread: threading.Thread | None = None
@@ -89,11 +89,11 @@ class Session:
     # ---- opening ----
 
     def loading(self, stage: str, share: float) -> None:
-        """Tells how far the mock-up is."""
+        """Reports the progress of opening the mock-up."""
         self._show(replace(self._document, loading=Loading(str(stage), min(1.0, max(0.0, float(share))))), None)
 
     def failed(self, text: str) -> None:
-        """Tells why there is no mock-up."""
+        """Reports why there is no mock-up."""
         self._show(replace(self._document, loading=None, failed=str(text)), None)
 
     def open(
@@ -108,11 +108,11 @@ class Session:
         tools: Iterable[Tool] = (),
         name: str | None = None,
     ) -> None:
-        """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
+        """Opens a mock-up: a new document, with nothing to undo. Prepares the data that the first answers need.
 
-        tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
-        parts of the scene. unit: default as before. name: of the mock-up, default that of its file.
-        Raises `WorkbenchError`, `OptionError`.
+        tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default above the parts
+        of the scene. unit: default as before. name: of the mock-up, default that of its file. Raises `WorkbenchError`,
+        `OptionError`.
         """
         unit = self._document.unit if unit is None else _checked_unit(unit)
         if scene.mockup is not mockup:
@@ -130,7 +130,7 @@ class Session:
             self._engine_to(begun.document)
             self._show(begun.document, None)
             self._tell_held(begun.document)
-        # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
+        # The pages fetch and draw meanwhile: for large mock-ups this takes longer than all the rest.
         self._is_warming = True
         try:
             self.engine.warm_up()
@@ -138,33 +138,33 @@ class Session:
             self._is_warming = False
 
     def load_findings(self, given: Any) -> None:
-        """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
+        """Opens findings of `feeler clash --json`, a file or its content. Raises `LoadError`."""
         data = read_findings(given) if isinstance(given, (str, Path)) else given
         with self._lock:
             found = grouped(data, self._opened().scene.mockup.parts, self._document.absent)
-            # It is no change of the user's: undo does not take it away.
+            # The user did not make this change: undo does not revert it.
             self._history.revise(lambda each: each if each.findings else replace(each, findings=found))
             self._show(replace(self._document, findings=found), None)
 
     # ---- a record that is gone through again ----
 
     def offer(self, record: RecordFacts, replay: Callable[[Progress], dict[str, Any]]) -> None:
-        """Lets pages go through a record, by the job "replay", which calls `replay`."""
+        """Lets pages replay a record, by the job "replay", which calls `replay`."""
         with self._lock:
             self._requests.replay = replay
             self.show_record(record)
 
     def show_record(self, record: RecordFacts) -> None:
-        """Tells what is known of the record."""
+        """Sets the facts about the record."""
         with self._lock:
             self._show(replace(self._document, record=record), None)
 
     def replaying(self) -> AbstractContextManager[None]:
-        """While a `with` of this lasts, only `replayed` and commands of a record change anything."""
+        """During a `with`, only `replayed` and commands of a record change anything."""
         return self.engine.held()
 
     def replayed(self, wish: Floats, seq: int, source: str, steps: int) -> Ticked:
-        """A round of the engine as a record has it; the pages are shown it."""
+        """Runs a round from a record, and shows it to the pages."""
         ticked = self.engine.replayed(wish, seq, source, steps)
         self._tell_snapshot()
         return ticked
@@ -176,7 +176,7 @@ class Session:
         return self._document.to_json()
 
     def document_and_event(self) -> tuple[DocumentFields, int]:
-        """The document, and the number of the newest event that it has in it."""
+        """The document, and the number of the newest event included in it."""
         with self._lock:
             return self._document.to_json(), self._events.last
 
@@ -192,27 +192,27 @@ class Session:
 
     @property
     def is_recording(self) -> bool:
-        """Whether what happens is written down."""
+        """Whether the session is recorded."""
         return self._recorder is not None and self._recorder.trouble is None
 
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
-        """Every event from now on, as JSON with its number `n`; in any thread, and it must not block."""
+        """Subscribes to events, as JSON with their number `n`; called in any thread, and must not block."""
         return self._events.subscribe(listener)
 
     def events_since(self, number: int) -> list[Event] | None:
-        """The events after a number; None where a page needs the whole document."""
+        """The events after a number; None if a page needs the whole document."""
         return self._events.since(number)
 
     def tell(self, event: Event) -> None:
-        """An event of somebody else's, such as a notice or a wish for a picture."""
+        """Sends an event for others, such as a notice or a request for a picture."""
         self._events.tell(event)
 
     def snapshot(self) -> Snapshot | None:
-        """The engine's newest."""
+        """The engine's newest snapshot."""
         return self.engine.snapshot()
 
     def on_snapshot(self, listener: Callable[[], None]) -> Callable[[], None]:
-        """Told that there is a newer snapshot, in the engine's thread. Call the result to end that."""
+        """Subscribes to new snapshots, called in the engine's thread. Call the result to unsubscribe."""
         self._snapshot_listeners.append(listener)
 
         def end() -> None:
@@ -226,7 +226,7 @@ class Session:
         return self._packed().manifest()
 
     def piece(self, number: int) -> bytes:
-        """A packed piece. Raises `WorkbenchError` where there is none."""
+        """A packed piece. Raises `WorkbenchError` if it does not exist."""
         geometry = self._packed()
         try:
             return geometry.piece(number)
@@ -234,25 +234,25 @@ class Session:
             raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
 
     def held_manifest(self, version: int) -> HeldManifest | None:
-        """The manifest of what the hand held at a version; None: nothing. Raises `WorkbenchError`."""
+        """The manifest of the hand's content at a version; None: nothing. Raises `WorkbenchError`."""
         if version == 0:
             return None
         with self._lock:
             return self._opened().geometry(version).manifest()
 
     def held(self, version: int) -> bytes:
-        """What the hand held at a version, packed. Raises `WorkbenchError`."""
+        """The hand's content at a version, packed. Raises `WorkbenchError`."""
         with self._lock:
             return self._opened().geometry(version).data()
 
     def export(self, name: str) -> bytes:
-        """What a job wrote. Raises `WorkbenchError`."""
+        """A file written by a job. Raises `WorkbenchError`."""
         return self._requests.export(name)
 
     # ---- what is asked ----
 
     def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
-        """Where the hand wants to be; the newest counts. Raises `WorkbenchError` for what is no pose."""
+        """Sets the target of the hand; only the newest counts. Raises `WorkbenchError` for an invalid pose."""
         wished = motion.checked(pose, "pose")
         if self.engine.is_held:
             return
@@ -260,7 +260,7 @@ class Session:
         self._wake.set()
 
     def hand_gone(self) -> None:
-        """Nobody holds the hand any more: the tool stops where it is."""
+        """Releases the hand: the tool stops where it is."""
         with self.engine.paused():
             if self.engine.is_held:
                 return
@@ -272,14 +272,14 @@ class Session:
     def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> CommandAnswer:
         """Changes the document; see `commands.COMMANDS`, and `undo` and `redo`. Raises `WorkbenchError`.
 
-        The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth". is_recorded: it is
-        of a record that is gone through; others are refused meanwhile.
+        The result: "id" of an added thing, "pose" of the hand, "undo_depth", "redo_depth". is_recorded: the command
+        comes from a record being replayed; others are refused meanwhile.
         """
         if self.engine.is_held and not is_recorded:
             raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
         known = COMMANDS.get(name)
         moves_hand = name in STEPS if known is None else known.moves_hand
-        # The engine's lock before the session's, always; without it where the hand stays, so that it goes on meanwhile.
+        # The engine's lock always before the session's; without it if the hand stays, so that it can go on meanwhile.
         with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
             if moves_hand:
@@ -307,57 +307,57 @@ class Session:
         return self._requests.ask(self._place, name, args)
 
     def job(self, name: str, args: dict[str, Any], on_progress: Progress | None = None) -> Job:
-        """Something that takes a while, in the jobs thread; see `asking.JOBS`. Raises `WorkbenchError`."""
+        """Runs a long task in the jobs thread; see `asking.JOBS`. Raises `WorkbenchError`."""
         return self._requests.job(self._place, name, args, on_progress)
 
     def shot(self, width: int, height: int, wait_s: float, camera: dict[str, Any] | None = None) -> bytes | None:
-        """A picture by one of the pages, as PNG; None where none sends one in time. Pages send it to `shot_taken`."""
+        """A picture by one of the pages, as PNG; None if none arrives in time. Pages send it to `shot_taken`."""
         return self._wanted.shot(width, height, wait_s if self.pages else 0.0, camera)
 
     def shot_taken(self, number: int, png: bytes) -> None:
-        """A page's picture. One that nobody waits for any more, and all but the first, are dropped."""
+        """Receives a page's picture. Late ones, and all but the first, are dropped."""
         self._wanted.shot_taken(number, png)
 
     def benchmark(self) -> Future[dict[str, Any]]:
-        """Asks the pages to measure what they draw; the first answer counts. `benchmark.py` has the figures."""
+        """Requests measurements from the pages; the first answer counts. `benchmark.py` has the figures."""
         return self._wanted.benchmark()
 
     def benchmarked(self, number: int, figures: dict[str, Any]) -> None:
-        """What a page measured. What nobody waits for any more, and all but the first, is dropped."""
+        """Receives a page's measurements. Late ones, and all but the first, are dropped."""
         self._wanted.benchmarked(number, figures)
 
     @property
     def scene(self) -> Scene:
-        """The scene that was opened. Raises `WorkbenchError` before that."""
+        """The open scene. Raises `WorkbenchError` before that."""
         return self._opened().scene
 
     def held_tool(self) -> Tool | None:
-        """What the hand holds: the tool, gripped parts, or both as one."""
+        """The content of the hand: the tool, gripped parts, or both as one."""
         with self._lock:
             return self._opened().held(self._document)
 
     def hand_key(self) -> object:
-        """Another one whenever the hand holds something else or is placed elsewhere, or the world is another."""
+        """A key that changes whenever the hand's content, its placement or the world changes."""
         document = self._document
         return held_key(document), world_key(document), document.pose
 
     def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
-        """That key, the world around the hand, what it holds, and where it is (`world_from_tool`, `(4, 4)`)."""
+        """That key, the world around the hand, its content, and its pose (`world_from_tool`, `(4, 4)`)."""
         with self._lock:
             hands, document = self._opened(), self._document
             return self.hand_key(), hands.world(document), hands.held(document), self.engine.pose
 
     def put_down(self) -> list[Mockup]:
-        """The parts that lie elsewhere than where they were loaded, where they lie."""
+        """The parts that lie elsewhere than they were loaded, with their places."""
         with self._lock:
             return [scene.mockup for scene in self._opened().world(self._document).put_down.values()]
 
     def close(self) -> None:
-        """Ends threads and record; a second time does nothing."""
+        """Ends threads and record; a second call does nothing."""
         self._is_closed = True
         self._wake.set()
-        # What the first answers need is made with the engine's lock held, for seconds in large mock-ups, and cannot be
-        # stopped: its thread, a daemon, ends behind it. Nothing was done meanwhile that a record would lack.
+        # The data for the first answers is made with the engine's lock held, for seconds in large mock-ups, and cannot
+        # be stopped: its daemon thread ends later. Nothing happens meanwhile that a record would lack.
         is_engine_free = not self._is_warming
         if is_engine_free and self._thread is not None and threading.current_thread() is not self._thread:
             self._thread.join(timeout=_CLOSE_S)
@@ -383,8 +383,8 @@ class Session:
             hands.tool(args["name"])
         known = self._known(hands)
         if command is not None and command.moves_hand:
-            # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, that
-            # ends where the hand is put down, to where it began.
+            # Undo returns the hand to its last pose, not to where it was last put down; undoing a motion, which ends
+            # where the hand is put down, returns it to where the motion began.
             pose = before.pose if name == "place" else known.pose
             before = replace(before, pose=pose, trip=self.engine.trip())
             given = Arguments(name, args, command.arguments)
@@ -418,7 +418,7 @@ class Session:
         )
 
     def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
-        """Where a tool that is taken is: at the hand, where it meets nothing there; else above the mock-up."""
+        """The pose of a newly taken tool: at the hand, if it is free there; else above the mock-up."""
         pose = self.engine.pose
         if name not in hands.names:
             return pose
@@ -429,7 +429,7 @@ class Session:
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
-        # What was opened meanwhile is no change of the user's.
+        # The user did not change what was opened meanwhile.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         self._engine_follows(now, after)
         self._history.stepped(name, now)
@@ -461,7 +461,7 @@ class Session:
         self.engine.play([pose @ back for pose in way[1:]], self._played)
 
     def _played(self) -> None:
-        with contextlib.suppress(WorkbenchError):  # somebody has put them down already
+        with contextlib.suppress(WorkbenchError):  # they have already been put down
             self.command("release", {})
 
     def _show(self, document: Document, command: str | None) -> None:
@@ -486,7 +486,7 @@ class Session:
             try:
                 has_news, text = self.engine.tick(), ""
             except Exception as error:
-                # The hand must not die of one pose: it is let go, and whoever looks is told, once.
+                # One bad pose must not stop the hand: release it, and notify users once.
                 self.engine.let_go()
                 has_news, text = False, f"the engine: {error}"
                 if text != trouble:
@@ -496,7 +496,7 @@ class Session:
                 self._tell_snapshot()
             self._wake.wait(timeout=LEAST_TICK_S)
             self._wake.clear()
-            # From when the round began, not from when it was called: it may have waited for a command.
+            # From the start of the round, not from the call: it may have waited for a command.
             gone = self._clock() - self.engine.ticked_at
             time.sleep(min(LEAST_TICK_S, max(0.0, LEAST_TICK_S - gone)))
 
