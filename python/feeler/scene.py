@@ -45,14 +45,15 @@ CAST_TOLERANCE = 1e-6
 
 
 class PairKind(CodedEnum):
-    """How two triangles meet: words, with numbers (`.code`) from 0 on in their order."""
+    """How two triangles collide: words, with numbers (`.code`) from 0 on in their order."""
 
     COPLANAR = "coplanar"
     """They lie in one plane."""
     CROSSING = "crossing"
-    """Two planes, each triangle has vertices strictly on both sides of the other's, and more than a point is shared."""
+    """In two planes: each triangle has vertices strictly on both sides of the other's, and they share more than a
+    point."""
     TOUCHING = "touching"
-    """Every other way to meet: a vertex or an edge on a face, edge on edge, a shared point."""
+    """Every other case: a vertex or an edge on a face, edge on edge, a shared point."""
 
 
 class Scene(_core.Scene):
@@ -543,7 +544,7 @@ def _memory_limit(memory_limit: int | None) -> int:
 
 
 def _within(value: float, endless: bool = True) -> float:
-    """A distance to look within, metres."""
+    """A query distance, metres."""
     wanted = f"a{'' if endless else ' finite'} distance of 0 metres or more"
     return check_number("within", value, wanted, least=0.0, is_endless=endless)
 

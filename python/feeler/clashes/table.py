@@ -234,12 +234,12 @@ class Table(Sequence[Clash]):
 
     @property
     def depths(self) -> Floats:
-        """`(n,)`: the farthest that a point of one surface is inside the other part, metres: a lower bound."""
+        """`(n,)`: how far the deepest point of one surface lies inside the other part, metres: a lower bound."""
         return self.columns.depth
 
     @property
     def depth_errors(self) -> Floats:
-        """`(n,)`: how much more the depth can be, metres."""
+        """`(n,)`: how much larger the depth can be, metres."""
         return self.columns.depth_error
 
     @property
@@ -254,7 +254,7 @@ class Table(Sequence[Clash]):
 
     @property
     def gaps(self) -> Floats:
-        """`(n,)`: the distance of the surfaces, metres; 0 if they meet."""
+        """`(n,)`: the distance of the surfaces, metres; 0 if they collide."""
         return self.columns.gap
 
     @property
@@ -284,7 +284,7 @@ class Table(Sequence[Clash]):
 
     @property
     def boxes(self) -> Floats:
-        """`(n, 2, 3)`: lower and upper corner of a box around the triangles that meet, metres."""
+        """`(n, 2, 3)`: lower and upper corner of a box around the colliding triangles, metres."""
         return self.columns.box
 
     @property

@@ -9,9 +9,9 @@ class Verdict(CodedEnum):
     """The relation of two parts: words, with numbers (`.code`) from 0 on in their order."""
 
     CLASH = "clash"
-    """They meet and are deeper than `contact`, or they are thin walls that cross."""
+    """They collide and are deeper than `contact`, or they are thin walls that cross."""
     CONTACT = "contact"
-    """They meet and are at most `contact` deep, or they are at most `contact` apart."""
+    """They collide and are at most `contact` deep, or they are at most `contact` apart."""
     CLEARANCE = "clearance"
     """They are farther apart than `contact`, but at most `clearance`."""
     CONTAINED = "contained"

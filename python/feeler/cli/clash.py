@@ -305,7 +305,7 @@ def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dic
 
     out, has_previous = outputs.console(), match is not None
     if found.is_partial:
-        outputs.print_finding(out, "interrupted: this is what was found until then")
+        outputs.print_finding(out, "interrupted: these are the findings so far")
     counts = [(len(found.where(verdict=each)), each.value) for each in feeler.Verdict]
     said = ", ".join(f"{number:,} {name}" for number, name in counts if number)
     seconds = sum(value for _, value in found.facts.seconds)

@@ -50,7 +50,7 @@ class RemovalLeg:
         return f"move {_length(self.path_length)} and turn {math.degrees(self.rotation):.3g} degrees"
 
     def as_json(self) -> dict[str, object]:
-        """What `path_of_json` reads: `{"screw": {...}}` or `{"to": pose}`."""
+        """The input of `path_of_json`: `{"screw": {...}}` or `{"to": pose}`."""
         if self.screw is None:
             return {"to": self.pose.tolist()}
         screw = self.screw

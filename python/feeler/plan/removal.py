@@ -163,17 +163,17 @@ def removal(
     """A path by which parts come out of the mock-up of a scene.
 
     - `scene`: with these parts in their places. `parts`: as `Parts.select` takes them; they move as one.
-    - `tool`: what grips them and moves with them, at the pose `start` (`world_from_tool`, by default the identity). It
-      must be free there.
+    - `tool`: grips the parts and moves with them, from the pose `start` (`world_from_tool`, by default the identity).
+      It must be free there.
     - `seats`: whether pairs of a moving part and a neighbour that are in contact at the start may stay so until they
       separate, no deeper than there.
-    - `ignore`: neighbours that may be met throughout, as `Parts.select` takes them.
+    - `ignore`: neighbours with which contact is allowed throughout, as `Parts.select` takes them.
     - `overlap`: metres by which each pair may overlap.
-    - `directions`: `(k, 3)`, world, to be tried first.
-    - `clearance`: metres that the way stays off all that is not seated, within 2 %.
-    - `seconds`: it ends then, or at most some tenths of a second later. A way that is found does not depend on it, nor
-      on `threads`, unless time ends while it is made shorter.
-    - `progress`: called with the share of the time that is over (0 to 1), and what is being tried.
+    - `directions`: `(k, 3)`, world, tried first.
+    - `clearance`: metres that the path keeps from all parts that are not seated, within 2 %.
+    - `seconds`: the search ends then, or at most some tenths of a second later. A path does not depend on it, nor on
+      `threads`, unless time runs out while the path is shortened.
+    - `progress`: called with the elapsed share of the time (0 to 1), and the current attempt.
 
     Ctrl-C ends it with a `RemovalInterrupted`, which has the blockers found by then.
 

@@ -14,7 +14,7 @@ from feeler.progress import Progress
 from feeler.scene import free_memory
 
 DEFAULT_ERROR = 0.001
-"""Metres by which a swept volume may be larger than what is swept."""
+"""The most by which the mesh may exceed the swept volume, metres."""
 
 
 def swept(
