@@ -108,6 +108,22 @@ def test_the_same_steps_give_the_same_bits(scene: feeler.Scene, tool: feeler.Too
         haptics.replay(tmp_path / "none.npz")
 
 
+def test_a_replay_puts_a_part_back_where_it_was(scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path) -> None:
+    session, path = haptics.Session(scene, tool), tmp_path / "felt.npz"
+    with session.record(path):
+        session.start(at(0.1, 0.0, 0.042))
+        session.grip("block")
+        for k in range(200):
+            session.step(at(0.1 - 0.001 * k, 0.0, 0.06))
+        session.release(put_back=True)
+        # Nothing lies where it was let go, and it stands in its place.
+        assert pressed(session, 0.003, x=-0.1, floor=0.04).mode == "free"
+        session.start(at(0.1, 0.0, 0.042))
+        assert pressed(session, 0.003, x=0.1, floor=0.04).mode == "contact"
+    same = haptics.replay(path)
+    assert same and same.steps == 1000
+
+
 def test_shading_is_an_option_that_records_keep(tool: feeler.Tool, tmp_path: Path) -> None:
     # Askew on a tube of 24 facets the force is that of the smooth surface. A record from before it replays without.
     angle = np.arange(24) * (2 * np.pi / 24)

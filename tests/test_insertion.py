@@ -151,6 +151,10 @@ def test_a_part_that_is_held_moves_within_its_play() -> None:
         found = feeler.insertion(scene, "core", start=start)
         assert found.is_found and len(found.legs) == 1 and found.held_by == ()
         assert found.path_length == pytest.approx(np.linalg.norm(shift))
+    # With a clearance the straight path is not tried. That the part is held says nothing of motions within its play.
+    start[:3, 3] = [0.00006, 0.0, 0.0]
+    within = feeler.insertion(scene, "core", start=start, clearance=0.00002, seconds=5.0)
+    assert not within.is_found and within.held_by == () and np.isnan(within.play)
     # Farther than its play: there is no path, and that is shown.
     outside = np.eye(4)
     outside[0, 3] = 0.1

@@ -57,6 +57,24 @@ def test_a_replay_is_the_same_to_the_last_triangle(tmp_path: Path, mode: str) ->
     assert {PLATE, RIGHT} <= set(found.touched)
 
 
+def test_a_record_has_when_the_hand_was_let_go(tmp_path: Path) -> None:
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.2), mode="glide", record=tmp_path / "a.jsonl")
+    bench.drag(at(0.1, 0.0, 0.0), 0.5)
+    let_go_at = bench.clock.now
+    bench.session.hand_gone()
+    for _ in range(30):
+        bench.tick()
+    bench.session.close()
+    record = read_record(tmp_path / "a.jsonl")
+    (number,) = (i for i, entry in enumerate(record.entries) if entry["kind"] == "let_go")
+    assert record.entries[number]["time"] == let_go_at
+    # Until then the wish is below the plate, and from then on where the hand is.
+    wishes = [(entry["wish"][11], entry["pose"][11]) for entry in record.entries if entry["kind"] == "tick"]
+    before = sum(entry["kind"] == "tick" for entry in record.entries[:number])
+    assert wishes[before - 1][0] == 0.0 and wishes[before][0] == wishes[before - 1][1] > 0.03
+    assert replay(record, bench.mockup, feeler.Scene(bench.mockup), cube())
+
+
 def test_where_a_replay_parts_is_told(tmp_path: Path) -> None:
     path = tmp_path / "a.jsonl"
     bench = session_of(path)

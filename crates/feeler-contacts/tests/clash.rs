@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use feeler_contacts::{Clash, ClashSearch, ContactSolver, DepthKind, Verdict};
-use feeler_core::{closest_triangle_triangle, Mockup, PairLimits, Point, Scene, SceneOptions};
+use feeler_core::{closest_triangle_triangle, Mockup, PairLimitTables, PairLimits, Point, Scene, SceneOptions};
 use feeler_shapes::random::Random;
 use feeler_shapes::{box_mesh, cylinder, joined, sheet, Arrays};
 
@@ -15,8 +15,16 @@ fn mockup_of(parts: Vec<Arrays>) -> Arc<Mockup> {
 }
 
 fn clashes_of(parts: Vec<Arrays>, clearance: f64, contact: f64) -> Vec<Clash> {
+    clashes_between(parts, clearance, contact, Vec::new())
+}
+
+/// Of all pairs but some.
+fn clashes_between(parts: Vec<Arrays>, clearance: f64, contact: f64, excluded: Vec<[u32; 2]>) -> Vec<Clash> {
+    let count = parts.len();
     let scene = Scene::build(mockup_of(parts), &SceneOptions::default(), &|_, _| true).unwrap();
-    let limits = PairLimits::uniform(clearance, contact).unwrap();
+    let tables =
+        PairLimitTables { clearance: vec![clearance], contact: vec![contact], excluded, ..PairLimitTables::default() };
+    let limits = PairLimits::new(tables, count).unwrap();
     let solver = ContactSolver::new(Arc::new(scene));
     let mut search = ClashSearch::new(&solver, &limits).unwrap();
     assert!(search.find_verdicts(&|_, _| true) && search.find_gaps(&|_, _| true));
@@ -268,8 +276,10 @@ fn open_surfaces_are_told_and_hold_nothing() {
 fn points_of_open_parts_are_on_their_surfaces() {
     let mut r = Random::new(7);
     let mut clashes = 0;
-    for _ in 0..60 {
-        let parts = [4, 7].map(|cells| {
+    for n in 0..60 {
+        // Either of them has fewer triangles, and serves as the tool.
+        let cells = if n % 2 == 0 { [4, 7] } else { [7, 4] };
+        let parts = cells.map(|cells| {
             let (bend, m) = (r.real(-2.0, 2.0), r.motion(0.3));
             let place = |p: Point| std::array::from_fn(|a| m[a][3] + (0..3).map(|b| m[a][b] * p[b]).sum::<f64>());
             sheet(cells, cells, |s, t| place([s - 0.5, t - 0.5, bend * (s - 0.5) * (t - 0.3)]))
@@ -303,6 +313,19 @@ fn parts_are_the_same_whatever_the_order_and_all_their_pairs_are_told() {
 }
 
 #[test]
+fn of_parts_that_are_the_same_only_pairs_that_are_asked_are_told() {
+    let parts: Vec<Arrays> = [0.0; 4].map(|_| cylinder(0.3, 1.0, 12, 2)).into();
+    for excluded in [vec![[0, 1]], vec![[3, 1], [2, 0]], vec![[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]] {
+        let found = clashes_between(parts.clone(), 0.0, 0.0, excluded.clone());
+        let all = (0..4).flat_map(|a| (a + 1..4).map(move |b| [a, b]));
+        let asked: Vec<[u32; 2]> =
+            all.filter(|[a, b]| !excluded.contains(&[*a, *b]) && !excluded.contains(&[*b, *a])).collect();
+        assert_eq!(found.iter().map(|row| row.parts).collect::<Vec<_>>(), asked);
+        assert!(found.iter().all(|row| row.verdict == Verdict::Duplicate && row.triangles == found[0].triangles));
+    }
+}
+
+#[test]
 fn a_hollow_part_holds_what_is_in_its_material_and_not_what_is_in_its_hollow() {
     let (vertices, faces) = block([1.0; 3], [3.0; 3], 2, 0.0);
     let hollow =
@@ -329,4 +352,34 @@ fn what_touches_is_judged_by_all_of_it() {
     let cheeks =
         joined([block([-2.0, 0.0, 0.0], [1.0, 3.0, 3.0], 1, 0.0), block([3.0, 0.0, 0.0], [6.0, 3.0, 3.0], 1, 0.0)]);
     assert_eq!(verdict(&cheeks, block([-1.0, 1.0, 1.0], [5.0, 2.0, 2.0], 3, 0.0)), Verdict::Clash);
+}
+
+/// Boxes by their corners, as one part.
+type Boxes = Vec<[Point; 2]>;
+
+#[test]
+fn a_way_out_leads_out_of_all_of_the_other_part() {
+    // A wall is 2 mm deep in a cube, and pushes it aside by as much: into a step that is 1 mm off, over a pebble that is then inside
+    // of it, or with a pebble of its own into a block.
+    let (cube, wall) = ([[0.0; 3], [0.02; 3]], [[-0.02, -0.01, 0.005], [0.002, 0.03, 0.05]]);
+    let cases: [(&str, Boxes, Boxes); 3] = [
+        ("a step", vec![cube], vec![wall, [[0.021, -0.01, -0.02], [0.05, 0.03, 0.0005]]]),
+        ("a pebble", vec![cube], vec![wall, [[0.0205, 0.01, 0.01], [0.0215, 0.011, 0.011]]]),
+        (
+            "its own pebble",
+            vec![cube, [[0.03, 0.01, 0.01], [0.031, 0.011, 0.011]]],
+            vec![wall, [[0.0312, 0.0, 0.0], [0.04, 0.02, 0.02]]],
+        ),
+    ];
+    for (name, first, second) in cases {
+        for (one, other, cells) in [(&first, &second, [1, 2]), (&second, &first, [2, 1])] {
+            let part = |boxes: &Boxes, cells| joined(boxes.iter().map(|[p, q]| block(*p, *q, cells, 0.0)));
+            let found = clashes_of(vec![part(one, cells[0]), part(other, cells[1])], 0.0, 0.0);
+            assert_eq!((found.len(), found[0].verdict), (1, Verdict::Clash), "{name}");
+            let by = found[0].translation;
+            let apart =
+                |p: &[Point; 2], q: &[Point; 2]| (0..3).any(|a| p[0][a] + by[a] > q[1][a] || q[0][a] > p[1][a] + by[a]);
+            assert!(one.iter().all(|p| other.iter().all(|q| apart(p, q))), "{name}: {by:?}");
+        }
+    }
 }

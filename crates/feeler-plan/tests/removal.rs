@@ -8,6 +8,7 @@ use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Motion, Pose, Scene, SceneOptions, Tool};
 use feeler_plan::{removal, Allowed, Error, Method, Removal, RemovalTask};
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, turned, Arrays, Point};
+use feeler_world::{Body, Care, Environment, Surroundings};
 
 /// Parts, each alone as a tool.
 struct Assembly {
@@ -415,4 +416,95 @@ fn what_cannot_be_is_refused() {
     assert!(matches!(refused, Error::World(feeler_world::Error::GripMeets { tool_part: 0, .. })), "{refused}");
     let stopped = removal(&solver, &task, &|_, _| false, &|| true).unwrap_err();
     assert_eq!(stopped, Error::Core(feeler_core::Error::Cancelled));
+}
+
+#[test]
+fn a_way_is_given_as_it_was_found_where_there_is_no_time_to_shorten_it() {
+    let assembly = duct(true);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let with = |rounds: u32| pool.install(|| removal_in(&assembly.rest(0), &assembly.task(0), rounds));
+    let whole = with(u32::MAX);
+    let (mut none, mut found) = (0, 1 << 20);
+    while found - none > 1 {
+        let rounds = (none + found) / 2;
+        if with(rounds).method.is_some() {
+            found = rounds;
+        } else {
+            none = rounds;
+        }
+    }
+    let early = with(found);
+    assert_eq!(early.method, Some(Method::Pushes));
+    assert!(assembly.is_free(0, &early.poses, &[]));
+    // Not yet farther off the walls.
+    assert_ne!(early.poses, whole.poses);
+}
+
+#[test]
+fn a_way_cuts_its_corners() {
+    // Along x and then along y it is 242 mm, in ducts that are 15 mm wider than the cube.
+    let wide = 0.025;
+    let assembly = Assembly::new(vec![
+        block([-0.005; 3], [0.005; 3]),
+        block([-0.04, -0.04, -0.02], [0.12, 0.12, -0.0055]),
+        block([-0.04, -0.04, 0.0055], [0.12, 0.12, 0.02]),
+        block([-0.04, -0.04, -0.0055], [-0.006, 0.12, 0.0055]),
+        block([-0.006, -0.04, -0.0055], [0.12, -0.006, 0.0055]),
+        block([-0.006, -0.006 + wide, -0.0055], [0.08, 0.12, 0.0055]),
+        block([0.08 + wide, -0.006, -0.0055], [0.12, 0.12, 0.0055]),
+    ]);
+    for seed in 0..3 {
+        let found = assembly.remove(0, |task| task.seed = seed);
+        assert!(found.path_length < 0.235, "{seed} {found:?}");
+        assert!(assembly.is_free(0, &found.poses, &[]));
+    }
+}
+
+#[test]
+fn a_direction_that_a_contact_opposes_comes_last() {
+    // A cube 0.1 mm off a low wall. Up and a little over it, it is free; so it is along the wall, which is farther.
+    let assembly =
+        Assembly::as_given(vec![block([-0.01; 3], [0.01; 3]), block([-0.02, -0.05, -0.01], [-0.0101, 0.05, -0.0097])]);
+    let (over, along) = ([-0.2, 0.0, 1.0], [0.0, 1.0, 0.0]);
+    let way = |directions: Vec<Point>| {
+        let found = assembly.remove(0, |task| task.directions = directions);
+        assert_eq!(found.method, Some(Method::Straight));
+        assert!(assembly.is_free(0, &found.poses, &[]));
+        (*found.poses[1].translation(), found.path_length)
+    };
+    let (alone, near) = way(vec![over]);
+    assert!((alone[0] / alone[2] + 0.2).abs() < 1e-9);
+    let (both, far) = way(vec![over, along]);
+    assert!(both[0] == 0.0 && both[1] > 0.0 && far > near, "{both:?} {far} {near}");
+}
+
+#[test]
+fn a_way_is_looked_at_more_finely_before_it_is_given() {
+    // Between two poses of the search a thin fin goes through a thin post, deeper than an overlap allows.
+    let (thin, overlap) = (2e-4, 5e-5);
+    let tool = joined([box_mesh([0.0; 3], [0.02; 3], 1), box_mesh([0.0, 0.0125, 0.0], [thin, 0.006, 0.02], 1)]);
+    let size = (0.02_f64 * 0.02 + 0.0255 * 0.0255 + 0.02 * 0.02).sqrt();
+    let step = size / 32.0;
+    let post = box_mesh([20.5 * step, 0.0145, 0.0], [thin, 0.008, 0.05], 1);
+    // It is out at the end of a block aside.
+    let end = 39.99 * step - 0.01 - 0.01 * size;
+    let assembly = Assembly::as_given(vec![tool, post, block([-0.05, -0.05, -0.3], [end, 0.05, -0.2])]);
+    let with = |task: &mut RemovalTask| {
+        task.allowed.overlap = overlap;
+        task.directions = vec![[1.0, 0.0, 0.0]];
+    };
+    let mut task = assembly.task(0);
+    with(&mut task);
+    let body = Body { solver: assembly.rest(0), part: None };
+    let environment = Environment { bodies: vec![body] };
+    let what = (&task.allowed, 0.0);
+    let around = Surroundings::new(environment, task.tool.clone(), 1, &task.start, what, &|| true).unwrap();
+    let length = around.way_out(&task.start, &[1.0, 0.0, 0.0]);
+    assert!((length / step - 39.99).abs() < 1e-6 && (around.size() - size).abs() < 1e-12, "{}", length / step);
+    let to = around.moved(&task.start, &[1.0, 0.0, 0.0], length).unwrap();
+    let walk = around.walk(&around.seated_at_start(), (&task.start, &to), Care::search(&[], &|| true)).unwrap();
+    assert!(walk.stop.is_none(), "the search does not see it");
+    let found = assembly.remove(0, with);
+    assert_eq!(found.method, Some(Method::Straight));
+    assert!(found.poses[1].translation()[0] <= 0.0, "{:?}", found.poses);
 }

@@ -333,3 +333,43 @@ impl Surroundings {
 fn earlier(first: Option<(f64, Stop)>, other: Option<(f64, Stop)>) -> Option<(f64, Stop)> {
     [first, other].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use feeler_contacts::ContactSolver;
+    use feeler_core::{Mockup, Scene, SceneOptions, Tool};
+    use feeler_shapes::{box_mesh, joined};
+
+    use super::*;
+    use crate::environment::{Body, Environment};
+    use crate::seats::Allowed;
+
+    #[test]
+    fn a_way_is_verified_at_poses_between_those_of_the_search() {
+        // A block with a thin fin, which a thin post is in the way of: between two poses of the search it goes through the post, deeper
+        // than an overlap allows.
+        let (thin, overlap) = (2e-4, 5e-5);
+        let block = box_mesh([0.0; 3], [0.02; 3], 1);
+        let fin = box_mesh([0.0, 0.0125, 0.0], [thin, 0.006, 0.02], 1);
+        let (vertices, faces) = joined([block, fin]);
+        let tool = Arc::new(Tool::new(vertices, faces).unwrap());
+        let start = Pose::IDENTITY;
+        let surroundings = |post: f64| {
+            let (vertices, faces) = box_mesh([post, 0.0145, 0.0], [thin, 0.008, 0.05], 1);
+            let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
+            let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+            let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
+            let allowed = Allowed { overlap, ..Allowed::default() };
+            Surroundings::new(Environment { bodies }, tool.clone(), 1, &start, (&allowed, 0.0), &|| true).unwrap()
+        };
+        let step = surroundings(0.05).stride;
+        assert!(step > 2.0 * thin);
+        for (post, is_seen) in [(20.5, false), (20.0, true)] {
+            let around = surroundings(post * step);
+            let to = start.translated(&[39.99 * step, 0.0, 0.0]).unwrap();
+            let walk = |care| around.walk(&around.seated_at_start(), (&start, &to), care).unwrap();
+            assert_eq!(walk(Care::search(&[], &|| true)).stop.is_some(), is_seen, "{post}");
+            assert!(walk(Care::verify(&|| true)).stop.is_some(), "{post}");
+        }
+    }
+}

@@ -141,7 +141,9 @@ impl World {
             if !self.scene.has_part(part) {
                 return Err(Error::HasNoPlace { part });
             }
-            if self.scene.only(&[part])?.is_colliding(&self.own_tool, pose) {
+            // Also a tool that is wholly inside of the part, where no surfaces meet.
+            let place = self.solver.with_scene(Arc::new(self.scene.only(&[part])?));
+            if !place.is_free(&self.own_tool, pose) {
                 return Err(Error::PlaceIsTaken { part });
             }
         }

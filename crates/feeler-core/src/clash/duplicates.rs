@@ -66,6 +66,7 @@ fn corners(triangle: &Triangle) -> Corners {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clash::asked::PairLimitTables;
     use feeler_shapes::{box_mesh, joined};
 
     #[test]
@@ -89,5 +90,12 @@ mod tests {
         let sets = same_parts(&mockup, |_| true);
         let limits = PairLimits::uniform(0.0, 0.0).unwrap();
         assert_eq!(duplicate_pairs(&sets, &limits), [[0, 2], [0, 4], [2, 4]]);
+        let but_one = PairLimitTables {
+            clearance: vec![0.0],
+            contact: vec![0.0],
+            excluded: vec![[2, 0]],
+            ..PairLimitTables::default()
+        };
+        assert_eq!(duplicate_pairs(&sets, &PairLimits::new(but_one, 5).unwrap()), [[0, 4], [2, 4]]);
     }
 }

@@ -1,0 +1,132 @@
+//! A tool, parts that it grips, and bodies around it: what is seated, what may go back, and how surfaces are told from each other.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use feeler_contacts::{ContactSolver, Manifolds};
+use feeler_core::geometry::twist::{pose_of, rotation_of};
+use feeler_core::{Mockup, Motion, Point, Pose, Scene, SceneOptions, Tool};
+use feeler_shapes::{box_mesh, joined, Arrays};
+use feeler_world::{least_distance, Body, Care, Environment, Error, PutDown, SeatKind, Surroundings, World};
+
+/// Each a part.
+fn scene(parts: &[Arrays]) -> Arc<Scene> {
+    let numbers = (0..).zip(parts).flat_map(|(part, (_, faces))| vec![part; faces.len()]).collect();
+    let (vertices, faces) = joined(parts.to_vec());
+    let mockup = Mockup::new(vertices, faces, numbers, parts.len()).unwrap();
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+}
+
+fn tool(parts: &[Arrays]) -> Arc<Tool> {
+    let numbers = (0..).zip(parts).flat_map(|(part, (_, faces))| vec![part; faces.len()]).collect();
+    let (vertices, faces) = joined(parts.to_vec());
+    Arc::new(Tool::of_parts(vertices, faces, numbers, parts.len()).unwrap())
+}
+
+fn at(place: Point) -> Pose {
+    Pose::IDENTITY.translated(&place).unwrap()
+}
+
+fn around(parts: &[Arrays], tool: &Arc<Tool>, start: &Pose) -> Surroundings {
+    let body = Body { solver: ContactSolver::new(scene(parts)), part: None };
+    Surroundings::around(vec![body], tool.clone(), start).unwrap()
+}
+
+#[test]
+fn a_part_goes_back_to_its_place_unless_the_tool_is_there() {
+    let plate = box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 1);
+    let block = box_mesh([0.1, 0.0, 0.02], [0.04; 3], 1);
+    let hand = tool(&[box_mesh([0.0; 3], [0.02; 3], 1)]);
+    let mut world = World::new(scene(&[plate, block]), hand, &[]).unwrap();
+    let off = at([0.1, 0.0, 0.06]);
+    world.move_to(&off).unwrap();
+    world.take(&[1], &off).unwrap();
+    // In it by its lower half, across one of its sides, and wholly inside, where no surfaces meet.
+    for taken in [at([0.1, 0.0, 0.045]), at([0.115, 0.0, 0.02]), at([0.1, 0.0, 0.02])] {
+        assert_eq!(world.put_back(&taken), Err(Error::PlaceIsTaken { part: 1 }));
+        assert_eq!((world.grips().len(), world.tool().parts()), (1, 2), "nothing has changed");
+    }
+    world.put_back(&off).unwrap();
+    assert_eq!((world.grips().len(), world.tool().parts()), (0, 1));
+    assert!(world.around().environment().is_colliding(world.tool(), &at([0.115, 0.0, 0.02])));
+    assert_eq!(world.put_back(&off), Err(Error::HoldsNothing));
+}
+
+#[test]
+fn surfaces_of_two_bodies_have_ids_of_their_own() {
+    // Two blocks of the same triangles, the second put down beside the first, and a bar over both.
+    let block = |x: f64| box_mesh([x, 0.0, 0.0], [0.02; 3], 2);
+    let mockup = scene(&[block(0.0), block(0.5)]);
+    let put_down = PutDown { part: 1, scene: scene(&[block(0.03)]) };
+    let bar = tool(&[box_mesh([0.0; 3], [0.1, 0.02, 0.01], 1)]);
+    let over = at([0.015, 0.0, 0.0155]);
+    let world = World::new(mockup.clone(), bar.clone(), &[put_down.clone()]).unwrap();
+    let environment = Environment::new(&mockup, &[put_down]).unwrap();
+    let (contacts, _) = environment.contacts(&bar, &over, 0.001, None).unwrap();
+    let found: BTreeSet<(u32, u64)> = contacts.planes.iter().map(|plane| (plane.part, plane.id)).collect();
+    let ids: BTreeSet<u64> = found.iter().map(|(_, id)| *id).collect();
+    assert_eq!((contacts.planes.len(), ids.len()), (2, 2), "{contacts:?}");
+    assert_eq!(found.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [0, 1]);
+    // They are the same wherever the bar is above them.
+    let (lower, _) = environment.contacts(&bar, &at([0.016, 0.001, 0.0152]), 0.001, None).unwrap();
+    assert_eq!(lower.planes.iter().map(|plane| (plane.part, plane.id)).collect::<BTreeSet<_>>(), found);
+    // And those of manifolds.
+    let (around, mut manifolds) = (world.around(), Manifolds::default());
+    around.manifolds(&around.seated_at_start(), &over, 0.001, &mut manifolds).unwrap();
+    let ids: BTreeSet<u64> = manifolds.manifolds.iter().map(|manifold| manifold.id).collect();
+    assert_eq!((manifolds.manifolds.len(), ids.len()), (2, 2));
+}
+
+#[test]
+fn each_part_of_a_tool_parts_from_its_seat_by_itself() {
+    // Two blocks that stand on a plate, and move as one.
+    let plate = box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 1);
+    let both = tool(&[box_mesh([0.0, 0.0, 0.01], [0.02; 3], 1), box_mesh([0.05, 0.0, 0.01], [0.02; 3], 1)]);
+    let around = around(&[plate], &both, &Pose::IDENTITY);
+    let kinds =
+        |seats: Vec<feeler_world::Seat>| seats.iter().map(|seat| (seat.tool_part, seat.kind)).collect::<Vec<_>>();
+    let standing = [(0, SeatKind::Flush), (1, SeatKind::Flush)];
+    assert_eq!(kinds(around.seats().collect()), standing);
+    let start = around.seated_at_start();
+    let walk = |to: &Pose| around.walk(&start, (&Pose::IDENTITY, to), Care::search(&[], &|| true)).unwrap();
+    // Along the plate both stay.
+    let along = walk(&at([0.03, 0.02, 0.0]));
+    assert!(along.stop.is_none());
+    assert_eq!(kinds(along.seated.of(around.seats())), standing);
+    // Tilted about the lower right edge of the second block, the first alone comes off.
+    let (tilt, edge) = (rotation_of(&[0.0, 0.1, 0.0]), [0.06, 0.0, 0.0]);
+    let turned = pose_of(&tilt, &[edge[0] - tilt[0][0] * edge[0], 0.0, -tilt[2][0] * edge[0]]).unwrap();
+    let left = around.left_at(&start, &turned).unwrap().expect("one is off");
+    assert_eq!(kinds(left.of(around.seats())), [(1, SeatKind::Flush)]);
+    // Up both come off.
+    assert!(walk(&at([0.0, 0.0, 0.01])).seated.is_free());
+}
+
+#[test]
+fn each_part_of_a_tool_is_as_deep_as_it_is() {
+    // Through a plate without holes, by as much of their lengths.
+    let plate = box_mesh([0.0, 0.0, -0.05], [0.4, 0.4, 0.1], 1);
+    let bolt = |x: f64, depth: f64| box_mesh([x, 0.0, 0.03 - depth], [0.02, 0.02, 0.06], 1);
+    let depths = [0.004, 0.009];
+    let both = tool(&[bolt(0.0, depths[0]), bolt(0.06, depths[1])]);
+    let around = around(&[plate], &both, &Pose::IDENTITY);
+    let seats: Vec<_> = around.seats().collect();
+    assert_eq!(seats.len(), 2);
+    for (seat, depth) in seats.iter().zip(depths) {
+        assert!(seat.kind == SeatKind::Sunk && (seat.depth - depth).abs() < 1e-9, "{seat:?}");
+    }
+}
+
+#[test]
+fn the_least_distance_of_a_motion_is_refined_to_a_share_of_the_tool() {
+    // A thin bar passes the end of another, which it is near for less than a step.
+    let (gap, size) = (5e-4, 0.1);
+    let post = scene(&[box_mesh([0.0; 3], [1e-4, size, 1e-4], 1)]);
+    let bar = tool(&[box_mesh([0.0, 0.5 * size + gap + 5e-5, 0.0], [1e-4, 1e-4, size], 1)]);
+    for offset in 0..20 {
+        let from = at([-0.3 - 0.004 * f64::from(offset), 0.0, 0.0]);
+        let motion = Motion::new(&bar, &from, &at([0.4, 0.0, 0.0]));
+        let least = least_distance(&post, &bar, &motion, f64::INFINITY, &|| true).unwrap();
+        assert!(least >= gap - 1e-12 && least <= gap + size / 64.0, "{offset}: {least}");
+    }
+}
