@@ -35,6 +35,7 @@ class RawMesh:
     in_metres     the reader's library has converted `vertices` from `unit` to metres already (STEP)
     up            the axis that points up by the format's standard or the file's word, or None if neither says so
     colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: the reader knows none
+    doubts        like `notes`, but what puts answers about the mesh in doubt: commands print it as a warning
     """
 
     vertices: NDArray[np.float64]
@@ -47,6 +48,7 @@ class RawMesh:
     notes: list[str] = field(default_factory=list)
     up: Axis | None = None
     colours: NDArray[np.float64] | None = None
+    doubts: list[str] = field(default_factory=list)
 
 
 def portion(progress: Progress | None, low: float, high: float) -> Progress | None:
