@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from loading import notes, save, soup
-from test_io_builders import CORNERS, FACES, SOUP, stl_text
+from test_io_builders import CORNERS, FACES, SOUP, stl_binary, stl_text
 
 from feeler import LoadError
 from feeler.io import load_mockup
@@ -117,6 +117,26 @@ def test_stl_cut_anywhere_is_refused_or_noted(tmp_path, layout):
     assert (whole > 0) == (layout == "lines")
 
 
+@pytest.mark.parametrize("header", [b"made by a test", b"solid of spaces".ljust(80)])
+@pytest.mark.parametrize("count", [0, 5, 2**32 - 1])
+def test_stl_binary_with_a_wrong_count_is_read_by_its_size(tmp_path, header, count):
+    content = bytearray(stl_binary(header=header))
+    content[80:84] = count.to_bytes(4, "little")
+    mockup = load_mockup(save(tmp_path, "a.stl", bytes(content)), unit="m")
+    assert np.array_equal(soup(mockup), SOUP)
+    assert len(mockup.report.source.doubts) == 1
+    assert f"the header says {count:,} triangles, and the file holds 4" in mockup.report.source.doubts[0]
+
+
+@pytest.mark.parametrize("count", [0, 4, 5, 6, 2**32 - 1])
+@pytest.mark.parametrize("cut", [10, 49, 51])
+def test_stl_binary_that_is_cut_is_refused(tmp_path, count, cut):
+    content = bytearray(stl_binary())
+    content[80:84] = count.to_bytes(4, "little")
+    with pytest.raises(LoadError, match=r"truncated|no triangle"):
+        load_mockup(save(tmp_path, "a.stl", bytes(content[:-cut])))
+
+
 # --- OFF --------------------------------------------------------------------------------------------------------------
 
 VERTICES = "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS.tolist())
@@ -203,6 +223,14 @@ PLY_FILES = {
     "comments": HEAD.replace("element", "comment the\ncomment end_header\nobj_info x\nelement") + FACE_HEAD + PLAIN,
     "comment with a long word": HEAD.replace("element", "comment no end_header here\nelement") + FACE_HEAD + PLAIN,
     "blanks": HEAD.replace("\n", " \t\n") + FACE_HEAD.replace("end_header", "  end_header  ") + PLAIN,
+    "one line": HEAD + FACE_HEAD + PLAIN.replace("\n", " "),
+    "a word a line": HEAD + FACE_HEAD + PLAIN.replace(" ", "\n"),
+    "two a line": HEAD + FACE_HEAD + "0 0 0 10 0 0\n0 20 0 0 0 30\n3 0 2 1 3 0 1 3\n3 1 2 3 3 2 0 3\n",
+    "two vertices a line": HEAD + FACE_HEAD + "0 0 0 10 0 0\n0 20 0 0 0 30\n" + POLYGONS,
+    "two a line, values behind them": HEAD + FACE_HEAD.replace("end_header", "property uchar red\nend_header")
+    + "0 0 0 10 0 0\n0 20 0 0 0 30\n3 0 2 1 9 3 0 1 3 9\n3 1 2 3 9 3 2 0 3 9\n",
+    "wrapped": HEAD + FACE_HEAD + PLAIN.replace("10.0 0", "10.0\n0").replace("3 0 2 1", "3 0\n2 1"),
+    "more on a line than a row": HEAD + FACE_HEAD + with_more(PLAIN, "7"),
     "empty lines": HEAD + FACE_HEAD + PLAIN.replace("\n", "\n\n"),
     "windows": (HEAD + FACE_HEAD + PLAIN).replace("\n", "\r\n"),
     "old mac": (HEAD + FACE_HEAD + PLAIN).replace("\n", "\r"),
@@ -247,6 +275,16 @@ def test_ply_rows_of_other_elements_are_counted_by_name(tmp_path, encoding):
     assert ("1 lines after the last row" if encoding == "ascii" else "3 bytes after the last row") in said
 
 
+def test_ply_words_of_other_elements_are_passed_over(tmp_path):
+    """Rows of two lists, and edges, two a line: what is no face is counted, and moves nothing."""
+    edges = "element edge 2\nproperty int vertex1\nproperty int vertex2\n"
+    marks = FACE_HEAD.replace("end_header", "property list uchar float mark\nend_header")
+    rows = "0 1 1 2\n3 0 2 1 0 3 0 1 3 2 0.5 0.5\n3 1 2 3 1 7 3 2 0 3 0\n"
+    mockup = load_mockup(save(tmp_path, "a.ply", HEAD + edges + marks + VERTICES + rows), unit="m")
+    assert np.array_equal(soup(mockup), SOUP)
+    assert mockup.report.source.notes == ("2 rows of 'edge' were skipped: only triangles collide",)
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "binary_little_endian"])
 def test_ply_two_elements_of_faces_are_both_read(tmp_path, encoding):
     half = FACE_HEAD.replace("face 4", "face 2").replace("end_header\n", "")
@@ -271,6 +309,7 @@ def test_ply_strips_restart_and_rows_do_not_run_together(tmp_path):
         ("element face", "element vertex 1\nproperty float x\nelement face", "several elements 'vertex'"),
         ("3 0 2 1", "3 0 2", r"line 14: the face promises more values"),
         ("float x", "float q", "no x, y and z"),
+        ("3 2 0 3\n", "", "inside its 4 rows of 'face'"),
     ],
 )
 def test_ply_that_is_refused(tmp_path, old, new, words):

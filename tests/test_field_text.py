@@ -160,6 +160,29 @@ def test_obj_colours_and_weights(tmp_path):
     assert notes(mockup).startswith("1 vertices have a weight w other than 1")
 
 
+@pytest.mark.parametrize(
+    "word", ["-1.#IND", "1.#IND00", "1.#QNAN", "1.#SNAN0", "-1.#inf", "1.#INF00", "nan", "-nan(ind)", "inf"]
+)
+@pytest.mark.parametrize("chunk_bytes", [None, 40])
+def test_obj_vertices_that_are_no_numbers(tmp_path, monkeypatch, word, chunk_bytes):
+    """Such a vertex keeps its place, or faces would take others. It puts answers in doubt only if a face uses it."""
+    if chunk_bytes:
+        monkeypatch.setattr("feeler.io.text.CHUNK_BYTES", chunk_bytes)
+    text = f"v 7 {word} 0 # no corner\n{TRIANGLE}vn {word} {word} {word}\nf 2//1 3//1 4//1 # {word}\n"
+    mockup = load_mockup(save(tmp_path, "m.obj", text), unit="m")
+    assert np.array_equal(soup(mockup), [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    assert notes(mockup) == "1 vertices have a coordinate that is no finite number, the first is line 1"
+    assert not mockup.report.source.doubts
+    mockup = load_mockup(save(tmp_path, "n.obj", text + "f 1 2 3\n"))
+    assert mockup.report.defects["non_finite"].first == (1,)
+    assert mockup.report.source.doubts[0].startswith("1 triangles have a vertex that does not exist or is no finite")
+
+
+def test_obj_names_keep_what_looks_like_no_number(tmp_path):
+    text = f"{TRIANGLE}g 1.#IND 1.#INF\nv 0 0 1.#IND\nf 1 2 3\n"
+    assert load_mockup(save(tmp_path, "m.obj", text)).part_names == ["1.#IND 1.#INF"]
+
+
 def test_obj_group_of_several_names_is_one_part(tmp_path):
     text = TRIANGLE + "g arm left\nf 1 2 3\ng left arm\nf 1 2 3\ng\nf 1 2 3\n"
     assert load_mockup(save(tmp_path, "m.obj", text)).part_names == ["arm left", "left arm", "m"]

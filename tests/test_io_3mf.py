@@ -170,6 +170,8 @@ def test_triangles_with_more_beside_them_are_taken_and_counted(tmp_path, resourc
     mockup = load(tmp_path, model(resource, item(1) + item(1, MOVED), required))
     assert volumes(mockup) == pytest.approx([1e-6, 1e-6])
     assert words in notes(mockup) and "('plain')" in notes(mockup) and notes(mockup).startswith("1 ")
+    is_stand_in = words in ("the coarse mesh", "obfuscated stand-ins")
+    assert [words in doubt for doubt in mockup.report.source.doubts] == [True] * is_stand_in
 
 
 @pytest.mark.parametrize(
@@ -201,7 +203,7 @@ def test_the_mesh_in_place_of_a_beam_lattice(tmp_path):
     mockup = load(tmp_path, model(cube(1, "shown") + lattice, item(2, MOVED), "b"))
     assert [part.path for part in mockup.parts] == ["a/lattice/shown"]
     assert mockup.bounds[0].tolist() == [0.05, 0, 0]
-    assert "the mesh that the file gives in their place was taken ('lattice')" in notes(mockup)
+    assert "the mesh that the file gives in their place was taken ('lattice')" in mockup.report.source.doubts[0]
 
 
 def test_objects_outside_the_build_are_counted(tmp_path):

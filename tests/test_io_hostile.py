@@ -318,7 +318,7 @@ def huge_ply(encoding: str, count: int) -> str:
         ("a.ply", huge_ply("binary_little_endian", 353_535_235_358)),
         ("a.ply", huge_ply("ascii", 10**30)),
         ("a.ply", huge_ply("ascii", -5)),
-        ("a.stl", b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 500),
+        ("a.stl", b"\0" * 80 + b"\xfe\xff\xff\xff" + b"\0" * 500),
     ],
 )
 def test_counts_are_checked_before_memory_is_taken(tmp_path, name, content):

@@ -29,6 +29,7 @@ DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
 
 _FAILURES_SHOWN = 20
+_LOST = ("index_out_of_range", "non_finite", "too_large")  # defects that take a piece of a surface away
 
 
 def load_mockup(
@@ -131,6 +132,11 @@ class _Loaded:
         lower, upper = mesh.bounds
         if note := size_note(float(np.max(upper - lower)), [piece.unit for piece in self.pieces]):
             doubts.append(note + self._culprits(mesh, float(np.max(upper - lower))))
+        if lost := sum(mesh.report.defects[kind].count for kind in _LOST):
+            doubts.append(
+                f"{lost:,} triangles have a vertex that does not exist or is no finite number, and take part in no "
+                "query: export the file again"
+            )
         return Source(
             tuple(str(piece.file.path) for piece in self.pieces),
             ", ".join(dict.fromkeys(piece.format for piece in self.pieces)),
@@ -201,7 +207,7 @@ def _load(
     wanted = axes.parse_axis(up)
     _check_tolerance(chord_tolerance)
     found = collect(paths)
-    said = _Notes(len(found.files) > 1)
+    said, doubted = _Notes(len(found.files) > 1), _Notes(len(found.files) > 1)
     told: list[str] = []
     sniffed: list[tuple[Found, str, int]] = []
     for file in found.files:
@@ -221,6 +227,7 @@ def _load(
                 points = f" (but {len(raw.vertices):,} points)" if len(raw.vertices) else ""
                 said.add(file, [f"the {format_name} file holds no triangle{points}"])
             said.add(file, raw.notes)
+            doubted.add(file, raw.doubts)
             if not len(raw.faces):
                 continue
             scale, source = _scale(raw, given, format_name)
@@ -245,7 +252,7 @@ def _load(
     # The chordal errors of other formats are unknown.
     is_step = all(piece.format == "STEP" for piece in pieces)
     tolerance = (DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else float(chord_tolerance)) if is_step else None
-    return _Loaded(_join(meshes), pieces, common, tolerance, notes, [*said.left_out(), *clash])
+    return _Loaded(_join(meshes), pieces, common, tolerance, notes, [*said.left_out(), *doubted.said(), *clash])
 
 
 @contextlib.contextmanager

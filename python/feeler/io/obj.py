@@ -55,6 +55,8 @@ class _Reader:
         self.lines: list[NDArray[np.int64]] = []
         self.parts: list[NDArray[np.int64]] = []
         self.vertex_count = 0
+        self.endless = 0  # vertices with a coordinate that is no finite number
+        self.first_endless = 0
         self.weighted = 0  # vertices with a weight w other than 1
         self.object = self.group = ""
         self.part_of: dict[tuple[str, str], int] = {}
@@ -91,6 +93,10 @@ class _Reader:
         if (tokens < 4).any():
             raise chunk.fail(int(rows[np.argmax(tokens < 4)]), "a vertex needs three numbers; export the file again")
         self.vertices.append(chunk.floats(chunk.line_tokens(rows, 1, 3)).reshape(-1, 3))
+        endless = ~np.isfinite(self.vertices[-1]).all(axis=1)
+        if endless.any():
+            self.endless += int(endless.sum())
+            self.first_endless = self.first_endless or chunk.first_line + int(rows[np.argmax(endless)])
         self.vertex_count += len(rows)
         # Four numbers are x y z w, six and more x y z and a colour.
         self.weighted += int((chunk.floats(chunk.line_tokens(rows[tokens == 5], 4, 1)) != 1.0).sum())
@@ -148,6 +154,11 @@ class _Reader:
             notes.append(
                 f"{sum(strange.values()):,} lines with keywords that are not OBJ were ignored, the first is line "
                 f"{self.first_strange:,}: " + ", ".join(shown) + (", ..." if len(strange) > _STRANGE_SHOWN else "")
+            )
+        if self.endless:
+            notes.append(
+                f"{self.endless:,} vertices have a coordinate that is no finite number, the first is line "
+                f"{self.first_endless:,}"
             )
         if self.weighted:
             notes.append(

@@ -1,6 +1,9 @@
 """PLY (Stanford), text and binary of either byte order: vertices x, y, z; polygons; triangle strips.
 
 Other properties of these are skipped; rows of other elements (edges, materials) are counted by name.
+
+A text is a sequence of words. Most programs write each row of an element on a line of its own, and further words on the
+line are skipped. A text whose lines hold more or less than a row is read word by word, if all its words are used up.
 """
 
 from __future__ import annotations
@@ -284,22 +287,42 @@ def _truncated(path: Path, element: _Element) -> LoadError:
 
 
 def _read_text(path: Path, data: bytes, first_line: int, elements: list[_Element], progress: Progress | None) -> _Body:
+    """Read a text by its lines, or by its words where these fit the header and the lines do not."""
+    try:
+        body, is_tidy = _by_lines(path, data, first_line, elements, progress)
+    except LoadError:
+        if (free := _by_words(path, data, first_line, elements)) is None:
+            raise  # its line is what helps
+        return free
+    return body if is_tidy else _by_words(path, data, first_line, elements) or body
+
+
+def _by_lines(
+    path: Path, data: bytes, first_line: int, elements: list[_Element], progress: Progress | None
+) -> tuple[_Body, bool]:
+    """Read a text with a line for each row; return also whether each line holds its row and nothing else."""
     body = _Body()
     vertices: list[NDArray[np.float64]] = []
     lists: dict[str, list[_Lists]] = {"face": [], "tristrips": []}
     pending = [element for element in elements if element.count and element.properties]
     left = pending[0].count if pending else 0
-    surplus = 0
+    surplus, words, used = 0, 0, 0
     for done, chunk in chunks_of(data, path, comments=False, first_line=first_line):
         if progress:
             progress(0.1 + 0.8 * done, f"reading {path.name}")
         rows = np.flatnonzero(chunk.tokens_in_line)
+        words += len(chunk.starts)
         while len(rows) and pending:
             element, take = pending[0], rows[:left]
             if element.name == "vertex":
                 vertices.append(_text_vertices(path, chunk, take, element))
+                used += len(take) * len(element.properties)
             elif element.name in lists:
                 lists[element.name].append(_text_lists(path, chunk, take, element))
+                sizes = lists[element.name][-1].sizes
+                used += len(take) * len(element.properties) + int(sizes.sum())
+            else:
+                used += int(chunk.tokens_in_line[take].sum())
             rows, left = rows[len(take) :], left - len(take)
             if not left:
                 pending.pop(0)
@@ -313,7 +336,68 @@ def _read_text(path: Path, data: bytes, first_line: int, elements: list[_Element
         body.add(name, found)
     if surplus:
         body.rest = f"{surplus:,} lines after the last row were ignored"
+    return body, words == used
+
+
+def _by_words(path: Path, data: bytes, first_line: int, elements: list[_Element]) -> _Body | None:
+    """Read a text whose lines mean nothing; None if the words are not those that the header promises, to the last."""
+    found = [np.empty(0)]
+    try:
+        for _, chunk in chunks_of(data, path, comments=False, first_line=first_line):
+            found.append(chunk.floats(np.arange(len(chunk.starts))))
+    except LoadError:
+        return None
+    words = np.concatenate(found)
+    body = _Body()
+    lists: dict[str, list[_Lists]] = {"face": [], "tristrips": []}
+    at = 0
+    for element in elements:
+        if not any(prop.count_type for prop in element.properties):
+            width = len(element.properties)
+            rows, at = words[at : at + element.count * width], at + element.count * width
+            if at > len(words):
+                return None
+            if element.name == "vertex" and element.count:
+                body.vertices = rows.reshape(-1, width)[:, _axes(path, element)]
+            continue
+        walked = _walk_words(words, at, element)
+        if walked is None or element.name == "vertex":
+            return None
+        starts, at = walked
+        if element.name in lists and element.count:
+            wanted = starts[_index_property(path, element)]
+            sizes = words[wanted].astype(np.int64)
+            offsets = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+            lists[element.name].append(_Lists(_whole(words[np.repeat(wanted + 1, sizes) + offsets]), sizes))
+    if at != len(words):
+        return None
+    for name, each in lists.items():
+        body.add(name, each)
     return body
+
+
+def _walk_words(
+    words: NDArray[np.float64], at: int, element: _Element
+) -> tuple[dict[int, NDArray[np.int64]], int] | None:
+    """Return where the count of each list property of an element stands, row by row, and the word behind the element.
+
+    None if a count is none, or the words end before.
+    """
+    is_count = (words >= 0) & (words == np.rint(words)) & (words < len(words))
+    counts = np.where(is_count, words, -1).astype(np.int64).tolist()
+    lists = [bool(prop.count_type) for prop in element.properties]
+    starts: dict[int, list[int]] = {place: [] for place, is_list in enumerate(lists) if is_list}
+    for _ in range(element.count):
+        for place, is_list in enumerate(lists):
+            if is_list:
+                if at >= len(counts) or counts[at] < 0:
+                    return None
+                starts[place].append(at)
+                at += counts[at]
+            at += 1
+    if at > len(counts):
+        return None
+    return {place: np.array(found, dtype=np.int64) for place, found in starts.items()}, at
 
 
 def _text_vertices(path: Path, chunk: Chunk, lines: NDArray[np.int64], element: _Element) -> NDArray[np.float64]:

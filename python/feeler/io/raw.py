@@ -35,6 +35,7 @@ class RawMesh:
     in_metres     the reader's library has already converted `vertices` from `unit` to metres (STEP)
     up            the up axis by the format's standard or the file's statement, or None
     colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: no colours
+    doubts        like `notes`, but for what makes answers about the mesh doubtful: commands print them as warnings
     """
 
     vertices: NDArray[np.float64]
@@ -47,6 +48,7 @@ class RawMesh:
     notes: list[str] = field(default_factory=list)
     up: Axis | None = None
     colours: NDArray[np.float64] | None = None
+    doubts: list[str] = field(default_factory=list)
 
 
 def portion(progress: Progress | None, low: float, high: float) -> Progress | None:

@@ -1,8 +1,9 @@
 """STL, binary and text.
 
 Binary: a header of 80 bytes, a uint32 count, 50 bytes a triangle (normal, three corners as float32, two spare bytes). A
-file with a size of 84 + 50 * count is binary, whatever its first word. Text: every `solid` is a part, and its name runs
-to the end of the line. Normals and spare bytes are not used.
+file with a size of 84 + 50 * count is binary, whatever its first word. A count of 0 or of one too many, which several
+exporters write, is replaced by that of the size. Text: every `solid` is a part, and its name runs to the end of the
+line. Normals and spare bytes are not used.
 
 Text is accepted in the variants that programs write: keywords of any case, in one word or two (`endloop`, `end loop`),
 a name attached to `endsolid`, several statements on a line or one on several. Only two things count: every `facet` has
@@ -27,6 +28,7 @@ from feeler.progress import Progress
 
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
+_UNKNOWN = 2**32 - 1  # the count of programs that do not know it when they begin to write
 
 # Lines of a text STL, by code. _LOOP: begin or end of a facet's loop, which adds no information.
 _OTHER, _FACET, _VERTEX, _ENDFACET, _SOLID, _ENDSOLID, _LOOP = range(7)
@@ -54,7 +56,7 @@ _NEXT_SOLID = re.compile(rb"^(end\s*solid\b[^\n]*?)[ \t]+(?=solid\b)", re.IGNORE
 
 def is_binary(head: bytes, size: int) -> bool:
     """Tell from the first bytes and the size of a file whether it is a binary STL (perhaps a truncated one)."""
-    if is_binary_stl(head, size):
+    if is_binary_stl(head, size) or head[80:84] == _UNKNOWN.to_bytes(4, "little"):
         return True
     text = decoded(head).lstrip()
     return b"\0" in text[:_HEADER] or not (text[:5].lower() == b"solid" or _FACET_NORMAL.search(text))
@@ -77,6 +79,14 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) 
             "with 'solid'); export the file again"
         )
     count = int.from_bytes(head[80:84], "little")
+    doubts = []
+    whole, rest = divmod(size - _HEADER, 50)
+    if not rest and whole and count in (0, whole + 1, _UNKNOWN):
+        doubts.append(
+            f"the header says {count:,} triangles, and the file holds {whole:,}: all of them were read; if some are "
+            "missing, export the file again"
+        )
+        count = whole
     if _HEADER + 50 * count > size:
         raise LoadError(
             f"{path}: the header promises {count:,} triangles ({_HEADER + 50 * count:,} bytes), the file has {size:,} "
@@ -96,7 +106,8 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) 
     if progress:
         progress(0.4, f"merging equal vertices of {path.name}")
     vertices, index = weld(soup, None)
-    return RawMesh(vertices, index.reshape(-1, 3), np.zeros(count, dtype=np.uint32), [path.stem], [""], notes=notes)
+    parts = np.zeros(count, dtype=np.uint32)
+    return RawMesh(vertices, index.reshape(-1, 3), parts, [path.stem], [""], notes=notes, doubts=doubts)
 
 
 def _read_text(path: Path, progress: Progress | None) -> RawMesh:

@@ -14,9 +14,15 @@ class Tally:
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
         self._names: dict[str, dict[str, None]] = {}
+        self._doubtful: set[str] = set()
 
-    def add(self, kind: str, name: object = "", count: int = 1) -> None:
-        """Count an element. `kind` is a plural with its verb: "lines were left out: only triangles collide"."""
+    def add(self, kind: str, name: object = "", count: int = 1, *, is_doubtful: bool = False) -> None:
+        """Count an element. `kind` is a plural with its verb: "lines were left out: only triangles collide".
+
+        is_doubtful: it makes answers about the mesh doubtful, so it is in `doubts()` and not in `notes()`.
+        """
+        if is_doubtful:
+            self._doubtful.add(kind)
         self._counts[kind] = self._counts.get(kind, 0) + count
         known = self._names.setdefault(kind, {})
         label = clean_name(name, "")[:_NAME_LENGTH]
@@ -25,8 +31,17 @@ class Tally:
 
     def notes(self) -> list[str]:
         """Return the notes: "3 hidden nodes were left out ('a', 'b', 'c')"."""
+        return self._lines(is_doubtful=False)
+
+    def doubts(self) -> list[str]:
+        """Return the notes on what was counted as doubtful."""
+        return self._lines(is_doubtful=True)
+
+    def _lines(self, is_doubtful: bool) -> list[str]:
         lines = []
         for kind, count in self._counts.items():
+            if (kind in self._doubtful) != is_doubtful:
+                continue
             shown = [f"'{name}'" for name in self._names[kind]]
             more = ", ..." if len(shown) > _NAMES_SHOWN else ""
             lines.append(f"{count:,} {kind}" + (f" ({', '.join(shown[:_NAMES_SHOWN])}{more})" if shown else ""))

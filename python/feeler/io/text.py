@@ -8,6 +8,7 @@ knows the line of every token.
 from __future__ import annotations
 
 import codecs
+import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,6 +29,8 @@ _MARKS = (
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
+# How the C library of old Windows compilers writes what is no number: 1.#IND, -1.#IND00, 1.#QNAN, 1.#INF.
+_NOT_FINITE = re.compile(rb"(?<![^\s/])([-+]?)1\.#(?:(INF)|IND|[QS]NAN)\d*(?=[\s/])", re.IGNORECASE)
 _WITHOUT_MARK = 4  # characters at the start that have to be ASCII in UTF-16 where no mark says so
 
 
@@ -75,13 +78,31 @@ def name_text(raw: bytes) -> str:
     return raw.decode("latin-1")
 
 
+def _spelled_out(data: bytes, names: bytes) -> bytes:
+    """Return the text with `1.#IND` and the like as `nan` and `inf`, of the same length: else its `#` begins a comment.
+
+    Lines whose first word is one of the letters in `names` stay as they are.
+    """
+    if b"1.#" not in data:
+        return data
+
+    def spelled(found: re.Match[bytes]) -> bytes:
+        line = data[data.rfind(b"\n", 0, found.start()) + 1 : found.start()].split()
+        if line and line[0].lower() in [bytes([letter]) for letter in names]:
+            return found[0]
+        return (found[1] + (b"inf" if found[2] else b"nan")).ljust(len(found[0]))
+
+    return _NOT_FINITE.sub(spelled, data)
+
+
 class Chunk:
     """Some whole lines of a text file, in tokens. Token and line numbers count from 0 within the chunk."""
 
     def __init__(self, data: bytes, path: Path, first_line: int, comments: bool, names: bytes = b"") -> None:
         self.path = path
         self.first_line = first_line  # counted from 1, as editors do
-        buffer = np.frombuffer(data if data.endswith(b"\n") else data + b"\n", dtype=np.uint8)
+        data = _spelled_out(data if data.endswith(b"\n") else data + b"\n", names)
+        buffer = np.frombuffer(data, dtype=np.uint8)
         ends = np.flatnonzero(buffer == _NEWLINE)
         self._line_starts = np.concatenate(([0], ends[:-1] + 1))
         blank = buffer <= _SPACE

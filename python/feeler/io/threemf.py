@@ -21,7 +21,7 @@ from feeler.io.limits import MAX_DEPTH, check_mesh
 from feeler.io.placing import IDENTITY, facing, multiply, shift_indices, transform
 from feeler.io.raw import PathBook, RawMesh, clean_name
 from feeler.io.tally import Tally
-from feeler.io.threemf_model import Model, Object, ObjectKey, read_models
+from feeler.io.threemf_model import STAND_INS, Model, Object, ObjectKey, read_models
 from feeler.io.threemf_package import Package
 from feeler.io.threemf_slicers import apply_settings
 from feeler.io.units import parse_unit
@@ -101,13 +101,14 @@ def _assemble(model: Model) -> RawMesh:
         unit=unit,
         notes=required + tally.notes(),
         up="z",
+        doubts=tally.doubts(),
     )
 
 
 def _tell(found: Object, tally: Tally) -> None:
     """Count the notes on an object, when it is reached first."""
     for kind in found.lacks:
-        tally.add(kind, found.name)
+        tally.add(kind, found.name, is_doubtful=kind in STAND_INS)
     if found.kind != "model" and (len(found.faces) or found.uses):
         of = f"of the type '{found.kind}'" if found.kind in _TYPES else "of an unknown type"
         tally.add(f"objects {of} were taken like all others", found.name)

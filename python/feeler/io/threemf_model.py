@@ -42,6 +42,8 @@ BOUNDARY = "objects have a volumetric boundary (extension 'volumetric'): their t
 DISPLACED = "objects have a displaced surface (extension 'displacement'): their triangles were taken as they are"
 COARSE = "objects have their shape in slices (extension 'slice'): the coarse mesh that goes with them was taken"
 STAND_IN = "objects are coarse or obfuscated stand-ins (extension 'production'): the full shape was not taken"
+STAND_INS = (COARSE, STAND_IN, LATTICE_SHOWN)
+"""What was taken is not the shape of the object: collisions and distances are those of the stand-in."""
 UNPRINTED = 'items are not to be printed (printable="0"): they were taken like all others'
 _OTHER = "elements of objects are of no extension that is read, and were passed over"
 _OTHER_UNIT = "model files state another unit than the root model: theirs was not used"
