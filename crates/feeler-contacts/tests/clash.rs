@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use feeler_contacts::{Clash, ClashSearch, ContactSolver, DepthKind, Verdict};
+use feeler_contacts::{Clash, ClashOptions, ClashSearch, ContactSolver, DepthKind, Verdict};
 use feeler_core::{closest_triangle_triangle, Mockup, PairLimits, Point, Scene, SceneOptions};
 use feeler_shapes::random::Random;
 use feeler_shapes::{box_mesh, cylinder, joined, sheet, Arrays};
@@ -15,12 +15,12 @@ fn mockup_of(parts: Vec<Arrays>) -> Arc<Mockup> {
 }
 
 fn clashes_of(parts: Vec<Arrays>, clearance: f64, contact: f64) -> Vec<Clash> {
-    let scene = Scene::build(mockup_of(parts), &SceneOptions::default(), &|_, _| true).unwrap();
+    let scene = Scene::build(mockup_of(parts), &SceneOptions::default()).unwrap();
     let limits = PairLimits::uniform(clearance, contact).unwrap();
     let solver = ContactSolver::new(Arc::new(scene));
-    let mut search = ClashSearch::new(&solver, &limits).unwrap();
-    assert!(search.find_verdicts(&|_, _| true) && search.find_gaps(&|_, _| true));
-    search.measure(&|_, _| true).unwrap()
+    let mut search = ClashSearch::new(&solver, &limits, &ClashOptions::default()).unwrap();
+    assert!(search.find_verdicts() && search.find_gaps());
+    search.measure().unwrap()
 }
 
 /// A box by its corners, moved; its corners are sums of these and `off`, the same for whoever shares them.

@@ -48,7 +48,7 @@ const TURN: f64 = 0.05;
 
 fn scene((vertices, faces): Arrays) -> Arc<Scene> {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 /// A block, its centre at its origin, started above a plate whose upper side is z = 0.

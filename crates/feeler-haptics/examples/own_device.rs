@@ -60,7 +60,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 fn pressed() -> Result<f64, Box<dyn Error>> {
     let (vertices, faces) = cuboid([-0.2, -0.2, -0.02], [0.2, 0.2, 0.0]);
     let plate = Arc::new(Mockup::new(vertices, faces, vec![], 1)?);
-    let scene = Arc::new(Scene::build(plate, &SceneOptions::default(), &|_, _| true)?);
+    let scene = Arc::new(Scene::build(plate, &SceneOptions::default())?);
     let (vertices, faces) = cuboid([-0.03; 3], [0.03; 3]);
     let tool = Arc::new(Tool::new(vertices, faces)?);
 

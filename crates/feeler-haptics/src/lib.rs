@@ -14,7 +14,7 @@
 //! let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
 //! let spike = vec![[0.0, 0.0, 0.0], [0.01, 0.0, 0.02], [-0.01, 0.01, 0.02], [-0.01, -0.01, 0.02]];
 //! let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
-//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true)?;
+//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default())?;
 //!
 //! let options = SessionOptions::default();
 //! let mut session = Session::new(Arc::new(scene), Arc::new(tool), options)?;

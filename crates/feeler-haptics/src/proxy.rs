@@ -511,7 +511,7 @@ mod tests {
 
     fn around((vertices, faces): Arrays, tool: Tool, start: &Pose) -> Surroundings {
         let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
         let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
         Surroundings::around(bodies, Arc::new(tool), start).unwrap()
     }

@@ -19,7 +19,7 @@ const CHAMFER: f64 = 0.0015;
 
 fn body((vertices, faces): Arrays) -> Body {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
     Body { solver: ContactSolver::new(Arc::new(scene)), part: None }
 }
 

@@ -252,7 +252,7 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
     faces.extend(its.iter().map(|face| face.map(|v| v + vertices.len() as u32)));
     vertices.extend(more);
     let mockup = Arc::new(Mockup::new(vertices, faces, parts, 2).unwrap());
-    let scene = Arc::new(Scene::build(mockup, &SceneOptions::default(), &|_, _| true).unwrap());
+    let scene = Arc::new(Scene::build(mockup, &SceneOptions::default()).unwrap());
     let session = started(scene, SessionOptions::default());
     let runner = Runner::start(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
     let mut runner = runner.map_err(|refused| refused.error).unwrap();

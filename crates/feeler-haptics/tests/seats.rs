@@ -32,7 +32,7 @@ fn extruded(outline: &[[f64; 2]], width: f64, triangles: &[[u32; 3]]) -> Arrays 
 
 fn scene((vertices, faces): Arrays) -> Arc<Scene> {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 fn at(place: Point) -> Pose {

@@ -17,7 +17,7 @@ fn scene(parts: impl IntoIterator<Item = Arrays>) -> Arc<Scene> {
     let count = parts.len();
     let (vertices, faces) = joined(parts);
     let mockup = Mockup::new(vertices, faces, of_face, count).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 fn tool((vertices, faces): Arrays) -> Arc<Tool> {

@@ -51,7 +51,7 @@ impl Surroundings {
         own_parts: u32,
         start: &Pose,
         (allowed, clearance): (&Allowed, f64),
-        goes_on: &dyn Fn() -> bool,
+        goes_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Surroundings> {
         let mut around = Surroundings::without_seats(environment, tool);
         (around.start, around.overlap, around.clearance) = (*start, allowed.overlap, clearance);
@@ -239,7 +239,7 @@ impl Surroundings {
         for asked in &seated.bodies {
             let smaller = asked.smaller.iter().map(|part| (&part.solver, &part.tool));
             for (solver, tool) in [(&asked.ordinary, &self.tool)].into_iter().chain(smaller) {
-                let gap = solver.scene().closest(tool, pose, least.unwrap_or(within))?;
+                let gap = solver.scene().distance(tool, pose, least.unwrap_or(within))?;
                 least = gap.map(|gap| gap.distance).or(least);
             }
         }

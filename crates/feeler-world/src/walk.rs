@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use feeler_core::{Cast, Motion, Point, Pose};
+use feeler_core::{Cast, CastOptions, Motion, Point, Pose};
 
 use crate::ask::least_distance;
 use crate::constants::{CLEARANCE_SLACK, FIRST_SAMPLE, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER};
@@ -21,17 +21,17 @@ pub struct Care<'a> {
     /// How often seated pairs are measured, in times of the steps of a search.
     pub finer: f64,
     /// Whether to go on: asked every few milliseconds. Where the answer is `false`, the walk ends with an error: a request to stop.
-    pub goes_on: &'a dyn Fn() -> bool,
+    pub goes_on: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Care<'a> {
     /// Before a way is given.
-    pub fn verify(goes_on: &'a dyn Fn() -> bool) -> Care<'a> {
+    pub fn verify(goes_on: &'a (dyn Fn() -> bool + Sync)) -> Care<'a> {
         Care { beside: &[], tolerance: TOUCH, finer: VERIFY_FINER, goes_on }
     }
 
     /// While ways are sought.
-    pub fn search(beside: &'a [Point], goes_on: &'a dyn Fn() -> bool) -> Care<'a> {
+    pub fn search(beside: &'a [Point], goes_on: &'a (dyn Fn() -> bool + Sync)) -> Care<'a> {
         Care { beside, tolerance: TOUCH, finer: 1.0, goes_on }
     }
 }
@@ -157,7 +157,15 @@ impl Surroundings {
                 meets = Some(0.0);
                 continue;
             }
-            let Some(cast) = scene.cast_beside(tool, motion, care.tolerance, care.beside, care.goes_on)? else {
+            let Some(cast) = scene.cast_along(
+                tool,
+                motion,
+                &CastOptions::default()
+                    .with_tolerance(care.tolerance)
+                    .with_directions(care.beside)
+                    .with_go_on(care.goes_on),
+            )?
+            else {
                 continue;
             };
             if self.overlap > 0.0 {
@@ -269,7 +277,7 @@ impl Surroundings {
 
     /// The least distance along a span between parts that do not meet where they are seated, or `least` if that is less, metres; see [`least_distance`].
     /// `goes_on` as in [`Care`].
-    pub fn least_distance(&self, span: &Span, least: f64, goes_on: &dyn Fn() -> bool) -> Result<f64> {
+    pub fn least_distance(&self, span: &Span, least: f64, goes_on: &(dyn Fn() -> bool + Sync)) -> Result<f64> {
         let of_body =
             |least, asked: &SeatedBody| least_distance(&asked.apart, &self.tool, &span.motion, least, goes_on);
         span.seated.bodies.iter().try_fold(least, of_body)
@@ -288,7 +296,7 @@ impl Surroundings {
             loop {
                 let pose = motion.at(time.min(end));
                 let reach = self.clearance + long * (end - time.min(end));
-                let Some(gap) = asked.clear.closest(&self.tool, &pose, reach)? else { break };
+                let Some(gap) = asked.clear.distance(&self.tool, &pose, reach)? else { break };
                 if gap.distance < self.clearance - slack {
                     let stop = self.stop(number, [gap.tool_triangle, gap.mockup_triangle]);
                     (first, end) = (Some((last, stop)), last);
@@ -307,7 +315,11 @@ impl Surroundings {
     /// When a smaller part first meets its neighbour, and which triangle of it. It ends where the next motion may begin.
     fn cast_of_smaller(&self, part: &SmallerPart, motion: &Motion, care: Care<'_>) -> Result<Option<(f64, [u32; 2])>> {
         let own = motion.of_tool(&part.tool)?;
-        let cast = part.solver.scene().cast_beside(&part.tool, &own, SEAT_CAST, care.beside, care.goes_on)?;
+        let cast = part.solver.scene().cast_along(
+            &part.tool,
+            &own,
+            &CastOptions::default().with_tolerance(SEAT_CAST).with_directions(care.beside).with_go_on(care.goes_on),
+        )?;
         // The next one begins clearly off what ended this.
         let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
         Ok(cast.map(|cast| (before(cast.fraction), [cast.tool_triangle, cast.mockup_triangle])))

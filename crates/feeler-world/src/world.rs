@@ -123,7 +123,7 @@ impl World {
                 .collect();
             let (vertices, faces) = gathered(&faces, |v| pose.apply(&mesh.vertices()[v as usize]));
             let mockup = Arc::new(Mockup::new(vertices, faces, vec![], 1)?);
-            let scene = Scene::build(mockup, &SceneOptions::default(), &|_, _| true)?;
+            let scene = Scene::build(mockup, &SceneOptions::default())?;
             bodies.push(Body { solver: ContactSolver::new(Arc::new(scene)), part: Some(grip.part) });
         }
         self.around = Surroundings::around(bodies, self.own_tool.clone(), pose)?;
