@@ -95,6 +95,7 @@ pub use geometry::bounds::{Aabb, Point, Triangle};
 pub use geometry::distance_triangle_triangle::{closest_triangle_triangle, Closest};
 pub use geometry::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
 pub use geometry::pose::Pose;
+pub use geometry::twist::{Twist, Wrench};
 pub use index::selection::{IgnoredPairs, SurfaceNumbers};
 pub use index::sink::Stats;
 pub use index::store::Storage;

@@ -4,11 +4,14 @@ use std::fmt;
 
 use crate::error::{Error, Result};
 
+/// Given the share done and the stage; answers whether to go on.
+type Listener<'a> = dyn Fn(f64, &str) -> bool + Sync + 'a;
+
 /// Reports the progress of long work, and may stop it. The default listens to nothing and never stops.
 ///
 /// Options of long work have `with_progress`, which takes the function itself.
 #[derive(Clone, Copy, Default)]
-pub struct Progress<'a>(Option<&'a (dyn Fn(f64, &str) -> bool + Sync)>);
+pub struct Progress<'a>(Option<&'a Listener<'a>>);
 
 impl<'a> Progress<'a> {
     /// Calls a function with the share done (0 to 1) and the stage, now and then. Work stops where it returns false.

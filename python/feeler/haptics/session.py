@@ -166,7 +166,7 @@ class Session(Runs):
         no pose.
         """
         pose = np.array(plain(world_from_tool), dtype=np.float64)
-        started = super()._begin(pose) if self._run is None else self._run.begin(pose)
+        started = super()._begin(pose) if self._run is None else self._run.start(pose)
         if self._recorder:
             self._recorder.start(pose)
         return _start_of(started)
@@ -201,9 +201,9 @@ class Session(Runs):
         if not chosen or len(set(chosen)) < len(chosen):
             raise OptionError(f"{parts!r} names {'a part twice' if chosen else 'no part'}: give each once")
         if self._run is None:
-            super()._take(chosen)
+            super()._grip(chosen)
         else:
-            self._run.take(chosen)
+            self._run.grip(chosen)
             self._held = tuple(chosen)
         if self._recorder:
             self._recorder.grip(chosen)
@@ -215,10 +215,10 @@ class Session(Runs):
         the tool is in a part's place.
         """
         run = self._run
-        if put_back:
-            super()._put_back() if run is None else run.put_back()
+        if run is None:
+            super()._release(put_back)
         else:
-            super()._put_down() if run is None else run.put_down()
+            run.release(put_back)
         self._held = ()
         if self._recorder:
             self._recorder.release(put_back)
@@ -226,7 +226,7 @@ class Session(Runs):
     @property
     def gripped(self) -> tuple[int, ...]:
         """The parts that are held, by their indices in `mockup.parts`."""
-        return tuple(super()._held_parts) if self._run is None else self._held
+        return tuple(super()._gripped) if self._run is None else self._held
 
     def set_scene(self, scene: Scene) -> Start:
         """Puts another scene in the place of the present one; while the session runs, between two ticks.

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use feeler_core::geometry::twist::{pose_of, rotation_of};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
-use feeler_haptics::twist::{pose_of, rotation_of};
 use feeler_haptics::{Session, SessionOptions};
 use feeler_shapes::{box_mesh, Arrays};
 
