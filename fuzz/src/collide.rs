@@ -38,9 +38,13 @@ pub fn check(case: Case) {
     let expected = collide_all_pairs(mockup.mesh(), &tool, &pose);
     for storage in [Storage::Blocks, Storage::Dense, Storage::Hashed { level: case.hashing }] {
         for voxel_size in [None, Some(case.voxel_size)] {
-            let options = SceneOptions { voxel_size, storage, tool: Some(&tool), memory_limit: 64 << 20 };
+            let options = SceneOptions::default()
+                .with_voxel_size(voxel_size)
+                .with_storage(storage)
+                .with_tool(&tool)
+                .with_memory_limit(64 << 20);
             // Refusing a size is allowed; a wrong answer is not.
-            let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+            let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options) else { continue };
             scene.validate().unwrap();
             let mut ways = vec![(Level::best(), Filters { repeats: false, boxes: false })];
             ways.extend(Level::available().into_iter().map(|lanes| (lanes, Filters::default())));

@@ -59,8 +59,8 @@ pub fn check(case: Case) {
     let mut first: Option<[Contacts; 2]> = None;
     // Many voxels take long to fill.
     for (storage, memory_limit) in [(Storage::Blocks, 64 << 20), (Storage::Hashed { level: 0.3 }, 1 << 20)] {
-        let options = SceneOptions { voxel_size: None, storage, tool: Some(&tool), memory_limit };
-        let Ok(scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+        let options = SceneOptions::default().with_storage(storage).with_tool(&tool).with_memory_limit(memory_limit);
+        let Ok(scene) = Scene::build(Arc::clone(&mockup), &options) else { continue };
         let mut scene = Arc::new(scene);
         for lanes in Level::available() {
             Arc::get_mut(&mut scene).expect("no solver has it").set_lanes(lanes);

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use feeler_core::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
 use feeler_core::{
-    cast_all_pairs, closest_triangle_triangle, collide_all_pairs, gaps_of_all_pairs, Cast, Error, Gap, Level, Mockup,
-    Motion, Point, Pose, Scene, SceneOptions, Storage, Tool,
+    cast_all_pairs, closest_triangle_triangle, collide_all_pairs, gaps_of_all_pairs, BatchOptions, Cast, CastOptions,
+    Error, Gap, Level, Mockup, Motion, Point, Pose, Scene, SceneOptions, Storage, Tool,
 };
 use feeler_exact::distance::check_pair;
 
@@ -87,8 +87,12 @@ pub fn check(case: Case) {
         for voxel_size in [None, Some(case.voxel_size)] {
             // Refusing a size is allowed; a wrong answer is not. Many voxels take long where all pairs are asked for.
             let memory_limit = if storage == Storage::Blocks { 1 << 18 } else { 1 << 16 };
-            let options = SceneOptions { voxel_size, storage, tool: Some(&tool), memory_limit };
-            let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+            let options = SceneOptions::default()
+                .with_voxel_size(voxel_size)
+                .with_storage(storage)
+                .with_tool(&tool)
+                .with_memory_limit(memory_limit);
+            let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options) else { continue };
             for lanes in Level::available() {
                 if storage != Storage::Blocks && lanes != Level::best() {
                     continue;
@@ -99,7 +103,11 @@ pub fn check(case: Case) {
                     ask.check_queries(&scene, pose, gaps, &what);
                 }
                 if storage == Storage::Blocks || voxel_size.is_none() {
-                    ask.check_cast(scene.cast(&tool, &from, &to, case.tolerance), 6, &what);
+                    ask.check_cast(
+                        scene.cast(&tool, &from, &to, &CastOptions::default().with_tolerance(case.tolerance)),
+                        6,
+                        &what,
+                    );
                 }
             }
             ask.check_batches(&scene);
@@ -154,7 +162,7 @@ impl Ask<'_> {
     fn check_queries(&self, scene: &Scene, pose: &Pose, gaps: &[Gap], what: &str) {
         let (tool, mut within) = (self.tool, self.within);
         if within.is_nan() || within < 0.0 {
-            for found in [scene.near_pairs(tool, pose, within), scene.distance(tool, pose, within, 1)] {
+            for found in [scene.near_pairs(tool, pose, within), scene.nearest(tool, pose, 1, within)] {
                 assert!(matches!(found, Err(Error::Distance { .. })), "{what}: {found:?}");
             }
             within = f64::INFINITY;
@@ -165,10 +173,10 @@ impl Ask<'_> {
         let nearest: Vec<Gap> = near.iter().copied().filter(|gap| seen.insert(gap.part)).collect();
         assert_same(&scene.clearance(tool, pose, within).unwrap(), &nearest, what);
         for k in [1, 2, usize::MAX] {
-            let found = scene.distance(tool, pose, within, k).unwrap();
+            let found = scene.nearest(tool, pose, k, within).unwrap();
             assert_same(&found, &nearest[..k.min(nearest.len())], what);
         }
-        let closest = scene.closest(tool, pose, f64::INFINITY).unwrap().unwrap();
+        let closest = scene.distance(tool, pose, f64::INFINITY).unwrap().unwrap();
         assert_same(&[closest], &gaps[..1], what);
         assert_eq!(scene.is_colliding(tool, pose), closest.distance == 0.0, "{what}: {closest:?}");
     }
@@ -176,10 +184,10 @@ impl Ask<'_> {
     /// At many poses at once as at one.
     fn check_batches(&self, scene: &Scene) {
         let (tool, poses, within) = (self.tool, &self.poses, f64::INFINITY);
-        let single = poses.map(|pose| scene.closest(tool, &pose, within).unwrap());
-        assert_eq!(scene.distance_batch(tool, poses, within, &|_, _| true).unwrap(), single);
+        let single = poses.map(|pose| scene.distance(tool, &pose, within).unwrap());
+        assert_eq!(scene.distance_batch(tool, poses, within, &BatchOptions::default()).unwrap(), single);
         let rows = poses.map(|pose| scene.clearance(tool, &pose, within).unwrap());
-        assert_eq!(scene.clearance_batch(tool, poses, within, false, &|_, _| true).unwrap().gaps, rows.concat());
+        assert_eq!(scene.clearance_batch(tool, poses, within, &BatchOptions::default()).unwrap().gaps, rows.concat());
     }
 
     /// Nothing meets before the impact, and then the pair is as near as promised.

@@ -13,7 +13,7 @@ fn main() -> Result<()> {
         vec![[0.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 1.0], [0.0, 1.0, 1.0]];
     let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 5], [0, 5, 4]];
     let mockup = Mockup::new(vertices, faces, vec![0, 0, 1, 1], 2)?;
-    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true)?;
+    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default())?;
     let solver = ContactSolver::new(Arc::new(scene));
 
     // A peg of 10 cm by 10 cm by 20 cm.

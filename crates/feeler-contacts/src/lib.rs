@@ -15,7 +15,7 @@
 //! let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
 //! let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
 //! let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
-//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true)?;
+//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default())?;
 //! let solver = ContactSolver::new(Arc::new(scene));
 //!
 //! // The tip 1 cm below the plate: one plane, that deep.
@@ -65,7 +65,7 @@ mod tests;
 mod tracker;
 
 pub use clash::row::{Clash, Verdict};
-pub use clash::search::{ClashCounts, ClashSearch};
+pub use clash::search::{clash, ClashCounts, ClashOptions, ClashSearch, Clashes};
 pub use constants::{FEW_DEEP, MANY_DEEP, MOST_MANIFOLD_POINTS, MOST_PLANES};
 pub use contact_plane::{ContactPlane, Contacts};
 pub use containment::find::Containment;

@@ -253,7 +253,7 @@ impl ContactQuery<'_> {
         }
         let least = self
             .scene
-            .closest(tool, pose, margin)?
+            .distance(tool, pose, margin)?
             .map_or(0.0, |gap| LEAST_MARGIN_OVER_NEAREST * gap.distance)
             .min(margin);
         let mut within = margin;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use feeler_contacts::{Clash, ClashSearch, ContactSolver, DepthKind, Verdict};
+use feeler_contacts::{Clash, ClashOptions, ClashSearch, ContactSolver, DepthKind, Verdict};
 use feeler_core::{closest_triangle_triangle, Mockup, PairLimitTables, PairLimits, Point, Scene, SceneOptions};
 use feeler_shapes::random::Random;
 use feeler_shapes::{box_mesh, cylinder, joined, sheet, Arrays};
@@ -21,14 +21,14 @@ fn clashes_of(parts: Vec<Arrays>, clearance: f64, contact: f64) -> Vec<Clash> {
 /// Of all pairs but some.
 fn clashes_between(parts: Vec<Arrays>, clearance: f64, contact: f64, excluded: Vec<[u32; 2]>) -> Vec<Clash> {
     let count = parts.len();
-    let scene = Scene::build(mockup_of(parts), &SceneOptions::default(), &|_, _| true).unwrap();
-    let tables =
-        PairLimitTables { clearance: vec![clearance], contact: vec![contact], excluded, ..PairLimitTables::default() };
+    let scene = Scene::build(mockup_of(parts), &SceneOptions::default()).unwrap();
+    let mut tables = PairLimitTables::default();
+    (tables.clearance, tables.contact, tables.excluded) = (vec![clearance], vec![contact], excluded);
     let limits = PairLimits::new(tables, count).unwrap();
     let solver = ContactSolver::new(Arc::new(scene));
-    let mut search = ClashSearch::new(&solver, &limits).unwrap();
-    assert!(search.find_verdicts(&|_, _| true) && search.find_gaps(&|_, _| true));
-    search.measure(&|_, _| true).unwrap()
+    let mut search = ClashSearch::new(&solver, &limits, &ClashOptions::default()).unwrap();
+    assert!(search.find_verdicts() && search.find_gaps());
+    search.measure().unwrap()
 }
 
 /// A box by its corners, moved; its corners are sums of these and `off`, the same for whoever shares them.

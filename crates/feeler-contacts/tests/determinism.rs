@@ -45,8 +45,8 @@ impl Asked {
     }
 
     fn scene(&self, storage: Storage, voxel_size: Option<f64>) -> Scene {
-        let options = SceneOptions { voxel_size, storage, ..SceneOptions::default() };
-        Scene::build(Arc::clone(&self.mockup), &options, &|_, _| true).unwrap()
+        let options = SceneOptions::default().with_voxel_size(voxel_size).with_storage(storage);
+        Scene::build(Arc::clone(&self.mockup), &options).unwrap()
     }
 
     fn answer(&self, solver: &ContactSolver, (pose, margin, reference): &(Pose, f64, Option<Pose>)) -> Contacts {

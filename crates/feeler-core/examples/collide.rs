@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use feeler_core::{Mockup, Point, Pose, Result, Scene, SceneOptions, Tool};
+use feeler_core::{Mockup, PathOptions, Point, Pose, Result, Scene, SceneOptions, Tool};
 
 /// The eight corners and twelve triangles of a box, metres.
 fn cuboid(lower: Point, upper: Point) -> (Vec<Point>, Vec<[u32; 3]>) {
@@ -43,18 +43,18 @@ fn main() -> Result<()> {
         joined(&[([-0.02, -0.02, 0.0], [0.02, 0.02, 0.8]), ([-0.02, -0.02, 0.0], [0.16, 0.02, 0.03])]);
     let tool = Tool::new(vertices, faces)?;
 
-    let options = SceneOptions { tool: Some(&tool), ..Default::default() };
-    let scene = Scene::build(Arc::new(mockup), &options, &|_, _| true)?;
+    let options = SceneOptions::default().with_tool(&tool);
+    let scene = Scene::build(Arc::new(mockup), &options)?;
     let at = |x: f64, z: f64| Pose::IDENTITY.translated(&[x, 0.0, z]);
 
-    let gap = scene.closest(&tool, &at(0.0, 0.1)?, f64::INFINITY)?.expect("a scene is never empty");
+    let gap = scene.distance(&tool, &at(0.0, 0.1)?, f64::INFINITY)?.expect("a scene is never empty");
     println!("in the drum: {:.3} m to the {}", gap.distance, parts[gap.part as usize]);
 
     for (name, path) in [
         ("straight up", [at(0.0, 0.1)?, at(0.0, 0.5)?, at(0.0, 0.8)?]),
         ("to the left, then up", [at(0.0, 0.1)?, at(-0.07, 0.5)?, at(-0.07, 0.8)?]),
     ] {
-        let check = scene.check_path(&tool, &path, 1e-6, &|_, _| true)?;
+        let check = scene.check_path(&tool, &path, &PathOptions::default().with_tolerance(1e-6))?;
         match check.hits.first() {
             None => println!("{name}: free"),
             Some((segment, hit)) => {

@@ -6,8 +6,8 @@
 //! |---|---|---|
 //! | which pairs of triangles meet | [`Scene::collide`] | [`Scene::collide_batch`] |
 //! | does anything meet | [`Scene::is_colliding`] | |
-//! | how far is the nearest part, or the `k` nearest | [`Scene::distance`], [`Scene::closest`] | [`Scene::distance_batch`] |
-//! | which parts, or pairs of triangles, are nearer than a limit | [`Scene::clearance`], [`Scene::near_pairs`] | [`Scene::clearance_batch`] |
+//! | how far is the nearest part, or the `k` nearest | [`Scene::distance`], [`Scene::nearest`] | [`Scene::distance_batch`] |
+//! | which parts, or pairs of triangles, are nearer than a limit | [`Scene::clearance`], [`Scene::near_pairs`] | [`Scene::clearance_batch`], [`Scene::near_pairs_batch`] |
 //! | where on the way between two poses is the first impact | [`Scene::cast`] | [`Scene::check_path`] |
 //! | what does a ray meet first | [`Scene::ray`] | [`Scene::rays`] |
 //! | what does a plane cut | [`Scene::section`] | |
@@ -26,7 +26,7 @@
 //! let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
 //! let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
 //!
-//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true)?;
+//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default())?;
 //!
 //! // The tip 5 cm below the plate: its three sides go through triangle 0.
 //! let pose = Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?;
@@ -73,11 +73,13 @@ mod scene;
 #[doc(hidden)]
 pub mod scratch_pool;
 mod section;
+mod setters;
 mod sizing;
 #[doc(hidden)]
 pub mod tool;
 
 pub use cast::impact::{Cast, Touching};
+pub use cast::options::{CastOptions, PathOptions};
 pub use cast::path::PathCheck;
 pub use chunks::packed::{Packed, PackedPiece, PartNumbers};
 pub use clash::asked::{PairLimitTables, PairLimits};
@@ -93,6 +95,7 @@ pub use geometry::bounds::{Aabb, Point, Triangle};
 pub use geometry::distance_triangle_triangle::{closest_triangle_triangle, Closest};
 pub use geometry::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
 pub use geometry::pose::Pose;
+pub use geometry::twist::{Twist, Wrench};
 pub use index::selection::{IgnoredPairs, SurfaceNumbers};
 pub use index::sink::Stats;
 pub use index::store::Storage;
@@ -100,7 +103,7 @@ pub use mesh::defects::{Defect, DefectKind, Defects};
 pub use mesh::mockup::Mockup;
 pub use mesh::triangle_mesh::Mesh;
 pub use mesh::weld::weld_vertices;
-pub use progress::Progress;
+pub use progress::{BatchOptions, GoOn, Progress};
 pub use rays::ray::{HalfSpace, Ray, RayHit};
 pub use scene::{Scene, SceneOptions};
 pub use section::outline::SectionOutline;

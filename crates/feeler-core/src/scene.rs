@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use feeler_lanes::Level;
 
-use crate::cast::impact::{check_tolerance, Cast, Touching};
+use crate::cast::impact::{check_tolerance, Cast};
+use crate::cast::options::{CastOptions, PathOptions};
 use crate::cast::path::PathCheck;
 use crate::cast::query::{CastScratch, How};
 use crate::collide::batch::Batch;
@@ -22,7 +23,7 @@ use crate::index::ray_search::RayScratch;
 use crate::index::selection::{IgnoredPairs, Selection};
 use crate::index::store::Storage;
 use crate::mesh::mockup::Mockup;
-use crate::progress::Progress;
+use crate::progress::{BatchOptions, Progress};
 use crate::rays::ray::{HalfSpace, Ray, RayHit};
 use crate::scratch_pool::ScratchPool;
 use crate::section::outline::SectionOutline;
@@ -32,15 +33,16 @@ use crate::tool::moving_tool::Tool;
 use crate::tool::screw::Leg;
 use crate::{cast, collide, distance, rays, section};
 
-/// How to build a scene. Name what is to differ and take the rest from [`default`](Self::default), so that a later option leaves
-/// the code as it is:
+/// Options of [`Scene::build`]:
 ///
 /// ```
 /// use feeler_core::{SceneOptions, Storage};
 ///
-/// let options = SceneOptions { storage: Storage::Dense, voxel_size: Some(0.02), ..Default::default() };
+/// let options = SceneOptions::default().with_storage(Storage::Dense).with_voxel_size(0.02);
+/// # let _ = options;
 /// ```
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct SceneOptions<'a> {
     /// Voxel edge (blocks: piece size), metres; `None` chooses, see [`default_voxel_size`].
     pub voxel_size: Option<f64>,
@@ -50,11 +52,56 @@ pub struct SceneOptions<'a> {
     pub tool: Option<&'a Tool>,
     /// Most bytes that building the index, or a query's result, may take; by default there is no limit.
     pub memory_limit: u64,
+    /// Reports the progress of building, and may stop it.
+    pub progress: Progress<'a>,
 }
 
 impl Default for SceneOptions<'_> {
     fn default() -> Self {
-        SceneOptions { voxel_size: None, storage: Storage::Blocks, tool: None, memory_limit: u64::MAX }
+        SceneOptions {
+            voxel_size: None,
+            storage: Storage::Blocks,
+            tool: None,
+            memory_limit: u64::MAX,
+            progress: Progress::default(),
+        }
+    }
+}
+
+impl<'a> SceneOptions<'a> {
+    /// Sets the voxel edge (blocks: piece size), metres; `None` chooses.
+    #[must_use]
+    pub fn with_voxel_size(mut self, voxel_size: impl Into<Option<f64>>) -> Self {
+        self.voxel_size = voxel_size.into();
+        self
+    }
+
+    /// Sets the store.
+    #[must_use]
+    pub fn with_storage(mut self, storage: Storage) -> Self {
+        self.storage = storage;
+        self
+    }
+
+    /// Chooses the voxel size for this tool.
+    #[must_use]
+    pub fn with_tool(mut self, tool: impl Into<Option<&'a Tool>>) -> Self {
+        self.tool = tool.into();
+        self
+    }
+
+    /// Sets the most bytes that building the index, or a query's result, may take.
+    #[must_use]
+    pub fn with_memory_limit(mut self, bytes: u64) -> Self {
+        self.memory_limit = bytes;
+        self
+    }
+
+    /// Calls a function with the share done (0 to 1) and the stage. Building stops with [`Error::Cancelled`] where it returns false.
+    #[must_use]
+    pub fn with_progress(mut self, progress: &'a (dyn Fn(f64, &str) -> bool + Sync)) -> Self {
+        self.progress = Progress::new(progress);
+        self
     }
 }
 
@@ -78,12 +125,12 @@ struct Pools {
 }
 
 impl Scene {
-    /// Builds the index, in parallel on the current rayon pool. `progress` is told how far it is, and stops it by `false`.
+    /// Builds the index, in parallel on the current rayon pool.
     ///
     /// Errors: a request to stop, a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
     /// anything is allocated.
-    pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>, progress: Progress<'_>) -> Result<Scene> {
-        let SceneOptions { voxel_size, storage, tool, memory_limit } = *options;
+    pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>) -> Result<Scene> {
+        let SceneOptions { voxel_size, storage, tool, memory_limit, progress } = *options;
         let size = voxel_size.unwrap_or_else(|| default_voxel_size(mockup.mesh(), tool, storage, memory_limit));
         Ok(Scene { index: Index::build(mockup, storage, size, memory_limit, progress)?, pools: Arc::default() })
     }
@@ -99,7 +146,7 @@ impl Scene {
     /// // A plate of two parts, and a spike through the first.
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![0, 1], 2)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// let pose = Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?;
@@ -178,7 +225,7 @@ impl Scene {
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// // The tip of the spike is 5 cm below the plate.
@@ -199,7 +246,7 @@ impl Scene {
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// assert!(!scene.is_colliding(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.001])?));
@@ -222,7 +269,7 @@ impl Scene {
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// // The tip on the plate, and through it.
@@ -236,25 +283,25 @@ impl Scene {
 
     /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
     ///
-    /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
-    /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
+    /// What is found is put together at the end, so that for a moment a pair is held twice. Errors when the result would outgrow the
+    /// memory limit of the scene.
     ///
     /// ```
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
-    /// let batch = scene.collide_batch(&tool, &[at(0.1)?, at(-0.05)?, at(-0.1)?], &|_, _| true)?;
+    /// let batch = scene.collide_batch(&tool, &[at(0.1)?, at(-0.05)?, at(-0.1)?], &BatchOptions::default())?;
     /// assert_eq!(batch.offsets, [0, 0, 3, 6]);
     /// let second = &batch.pairs[batch.offsets[1] as usize..batch.offsets[2] as usize];
     /// assert_eq!(second, [[0, 0], [1, 0], [2, 0]]);
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
-        collide::batch::collide_batch(&self.index, &self.pools.collide, tool, poses, progress)
+    pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], options: &BatchOptions<'_>) -> Result<Batch> {
+        collide::batch::collide_batch(&self.index, &self.pools.collide, tool, poses, options.progress)
     }
 
     /// Every pair of triangles with a distance of at most `within` (metres), sorted by distance, then tool triangle, then
@@ -276,7 +323,7 @@ impl Scene {
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// // The tip of the spike is 4 mm above the plate: is a clearance of 5 mm kept?
@@ -290,208 +337,175 @@ impl Scene {
         self.gaps(tool, pose, Goal::Parts, within)
     }
 
-    /// The closest pair of triangles of each of the `k` closest parts, but none farther than `max` (metres); sorted as
-    /// [`near_pairs`](Self::near_pairs). With `k` = 1 the first entry is the minimum distance; no entry: nothing within `max`.
+    /// The closest pair of triangles of each of the `k` closest parts, but none farther than `within` (metres); sorted as
+    /// [`near_pairs`](Self::near_pairs). With `k` = 1 the first entry is the minimum distance; no entry: nothing within that.
     ///
     /// Of several pairs at the same distance, the one with the least ids; of several that meet, any, and of more than `k`
-    /// parts that meet the tool, any `k`. Errors: `max` negative or NaN, and `k` zero.
+    /// parts that meet the tool, any `k`. Errors: `within` negative or NaN, and `k` zero.
     ///
     /// ```
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
-    /// let nearest = scene.distance(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, f64::INFINITY, 1)?;
+    /// let nearest = scene.nearest(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, 3, f64::INFINITY)?;
     /// let gap = &nearest[0];
     /// assert_eq!((gap.distance, gap.mockup_triangle), (0.25, 0));
     /// assert_eq!((gap.on_tool, gap.on_mockup), ([0.3, -0.3, 0.25], [0.3, -0.3, 0.0]));
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn distance(&self, tool: &Tool, pose: &Pose, max: f64, k: usize) -> Result<Vec<Gap>> {
-        check_distance("max", max)?;
+    pub fn nearest(&self, tool: &Tool, pose: &Pose, k: usize, within: f64) -> Result<Vec<Gap>> {
+        check_distance("within", within)?;
         if k == 0 {
             return Err(Error::NoneAsked { what: "k" });
         }
-        self.gaps(tool, pose, Goal::Nearest(k), max)
+        self.gaps(tool, pose, Goal::Nearest(k), within)
     }
 
-    /// The closest pair of triangles, `None` when all are farther than `max` (metres): [`distance`](Self::distance) with `k` = 1,
+    /// The closest pair of triangles, `None` when all are farther than `within` (metres): [`nearest`](Self::nearest) with `k` = 1,
     /// allocating nothing.
-    pub fn closest(&self, tool: &Tool, pose: &Pose, max: f64) -> Result<Option<Gap>> {
-        check_distance("max", max)?;
-        Ok(self.pools.distance.with(|scratch| distance::query::closest(&self.index, tool, pose, max, scratch)))
+    pub fn distance(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Option<Gap>> {
+        check_distance("within", within)?;
+        Ok(self.pools.distance.with(|scratch| distance::query::closest(&self.index, tool, pose, within, scratch)))
     }
 
     fn gaps(&self, tool: &Tool, pose: &Pose, goal: Goal, within: f64) -> Result<Vec<Gap>> {
         self.pools.distance.with(|scratch| distance::query::gaps(&self.index, tool, pose, goal, within, scratch))
     }
 
-    /// [`closest`](Self::closest) at many poses, in parallel on the current rayon pool.
+    /// [`distance`](Self::distance) at many poses, in parallel on the current rayon pool.
     pub fn distance_batch(
         &self,
         tool: &Tool,
         poses: &[Pose],
-        max: f64,
-        progress: Progress<'_>,
+        within: f64,
+        options: &BatchOptions<'_>,
     ) -> Result<Vec<Option<Gap>>> {
-        distance::batch::distance_batch(&self.index, &self.pools.distance, tool, poses, max, progress)
+        distance::batch::distance_batch(&self.index, &self.pools.distance, tool, poses, within, options.progress)
     }
 
-    /// [`clearance`](Self::clearance) at many poses, or with `pairs` [`near_pairs`](Self::near_pairs), in parallel on the current
-    /// rayon pool. Errors when the result would outgrow the memory limit of the scene.
+    /// [`clearance`](Self::clearance) at many poses, in parallel on the current rayon pool. Errors when the result would outgrow the
+    /// memory limit of the scene.
     pub fn clearance_batch(
         &self,
         tool: &Tool,
         poses: &[Pose],
         within: f64,
-        pairs: bool,
-        progress: Progress<'_>,
+        options: &BatchOptions<'_>,
     ) -> Result<GapBatch> {
-        distance::batch::clearance_batch(&self.index, &self.pools.distance, tool, poses, within, pairs, progress)
+        distance::batch::clearance_batch(
+            &self.index,
+            &self.pools.distance,
+            tool,
+            poses,
+            within,
+            false,
+            options.progress,
+        )
+    }
+
+    /// [`near_pairs`](Self::near_pairs) at many poses, as [`clearance_batch`](Self::clearance_batch).
+    pub fn near_pairs_batch(
+        &self,
+        tool: &Tool,
+        poses: &[Pose],
+        within: f64,
+        options: &BatchOptions<'_>,
+    ) -> Result<GapBatch> {
+        distance::batch::clearance_batch(&self.index, &self.pools.distance, tool, poses, within, true, options.progress)
     }
 
     /// The first impact of the tool on its [way](crate::Motion) between two poses; `None` if the way is free.
     ///
-    /// `tolerance` (metres): how far before the impact the pose given may lie, as a distance of the two triangles. A tool that
-    /// passes by nearer than that may count as one that hits. Where the two poses are equal the answer is that of
-    /// [`Scene::collide`], exact. Errors: a tolerance that is not positive and finite.
+    /// Where the two poses are equal the answer is that of [`Scene::collide`], exact. With [`Touching::Free`](crate::Touching::Free) the
+    /// cast ends where one body enters the other. Errors: a tolerance that is not positive and finite, and a request to stop.
     ///
     /// ```
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
     /// // Half of the way from 1 m above the plate to 1 m below it is free.
-    /// let hit = scene.cast(&tool, &at(1.0)?, &at(-1.0)?, 1e-6)?.expect("the plate is in the way");
+    /// let hit = scene.cast(&tool, &at(1.0)?, &at(-1.0)?, &CastOptions::default())?.expect("the plate is in the way");
     /// assert!(hit.fraction <= 0.5 && hit.fraction > 0.499_999);
     /// assert_eq!(hit.normal, [0.0, 0.0, 1.0]);
-    /// assert!(scene.cast(&tool, &at(1.0)?, &at(0.1)?, 1e-6)?.is_none());
+    /// assert!(scene.cast(&tool, &at(1.0)?, &at(0.1)?, &CastOptions::default())?.is_none());
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn cast(&self, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {
-        self.cast_touching(tool, pose0, pose1, tolerance, Touching::Ends)
+    pub fn cast(&self, tool: &Tool, start: &Pose, end: &Pose, options: &CastOptions<'_>) -> Result<Option<Cast>> {
+        self.cast_along(tool, &Motion::new(tool, start, end), options)
     }
 
-    /// [`cast`](Self::cast) that may pass over contacts: with [`Touching::Free`] it ends where one body enters the other, and
-    /// `tolerance` is also how far the two triangles at the impact may overlap by then.
-    pub fn cast_touching(
-        &self,
-        tool: &Tool,
-        pose0: &Pose,
-        pose1: &Pose,
-        tolerance: f64,
-        touching: Touching,
-    ) -> Result<Option<Cast>> {
-        self.cast_along(tool, &Motion::new(tool, pose0, pose1), tolerance, touching)
-    }
-
-    /// [`cast_touching`](Self::cast_touching) along any motion of the tool, as along a [screw](crate::Screw).
+    /// [`cast`](Self::cast) along any motion of the tool, as along a [screw](crate::Screw).
     ///
     /// ```
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// // Three turns down a thread of 0.1 m a turn: the plate, 0.25 m below, is met in the third.
     /// let screw = Screw::new(&[0.0, 0.0, 1.0], &[0.3, -0.3, 0.0], -3.0 * std::f64::consts::TAU, 0.1)?;
     /// let motion = Motion::screw(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, &screw)?;
-    /// let hit = scene.cast_along(&tool, &motion, 1e-6, Touching::Ends)?.expect("the plate is in the way");
+    /// let hit = scene.cast_along(&tool, &motion, &CastOptions::default())?.expect("the plate is in the way");
     /// assert!((hit.fraction * 0.3 - 0.25).abs() < 1e-5);
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn cast_along(&self, tool: &Tool, motion: &Motion, tolerance: f64, touching: Touching) -> Result<Option<Cast>> {
+    pub fn cast_along(&self, tool: &Tool, motion: &Motion, options: &CastOptions<'_>) -> Result<Option<Cast>> {
+        let CastOptions { tolerance, touching, directions, go_on } = *options;
         check_tolerance(tolerance)?;
-        let how = How { tolerance, touching, directions: &[], goes_on: &|| true };
-        self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, scratch))
-    }
-
-    /// [`cast_along`](Self::cast_along) where it is known along which `directions` (units, world, from the mock-up to the tool) the two are
-    /// probably apart, as those of contact planes: pairs that one of them holds apart all the way need not be followed. The answer is the
-    /// same within the tolerance, and along surfaces it comes much sooner. The first sixteen are tried. `goes_on`: asked every few
-    /// milliseconds; an answer of `false` is an error, a request to stop.
-    pub fn cast_beside(
-        &self,
-        tool: &Tool,
-        motion: &Motion,
-        tolerance: f64,
-        directions: &[Point],
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Option<Cast>> {
-        check_tolerance(tolerance)?;
-        let how = How { tolerance, touching: Touching::Ends, directions, goes_on };
+        let how = How { tolerance, touching, directions, goes_on: go_on.function() };
         self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, scratch))
     }
 
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
     ///
-    /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
+    /// Every segment is looked at, also those after an impact. Errors: as
     /// `cast`, a path without a pose, and a request to stop.
     ///
     /// ```
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
     /// let path = [at(1.0)?, at(0.5)?, at(-0.1)?, at(-1.0)?];
-    /// let check = scene.check_path(&tool, &path, 1e-6, &|_, _| true)?;
+    /// let check = scene.check_path(&tool, &path, &PathOptions::default())?;
     /// assert_eq!(check.segments, 3);
     /// // The second segment runs into the plate; the third one begins in it.
     /// assert_eq!(check.hits.iter().map(|(segment, _)| *segment).collect::<Vec<_>>(), [1, 2]);
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn check_path(&self, tool: &Tool, poses: &[Pose], tolerance: f64, progress: Progress<'_>) -> Result<PathCheck> {
-        self.check_path_touching(tool, poses, tolerance, Touching::Ends, progress)
-    }
-
-    /// [`check_path`](Self::check_path) that may pass over contacts, as [`cast_touching`](Self::cast_touching).
-    pub fn check_path_touching(
-        &self,
-        tool: &Tool,
-        poses: &[Pose],
-        tolerance: f64,
-        touching: Touching,
-        progress: Progress<'_>,
-    ) -> Result<PathCheck> {
+    pub fn check_path(&self, tool: &Tool, poses: &[Pose], options: &PathOptions<'_>) -> Result<PathCheck> {
         let Some(first) = poses.first() else { return Err(Error::EmptyPath) };
         let motion = |i: usize| Motion::new(tool, &poses[i], poses.get(i + 1).unwrap_or(first));
-        self.check_motions(tool, (poses.len().max(2) - 1, &motion), (tolerance, touching), progress)
+        self.check_motions(tool, (poses.len().max(2) - 1, &motion), options)
     }
 
-    /// [`check_path_touching`](Self::check_path_touching) of a way of legs from a pose. Errors where a leg leads beyond the coordinate
-    /// limit, too.
-    pub fn check_legs(
-        &self,
-        tool: &Tool,
-        start: &Pose,
-        legs: &[Leg],
-        (tolerance, touching): (f64, Touching),
-        progress: Progress<'_>,
-    ) -> Result<PathCheck> {
+    /// [`check_path`](Self::check_path) of a way of legs from a pose. Errors where a leg leads beyond the coordinate limit, too.
+    pub fn check_legs(&self, tool: &Tool, start: &Pose, legs: &[Leg], options: &PathOptions<'_>) -> Result<PathCheck> {
         let motions = match legs {
             [] => vec![Motion::new(tool, start, start)],
             legs => Motion::of_legs(tool, start, legs)?,
         };
-        self.check_motions(tool, (motions.len(), &|i| motions[i].clone()), (tolerance, touching), progress)
+        self.check_motions(tool, (motions.len(), &|i| motions[i].clone()), options)
     }
 
     fn check_motions(
         &self,
         tool: &Tool,
         motions: (usize, &(dyn Fn(usize) -> Motion + Sync)),
-        how: (f64, Touching),
-        progress: Progress<'_>,
+        options: &PathOptions<'_>,
     ) -> Result<PathCheck> {
-        cast::path::check_path(&self.index, &self.pools.cast, tool, motions, how, progress)
+        cast::path::check_path(&self.index, &self.pools.cast, tool, motions, options)
     }
 }
 
@@ -510,7 +524,7 @@ impl Scene {
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// // Down onto the plate.
     /// let ray = Ray { origin: [0.5, -0.25, 3.0], direction: [0.0, 0.0, -2.0] };
     /// let hit = scene.ray(&ray, f64::INFINITY, &[])?.expect("the plate is there");
@@ -545,7 +559,7 @@ impl Scene {
     /// # use feeler_core::*;
     /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
-    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// let outline = scene.section(&[0.5, 0.0, 0.0], &[1.0, 0.0, 0.0])?;
     /// assert_eq!(outline.triangles, [0, 1]);
     /// assert_eq!(outline.segments[0], [[0.5, 0.5, 0.0], [0.5, -1.0, 0.0]]);

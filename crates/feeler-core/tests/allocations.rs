@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use common::*;
-use feeler_core::{Collision, Error, Filters, Mockup, Pose, Scene, SceneOptions, Storage, Tool};
+use feeler_core::{BatchOptions, Collision, Error, Filters, Mockup, Pose, Scene, SceneOptions, Storage, Tool};
 
 struct Counting;
 
@@ -78,8 +78,9 @@ fn growth<R>(work: impl FnOnce() -> R) -> (usize, isize, R) {
 }
 
 fn build(mockup: &Arc<Mockup>, storage: Storage, voxel_size: Option<f64>, memory_limit: u64) -> Result<Scene, Error> {
-    let options = SceneOptions { voxel_size, storage, memory_limit, ..SceneOptions::default() };
-    Scene::build(Arc::clone(mockup), &options, &|_, _| true)
+    let options =
+        SceneOptions::default().with_voxel_size(voxel_size).with_storage(storage).with_memory_limit(memory_limit);
+    Scene::build(Arc::clone(mockup), &options)
 }
 
 /// About 100 thousand triangles: a ball of small ones, and long needles that get cut.
@@ -245,7 +246,8 @@ fn a_batch_stays_within_the_limit() {
     for limit in [0, 1 << 20, 16 << 20] {
         let scene = build(&mockup, Storage::Blocks, None, limit.max(1 << 19)).unwrap();
         let limit = limit.max(1 << 19);
-        let (peak, left, result) = growth(|| pool.install(|| scene.collide_batch(&tool, &poses, &|_, _| true)));
+        let (peak, left, result) =
+            growth(|| pool.install(|| scene.collide_batch(&tool, &poses, &BatchOptions::default())));
         let Err(Error::Memory { needed, allowed, .. }) = result else { panic!("{pairs} pairs each fit {limit} bytes") };
         assert!(allowed == limit && needed > limit);
         assert!(peak as u64 <= limit + (1 << 20), "limit {limit}: {peak} bytes at the most");
@@ -258,7 +260,7 @@ fn a_batch_stays_within_the_limit() {
         let poses = [vec![away; before], vec![Pose::IDENTITY; meeting], vec![away; after]].concat();
         let needed = 24 * poses.len() as u64 + 26 * (pairs * meeting) as u64;
         let scene = build(&mockup, Storage::Blocks, None, needed).unwrap();
-        let (peak, _, batch) = growth(|| pool.install(|| scene.collide_batch(&tool, &poses, &|_, _| true)));
+        let (peak, _, batch) = growth(|| pool.install(|| scene.collide_batch(&tool, &poses, &BatchOptions::default())));
         assert_eq!(batch.unwrap().pairs.len(), pairs * meeting);
         let share = peak as f64 / needed as f64;
         assert!((0.5..1.0).contains(&share), "{before}, {meeting}, {after}: {share} of the limit");
@@ -277,7 +279,7 @@ fn a_batch_allocates_for_some_poses_together_and_for_none_alone() {
     let allocations = |count: usize| {
         pool.install(|| {
             let before = ALLOCATIONS.get();
-            let batch = scene.collide_batch(&tool, &poses[..count], &|_, _| true).unwrap();
+            let batch = scene.collide_batch(&tool, &poses[..count], &BatchOptions::default()).unwrap();
             assert!(batch.pairs.len() > 10 * count, "{} pairs make no test", batch.pairs.len());
             ALLOCATIONS.get() - before
         })

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use common::*;
 use feeler_core::{
-    collide_all_pairs, Collision, Error, Filters, Level, Mockup, PairKind, Pose, Scene, SceneOptions, Storage, Tool,
+    collide_all_pairs, BatchOptions, Collision, Error, Filters, Level, Mockup, PairKind, Pose, Scene, SceneOptions,
+    Storage, Tool,
 };
 use proptest::prelude::*;
 
@@ -28,8 +29,8 @@ fn together(c: &Collision) -> Pairs {
 }
 
 fn build(mockup: &Arc<Mockup>, storage: Storage, voxel_size: Option<f64>) -> Result<Scene, Error> {
-    let options = SceneOptions { voxel_size, storage, memory_limit: 1 << 30, ..SceneOptions::default() };
-    Scene::build(Arc::clone(mockup), &options, &|_, _| true)
+    let options = SceneOptions::default().with_voxel_size(voxel_size).with_storage(storage).with_memory_limit(1 << 30);
+    Scene::build(Arc::clone(mockup), &options)
 }
 
 /// The scene's every kind of query against what all pairs gave.
@@ -44,7 +45,7 @@ fn check_scene(what: &str, scene: &Scene, tool: &Tool, poses: &[Pose], expected:
         }
         assert_eq!(scene.is_colliding(tool, pose), !pairs.is_empty(), "{what}, pose {i}");
     }
-    let batch = scene.collide_batch(tool, poses, &|_, _| true).unwrap();
+    let batch = scene.collide_batch(tool, poses, &BatchOptions::default()).unwrap();
     assert_eq!(batch.offsets.len(), poses.len() + 1, "{what}");
     for (i, pairs) in expected.iter().enumerate() {
         let range = batch.offsets[i] as usize..batch.offsets[i + 1] as usize;
@@ -302,12 +303,12 @@ fn large_batches_run_in_waves_and_keep_their_order() {
     let at = poses(52, 9001, 0.8, 0.0);
     let single: Vec<Pairs> = at.iter().map(|p| together(&scene.collide(&tool, p))).collect();
     for threads in [1, 3] {
-        let batch = in_pool(threads, || scene.collide_batch(&tool, &at, &|_, _| true)).unwrap();
+        let batch = in_pool(threads, || scene.collide_batch(&tool, &at, &BatchOptions::default())).unwrap();
         let pairs: Vec<[u32; 2]> = single.iter().flatten().map(|(pair, _)| *pair).collect();
         assert!(batch.pairs == pairs && pairs.len() > 1000, "{threads} threads");
         assert!((0..at.len()).all(|i| batch.offsets[i + 1] - batch.offsets[i] == single[i].len() as u64));
     }
-    let empty = scene.collide_batch(&tool, &[], &|_, _| true).unwrap();
+    let empty = scene.collide_batch(&tool, &[], &BatchOptions::default()).unwrap();
     assert_eq!((empty.offsets, empty.pairs.len()), (vec![0], 0));
 }
 

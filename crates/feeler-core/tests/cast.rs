@@ -7,15 +7,15 @@ use std::sync::Arc;
 use common::*;
 use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use feeler_core::{
-    cast_all_pairs, collide_all_pairs, Cast, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions, Screw, Storage,
-    Tool, Touching,
+    cast_all_pairs, collide_all_pairs, Cast, CastOptions, Error, Mockup, Motion, PathOptions, Point, Pose, Scene,
+    SceneOptions, Screw, Storage, Tool, Touching,
 };
 
 const TOLERANCE: f64 = 1e-6;
 
 fn scene_of(mockup: &Arc<Mockup>, storage: Storage) -> Scene {
-    let options = SceneOptions { storage, ..SceneOptions::default() };
-    Scene::build(mockup.clone(), &options, &|_, _| true).unwrap()
+    let options = SceneOptions::default().with_storage(storage);
+    Scene::build(mockup.clone(), &options).unwrap()
 }
 
 fn sheet(side: f64) -> Arrays {
@@ -96,7 +96,7 @@ fn a_cast_of_any_store_is_that_of_all_pairs() {
             let way = Motion::new(&tool, &a, &b).longest_way();
             for scene in &scenes {
                 let what = format!("{name} {i} {:?}", scene.storage());
-                let found = scene.cast(&tool, &a, &b, TOLERANCE).unwrap();
+                let found = scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap();
                 check(&mockup, &tool, (&a, &b), found.as_ref(), 10, &what);
                 assert_eq!(found.is_some(), plain.is_some(), "{what}");
                 if let (Some(found), Some(plain)) = (found, plain) {
@@ -119,7 +119,8 @@ fn a_drop_on_a_sheet_stops_at_the_sheet() {
         let scene = scene_of(&mockup, storage);
         for speed in [1.0, 1e3, 1e9] {
             let (a, b) = (moved([0.0, 0.0, 0.25]), moved([0.0, 0.0, 0.25 - speed]));
-            let cast = scene.cast(&tool, &a, &b, TOLERANCE).unwrap().expect("a hit");
+            let cast =
+                scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap().expect("a hit");
             let height = cast.pose.translation()[2];
             let ulp = speed * 1e-12;
             assert!((-ulp..=TOLERANCE + ulp).contains(&height), "{height} at {speed}");
@@ -127,9 +128,14 @@ fn a_drop_on_a_sheet_stops_at_the_sheet() {
             assert!(cast.normal[2] > 0.999_999, "{:?}", cast.normal);
             assert!(cast.point[2].abs() < 1e-9);
             // Upwards is free, and so is sliding along at a small height.
-            assert_eq!(scene.cast(&tool, &a, &moved([0.0, 0.0, speed]), TOLERANCE).unwrap(), None);
+            assert_eq!(
+                scene
+                    .cast(&tool, &a, &moved([0.0, 0.0, speed]), &CastOptions::default().with_tolerance(TOLERANCE))
+                    .unwrap(),
+                None
+            );
             let (a, b) = (moved([-9.0, 0.0, 1e-7]), moved([9.0, 0.0, 1e-7]));
-            assert_eq!(scene.cast(&tool, &a, &b, TOLERANCE).unwrap(), None);
+            assert_eq!(scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap(), None);
         }
     }
 }
@@ -140,11 +146,22 @@ fn beginning_in_contact_is_an_impact_at_once() {
     let tool = tool_of(ball(10, 0.2));
     for storage in STORAGES {
         let scene = scene_of(&mockup, storage);
-        let cast = scene.cast(&tool, &moved([0.4, 0.0, 0.0]), &moved([2.0, 0.0, 0.0]), TOLERANCE).unwrap().unwrap();
+        let cast = scene
+            .cast(
+                &tool,
+                &moved([0.4, 0.0, 0.0]),
+                &moved([2.0, 0.0, 0.0]),
+                &CastOptions::default().with_tolerance(TOLERANCE),
+            )
+            .unwrap()
+            .unwrap();
         assert_eq!((cast.fraction, cast.distance), (0.0, 0.0));
         assert_eq!(cast.pose, moved([0.4, 0.0, 0.0]));
         // Inside, without touching the surface: free until it is reached.
-        let cast = scene.cast(&tool, &moved([0.0; 3]), &moved([2.0, 0.0, 0.0]), TOLERANCE).unwrap().unwrap();
+        let cast = scene
+            .cast(&tool, &moved([0.0; 3]), &moved([2.0, 0.0, 0.0]), &CastOptions::default().with_tolerance(TOLERANCE))
+            .unwrap()
+            .unwrap();
         assert!(cast.fraction > 0.14 && cast.fraction < 0.151, "{}", cast.fraction);
     }
 }
@@ -154,11 +171,20 @@ fn standing_still_is_a_collision_query() {
     let mockup = mockup_of(sheet(1.0));
     let scene = scene_of(&mockup, Storage::Blocks);
     let tool = tool_of(bar([0.1, 0.1, 0.1]));
-    let still = |z: f64| scene.cast(&tool, &moved([0.0, 0.0, z]), &moved([0.0, 0.0, z]), TOLERANCE).unwrap();
+    let still = |z: f64| {
+        scene
+            .cast(
+                &tool,
+                &moved([0.0, 0.0, z]),
+                &moved([0.0, 0.0, z]),
+                &CastOptions::default().with_tolerance(TOLERANCE),
+            )
+            .unwrap()
+    };
     assert_eq!(still(1e-300), None);
     assert_eq!(still(0.0).map(|cast| cast.fraction), Some(0.0));
     assert_eq!(still(-0.05).map(|cast| cast.distance), Some(0.0));
-    let check = scene.check_path(&tool, &[moved([0.0; 3])], TOLERANCE, &|_, _| true).unwrap();
+    let check = scene.check_path(&tool, &[moved([0.0; 3])], &PathOptions::default().with_tolerance(TOLERANCE)).unwrap();
     assert_eq!((check.segments, check.hits.len()), (1, 1));
 }
 
@@ -183,7 +209,8 @@ fn half_a_turn_of_a_long_bar_meets_a_thin_post() {
             };
             // Half a turn goes either way round: the post is met by one end or by the other.
             let (a, b) = (pose(0.0), pose(turn));
-            let cast = scene.cast(&tool, &a, &b, TOLERANCE).unwrap().expect("a hit");
+            let cast =
+                scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap().expect("a hit");
             check(&mockup, &tool, (&a, &b), Some(&cast), 400, "half a turn");
             let met = cast.fraction * turn;
             assert!((1.2..1.5).contains(&met) || (1.6..2.0).contains(&met), "{met}");
@@ -215,7 +242,7 @@ fn nothing_tunnels() {
             b[k][3] = middle[k] - (a[k][3] - middle[k]);
         }
         let (a, b) = (Pose::new(&a).unwrap(), Pose::new(&b).unwrap());
-        let found = scene.cast(&tool, &a, &b, TOLERANCE).unwrap();
+        let found = scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap();
         check(&mockup, &tool, (&a, &b), found.as_ref(), 40, &format!("seed {seed}"));
         hits += u64::from(found.is_some());
     }
@@ -229,15 +256,25 @@ fn bad_tolerances_and_paths() {
     let tool = tool_of(bar([0.1, 0.1, 0.1]));
     let (a, b) = (moved([0.0, 0.0, 1.0]), moved([0.0, 0.0, -1.0]));
     for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(scene.cast(&tool, &a, &b, tolerance), Err(Error::Tolerance { .. })), "{tolerance}");
-        assert!(scene.check_path(&tool, &[a, b], tolerance, &|_, _| true).is_err());
+        assert!(
+            matches!(
+                scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(tolerance)),
+                Err(Error::Tolerance { .. })
+            ),
+            "{tolerance}"
+        );
+        assert!(scene.check_path(&tool, &[a, b], &PathOptions::default().with_tolerance(tolerance)).is_err());
     }
     for tolerance in [5e-324, 1e-30, 1.0, 1e300] {
-        let cast = scene.cast(&tool, &a, &b, tolerance).unwrap().expect("a hit");
+        let cast =
+            scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(tolerance)).unwrap().expect("a hit");
         assert!(cast.fraction <= 0.5 && cast.pose.translation()[2] >= 0.0, "{tolerance}: {}", cast.fraction);
     }
-    assert_eq!(scene.check_path(&tool, &[], 1e-6, &|_, _| true), Err(Error::EmptyPath));
-    assert_eq!(scene.check_path(&tool, &[a, b], 1e-6, &|_, _| false), Err(Error::Cancelled));
+    assert_eq!(scene.check_path(&tool, &[], &PathOptions::default().with_tolerance(1e-6)), Err(Error::EmptyPath));
+    assert_eq!(
+        scene.check_path(&tool, &[a, b], &PathOptions::default().with_tolerance(1e-6).with_progress(&|_, _| false)),
+        Err(Error::Cancelled)
+    );
 }
 
 #[test]
@@ -247,10 +284,11 @@ fn a_path_is_its_segments() {
     let tool = tool_of(ball(6, 0.1));
     let mut r = Random::new(3);
     let poses: Vec<Pose> = (0..5000).map(|_| r.pose(0.9)).collect();
-    let check = scene.check_path(&tool, &poses, TOLERANCE, &|_, _| true).unwrap();
+    let check = scene.check_path(&tool, &poses, &PathOptions::default().with_tolerance(TOLERANCE)).unwrap();
     let mut hits = check.hits.iter().peekable();
     for i in 0..poses.len() - 1 {
-        let alone = scene.cast(&tool, &poses[i], &poses[i + 1], TOLERANCE).unwrap();
+        let alone =
+            scene.cast(&tool, &poses[i], &poses[i + 1], &CastOptions::default().with_tolerance(TOLERANCE)).unwrap();
         let found = hits.next_if(|(segment, _)| *segment == i).map(|(_, cast)| *cast);
         assert_eq!(alone, found, "segment {i}");
     }
@@ -309,7 +347,8 @@ fn huge_and_tiny_coordinates_are_never_late() {
                 Pose::new(&m.matrix()).unwrap()
             };
             let (a, b) = (place(0.4), place(-0.5));
-            if let Some(cast) = scene.cast(&tool, &a, &b, scale * 1e-6).unwrap() {
+            if let Some(cast) = scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(scale * 1e-6)).unwrap()
+            {
                 assert!(cast.fraction <= 0.445, "{scale} {offset}: {}", cast.fraction);
             } else {
                 panic!("through the sheet at {scale} {offset}");
@@ -335,7 +374,11 @@ fn a_spinning_tool_meets_a_speck() {
         let (a, b) = (turned(0, 0.0, at), turned(0, 3.0, at));
         let met = 121f64.to_radians() / 3.0;
         let plain = cast_all_pairs(mockup.mesh(), &tool, &Motion::new(&tool, &a, &b), TOLERANCE * scale).unwrap();
-        let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE * scale).unwrap());
+        let found = STORAGES.map(|storage| {
+            scene_of(&mockup, storage)
+                .cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE * scale))
+                .unwrap()
+        });
         for cast in found.into_iter().chain([plain]) {
             let cast = cast.unwrap_or_else(|| panic!("through a speck of {speck:e} m"));
             assert!(cast.fraction < met + 1e-6, "{speck:e}: {}", cast.fraction);
@@ -353,7 +396,9 @@ fn a_long_blade_that_passes_is_not_stopped() {
     let a = pose([[1.0, -4e-7, 0.0, 1000.0], [0.0, 0.6, -0.8, -4000.0], [0.0, 0.8, 0.6, 1000.0]]);
     let b = pose([[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, -0.2], [0.0, -1.0, 0.0, -0.4]]);
     let plain = cast_all_pairs(mockup.mesh(), &tool, &Motion::new(&tool, &a, &b), TOLERANCE).unwrap();
-    let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE).unwrap());
+    let found = STORAGES.map(|storage| {
+        scene_of(&mockup, storage).cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap()
+    });
     // It passes: by less than the bounds for its length, and so far that no impact may be made of that.
     assert_eq!((plain, found), (None, [None; 5]));
     check(&mockup, &tool, (&a, &b), None, 20_000, "a long blade");
@@ -385,10 +430,15 @@ fn directions_that_hold_apart_tell_in_the_time_alone() {
         let from =
             turned((i % 3) as usize, 0.05 * wave(0.3), [0.4 + 0.2 * wave(1.3), 0.4 + 0.2 * wave(0.7), low + 0.02]);
         let to = turned((i % 3) as usize, 0.3 * wave(1.9), [0.4 + 0.3 * wave(0.9), 0.4 + 0.3 * wave(1.1), low]);
-        let expected = scene.cast(&tool, &from, &to, TOLERANCE).unwrap();
+        let expected = scene.cast(&tool, &from, &to, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap();
         for directions in [&normals[..], &odd[..], &[]] {
-            let found =
-                scene.cast_beside(&tool, &Motion::new(&tool, &from, &to), TOLERANCE, directions, &|| true).unwrap();
+            let found = scene
+                .cast_along(
+                    &tool,
+                    &Motion::new(&tool, &from, &to),
+                    &CastOptions::default().with_tolerance(TOLERANCE).with_directions(directions),
+                )
+                .unwrap();
             assert_eq!(found.is_some(), expected.is_some(), "{i}");
             if let (Some(found), Some(expected)) = (found, expected) {
                 assert!((found.fraction - expected.fraction).abs() < 1e-5, "{i} {found:?} {expected:?}");
@@ -413,12 +463,15 @@ fn a_peg_stops_at_the_bottom_of_a_tight_bore() {
     let screw = Screw::new(&axis, &[0.0; 3], 20.0, 0.1 * std::f64::consts::TAU / 20.0).unwrap();
     for motion in [Motion::new(&tool, &Pose::IDENTITY, &far), Motion::screw(&tool, &Pose::IDENTITY, &screw).unwrap()] {
         // 35 mm to the end of the bore, of 100.
-        let hit = scene.cast_along(&tool, &motion, TOLERANCE, Touching::Ends).unwrap().unwrap();
+        let hit = scene.cast_along(&tool, &motion, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap().unwrap();
         assert!(hit.fraction <= 0.35 && hit.fraction > 0.35 - 20.0 * TOLERANCE, "{}", hit.fraction);
     }
     let turn = Screw::new(&axis, &[0.0; 3], 50.0, 0.0).unwrap();
     let motion = Motion::screw(&tool, &Pose::IDENTITY, &turn).unwrap();
     for touching in [Touching::Ends, Touching::Free] {
-        assert!(scene.cast_along(&tool, &motion, TOLERANCE, touching).unwrap().is_none());
+        assert!(scene
+            .cast_along(&tool, &motion, &CastOptions::default().with_tolerance(TOLERANCE).with_touching(touching))
+            .unwrap()
+            .is_none());
     }
 }

@@ -11,7 +11,7 @@ use feeler_core::clash::meets::{MeetingParts, Meets};
 use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
 use feeler_core::{
-    intersect_triangle_triangle, Level, Mockup, PairKind, PairLimitTables, PairLimits, Scene, SceneOptions,
+    intersect_triangle_triangle, Level, Mockup, PairKind, PairLimitTables, PairLimits, Progress, Scene, SceneOptions,
 };
 use feeler_shapes::{box_mesh, joined};
 
@@ -63,7 +63,7 @@ fn mockups() -> Vec<(&'static str, Arc<Mockup>)> {
 }
 
 fn scene_of(mockup: &Arc<Mockup>, options: &SceneOptions<'_>) -> Scene {
-    Scene::build(mockup.clone(), options, &|_, _| true).unwrap()
+    Scene::build(mockup.clone(), options).unwrap()
 }
 
 fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
@@ -73,9 +73,9 @@ fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
 /// What meets, and of that the pairs as they are `decided` for the search of what is near.
 fn search(scene: &Scene, limits: &PairLimits) -> (Vec<MeetingParts>, Vec<PartGap>) {
     let index = SelfIndex::new(scene.index()).unwrap();
-    let meeting = meeting_parts(&index, limits, &[], &|_, _| true);
+    let meeting = meeting_parts(&index, limits, &[], Progress::default());
     let decided: Vec<[u32; 2]> = meeting.pairs.iter().map(|pair| pair.parts).collect();
-    let near = near_parts(&index, limits, &decided, &|_, _| true);
+    let near = near_parts(&index, limits, &decided, Progress::default());
     assert!(meeting.is_complete && near.is_complete);
     (meeting.pairs, near.all)
 }
@@ -91,13 +91,12 @@ fn what_meets_and_what_is_near_is_that_of_all_pairs_of_triangles() {
         counts[1] += meeting.iter().filter(|pair| pair.meets == Meets::Touching).count();
         counts[2] += near.len();
         for storage in STORAGES {
-            let scene = scene_of(&mockup, &SceneOptions { storage, ..SceneOptions::default() });
+            let scene = scene_of(&mockup, &SceneOptions::default().with_storage(storage));
             assert_eq!(search(&scene, &limits), (meeting.clone(), near.clone()), "{name} {storage:?}");
         }
         // Pieces of triangles: some pairs come up many times.
         for voxel_size in [0.03 * size, 0.2 * size] {
-            let mut scene =
-                scene_of(&mockup, &SceneOptions { voxel_size: Some(voxel_size), ..SceneOptions::default() });
+            let mut scene = scene_of(&mockup, &SceneOptions::default().with_voxel_size(voxel_size));
             for level in Level::available() {
                 scene.set_lanes(level);
                 assert_eq!(search(&scene, &limits), (meeting.clone(), near.clone()), "{name} {}", level.name());
@@ -115,9 +114,9 @@ fn what_meets_and_what_is_near_is_that_of_all_pairs_of_triangles() {
 fn touches_are_all_pairs_of_triangles_of_parts_that_only_touch() {
     let (_, mockup) = mockups().swap_remove(0);
     let limits = PairLimits::uniform(0.0, 0.0).unwrap();
-    let scene = scene_of(&mockup, &SceneOptions { voxel_size: Some(0.4), ..SceneOptions::default() });
+    let scene = scene_of(&mockup, &SceneOptions::default().with_voxel_size(0.4));
     let index = SelfIndex::new(scene.index()).unwrap();
-    let meeting = meeting_parts(&index, &limits, &[], &|_, _| true);
+    let meeting = meeting_parts(&index, &limits, &[], Progress::default());
     let mut expected = Vec::new();
     for pair in meeting.pairs.iter().filter(|pair| pair.meets == Meets::Touching) {
         let of_part =
@@ -146,13 +145,11 @@ fn only_pairs_that_are_asked_are_found() {
     let (all, all_near) = search(&scene, &plain);
     // Classes 0 and 1 turn by turn; 1 against 1 is not asked, 0 against 1 has a shorter clearance.
     let excluded = vec![[all[0].parts[1], all[0].parts[0]], all_near[0].parts];
-    let tables = PairLimitTables {
-        class_of_part: (0..parts as u32).map(|part| part % 2).collect(),
-        clearance: vec![0.05, 0.02, 0.02, -1.0],
-        contact: vec![0.0; 4],
-        excluded: excluded.clone(),
-        ..PairLimitTables::default()
-    };
+    let tables = PairLimitTables::default()
+        .with_class_of_part((0..parts as u32).map(|part| part % 2).collect())
+        .with_clearance(vec![0.05, 0.02, 0.02, -1.0])
+        .with_contact(vec![0.0; 4])
+        .with_excluded(excluded.clone());
     let limits = PairLimits::new(tables, parts).unwrap();
     let of_pair = |[a, b]: [u32; 2]| [0.05, 0.02, -1.0][(a % 2 + b % 2) as usize];
     let is_out = |[a, b]: [u32; 2]| excluded.contains(&[a, b]) || excluded.contains(&[b, a]);
@@ -168,12 +165,10 @@ fn only_pairs_that_are_asked_are_found() {
     let expected: Vec<_> = all.iter().filter(|m| stays(&m.parts)).copied().collect();
     assert_eq!(search(&without, &plain).0, expected);
     // What each part adds to contacts reaches farther than the clearance.
-    let tables = PairLimitTables {
-        clearance: vec![0.0],
-        contact: vec![0.01],
-        contact_of_part: vec![0.02; parts],
-        ..PairLimitTables::default()
-    };
+    let tables = PairLimitTables::default()
+        .with_clearance(vec![0.0])
+        .with_contact(vec![0.01])
+        .with_contact_of_part(vec![0.02; parts]);
     let limits = PairLimits::new(tables, parts).unwrap();
     assert_eq!(search(&scene, &limits).1, gaps_of_all_parts(&mockup, &PairLimits::uniform(0.05, 0.0).unwrap()));
 }
@@ -184,23 +179,23 @@ fn a_search_that_is_stopped_tells_so() {
     let scene = scene_of(&mockup, &SceneOptions::default());
     let index = SelfIndex::new(scene.index()).unwrap();
     let limits = PairLimits::uniform(0.1, 0.0).unwrap();
-    assert!(!meeting_parts(&index, &limits, &[], &|_, _| false).is_complete);
-    assert!(!near_parts(&index, &limits, &[], &|_, _| false).is_complete);
+    assert!(!meeting_parts(&index, &limits, &[], Progress::new(&|_, _| false)).is_complete);
+    assert!(!near_parts(&index, &limits, &[], Progress::new(&|_, _| false)).is_complete);
 }
 
 #[test]
 fn tables_that_make_no_sense_are_refused() {
-    let tables = || PairLimitTables { clearance: vec![0.1; 4], contact: vec![0.0; 4], ..PairLimitTables::default() };
+    let tables = || PairLimitTables::default().with_clearance(vec![0.1; 4]).with_contact(vec![0.0; 4]);
     assert!(PairLimits::new(tables(), 3).is_ok());
     let cases: Vec<(&str, PairLimitTables)> = vec![
-        ("contact has 1 entries where 4", PairLimitTables { contact: vec![0.0], ..tables() }),
-        ("class_of_part has 2 entries where 3", PairLimitTables { class_of_part: vec![0, 1], ..tables() }),
-        ("clearance has 4 entries where 9", PairLimitTables { class_of_part: vec![0, 1, 2], ..tables() }),
-        ("contact is -0.1", PairLimitTables { contact: vec![0.0, 0.0, 0.0, -0.1], ..tables() }),
-        ("clearance is NaN", PairLimitTables { clearance: vec![0.0, 0.0, 0.0, f64::NAN], ..tables() }),
-        ("contact_of_part is inf", PairLimitTables { contact_of_part: vec![f64::INFINITY; 3], ..tables() }),
-        ("clearance[1, 0] is 0.2", PairLimitTables { clearance: vec![0.1, 0.1, 0.2, 0.1], ..tables() }),
-        ("there is no part 3", PairLimitTables { excluded: vec![[0, 3]], ..tables() }),
+        ("contact has 1 entries where 4", tables().with_contact(vec![0.0])),
+        ("class_of_part has 2 entries where 3", tables().with_class_of_part(vec![0, 1])),
+        ("clearance has 4 entries where 9", tables().with_class_of_part(vec![0, 1, 2])),
+        ("contact is -0.1", tables().with_contact(vec![0.0, 0.0, 0.0, -0.1])),
+        ("clearance is NaN", tables().with_clearance(vec![0.0, 0.0, 0.0, f64::NAN])),
+        ("contact_of_part is inf", tables().with_contact_of_part(vec![f64::INFINITY; 3])),
+        ("clearance[1, 0] is 0.2", tables().with_clearance(vec![0.1, 0.1, 0.2, 0.1])),
+        ("there is no part 3", tables().with_excluded(vec![[0, 3]])),
     ];
     for (what, tables) in cases {
         let message = PairLimits::new(tables, 3).unwrap_err().to_string();

@@ -8,7 +8,9 @@ mod common;
 use std::sync::Arc;
 
 use common::cases::{cases, Case};
-use feeler_core::{Filters, Gap, Level, PairKind, Pose, Scene, SceneOptions, Storage};
+use feeler_core::{
+    BatchOptions, CastOptions, Filters, Gap, Level, PairKind, PathOptions, Pose, Scene, SceneOptions, Storage,
+};
 use feeler_shapes::golden::Hash;
 
 const STORES: [Storage; 5] = [
@@ -43,8 +45,8 @@ fn hash_of_case(case: &Case) -> u64 {
             for storage in STORES {
                 for size in [None, Some(extent / 2.0), Some(extent / 9.7), Some(extent / 40.0)] {
                     let what = |how: &str| format!("{storage:?}, voxel size {size:?}, {threads} threads, {how}");
-                    let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
-                    let mut scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
+                    let options = SceneOptions::default().with_voxel_size(size).with_storage(storage);
+                    let mut scene = Scene::build(Arc::clone(&case.mockup), &options).unwrap();
                     let mut ways = vec![
                         ("cold", Level::best(), Filters::default()),
                         ("warm", Level::best(), Filters::default()),
@@ -62,7 +64,7 @@ fn hash_of_case(case: &Case) -> u64 {
                     }
                     // The poses twice over, so that more than one thread has something to do.
                     let twice: Vec<Pose> = case.poses.iter().cycle().take(2 * case.poses.len()).copied().collect();
-                    let batch = scene.collide_batch(&case.tool, &twice, &|_, _| true).unwrap();
+                    let batch = scene.collide_batch(&case.tool, &twice, &BatchOptions::default()).unwrap();
                     let ranges: Vec<_> = batch.offsets.windows(2).map(|w| w[0] as usize..w[1] as usize).collect();
                     for half in ranges.chunks(case.poses.len()) {
                         let hash = hash(half.iter().map(|r| (&batch.pairs[r.clone()], &batch.kinds[r.clone()])));
@@ -119,7 +121,7 @@ fn hash_of_gaps(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
         add_gaps(&mut hash, &near, true);
         add_gaps(&mut hash, &scene.clearance(&case.tool, pose, 0.2 * case.extent()).unwrap(), false);
         for k in [1, 3] {
-            add_gaps(&mut hash, &scene.distance(&case.tool, pose, f64::INFINITY, k).unwrap(), false);
+            add_gaps(&mut hash, &scene.nearest(&case.tool, pose, k, f64::INFINITY).unwrap(), false);
         }
     }
     hash.value()
@@ -129,16 +131,22 @@ fn hash_of_gaps(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
 fn hash_of_gap_batches(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
     let mut hash = Hash::NEW;
     let batch = |within: f64, pairs: bool| {
-        scene.clearance_batch(&case.tool, poses, within * case.extent(), pairs, &|_, _| true).unwrap()
+        let (within, options) = (within * case.extent(), BatchOptions::default());
+        let found = if pairs {
+            scene.near_pairs_batch(&case.tool, poses, within, &options)
+        } else {
+            scene.clearance_batch(&case.tool, poses, within, &options)
+        };
+        found.unwrap()
     };
     let (near, by_part) = (batch(0.02, true), batch(0.2, false));
-    let closest = scene.distance_batch(&case.tool, poses, f64::INFINITY, &|_, _| true).unwrap();
+    let closest = scene.distance_batch(&case.tool, poses, f64::INFINITY, &BatchOptions::default()).unwrap();
     let range = |offsets: &[u64], i: usize| offsets[i] as usize..offsets[i + 1] as usize;
     for (i, pose) in poses.iter().enumerate() {
         add_gaps(&mut hash, &near.gaps[range(&near.offsets, i)], true);
         add_gaps(&mut hash, &by_part.gaps[range(&by_part.offsets, i)], false);
         add_gaps(&mut hash, closest[i].as_slice(), false);
-        add_gaps(&mut hash, &scene.distance(&case.tool, pose, f64::INFINITY, 3).unwrap(), false);
+        add_gaps(&mut hash, &scene.nearest(&case.tool, pose, 3, f64::INFINITY).unwrap(), false);
     }
     hash.value()
 }
@@ -159,8 +167,8 @@ fn one_golden_hash_of_distances() {
                 for storage in STORES {
                     for size in [None, Some(extent / 9.7)] {
                         let what = |how: &str| format!("{storage:?}, voxel size {size:?}, {threads} threads, {how}");
-                        let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
-                        let mut scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
+                        let options = SceneOptions::default().with_voxel_size(size).with_storage(storage);
+                        let mut scene = Scene::build(Arc::clone(&case.mockup), &options).unwrap();
                         for lanes in Level::available() {
                             // Other stores have one way of looking for what is near.
                             if storage == Storage::Blocks || lanes == Level::best() {
@@ -193,12 +201,24 @@ fn casts_of_one_scene_on_any_number_of_threads() {
             for size in [None, Some(extent / 9.7)] {
                 let answer = |threads: usize| {
                     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-                        let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
-                        let scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
-                        let path = scene.check_path(&case.tool, &poses, 1e-6 * extent, &|_, _| true).unwrap();
+                        let options = SceneOptions::default().with_voxel_size(size).with_storage(storage);
+                        let scene = Scene::build(Arc::clone(&case.mockup), &options).unwrap();
+                        let path = scene
+                            .check_path(&case.tool, &poses, &PathOptions::default().with_tolerance(1e-6 * extent))
+                            .unwrap();
                         // One at a time, with memory that has been used.
                         let single = poses.windows(2).enumerate().filter_map(|(i, way)| {
-                            Some((i, scene.cast(&case.tool, &way[0], &way[1], 1e-6 * extent).unwrap()?))
+                            Some((
+                                i,
+                                scene
+                                    .cast(
+                                        &case.tool,
+                                        &way[0],
+                                        &way[1],
+                                        &CastOptions::default().with_tolerance(1e-6 * extent),
+                                    )
+                                    .unwrap()?,
+                            ))
                         });
                         assert_eq!(path.segments, poses.len() - 1);
                         assert_eq!(path.hits, single.collect::<Vec<_>>(), "{}, {storage:?}, {size:?}", case.name);

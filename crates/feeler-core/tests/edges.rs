@@ -30,8 +30,11 @@ fn check(name: &str, mockup: &[Triangle], tool: &[Triangle], expected: &[([u32; 
         for storage in STORAGES {
             for size in SIZES {
                 let voxel_size = Some(size * unit);
-                let options = SceneOptions { voxel_size, storage, memory_limit: 1 << 28, ..SceneOptions::default() };
-                let scene = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
+                let options = SceneOptions::default()
+                    .with_voxel_size(voxel_size)
+                    .with_storage(storage)
+                    .with_memory_limit(1 << 28);
+                let scene = Scene::build(Arc::clone(&mockup), &options).unwrap();
                 scene.validate().unwrap();
                 let found = scene.collide(&tool, &Pose::IDENTITY);
                 let found: Vec<_> = found.pairs.into_iter().zip(found.kinds).collect();
@@ -138,8 +141,11 @@ fn a_million_metres_out_with_features_of_a_micrometre() {
         let tool = Tool::new(vertices, faces).unwrap();
         for storage in STORAGES {
             for voxel_size in [None, Some(1e-7), Some(1e-6), Some(1.0)] {
-                let options = SceneOptions { voxel_size, storage, memory_limit: 1 << 28, ..SceneOptions::default() };
-                let scene = Scene::build(mockup(base), &options, &|_, _| true).unwrap();
+                let options = SceneOptions::default()
+                    .with_voxel_size(voxel_size)
+                    .with_storage(storage)
+                    .with_memory_limit(1 << 28);
+                let scene = Scene::build(mockup(base), &options).unwrap();
                 assert_eq!(
                     scene.is_colliding(&tool, &Pose::IDENTITY),
                     gap == 0.0,
@@ -154,8 +160,7 @@ fn a_million_metres_out_with_features_of_a_micrometre() {
     let pose = |z: f64| {
         Pose::new(&[[1.0, 0.0, 0.0, at], [0.0, 1.0, 0.0, at], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]).unwrap()
     };
-    let scene =
-        Scene::build(mockup(base), &SceneOptions { storage: Storage::Blocks, ..SceneOptions::default() }, &|_, _| true);
+    let scene = Scene::build(mockup(base), &SceneOptions::default().with_storage(Storage::Blocks));
     let scene = scene.unwrap();
     assert!(scene.is_colliding(&tool, &pose(at)));
     assert!(!scene.is_colliding(&tool, &pose(at + step)));
@@ -171,8 +176,8 @@ fn a_mesh_of_1e_160_metres_does_not_fill_every_voxel() {
     let mockup = Arc::new(Mockup::new(vertices, faces, Vec::new(), 1).unwrap());
     for storage in [Storage::Dense, Storage::Hashed { level: 0.0 }] {
         let options =
-            SceneOptions { voxel_size: Some(0.05 * unit), storage, memory_limit: 1 << 28, ..SceneOptions::default() };
-        let scene = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
+            SceneOptions::default().with_voxel_size(0.05 * unit).with_storage(storage).with_memory_limit(1 << 28);
+        let scene = Scene::build(Arc::clone(&mockup), &options).unwrap();
         let memory = scene.memory();
         let bytes = |name: &str| memory.iter().find(|(n, _)| *n == name).unwrap().1;
         // 80 voxels a side: the triangle's surface, not the box's volume.

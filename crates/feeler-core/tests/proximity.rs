@@ -9,8 +9,8 @@ use common::*;
 use feeler_core::{gaps_of_all_pairs, Error, Gap, Level, Mockup, Pose, Scene, SceneOptions, Storage, Tool};
 
 fn build(mockup: &Arc<Mockup>, storage: Storage, voxel_size: Option<f64>) -> Scene {
-    let options = SceneOptions { voxel_size, storage, memory_limit: 1 << 30, ..SceneOptions::default() };
-    Scene::build(Arc::clone(mockup), &options, &|_, _| true).unwrap()
+    let options = SceneOptions::default().with_voxel_size(voxel_size).with_storage(storage).with_memory_limit(1 << 30);
+    Scene::build(Arc::clone(mockup), &options).unwrap()
 }
 
 fn with_parts((vertices, faces): Arrays, parts: usize) -> Arc<Mockup> {
@@ -57,7 +57,7 @@ fn check(name: &str, mockup: &Arc<Mockup>, tool: &Tool, poses: &[Pose], withins:
                         assert_eq!(scene.near_pairs(tool, pose, within).unwrap(), near, "{what}, within {within}");
                         assert_same(&what, &scene.clearance(tool, pose, within).unwrap(), &by_part(&near));
                         for k in [1, 3, usize::MAX] {
-                            let found = scene.distance(tool, pose, within, k).unwrap();
+                            let found = scene.nearest(tool, pose, k, within).unwrap();
                             let closest: Vec<Gap> = by_part(&near).into_iter().take(k).collect();
                             assert_same(&format!("{what}, within {within}, k {k}"), &found, &closest);
                         }
@@ -139,14 +139,14 @@ fn bad_arguments_are_errors() {
             for error in [
                 scene.near_pairs(&tool, &Pose::IDENTITY, bad).unwrap_err(),
                 scene.clearance(&tool, &Pose::IDENTITY, bad).unwrap_err(),
-                scene.distance(&tool, &Pose::IDENTITY, bad, 1).unwrap_err(),
+                scene.nearest(&tool, &Pose::IDENTITY, 1, bad).unwrap_err(),
             ] {
                 assert!(matches!(error, Error::Distance { .. }), "{error}");
             }
         }
-        assert!(matches!(scene.distance(&tool, &Pose::IDENTITY, 1.0, 0), Err(Error::NoneAsked { .. })));
+        assert!(matches!(scene.nearest(&tool, &Pose::IDENTITY, 0, 1.0), Err(Error::NoneAsked { .. })));
     }
-    let options = SceneOptions { memory_limit: 1 << 16, ..SceneOptions::default() };
-    let scene = Scene::build(mockup, &options, &|_, _| true).unwrap();
+    let options = SceneOptions::default().with_memory_limit(1 << 16);
+    let scene = Scene::build(mockup, &options).unwrap();
     assert!(matches!(scene.near_pairs(&tool, &Pose::IDENTITY, f64::INFINITY), Err(Error::Memory { .. })));
 }

@@ -9,7 +9,7 @@ mod common;
 use common::{ball, lattice, mockup_of, needles, placed, soup, with_defects, Random, STORAGES};
 
 fn scene(mockup: &Arc<Mockup>, storage: Storage, voxel_size: Option<f64>) -> Scene {
-    Scene::build(mockup.clone(), &SceneOptions { storage, voxel_size, ..Default::default() }, &|_, _| true).unwrap()
+    Scene::build(mockup.clone(), &SceneOptions::default().with_storage(storage).with_voxel_size(voxel_size)).unwrap()
 }
 
 /// Every store, and every instruction set of the default one, against all triangles; also in a batch. Returns how many rays hit.

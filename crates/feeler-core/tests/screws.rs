@@ -6,16 +6,16 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use common::*;
 use feeler_core::{
-    cast_all_pairs, collide_all_pairs, Error, Leg, Mockup, Motion, Point, Pose, Scene, SceneOptions, Screw, Storage,
-    Tool, Touching,
+    cast_all_pairs, collide_all_pairs, CastOptions, Error, Leg, Mockup, Motion, PathOptions, Point, Pose, Scene,
+    SceneOptions, Screw, Storage, Tool,
 };
 
 const TOLERANCE: f64 = 1e-6;
 const Z: Point = [0.0, 0.0, 1.0];
 
 fn scene_of(mockup: &std::sync::Arc<Mockup>, storage: Storage) -> Scene {
-    let options = SceneOptions { storage, ..SceneOptions::default() };
-    Scene::build(mockup.clone(), &options, &|_, _| true).unwrap()
+    let options = SceneOptions::default().with_storage(storage);
+    Scene::build(mockup.clone(), &options).unwrap()
 }
 
 /// A box between two corners.
@@ -27,7 +27,7 @@ fn block(low: Point, high: Point) -> Arrays {
 
 fn cast(scene: &Scene, tool: &Tool, pose: &Pose, screw: &Screw, tolerance: f64) -> Option<feeler_core::Cast> {
     let motion = Motion::screw(tool, pose, screw).unwrap();
-    scene.cast_along(tool, &motion, tolerance, Touching::Ends).unwrap()
+    scene.cast_along(tool, &motion, &CastOptions::default().with_tolerance(tolerance)).unwrap()
 }
 
 fn direction(r: &mut Random) -> Point {
@@ -71,7 +71,8 @@ fn a_cast_of_any_store_is_that_of_all_pairs_and_never_late() {
             }
             for scene in &scenes {
                 let what = format!("{name} {i} {:?}", scene.storage());
-                let found = scene.cast_along(&tool, &motion, TOLERANCE, Touching::Ends).unwrap();
+                let found =
+                    scene.cast_along(&tool, &motion, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap();
                 assert_eq!(found.is_some(), plain.is_some(), "{what}");
                 let (Some(found), Some(plain)) = (found, plain) else { continue };
                 assert!(found.distance <= TOLERANCE && found.pose == motion.at(found.fraction), "{what}: {found:?}");
@@ -150,7 +151,7 @@ fn arcs_are_arcs_far_from_the_axis() {
     let scene = scene_of(&under, Storage::Blocks);
     let at = |turn: f64| moved([radius * turn.sin(), radius * turn.cos() - radius * f64::cos(0.5 * angle), 0.0]);
     let (from, to) = (at(-0.5 * angle), at(0.5 * angle));
-    assert!(scene.cast(&ball, &from, &to, TOLERANCE).unwrap().is_some());
+    assert!(scene.cast(&ball, &from, &to, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap().is_some());
     let centre = [0.0, -radius * f64::cos(0.5 * angle), 0.0];
     let screw = Screw::new(&Z, &centre, -angle, 0.0).unwrap();
     assert!(cast(&scene, &ball, &from, &screw, TOLERANCE).is_none());
@@ -176,10 +177,10 @@ fn legs_begin_where_the_last_one_ended() {
     }
     assert!((motions[0].end().translation()[2] - 0.01).abs() < 1e-15);
     assert!((motions[2].end().translation()[1] - 0.5).abs() < 1e-12);
-    let how = (TOLERANCE, Touching::Ends);
-    let check = scene.check_legs(&bolt, &Pose::IDENTITY, &legs, how, &|_, _| true).unwrap();
+    let how = PathOptions::default().with_tolerance(TOLERANCE);
+    let check = scene.check_legs(&bolt, &Pose::IDENTITY, &legs, &how).unwrap();
     assert_eq!((check.segments, check.hits.len(), check.hits[0].0), (4, 1, 3));
-    let still = scene.check_legs(&bolt, &moved([1.0, 0.0, 0.0]), &[], how, &|_, _| true).unwrap();
+    let still = scene.check_legs(&bolt, &moved([1.0, 0.0, 0.0]), &[], &how).unwrap();
     assert_eq!((still.segments, still.hits.len()), (1, 1));
 }
 

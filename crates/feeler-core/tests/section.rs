@@ -11,7 +11,7 @@ mod common;
 use common::{ball, mockup_of, placed, soup, with_defects, Random};
 
 fn scene_of(mockup: Arc<Mockup>) -> Scene {
-    Scene::build(mockup, &SceneOptions::default(), &|_, _| true).unwrap()
+    Scene::build(mockup, &SceneOptions::default()).unwrap()
 }
 
 /// How often a point is an end less how often it is a start, where that is not 0.

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use common::*;
 use feeler_core::{
-    cast_all_pairs, collide_all_pairs, gaps_of_all_pairs, Error, Gap, IgnoredPairs, Level, Mockup, Motion, PairKind,
-    Pose, Scene, SceneOptions, Storage, Tool,
+    cast_all_pairs, collide_all_pairs, gaps_of_all_pairs, BatchOptions, CastOptions, Error, Gap, IgnoredPairs, Level,
+    Mockup, Motion, PairKind, PathOptions, Pose, Scene, SceneOptions, Storage, Tool,
 };
 
 const TOLERANCE: f64 = 1e-6;
@@ -30,8 +30,8 @@ fn tool_with_parts((vertices, faces): Arrays) -> Tool {
 }
 
 fn scene_of(mockup: &Arc<Mockup>, storage: Storage) -> Scene {
-    let options = SceneOptions { storage, ..SceneOptions::default() };
-    Scene::build(mockup.clone(), &options, &|_, _| true).unwrap()
+    let options = SceneOptions::default().with_storage(storage);
+    Scene::build(mockup.clone(), &options).unwrap()
 }
 
 /// What all pairs say at a pose.
@@ -56,7 +56,7 @@ impl Judge {
         let found: Vec<_> = hit.pairs.iter().copied().zip(hit.kinds.iter().copied()).collect();
         assert_eq!(found, pairs, "{what}");
         assert_eq!(scene.is_colliding(tool, pose), !pairs.is_empty(), "{what}");
-        let batch = scene.collide_batch(tool, &[*pose, *pose], &|_, _| true).unwrap();
+        let batch = scene.collide_batch(tool, &[*pose, *pose], &BatchOptions::default()).unwrap();
         assert_eq!(batch.pairs, [&hit.pairs[..], &hit.pairs[..]].concat(), "{what}");
         let wanted = |gap: &&Gap| is_wanted(gap.tool_triangle, gap.mockup_triangle);
         let gaps: Vec<Gap> = gaps.iter().filter(wanted).copied().collect();
@@ -70,7 +70,7 @@ impl Judge {
         let distances = |gaps: Vec<Gap>| gaps.iter().map(|gap| gap.distance).collect::<Vec<_>>();
         assert_eq!(distances(scene.clearance(tool, pose, far).unwrap()), by_part, "{what}");
         for k in [1, 2] {
-            let found = scene.distance(tool, pose, far, k).unwrap();
+            let found = scene.nearest(tool, pose, k, far).unwrap();
             assert_eq!(distances(found), by_part[..k.min(by_part.len())], "{what}");
         }
         pairs.len()
@@ -143,11 +143,11 @@ fn without_and_only_are_as_if_the_parts_had_never_been_there() {
 fn check_casts(what: &str, scene: &Scene, tool: &Tool, poses: &[Pose], has: impl Fn(u32) -> bool) -> usize {
     let alone = subset(scene.mockup(), &has);
     let mut impacts = 0;
-    let path = scene.check_path(tool, poses, TOLERANCE, &|_, _| true).unwrap();
+    let path = scene.check_path(tool, poses, &PathOptions::default().with_tolerance(TOLERANCE)).unwrap();
     for (i, way) in poses.windows(2).enumerate() {
         let motion = Motion::new(tool, &way[0], &way[1]);
         let plain = alone.as_ref().and_then(|alone| cast_all_pairs(alone.mesh(), tool, &motion, TOLERANCE).unwrap());
-        let found = scene.cast(tool, &way[0], &way[1], TOLERANCE).unwrap();
+        let found = scene.cast(tool, &way[0], &way[1], &CastOptions::default().with_tolerance(TOLERANCE)).unwrap();
         assert_eq!(found.is_some(), plain.is_some(), "{what}, way {i}");
         assert_eq!(path.hits.iter().find(|(at, _)| *at == i).map(|(_, hit)| *hit), found, "{what}, way {i}");
         if let (Some(found), Some(plain)) = (found, plain) {
@@ -179,7 +179,9 @@ fn ignored_pairs_of_parts_are_not_asked() {
                     (met, fewer) = (met + count, fewer + all - count);
                 }
                 for way in poses.windows(2) {
-                    if let Some(hit) = scene.cast(&tool, &way[0], &way[1], TOLERANCE).unwrap() {
+                    if let Some(hit) =
+                        scene.cast(&tool, &way[0], &way[1], &CastOptions::default().with_tolerance(TOLERANCE)).unwrap()
+                    {
                         assert!(wants(tool.part_of_face(hit.tool_triangle), mockup.part_of_face(hit.mockup_triangle)));
                     }
                 }
@@ -213,7 +215,7 @@ fn a_mockup_of_one_part_can_be_emptied() {
         assert!(scene.is_colliding(&tool, &Pose::IDENTITY));
         let empty = scene.without(&[0]).unwrap();
         assert!(!empty.is_colliding(&tool, &Pose::IDENTITY));
-        assert_eq!(empty.distance(&tool, &Pose::IDENTITY, f64::INFINITY, 1).unwrap(), []);
+        assert_eq!(empty.nearest(&tool, &Pose::IDENTITY, 1, f64::INFINITY).unwrap(), []);
         assert!(scene.only(&[0]).unwrap().is_colliding(&tool, &Pose::IDENTITY));
     }
 }

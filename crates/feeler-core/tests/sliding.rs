@@ -6,14 +6,16 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use common::*;
-use feeler_core::{Mockup, Motion, Point, Pose, Scene, SceneOptions, Storage, Tool, Touching};
+use feeler_core::{
+    CastOptions, Mockup, Motion, PathOptions, Point, Pose, Scene, SceneOptions, Storage, Tool, Touching,
+};
 use feeler_shapes::{box_mesh, joined};
 
 const TOLERANCE: f64 = 1e-6;
 
 fn scene_of((vertices, faces): Arrays, storage: Storage) -> Scene {
     let mockup = Arc::new(Mockup::new(vertices, faces, Vec::new(), 1).unwrap());
-    Scene::build(mockup, &SceneOptions { storage, ..SceneOptions::default() }, &|_, _| true).unwrap()
+    Scene::build(mockup, &SceneOptions::default().with_storage(storage)).unwrap()
 }
 
 fn block(lower: Point, upper: Point, cells: usize) -> Arrays {
@@ -39,8 +41,12 @@ fn turned(angle: f64, at: Point) -> Pose {
 
 /// The time at which a way ends, or `None`.
 fn end(scene: &Scene, tool: &Tool, way: [Pose; 2]) -> Option<f64> {
-    let found = scene.cast_touching(tool, &way[0], &way[1], TOLERANCE, Touching::Free).unwrap();
-    let path = scene.check_path_touching(tool, &way, TOLERANCE, Touching::Free, &|_, _| true).unwrap();
+    let found = scene
+        .cast(tool, &way[0], &way[1], &CastOptions::default().with_tolerance(TOLERANCE).with_touching(Touching::Free))
+        .unwrap();
+    let path = scene
+        .check_path(tool, &way, &PathOptions::default().with_tolerance(TOLERANCE).with_touching(Touching::Free))
+        .unwrap();
     assert_eq!(path.hits.first().map(|(_, hit)| *hit), found);
     found.map(|hit| hit.fraction)
 }
@@ -53,7 +59,10 @@ fn a_seated_pin_is_drawn_out_and_put_back_and_not_turned() {
             let pin = block([-1, -1, -2].map(in_128ths), [1, 1, 2].map(in_128ths), 1 << (cells - 1));
             let pin = tool_of(pin);
             let (seated, out) = (moved([0.0; 3]), moved([0.0, 0.0, 0.05]));
-            assert!(scene.cast(&pin, &seated, &out, TOLERANCE).unwrap().is_some_and(|hit| hit.fraction == 0.0));
+            assert!(scene
+                .cast(&pin, &seated, &out, &CastOptions::default().with_tolerance(TOLERANCE))
+                .unwrap()
+                .is_some_and(|hit| hit.fraction == 0.0));
             assert_eq!(end(&scene, &pin, [seated, out]), None);
             assert_eq!(end(&scene, &pin, [out, seated]), None);
             // Turned in its seat it jams at once, where its edges are in the walls by the tolerance.
@@ -107,7 +116,14 @@ fn what_lies_deeper_by_rounding_is_lifted_off() {
     let tool = tool_of(block([-0.1, -0.1, 0.0], [0.1, 0.1, 0.2], 2));
     let at = |x: f64, z: f64| moved([x, 0.0, z]);
     let within = |way: [Pose; 2]| {
-        let found = scene.cast_touching(&tool, &way[0], &way[1], TOLERANCE, Touching::Within).unwrap();
+        let found = scene
+            .cast(
+                &tool,
+                &way[0],
+                &way[1],
+                &CastOptions::default().with_tolerance(TOLERANCE).with_touching(Touching::Within),
+            )
+            .unwrap();
         found.map(|hit| hit.fraction)
     };
     // A tenth of the tolerance in the table: exactly, it is in it at once.
@@ -156,7 +172,10 @@ fn loose_triangles_end_a_way_where_they_cross() {
             if scene.is_colliding(&tool, &way[0]) {
                 continue;
             }
-            let first = scene.cast(&tool, &way[0], &way[1], TOLERANCE).unwrap().map(|hit| hit.fraction);
+            let first = scene
+                .cast(&tool, &way[0], &way[1], &CastOptions::default().with_tolerance(TOLERANCE))
+                .unwrap()
+                .map(|hit| hit.fraction);
             let free = end(&scene, &tool, way);
             // What only passes by within the tolerance ends no way.
             let (Some(first), Some(free)) = (first, free) else {
@@ -210,7 +229,10 @@ fn a_shaft_goes_down_a_bore_to_its_bottom_and_across_it_to_its_wall() {
         let scene = scene_of(block.clone(), storage);
         for touching in [Touching::Ends, Touching::Free, Touching::Within] {
             let cast = |from: Pose, to: Pose| {
-                scene.cast_touching(&shaft, &from, &to, TOLERANCE, touching).unwrap().map(|hit| hit.fraction)
+                scene
+                    .cast(&shaft, &from, &to, &CastOptions::default().with_tolerance(TOLERANCE).with_touching(touching))
+                    .unwrap()
+                    .map(|hit| hit.fraction)
             };
             // Early by the tolerance at most where contact ends it, else late by no more.
             let assert_ends = |found: Option<f64>, at: f64, way: f64| {

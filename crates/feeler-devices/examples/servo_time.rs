@@ -3,12 +3,14 @@
 //! A tool of the size of a hand among planes on all sides, each carried by four or eight points, and a device that moves all the time
 //! and presses against some of them: the most that a set holds, and harder than what a scene has.
 
+use feeler_core::geometry::twist::{pose_of, rotation_of};
+use feeler_core::tool::metric::Metric;
 use feeler_core::{Pose, Tool};
 use feeler_devices::machine::thread_time;
-use feeler_haptics::constraint_set::{ConstraintSet, Plane};
-use feeler_haptics::metric::Metric;
-use feeler_haptics::twist::{pose_of, rotation_of};
-use feeler_haptics::{Coupling, Servo, ServoInput, SessionOptions};
+use feeler_haptics::internals::ConstraintSet;
+use feeler_haptics::internals::{Servo, ServoInput};
+use feeler_haptics::Plane;
+use feeler_haptics::{Coupling, SessionOptions};
 use feeler_shapes::box_mesh;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

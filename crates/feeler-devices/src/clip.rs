@@ -1,9 +1,11 @@
 //! Wrenches that a device may be given, and poses that a device may have told.
 
+use feeler_core::geometry::twist;
+use feeler_core::geometry::twist::Matrix;
 use feeler_core::geometry::vectors::{cross, dot};
 use feeler_core::{Point, Pose};
 use feeler_haptics::device::{DeviceError, DeviceInfo};
-use feeler_haptics::twist::{self, Matrix, Twist, Wrench};
+use feeler_haptics::{Twist, Wrench};
 
 use crate::constants::{LARGEST_REACH_M, LARGEST_SPEED_M_PER_S, LARGEST_TURN_RAD_PER_S, ROTATION_TOLERANCE};
 

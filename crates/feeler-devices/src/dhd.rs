@@ -8,9 +8,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use feeler_core::geometry::twist::{product, transposed, Matrix};
 use feeler_core::Point;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::{product, transposed, Matrix, Twist, Wrench};
+use feeler_haptics::{Twist, Wrench};
 
 use crate::clip::{told_pose, told_twist};
 use crate::constants::{DHD_HZ, FORCE_DIMENSION};
@@ -21,6 +22,7 @@ use crate::vendor_library::dhd_calls::{DhdModel, OpenDhd};
 
 /// Which library, and limits.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct DhdOptions {
     /// The library's file. `None`: where the system looks for `libdhd`.
     pub library: Option<PathBuf>,
@@ -30,6 +32,15 @@ pub struct DhdOptions {
     pub torque_nm: Option<f64>,
     /// Stiffness that the device renders stably at 1 kHz, newtons a metre. `None`: the published one.
     pub stiffness_n_per_m: Option<f64>,
+}
+
+impl DhdOptions {
+    feeler_core::setters! {
+        with_library: library: impl Into<Option<PathBuf>>,
+        with_force_n: force_n: impl Into<Option<f64>>,
+        with_torque_nm: torque_nm: impl Into<Option<f64>>,
+        with_stiffness_n_per_m: stiffness_n_per_m: impl Into<Option<f64>>,
+    }
 }
 
 /// A device of Force Dimension. See the [module](self).
@@ -83,7 +94,7 @@ fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
     };
     let said =
         Said { force_n: options.force_n, torque_nm: options.torque_nm, stiffness_n_per_m: options.stiffness_n_per_m };
-    DeviceInfo { buttons: u32::BITS, ..figures.info(name, model.has_wrist, model.has_active_wrist, &said) }
+    figures.info(name, model.has_wrist, model.has_active_wrist, &said).with_buttons(u32::BITS)
 }
 
 /// The library's axes (x towards the hand's owner, y right, z up) in those of a device here: row by row.
@@ -161,7 +172,7 @@ impl Talk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_haptics::twist::times;
+    use feeler_core::geometry::twist::times;
 
     #[test]
     fn axes_are_changed_by_one_rotation_and_back() {

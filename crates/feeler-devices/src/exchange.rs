@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use feeler_core::Pose;
 use feeler_haptics::device::{DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::{Twist, Wrench};
+use feeler_haptics::{Twist, Wrench};
 use triple_buffer::{triple_buffer, Input, Output};
 
 use crate::clip::clipped;
@@ -116,7 +116,7 @@ impl ServoEnd {
             None => now - age.as_secs_f64(),
         };
         self.newest = Some((measured.at, time));
-        Ok(DeviceState { pose: measured.pose, twist: measured.twist, buttons: measured.buttons, time })
+        Ok(DeviceState::new(measured.pose, time).with_twist(measured.twist).with_buttons(measured.buttons))
     }
 
     /// Hands the thread a wrench, clipped to the device. `at`: this machine's time.

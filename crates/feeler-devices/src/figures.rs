@@ -220,32 +220,28 @@ impl Figures {
     /// What a device of this type is, as far as a user's word goes. `drives_rotation`: this one does.
     pub(crate) fn info(&self, name: String, senses_rotation: bool, drives_rotation: bool, said: &Said) -> DeviceInfo {
         let turning = if drives_rotation { 1.0 } else { 0.0 };
-        let mut limits = DeviceLimits {
-            force_n: limit(self.force_n, said.force_n),
-            torque_nm: turning * limit(self.torque_nm, said.torque_nm),
-            stiffness_n_per_m: self.stiffness_n_per_m,
-            rotational_stiffness_nm_per_rad: turning * self.rotational_stiffness_nm_per_rad,
-            friction_n: self.friction_n,
-            resolution_m: self.resolution_m,
-            rotational_resolution_rad: self.rotational_resolution_rad,
-            rate_hz: self.rate_hz,
-            delay_s: HANDOVER_ROUNDS / self.rate_hz,
-            ..DeviceLimits::default()
-        };
+        let mut limits = DeviceLimits::default()
+            .with_force_n(limit(self.force_n, said.force_n))
+            .with_torque_nm(turning * limit(self.torque_nm, said.torque_nm))
+            .with_stiffness_n_per_m(self.stiffness_n_per_m)
+            .with_rotational_stiffness_nm_per_rad(turning * self.rotational_stiffness_nm_per_rad)
+            .with_friction_n(self.friction_n)
+            .with_resolution_m(self.resolution_m)
+            .with_rotational_resolution_rad(self.rotational_resolution_rad)
+            .with_rate_hz(self.rate_hz)
+            .with_delay_s(HANDOVER_ROUNDS / self.rate_hz);
         let hold = limits.hold_s(limits.rate_hz);
         limits.damping_n_s_per_m = limits.stiffness_n_per_m * hold;
         limits.rotational_damping_nm_s_per_rad = limits.rotational_stiffness_nm_per_rad * hold;
         if let Some(stiffness) = said.stiffness_n_per_m.filter(|stiffness| *stiffness > 0.0 && stiffness.is_finite()) {
             limits = limits.with_stiffness(stiffness, USUAL_HZ);
         }
-        DeviceInfo {
-            name,
-            sensed: Freedoms { translation: true, rotation: senses_rotation },
-            driven: Freedoms { translation: true, rotation: drives_rotation },
-            workspace: self.workspace,
-            limits,
-            buttons: 0,
-        }
+        DeviceInfo::new(name)
+            .with_sensed(Freedoms { translation: true, rotation: senses_rotation })
+            .with_driven(Freedoms { translation: true, rotation: drives_rotation })
+            .with_workspace(self.workspace)
+            .with_limits(limits)
+            .with_buttons(0)
     }
 }
 
@@ -259,7 +255,7 @@ mod tests {
         for figures in FIGURES {
             let info = figures.info(figures.name.to_string(), true, figures.torque_nm > 0.0, &Said::default());
             assert!(info.limits.check().is_ok() && !figures.sources.is_empty());
-            let asked = Coupling { stiffness_n_per_m: 1e5, ..Coupling::for_device(&info) };
+            let asked = Coupling::for_device(&info).with_stiffness_n_per_m(1e5);
             let at = |rate_hz| asked.limited(&info, rate_hz).0.stiffness_n_per_m;
             // Less than what is published, by the reserve, at its own rate; and never more.
             assert!(
@@ -275,7 +271,7 @@ mod tests {
     fn what_its_user_says_counts() {
         let said = Said { force_n: Some(2.0), torque_nm: None, stiffness_n_per_m: Some(2000.0) };
         let info = INVERSE3.info("one".to_string(), false, false, &said);
-        let asked = Coupling { stiffness_n_per_m: 1e5, damping_n_s_per_m: 1e5, ..Coupling::for_device(&info) };
+        let asked = Coupling::for_device(&info).with_stiffness_n_per_m(1e5).with_damping_n_s_per_m(1e5);
         let found = asked.limited(&info, 1000.0).0;
         assert!((found.stiffness_n_per_m - 2000.0).abs() < 1e-6 && found.max_force_n == 2.0, "{found:?}");
         for nonsense in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -9,6 +9,7 @@ use crate::spacemouse::{SpaceMouse, SpaceMouseOptions};
 
 /// Options of all drivers; each takes its own.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Options {
     /// Of `spacemouse`.
     pub spacemouse: SpaceMouseOptions,
@@ -18,6 +19,15 @@ pub struct Options {
     pub dhd: DhdOptions,
     /// Of `openhaptics`.
     pub openhaptics: OpenHapticsOptions,
+}
+
+impl Options {
+    feeler_core::setters! {
+        with_spacemouse: spacemouse: SpaceMouseOptions,
+        with_haply: haply: HaplyOptions,
+        with_dhd: dhd: DhdOptions,
+        with_openhaptics: openhaptics: OpenHapticsOptions,
+    }
 }
 
 /// Names that [`open`] knows, with what each is for.

@@ -10,9 +10,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use feeler_core::geometry::twist::{product, transposed, Matrix};
 use feeler_core::Point;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::{product, transposed, Matrix, Twist, Wrench};
+use feeler_haptics::{Twist, Wrench};
 
 use crate::clip::{told_pose, told_twist};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
@@ -27,6 +28,7 @@ const MM: f64 = 1e-3;
 
 /// Which library, which device, and limits.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct OpenHapticsOptions {
     /// The library's file. `None`: where the system looks for `libHD`.
     pub library: Option<PathBuf>,
@@ -36,6 +38,15 @@ pub struct OpenHapticsOptions {
     pub force_n: Option<f64>,
     /// Stiffness that the device renders stably at 1 kHz, newtons a metre. `None`: the published one.
     pub stiffness_n_per_m: Option<f64>,
+}
+
+impl OpenHapticsOptions {
+    feeler_core::setters! {
+        with_library: library: impl Into<Option<PathBuf>>,
+        with_device: device: impl Into<Option<String>>,
+        with_force_n: force_n: impl Into<Option<f64>>,
+        with_stiffness_n_per_m: stiffness_n_per_m: impl Into<Option<f64>>,
+    }
 }
 
 /// A device of 3D Systems. See the [module](self).
@@ -107,7 +118,7 @@ fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
     };
     let said = Said { force_n: options.force_n, stiffness_n_per_m: options.stiffness_n_per_m, ..Said::default() };
     let name = if name.is_empty() { "3D Systems device".to_string() } else { name };
-    (DeviceInfo { buttons: BUTTONS, ..figures.info(name, true, false, &said) }, centre)
+    (figures.info(name, true, false, &said).with_buttons(BUTTONS), centre)
 }
 
 /// The library's axes (x right, y up, z towards the hand's owner) in those of a device here: row by row.
@@ -175,7 +186,7 @@ fn measured(open: &OpenHd, name: &str, centre: &Point) -> Result<Measured, Devic
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_haptics::twist::times;
+    use feeler_core::geometry::twist::times;
 
     #[test]
     fn axes_are_changed_by_one_rotation_and_back() {

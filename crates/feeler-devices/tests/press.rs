@@ -29,12 +29,12 @@ use std::sync::Arc;
 use common::eventually;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_devices::dhd::{Dhd, DhdOptions};
-use feeler_devices::haply::{Haply, HaplyOptions};
+use feeler_devices::haply::Haply;
 use feeler_devices::machine::MonotonicClock;
 use feeler_devices::openhaptics::{OpenHaptics, OpenHapticsOptions};
 use feeler_haptics::device::Device;
-use feeler_haptics::runner::{MappingOptions, RunnerOptions};
 use feeler_haptics::{Coupling, Runner, Session, SessionOptions};
+use feeler_haptics::{MappingOptions, RunnerOptions};
 use feeler_shapes::{box_mesh, Arrays};
 use haply_scenarios::service::{inverse3, with_grip, Service};
 use serde_json::json;
@@ -48,7 +48,7 @@ const TURN: f64 = 0.05;
 
 fn scene((vertices, faces): Arrays) -> Arc<Scene> {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 /// A block, its centre at its origin, started above a plate whose upper side is z = 0.
@@ -56,7 +56,7 @@ fn session(coupling: Coupling) -> Session {
     let (vertices, faces) = box_mesh([0.0; 3], [0.06, 0.08, 0.05], 2);
     let block = Arc::new(Tool::new(vertices, faces).unwrap());
     let plate = scene(box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 4));
-    let mut session = Session::new(plate, block, SessionOptions { coupling, ..SessionOptions::default() }).unwrap();
+    let mut session = Session::new(plate, block, SessionOptions::default().with_coupling(coupling)).unwrap();
     session.start(&Pose::IDENTITY.translated(&[0.0, 0.0, 0.025 + GAP]).unwrap()).unwrap();
     session
 }
@@ -76,11 +76,9 @@ fn press(what: &str, open: impl Fn() -> Box<dyn Device>, coupling: Coupling, sca
     (stand_in.put)(0.0, 0.0);
     let device = open();
     let info = device.info().clone();
-    let options =
-        RunnerOptions { mapping: MappingOptions { scale, ..MappingOptions::default() }, ..RunnerOptions::default() };
+    let options = RunnerOptions::default().with_mapping(MappingOptions::default().with_scale(scale));
     let clock = Arc::new(MonotonicClock::new());
-    let mut runner =
-        Runner::start(session(coupling), device, clock, &options).map_err(|refused| refused.error).unwrap();
+    let mut runner = Runner::run(session(coupling), device, clock, &options).map_err(|refused| refused.error).unwrap();
     let granted = *runner.coupling();
     assert!(granted.stiffness_n_per_m > 80.0 && granted.max_force_n > 0.4, "{what}: {granted:?}");
     eventually("the first ticks", || (runner.watch().view().number > 20).then_some(()));
@@ -118,8 +116,8 @@ fn press(what: &str, open: impl Fn() -> Box<dyn Device>, coupling: Coupling, sca
 /// The couplings of a device: its own, what a user asks for beyond it, and one with less force than the spring has.
 fn couplings(device: &dyn Device) -> [(&'static str, Coupling); 3] {
     let own = Coupling::for_device(device.info());
-    let stiff = Coupling { stiffness_n_per_m: 2000.0, max_force_n: 50.0, ..own };
-    let weak = Coupling { max_force_n: 0.5, slew_n_per_s: 200.0, ..own };
+    let stiff = own.with_stiffness_n_per_m(2000.0).with_max_force_n(50.0);
+    let weak = own.with_max_force_n(0.5).with_slew_n_per_s(200.0);
     [("its own", own), ("stiff", stiff), ("weak", weak)]
 }
 
@@ -154,7 +152,7 @@ fn every_device_of_force_dimension_gives_what_is_granted() {
         stub.set(12, f64::from(kind));
         stub.set(13, f64::from(wrist));
         let open = || -> Box<dyn Device> {
-            Box::new(Dhd::open(&DhdOptions { library: Some(stub.path.clone()), ..Default::default() }).unwrap())
+            Box::new(Dhd::open(&DhdOptions::default().with_library(stub.path.clone())).unwrap())
         };
         let put = |z: f64, turn: f64| {
             stub.set(15, turn);
@@ -178,7 +176,7 @@ fn every_device_of_3d_systems_gives_what_is_granted() {
         stub.set(27, f64::from(model));
         let middle = if is_mute { 0.0 } else { 20.0 };
         let open = || -> Box<dyn Device> {
-            let options = OpenHapticsOptions { library: Some(stub.path.clone()), ..Default::default() };
+            let options = OpenHapticsOptions::default().with_library(stub.path.clone());
             Box::new(OpenHaptics::open(&options).unwrap())
         };
         let put = |z: f64, _: f64| stub.set(13, middle + 1e3 * z);
@@ -204,7 +202,10 @@ fn every_device_of_haply_gives_what_is_granted() {
         data["inverse3"][0]["state"]["cursor_velocity"] = json!({"x": 0.0, "y": 0.0, "z": 0.0});
         let service = Service::start(data);
         let open = || -> Box<dyn Device> {
-            Box::new(Haply::open(&HaplyOptions { force_n, stiffness_n_per_m, ..service.options() }).unwrap())
+            Box::new(
+                Haply::open(&service.options().with_force_n(force_n).with_stiffness_n_per_m(stiffness_n_per_m))
+                    .unwrap(),
+            )
         };
         let put = |z: f64, _: f64| service.move_to([0.0, 0.0, z]);
         let given = || (service.last_force().unwrap_or([0.0; 3]), [0.0; 3]);

@@ -23,7 +23,7 @@ impl Daemon {
     }
 
     fn options(&self) -> SpaceMouseOptions {
-        SpaceMouseOptions { socket: Some(self.folder.path.join("spnav.sock")), dead_zone: 0.0, ..Default::default() }
+        SpaceMouseOptions::default().with_socket(self.folder.path.join("spnav.sock")).with_dead_zone(0.0)
     }
 
     fn accept(&self) -> UnixStream {
@@ -59,7 +59,7 @@ fn an_old_daemon_gets_its_sensitivity_back() {
 #[test]
 fn a_motion_ends_after_a_long_silence_and_with_its_device() {
     let daemon = Daemon::new();
-    let mut mouse = SpaceMouse::open(&SpaceMouseOptions { silence_s: 0.3, ..daemon.options() }).unwrap();
+    let mut mouse = SpaceMouse::open(&daemon.options().with_silence_s(0.3)).unwrap();
     let mut stream = daemon.accept();
     for ending in [None, Some(event([3, 1, 0, 0, 0, 0, 0, 0])), Some(event([0; 8]))] {
         stream.write_all(&event([0, 350, 0, 0, 0, 0, 0, 10])).unwrap();
@@ -70,7 +70,7 @@ fn a_motion_ends_after_a_long_silence_and_with_its_device() {
         eventually("rest", || (speed(&mut mouse) == 0.0).then_some(()));
     }
     // Without an end of its own, a motion holds as long as its silence is allowed.
-    let mut mouse = SpaceMouse::open(&SpaceMouseOptions { silence_s: f64::INFINITY, ..daemon.options() }).unwrap();
+    let mut mouse = SpaceMouse::open(&daemon.options().with_silence_s(f64::INFINITY)).unwrap();
     let mut stream = daemon.accept();
     stream.write_all(&event([0, 350, 0, 0, 0, 0, 0, 10])).unwrap();
     eventually("moving", || (speed(&mut mouse) == 0.1).then_some(()));

@@ -120,7 +120,7 @@ fn a_cap_moves_the_pose_through_the_real_daemon() {
     let folder = Folder::new("spacenavd");
     let mut magellan = Magellan::new();
     let daemon = Daemon::start(&folder.path, &magellan.path);
-    let options = SpaceMouseOptions { socket: Some(daemon.socket.clone()), dead_zone: 0.0, ..Default::default() };
+    let options = SpaceMouseOptions::default().with_socket(daemon.socket.clone()).with_dead_zone(0.0);
     let mut mouse = SpaceMouse::open(&options).unwrap();
     assert!(mouse.info().name.contains("protocol 1"), "{:?}", mouse.info());
     assert_eq!(mouse.info().buttons, 9);

@@ -4,11 +4,14 @@ mod common;
 #[path = "common/stubs.rs"]
 mod stubs;
 
+use std::path::PathBuf;
+
 use common::eventually;
+use feeler_core::geometry::twist::rotation_vector;
 use feeler_devices::dhd::{Dhd, DhdOptions};
 use feeler_devices::openhaptics::{OpenHaptics, OpenHapticsOptions};
 use feeler_haptics::device::{Device, DeviceError};
-use feeler_haptics::twist::{rotation_vector, Wrench};
+use feeler_haptics::Wrench;
 use stubs::{compiled, Stub};
 
 /// A stub of an omega.6: type 34, a wrist without motors.
@@ -129,14 +132,14 @@ fn dhd_lets_go_when_it_is_dropped() {
 
 #[test]
 fn dhd_says_what_is_missing() {
-    let nowhere = DhdOptions { library: Some("/nowhere/libdhd.so".into()), ..Default::default() };
+    let nowhere = DhdOptions::default().with_library(PathBuf::from("/nowhere/libdhd.so"));
     let error = Dhd::open(&nowhere).err().unwrap();
     assert!(
         matches!(&error, DeviceError::NotFound { why, .. } if why.contains("/nowhere/libdhd.so") && why.contains("SDK")),
         "{error}"
     );
 
-    let too_old = DhdOptions { library: Some(compiled("stub_dhd", true)), ..Default::default() };
+    let too_old = DhdOptions::default().with_library(compiled("stub_dhd", true));
     let error = Dhd::open(&too_old).err().unwrap();
     let words = ["dhdSetForceAndTorqueAndGripperForce", "stub_dhd_too_old"];
     assert!(
@@ -269,14 +272,14 @@ fn openhaptics_that_tells_nothing_of_itself_gets_the_smallest_limits() {
 
 #[test]
 fn openhaptics_says_what_is_missing() {
-    let nowhere = OpenHapticsOptions { library: Some("/nowhere/libHD.so".into()), ..Default::default() };
+    let nowhere = OpenHapticsOptions::default().with_library(PathBuf::from("/nowhere/libHD.so"));
     let error = OpenHaptics::open(&nowhere).err().unwrap();
     assert!(
         matches!(&error, DeviceError::NotFound { why, .. } if why.contains("/nowhere/libHD.so") && why.contains("install")),
         "{error}"
     );
 
-    let too_old = OpenHapticsOptions { library: Some(compiled("stub_hd", true)), ..Default::default() };
+    let too_old = OpenHapticsOptions::default().with_library(compiled("stub_hd", true));
     let error = OpenHaptics::open(&too_old).err().unwrap();
     assert!(matches!(&error, DeviceError::NotFound { why, .. } if why.contains("hdStopScheduler")), "{error}");
 
@@ -286,7 +289,6 @@ fn openhaptics_says_what_is_missing() {
     assert!(matches!(&error, DeviceError::NotFound { why, .. } if why.contains("Communication error")), "{error}");
     assert_eq!(stub.get(44), 0.0, "what was not initialised is not disabled");
 
-    let named =
-        OpenHapticsOptions { library: Some(stub.path.clone()), device: Some("a\0b".to_string()), ..Default::default() };
+    let named = OpenHapticsOptions::default().with_library(stub.path.clone()).with_device("a\0b".to_string());
     assert!(matches!(OpenHaptics::open(&named), Err(DeviceError::NotFound { .. })));
 }

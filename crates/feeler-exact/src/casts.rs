@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use feeler_core::{
-    closest_triangle_triangle, intersect_triangle_triangle, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions,
-    Screw, Tool, Touching, Triangle,
+    closest_triangle_triangle, intersect_triangle_triangle, CastOptions, Error, Mockup, Motion, Point, Pose, Scene,
+    SceneOptions, Screw, Tool, Triangle,
 };
 use rayon::prelude::*;
 
@@ -87,8 +87,8 @@ fn cast_through(seed: u64, samples: u32) -> Tally {
     let Ok(mockup) = Mockup::new(vertices, faces, Vec::new(), 1) else { return tally };
     let mockup = Arc::new(mockup);
     let storage = STORES[r.below(3)];
-    let options = SceneOptions { storage, voxel_size: Some(r.real(0.05, 0.5)), ..SceneOptions::default() };
-    let Ok(scene) = Scene::build(mockup.clone(), &options, &|_, _| true) else {
+    let options = SceneOptions::default().with_storage(storage).with_voxel_size(r.real(0.05, 0.5));
+    let Ok(scene) = Scene::build(mockup.clone(), &options) else {
         return Tally { late: 1, faults: vec![format!("seed {seed}: no scene")], ..tally };
     };
     for _ in 0..PER_SCENE / 8 {
@@ -129,7 +129,7 @@ fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, (seed, s
     tally.casts += 1;
     tally.screws += u64::from(is_screw);
     let words = |what: String| format!("seed {seed}, {:?}, {motion:?}: {what}", scene.storage());
-    let cast = match scene.cast_along(tool, &motion, TOLERANCE, Touching::Ends) {
+    let cast = match scene.cast_along(tool, &motion, &CastOptions::default().with_tolerance(TOLERANCE)) {
         Ok(Some(cast)) => cast,
         other => {
             tally.tunnelled += 1;

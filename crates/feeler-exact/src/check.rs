@@ -5,8 +5,8 @@ use std::sync::Arc;
 use feeler_core::geometry::intersect_lanes::prove;
 use feeler_core::geometry::predicates::is_collinear;
 use feeler_core::{
-    intersect_triangle_triangle, Error, Filters, Level, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage,
-    Tool, Triangle,
+    intersect_triangle_triangle, BatchOptions, Error, Filters, Level, Mockup, PairKind, Point, Pose, Scene,
+    SceneOptions, Storage, Tool, Triangle,
 };
 
 use crate::corpus::word;
@@ -94,9 +94,10 @@ impl Checked {
     ///
     /// Errors when the scene would need more memory than a test should take.
     pub fn fault(&self, storage: Storage, voxel_size: Option<f64>) -> Result<Option<(Pose, String)>, Error> {
-        let options = SceneOptions { storage, voxel_size, memory_limit: 1 << 26, ..SceneOptions::default() };
-        let mut scene = Scene::build(Arc::clone(&self.mockup), &options, &|_, _| true)?;
-        let batch = scene.collide_batch(&self.tool, &self.poses, &|_, _| true)?;
+        let options =
+            SceneOptions::default().with_storage(storage).with_voxel_size(voxel_size).with_memory_limit(1 << 26);
+        let mut scene = Scene::build(Arc::clone(&self.mockup), &options)?;
+        let batch = scene.collide_batch(&self.tool, &self.poses, &BatchOptions::default())?;
         for (i, (pose, truth)) in self.poses.iter().zip(&self.truth).enumerate() {
             let fault = |what: &str, found: &Found| -> Result<Option<(Pose, String)>, Error> {
                 Ok(Some((*pose, format!("{what}: {} pairs found, in truth {}", found.len(), truth.len()))))

@@ -123,8 +123,8 @@ impl Placed {
         let pose = world.after(&modelled.inverse()).pose();
         let mockup = Mockup::new(vertices, faces, part_of_face, contact.parts.len()).map_err(|e| e.to_string())?;
         let (storage, levels) = (STORES[r.below(STORES.len())], Level::available());
-        let options = SceneOptions { storage, tool: Some(&tool), ..SceneOptions::default() };
-        let mut scene = Scene::build(Arc::new(mockup), &options, &|_, _| true).map_err(|e| e.to_string())?;
+        let options = SceneOptions::default().with_storage(storage).with_tool(&tool);
+        let mut scene = Scene::build(Arc::new(mockup), &options).map_err(|e| e.to_string())?;
         scene.set_lanes(levels[r.below(levels.len())]);
         let coordinates = 2.0 * far + 3.0 * size;
         let normal = 16.0 * f64::EPSILON * coordinates / (shortest as f64 * unit);

@@ -127,8 +127,8 @@ impl Placed {
         let mockup = mockup.map_err(|e| e.to_string())?;
         let tool =
             Tool::new(tool.0.iter().map(|p| self.in_tool(p)).collect(), tool.1.clone()).map_err(|e| e.to_string())?;
-        let options = SceneOptions { storage: STORES[r.below(STORES.len())], ..SceneOptions::default() };
-        let scene = Scene::build(Arc::new(mockup), &options, &|_, _| true).map_err(|e| e.to_string())?;
+        let options = SceneOptions::default().with_storage(STORES[r.below(STORES.len())]);
+        let scene = Scene::build(Arc::new(mockup), &options).map_err(|e| e.to_string())?;
         let is_closed = [scene.mockup().adjacency(), tool.adjacency()].map(|of| !of.outward.contains(&0));
         let found = ContactSolver::new(Arc::new(scene)).depths(&tool, &self.pose()?);
         Ok((is_closed == [true; 2]).then_some(found))

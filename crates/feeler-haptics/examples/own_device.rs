@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex};
 
 use feeler_core::{Mockup, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
-use feeler_haptics::runner::{RunnerOptions, Sides};
-use feeler_haptics::twist::Wrench;
+use feeler_haptics::Wrench;
 use feeler_haptics::{Coupling, Session, SessionOptions};
+use feeler_haptics::{RunnerOptions, Sides};
 
 /// Here a program moves the handle, and looks at the force; yours asks a motor controller.
 #[derive(Default)]
@@ -34,7 +34,7 @@ impl Device for Rail {
         let beyond =
             |_| DeviceError::Nonsense { device: self.info.name.clone(), what: format!("a height of {height} m") };
         let pose = Pose::IDENTITY.translated(&[0.0, 0.0, height]).map_err(beyond)?;
-        Ok(DeviceState { pose, twist: None, buttons: 0, time: now })
+        Ok(DeviceState::new(pose, now).with_buttons(0))
     }
 
     fn write(&mut self, wrench: &Wrench, _now: f64) -> Result<(), DeviceError> {
@@ -60,20 +60,20 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 fn pressed() -> Result<f64, Box<dyn Error>> {
     let (vertices, faces) = cuboid([-0.2, -0.2, -0.02], [0.2, 0.2, 0.0]);
     let plate = Arc::new(Mockup::new(vertices, faces, vec![], 1)?);
-    let scene = Arc::new(Scene::build(plate, &SceneOptions::default(), &|_, _| true)?);
+    let scene = Arc::new(Scene::build(plate, &SceneOptions::default())?);
     let (vertices, faces) = cuboid([-0.03; 3], [0.03; 3]);
     let tool = Arc::new(Tool::new(vertices, faces)?);
 
     // What is not known stays 0, and bounds nothing.
-    let limits = DeviceLimits { force_n: 10.0, stiffness_n_per_m: 500.0, rate_hz: 1000.0, ..DeviceLimits::default() };
+    let limits = DeviceLimits::default().with_force_n(10.0).with_stiffness_n_per_m(500.0).with_rate_hz(1000.0);
     let up = Freedoms { translation: true, rotation: false };
-    let info = DeviceInfo { name: "rail".into(), sensed: up, driven: up, workspace: [0.1; 3], limits, buttons: 0 };
+    let info = DeviceInfo::new("rail").with_sensed(up).with_driven(up).with_workspace([0.1; 3]).with_limits(limits);
     let hardware = Arc::new(Mutex::new(Hardware::default()));
     let coupling = Coupling::for_device(&info);
-    let mut session = Session::new(scene, tool, SessionOptions { coupling, ..SessionOptions::default() })?;
+    let mut session = Session::new(scene, tool, SessionOptions::default().with_coupling(coupling))?;
     session.start(&Pose::IDENTITY.translated(&[0.0, 0.0, 0.031])?)?;
 
-    // `Runner::start` does the same in two threads, in real time.
+    // `Runner::run` does the same in two threads, in real time.
     let rail = Rail { info, hardware: hardware.clone() };
     let mut sides = Sides::new(session, Box::new(rail), &RunnerOptions::default()).map_err(|refused| refused.error)?;
     for tick in 0..1000 {

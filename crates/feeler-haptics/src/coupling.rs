@@ -19,6 +19,7 @@ use crate::error::{Error, Result};
 /// [`for_device`](Self::for_device) suits another, and [`limited`](Self::limited) cuts any coupling to what a device
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Coupling {
     /// Of the spring of translation, at the tool's centre, newtons a metre.
     pub stiffness_n_per_m: f64,
@@ -50,6 +51,19 @@ impl Default for Coupling {
             slew_n_per_s: 2000.0,
             slew_nm_per_s: 75.0,
         }
+    }
+}
+
+impl Coupling {
+    feeler_core::setters! {
+        with_stiffness_n_per_m: stiffness_n_per_m: f64,
+        with_damping_n_s_per_m: damping_n_s_per_m: f64,
+        with_rotational_stiffness_nm_per_rad: rotational_stiffness_nm_per_rad: f64,
+        with_rotational_damping_nm_s_per_rad: rotational_damping_nm_s_per_rad: f64,
+        with_max_force_n: max_force_n: f64,
+        with_max_torque_nm: max_torque_nm: f64,
+        with_slew_n_per_s: slew_n_per_s: f64,
+        with_slew_nm_per_s: slew_nm_per_s: f64,
     }
 }
 

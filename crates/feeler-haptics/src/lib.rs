@@ -14,7 +14,7 @@
 //! let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
 //! let spike = vec![[0.0, 0.0, 0.0], [0.01, 0.0, 0.02], [-0.01, 0.01, 0.02], [-0.01, -0.01, 0.02]];
 //! let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
-//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true)?;
+//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default())?;
 //!
 //! let options = SessionOptions::default();
 //! let mut session = Session::new(Arc::new(scene), Arc::new(tool), options)?;
@@ -38,41 +38,41 @@
 //! Lengths are metres, angles radians, forces newtons; poses are `world_from_tool`. Time is passed in, in seconds: nothing here reads
 //! a clock but the one that a [`Runner`] is given.
 
-pub mod clock;
+mod clock;
 mod constants;
-pub mod constraint_set;
+mod constraint_set;
 mod coupling;
 pub mod device;
 mod error;
 mod force;
+#[doc(hidden)]
+pub mod internals;
 mod passivity;
-pub mod proxy;
-pub mod runner;
+mod proxy;
+mod runner;
 mod saturation;
 mod servo;
 mod session;
 mod shading;
 mod smooth_surface;
 mod stability;
-pub mod statistics;
+mod statistics;
 mod velocity;
 
 pub use clock::Clock;
 pub use coupling::Coupling;
 pub use error::{Error, Result};
-pub use feeler_core::geometry::{least_distance, twist};
-pub use feeler_core::tool::metric;
-pub use feeler_world::{PutDown, Seat, SeatKind, World};
-pub use force::{ForceInput, ForceLoop};
-pub use passivity::Passivity;
-pub use runner::{Runner, RunnerOptions};
-pub use saturation::{added_within, saturated};
-pub use servo::{Mode, Servo, ServoInput, ServoOutput};
+pub use feeler_core::{Twist, Wrench};
+pub use feeler_world::{Plane, PutDown, Release, Seat, SeatKind, World};
+pub use proxy::ProxyOptions;
+pub use runner::{
+    AroundWork, CollisionSide, MappingOptions, OnThreadStart, Refused, Runner, RunnerOptions, ServoSide, Sides,
+    Stopped, ThreadKind, TraceTick, View, Watch,
+};
+pub use servo::Mode;
 pub use session::{Seating, Session, SessionOptions, Start, Step};
-pub use shading::Shading;
-pub use stability::{Bound, Limitation, Limitations};
-pub use statistics::Statistics;
-pub use velocity::VelocityEstimate;
+pub use stability::Limitations;
+pub use statistics::{Distribution, Statistics};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -13,7 +13,7 @@ use feeler_core::geometry::twist::{displaced, displacement};
 use feeler_core::geometry::vectors::{length, sub, unit};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Motion, Point, Pose};
-use feeler_world::{Care, Pair, Seated, Surroundings, Walk};
+use feeler_world::{Pair, Seated, Surroundings, Walk, WalkOptions};
 
 use crate::constants::{
     ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, BOUND_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN,
@@ -27,6 +27,7 @@ use crate::error::{Error, Result};
 
 /// How the proxy is kept off.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ProxyOptions {
     /// What is nearer than this is a contact, metres.
     pub margin: f64,
@@ -43,6 +44,16 @@ pub struct ProxyOptions {
 impl Default for ProxyOptions {
     fn default() -> ProxyOptions {
         ProxyOptions { margin: 0.002, skin: 2e-5, rounds: 4, pull_m: 0.008, pull_rad: 0.15 }
+    }
+}
+
+impl ProxyOptions {
+    feeler_core::setters! {
+        with_margin: margin: f64,
+        with_skin: skin: f64,
+        with_rounds: rounds: usize,
+        with_pull_m: pull_m: f64,
+        with_pull_rad: pull_rad: f64,
     }
 }
 
@@ -205,7 +216,7 @@ impl Proxy {
             return Ok(None);
         }
         let normals: Vec<Point> = set.planes().iter().map(|plane| plane.normal).collect();
-        let care = Care { beside: &normals, tolerance: self.cast_tolerance(), finer: 1.0, goes_on: &|| true };
+        let care = WalkOptions::default().with_directions(&normals).with_tolerance(self.cast_tolerance());
         let walk = around.walk(&self.seated, (&set.taken_at, &nearest), care)?;
         Ok(Some((nearest, walk.stop.is_none())))
     }
@@ -245,7 +256,7 @@ impl Proxy {
             }
             self.normals.clear();
             self.normals.extend(self.set.planes().iter().map(|plane| plane.normal));
-            let care = Care { beside: &self.normals, tolerance: self.cast_tolerance(), finer: 1.0, goes_on: &|| true };
+            let care = WalkOptions::default().with_directions(&self.normals).with_tolerance(self.cast_tolerance());
             let walk = around.walk(&self.seated, (&from, &goal.pose), care)?;
             self.seated = walk.seated.clone();
             if walk.stop.is_some() {
@@ -511,7 +522,7 @@ mod tests {
 
     fn around((vertices, faces): Arrays, tool: Tool, start: &Pose) -> Surroundings {
         let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
         let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
         Surroundings::around(bodies, Arc::new(tool), start).unwrap()
     }

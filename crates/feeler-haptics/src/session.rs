@@ -7,7 +7,7 @@ use feeler_core::geometry::twist::{displaced, displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::scaled;
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
-use feeler_world::{Body, PutDown, Seat, SeatKind, World};
+use feeler_world::{Body, PutDown, Release, Seat, SeatKind, World};
 
 use crate::constants::{HELD_SHARE, LONGEST_TICK_S, MOST_CATCH_UPS, RATE_SHARE, SHORTEST_TICK_S};
 use crate::constraint_set::{ConstraintSet, Plane};
@@ -19,6 +19,7 @@ use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
 
 /// How a session is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SessionOptions {
     /// How the hand is held to the tool.
     pub coupling: Coupling,
@@ -44,6 +45,17 @@ impl Default for SessionOptions {
             shading: true,
             limits: None,
         }
+    }
+}
+
+impl SessionOptions {
+    feeler_core::setters! {
+        with_coupling: coupling: Coupling,
+        with_proxy: proxy: ProxyOptions,
+        with_collision_hz: collision_hz: impl Into<Option<f64>>,
+        with_driven: driven: Freedoms,
+        with_shading: shading: bool,
+        with_limits: limits: impl Into<Option<DeviceLimits>>,
     }
 }
 
@@ -362,6 +374,7 @@ impl Session {
     }
 
     /// What nearest means for the tool.
+    #[doc(hidden)]
     pub fn metric(&self) -> Metric {
         self.metric
     }
@@ -401,24 +414,22 @@ impl Session {
     /// force does not jump.
     ///
     /// Errors: not started, something is held already, no such part.
-    pub fn take(&mut self, parts: &[u32]) -> Result<()> {
+    pub fn grip(&mut self, parts: &[u32]) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
-        self.world.take(parts, &pose)?;
+        self.world.grip(parts, &pose)?;
         self.hand_over()
     }
 
-    /// Lets go of what is held where it is: parts of the scene again.
-    pub fn put_down(&mut self) -> Result<()> {
+    /// Releases what is held. Errors: not started, nothing is held, and with [`Release::PutBack`] where the tool is in a part's place.
+    pub fn release(&mut self, to: Release) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
-        self.world.put_down(&pose)?;
+        self.world.release(to, &pose)?;
         self.hand_over()
     }
 
-    /// Lets go of what is held, which is back in its place in the mock-up. Errors where the tool is in it.
-    pub fn put_back(&mut self) -> Result<()> {
-        let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
-        self.world.put_back(&pose)?;
-        self.hand_over()
+    /// The parts that are held.
+    pub fn gripped(&self) -> impl Iterator<Item = u32> + '_ {
+        self.world.gripped().iter().map(|grip| grip.part)
     }
 
     /// Whether the tool, at a pose, meets anything but what it is seated on, exactly.
@@ -441,7 +452,13 @@ impl Session {
         &self.world
     }
 
+    /// The contact planes at the proxy, nearest first.
+    pub fn planes(&self) -> &[Plane] {
+        self.constraints().map_or(&[], ConstraintSet::planes)
+    }
+
     /// The newest constraints; `None` before there is a proxy.
+    #[doc(hidden)]
     pub fn constraints(&self) -> Option<&ConstraintSet> {
         self.proxy.as_ref().map(Proxy::constraints)
     }
@@ -449,10 +466,11 @@ impl Session {
     /// The planes that hold the proxy.
     pub fn held(&self) -> impl Iterator<Item = &Plane> {
         let held = self.servo.as_ref().map_or(&[][..], Servo::held);
-        self.constraints().into_iter().flat_map(|set| set.planes()).filter(|plane| held.contains(&plane.id))
+        self.planes().iter().filter(|plane| held.contains(&plane.id))
     }
 
     /// What the last search for contacts took.
+    #[doc(hidden)]
     pub fn last_advance(&self) -> Advance {
         self.advance
     }

@@ -2,15 +2,16 @@
 
 use std::f64::consts::TAU;
 
+use feeler_core::geometry::twist::{displaced, displacement, pose_of, rotation_of, times};
 use feeler_core::geometry::vectors::{length, scaled};
 use feeler_core::{Point, Pose};
 use feeler_haptics::device::hand::{Hand, HandPath};
-use feeler_haptics::device::mapping::Mapping;
 use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::{displaced, displacement, pose_of, rotation_of, times, Twist, Wrench};
+use feeler_haptics::internals::Mapping;
 use feeler_haptics::Coupling;
+use feeler_haptics::{Twist, Wrench};
 use proptest::prelude::*;
 
 const TICK: f64 = 1e-3;
@@ -49,13 +50,11 @@ mod simulated {
     }
 
     fn told(seed: u64) -> Vec<DeviceState> {
-        let options = SimulatedOptions {
-            pose_delay_s: 1e-3,
-            force_delay_s: 1e-3,
-            jitter_s: 4e-3,
-            seed,
-            ..SimulatedOptions::desktop_6dof()
-        };
+        let options = SimulatedOptions::desktop_6dof()
+            .with_pose_delay_s(1e-3)
+            .with_force_delay_s(1e-3)
+            .with_jitter_s(4e-3)
+            .with_seed(seed);
         let mut device = SimulatedDevice::new(options, Some(Hand::firm(wandering()))).unwrap();
         let mut states = Vec::new();
         for tick in 0..1000 {
@@ -156,7 +155,7 @@ mod simulated {
 
     #[test]
     fn poses_are_rounded_and_late() {
-        let mut options = SimulatedOptions { pose_delay_s: 3e-3, ..SimulatedOptions::desktop_6dof() };
+        let mut options = SimulatedOptions::desktop_6dof().with_pose_delay_s(3e-3);
         options.info.limits.resolution_m = 1e-4;
         options.info.limits.rotational_resolution_rad = 1e-2;
         let mut device = SimulatedDevice::new(options, Some(Hand::firm(wandering()))).unwrap();
@@ -180,7 +179,7 @@ mod simulated {
 
     #[test]
     fn forces_are_late_cut_and_let_go_at_once() {
-        let mut device = SimulatedDevice::new(SimulatedOptions { force_delay_s: 2e-3, ..smooth() }, None).unwrap();
+        let mut device = SimulatedDevice::new(smooth().with_force_delay_s(2e-3), None).unwrap();
         device.write(&push(50.0), 0.0).unwrap();
         device.read(1.95e-3).unwrap();
         assert_eq!(*device.acting(), Wrench::ZERO);
@@ -359,7 +358,7 @@ mod mapping {
     }
 
     fn state(pose: Pose, buttons: u32) -> DeviceState {
-        DeviceState { pose, twist: None, buttons, time: 0.0 }
+        DeviceState::new(pose, 0.0).with_buttons(buttons)
     }
 
     fn vector(most: f64) -> impl Strategy<Value = Point> {
@@ -386,7 +385,7 @@ mod mapping {
             let tool = pose(tool.0, tool.1);
             mapping.set_tool(&tool);
             let twist = Twist { linear: motion.0, angular: motion.1 };
-            let mapped = mapping.update(&DeviceState { twist: Some(twist), ..state(handle, 0) }).unwrap();
+            let mapped = mapping.update(&state(handle, 0).with_twist(twist)).unwrap();
             prop_assert!(is_same(&mapped.world_from_tool, &tool));
             let found = mapped.twist.unwrap();
             let wrench = Wrench { force, torque };
@@ -417,7 +416,7 @@ mod mapping {
             // The hand has already moved when the button is first told: the tool stays where it was.
             for handle in [b, a, b] {
                 let twist = Some(Twist { linear: [1.0; 3], angular: [1.0; 3] });
-                let held = mapping.update(&DeviceState { twist, ..state(handle, 2) }).unwrap();
+                let held = mapping.update(&state(handle, 2).with_twist(twist)).unwrap();
                 prop_assert!(held.is_clutched && held.twist == Some(Twist::ZERO));
                 prop_assert_eq!(held.world_from_tool, before.world_from_tool);
                 prop_assert_eq!(mapping.wrench_on_hand(&push(5.0)), Wrench::ZERO);
@@ -494,14 +493,12 @@ mod mapping {
     fn a_scale_takes_stiffness_away() {
         let limited = |scale: f64| {
             let mapping = Mapping::new(&info(), scale, &Pose::IDENTITY, None).unwrap();
-            let wanted = Coupling {
-                stiffness_n_per_m: 1e6,
-                rotational_stiffness_nm_per_rad: 1e6,
-                max_torque_nm: 100.0,
-                damping_n_s_per_m: 0.0,
-                rotational_damping_nm_s_per_rad: 0.0,
-                ..Coupling::default()
-            };
+            let wanted = Coupling::default()
+                .with_stiffness_n_per_m(1e6)
+                .with_rotational_stiffness_nm_per_rad(1e6)
+                .with_max_torque_nm(100.0)
+                .with_damping_n_s_per_m(0.0)
+                .with_rotational_damping_nm_s_per_rad(0.0);
             wanted.limited(&mapping.info_in_world(), 1000.0).0
         };
         let plain = limited(1.0);

@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
+use feeler_core::geometry::twist::{pose_of, rotation_of};
+use feeler_core::tool::metric::Metric;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::metric::Metric;
-use feeler_haptics::proxy::{Proxy, ProxyOptions};
-use feeler_haptics::twist::{pose_of, rotation_of};
+use feeler_haptics::internals::Proxy;
 use feeler_haptics::Coupling;
+use feeler_haptics::ProxyOptions;
 use feeler_shapes::{lathe, Arrays};
 use feeler_world::{Body, Surroundings};
 
@@ -19,7 +20,7 @@ const CHAMFER: f64 = 0.0015;
 
 fn body((vertices, faces): Arrays) -> Body {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
     Body { solver: ContactSolver::new(Arc::new(scene)), part: None }
 }
 

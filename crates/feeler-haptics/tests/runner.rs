@@ -14,9 +14,9 @@ use feeler_core::{Mockup, Scene, SceneOptions};
 use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::steered::steered;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::runner::{MappingOptions, RunnerOptions, Stopped, ThreadKind, View};
-use feeler_haptics::twist::Wrench;
+use feeler_haptics::Wrench;
 use feeler_haptics::{Clock, Error, Mode, Runner, SessionOptions, Start};
+use feeler_haptics::{MappingOptions, Release, RunnerOptions, Stopped, ThreadKind, View};
 use feeler_shapes::box_mesh;
 use feeler_world::Error as World;
 
@@ -41,7 +41,7 @@ fn clock() -> Arc<dyn Clock> {
 
 fn run(device: impl Device + 'static, options: &RunnerOptions) -> Runner {
     let session = started(plate(), SessionOptions::default());
-    Runner::start(session, Box::new(device), clock(), options).map_err(|refused| refused.error).unwrap()
+    Runner::run(session, Box::new(device), clock(), options).map_err(|refused| refused.error).unwrap()
 }
 
 /// Looks that [`until`] takes: half a minute on an idle machine. A guard against waiting for ever, no measurement.
@@ -65,10 +65,7 @@ fn until(runner: &mut Runner, is_wanted: impl Fn(&View) -> bool) -> View {
 fn a_run_pushes_on_a_plate_and_ends_when_it_is_told() {
     let kinds = Arc::new(Mutex::new(Vec::new()));
     let told = kinds.clone();
-    let options = RunnerOptions {
-        on_thread_start: Arc::new(move |kind| told.lock().unwrap().push(kind)),
-        ..RunnerOptions::default()
-    };
+    let options = RunnerOptions::default().with_on_thread_start(move |kind| told.lock().unwrap().push(kind));
     let (world, tool) = (plate(), block());
     let mut runner = run(device(pushing()), &options);
     for _ in 0..50 {
@@ -146,10 +143,9 @@ fn a_servo_thread_that_panics_lets_go_and_ends_the_run_with_an_error() {
 #[test]
 fn a_collision_thread_that_panics_lets_go_and_ends_the_run_with_an_error() {
     let (device, is_released) = panicking(u32::MAX);
-    let options =
-        RunnerOptions { around_work: Arc::new(|_| panic!("a fault made on purpose")), ..RunnerOptions::default() };
+    let options = RunnerOptions::default().with_around_work(|_| panic!("a fault made on purpose"));
     let mut runner = run(device, &options);
-    assert_eq!(runner.put_down(), Err(Error::Ended));
+    assert_eq!(runner.release(Release::Here), Err(Error::Ended));
     until(&mut runner, |_| false);
     let Stopped { session, device, error, .. } = runner.stop();
     assert!(is_released.load(Ordering::SeqCst));
@@ -221,13 +217,13 @@ fn a_mouse_is_steered_and_a_start_puts_the_tool_elsewhere() {
     steering.set_target(at([0.0, 0.0, -0.02], [0.0; 3]));
     until(&mut runner, |view| view.mode == Mode::Contact && view.device.translation()[2] < 0.015);
     // The handle stays 20 mm below where it began, the tool is 0.1 m above the plate.
-    assert_eq!(runner.begin(&at([0.0, 0.0, 0.1], [0.0; 3])), Ok(Start::Free));
+    assert_eq!(runner.start(&at([0.0, 0.0, 0.1], [0.0; 3])), Ok(Start::Free));
     let view = until(&mut runner, |view| view.mode == Mode::Free && view.proxy.translation()[2] > 0.09);
     assert!((view.device.translation()[2] - 0.1).abs() < 0.01, "{view:?}");
     steering.set_target(at([0.0, 0.0, -0.2], [0.0; 3]));
     until(&mut runner, |view| view.mode == Mode::Contact);
     // Its lower face is inside of the plate: through it, the tool could leave to either side.
-    assert!(matches!(runner.begin(&at([0.0, 0.0, 0.01], [0.0; 3])), Ok(Start::Seated(_))));
+    assert!(matches!(runner.start(&at([0.0, 0.0, 0.01], [0.0; 3])), Ok(Start::Seated(_))));
     let sunk = until(&mut runner, |view| view.device.translation()[2] < -0.05);
     assert!((sunk.proxy.translation()[2] - 0.01).abs() < 0.002 && sunk.mode != Mode::Free, "{sunk:?}");
 }
@@ -236,8 +232,8 @@ fn a_mouse_is_steered_and_a_start_puts_the_tool_elsewhere() {
 fn an_absolute_mapping_has_the_tool_where_the_handle_is() {
     let place = at([0.01, 0.02, 0.05], [0.0; 3]);
     let (mouse, _steering) = steered(Mouse::new(place), place);
-    let mapping = MappingOptions { is_absolute: true, ..MappingOptions::default() };
-    let mut runner = run(mouse, &RunnerOptions { mapping, ..RunnerOptions::default() });
+    let mapping = MappingOptions::default().with_is_absolute(true);
+    let mut runner = run(mouse, &RunnerOptions::default().with_mapping(mapping));
     until(&mut runner, |view| view.proxy == place);
     assert!(runner.is_running());
 }
@@ -252,16 +248,16 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
     faces.extend(its.iter().map(|face| face.map(|v| v + vertices.len() as u32)));
     vertices.extend(more);
     let mockup = Arc::new(Mockup::new(vertices, faces, parts, 2).unwrap());
-    let scene = Arc::new(Scene::build(mockup, &SceneOptions::default(), &|_, _| true).unwrap());
+    let scene = Arc::new(Scene::build(mockup, &SceneOptions::default()).unwrap());
     let session = started(scene, SessionOptions::default());
-    let runner = Runner::start(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
+    let runner = Runner::run(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
     let mut runner = runner.map_err(|refused| refused.error).unwrap();
     until(&mut runner, |view| view.mode == Mode::Contact);
-    assert_eq!(runner.take(&[1]), Ok(()));
-    assert_eq!(runner.take(&[0]), Err(Error::World(World::HoldsAlready { part: 1 })));
-    assert_eq!(runner.put_down(), Ok(()));
-    assert_eq!(runner.put_down(), Err(Error::World(World::HoldsNothing)));
-    assert!(matches!(runner.take(&[7]), Err(Error::Core(_))));
+    assert_eq!(runner.grip(&[1]), Ok(()));
+    assert_eq!(runner.grip(&[0]), Err(Error::World(World::HoldsAlready { part: 1 })));
+    assert_eq!(runner.release(Release::Here), Ok(()));
+    assert_eq!(runner.release(Release::Here), Err(Error::World(World::HoldsNothing)));
+    assert!(matches!(runner.grip(&[7]), Err(Error::Core(_))));
     assert_eq!(runner.set_scene(sheet()), Ok(Start::Free));
     until(&mut runner, |view| view.mode == Mode::Contact);
     let session = runner.stop().session.unwrap();
@@ -271,7 +267,7 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
 #[test]
 fn a_servo_that_is_slower_than_it_was_to_be_is_said() {
     // No system sleeps for ten microseconds.
-    let options = RunnerOptions { rate_hz: 1e5, ..RunnerOptions::default() };
+    let options = RunnerOptions::default().with_rate_hz(1e5);
     let mut runner = run(device(pushing()), &options);
     for _ in 0..LOOKS {
         if runner.limitations_in_words().iter().any(|said| said.contains("Hz instead of 100,000")) {
@@ -285,24 +281,18 @@ fn a_servo_that_is_slower_than_it_was_to_be_is_said() {
 #[test]
 fn what_cannot_run_comes_back() {
     let unstarted = feeler_haptics::Session::new(plate(), block(), SessionOptions::default()).unwrap();
-    let refused = Runner::start(unstarted, Box::new(device(pushing())), clock(), &RunnerOptions::default());
+    let refused = Runner::run(unstarted, Box::new(device(pushing())), clock(), &RunnerOptions::default());
     assert!(matches!(refused.err().unwrap().error, Error::NotStarted));
     let bad = [
-        RunnerOptions { rate_hz: 0.0, ..RunnerOptions::default() },
-        RunnerOptions { rate_hz: f64::NAN, ..RunnerOptions::default() },
-        RunnerOptions { collision_hz: Some(-1.0), ..RunnerOptions::default() },
-        RunnerOptions {
-            mapping: MappingOptions { scale: 0.0, ..MappingOptions::default() },
-            ..RunnerOptions::default()
-        },
-        RunnerOptions {
-            mapping: MappingOptions { clutch_button: Some(9), ..MappingOptions::default() },
-            ..RunnerOptions::default()
-        },
+        RunnerOptions::default().with_rate_hz(0.0),
+        RunnerOptions::default().with_rate_hz(f64::NAN),
+        RunnerOptions::default().with_collision_hz(-1.0),
+        RunnerOptions::default().with_mapping(MappingOptions::default().with_scale(0.0)),
+        RunnerOptions::default().with_mapping(MappingOptions::default().with_clutch_button(9)),
     ];
     for options in bad {
         let session = started(plate(), SessionOptions::default());
-        let refused = Runner::start(session, Box::new(device(pushing())), clock(), &options).err().unwrap();
+        let refused = Runner::run(session, Box::new(device(pushing())), clock(), &options).err().unwrap();
         assert!(matches!(refused.error, Error::Option { .. }), "{options:?}: {}", refused.error);
         assert!(refused.session.is_some() && refused.device.is_some());
     }
@@ -314,7 +304,7 @@ fn what_a_device_does_not_hold_is_taken_away_for_the_run_alone() {
     options.coupling.stiffness_n_per_m = 1e5;
     let session = started(plate(), options);
     let before = *session.options();
-    let runner = Runner::start(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
+    let runner = Runner::run(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
     let mut runner = runner.map_err(|refused| refused.error).unwrap();
     assert!(runner.limitations().stiffness.is_some());
     let said = runner.limitations_in_words();

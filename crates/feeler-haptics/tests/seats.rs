@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
+use feeler_core::geometry::twist::{pose_of, rotation_of};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::twist::{pose_of, rotation_of};
 use feeler_haptics::{Mode, SeatKind, Session, SessionOptions, Start};
 use feeler_shapes::{box_mesh, joined, lathe, Arrays};
-use feeler_world::{Body, Care, Surroundings};
+use feeler_world::{Body, Surroundings, WalkOptions};
 
 /// Places: at the origin, and 3 km off, where coordinates are rounded to half a picometre.
 const PLACES: [Point; 2] = [[0.0; 3], [3000.0, -2000.0, 1000.0]];
@@ -32,7 +32,7 @@ fn extruded(outline: &[[f64; 2]], width: f64, triangles: &[[u32; 3]]) -> Arrays 
 
 fn scene((vertices, faces): Arrays) -> Arc<Scene> {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 fn at(place: Point) -> Pose {
@@ -61,7 +61,8 @@ impl Fit {
         let body = Body { solver: ContactSolver::new(self.scene.clone()), part: None };
         let around = Surroundings::around(vec![body], self.tool.clone(), &at(self.start)).unwrap();
         let to = at(plus(self.start, by));
-        let walk = around.walk(&around.seated_at_start(), (&at(self.start), &to), Care::search(&[], &|| true)).unwrap();
+        let walk =
+            around.walk(&around.seated_at_start(), (&at(self.start), &to), WalkOptions::search(&[], &|| true)).unwrap();
         std::array::from_fn(|a| walk.pose.translation()[a] - self.start[a])
     }
 

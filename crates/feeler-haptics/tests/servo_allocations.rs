@@ -6,8 +6,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::*;
-use feeler_haptics::runner::{RunnerOptions, Sides};
-use feeler_haptics::{Coupling, Mode, Servo, ServoInput, SessionOptions};
+use feeler_haptics::internals::{Servo, ServoInput};
+use feeler_haptics::{Coupling, Mode, SessionOptions};
+use feeler_haptics::{RunnerOptions, Sides};
 
 struct Counting;
 

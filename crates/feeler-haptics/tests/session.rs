@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use feeler_core::geometry::twist::{pose_of, rotation_of, rotation_vector};
 use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::twist::{pose_of, rotation_of, rotation_vector, Wrench};
 use feeler_haptics::{Error, Mode, PutDown, SeatKind, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Release, Wrench};
 use feeler_shapes::random::Random;
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
 use feeler_world::Error as World;
@@ -17,7 +18,7 @@ fn scene(parts: impl IntoIterator<Item = Arrays>) -> Arc<Scene> {
     let count = parts.len();
     let (vertices, faces) = joined(parts);
     let mockup = Mockup::new(vertices, faces, of_face, count).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 fn tool((vertices, faces): Arrays) -> Arc<Tool> {
@@ -52,7 +53,7 @@ proptest! {
     #[test]
     fn nothing_passes_a_sheet(speed in 0.1..3.0f64, spin in prop::array::uniform3(-60.0..60.0f64), aside in prop::array::uniform2(-1.0..1.0f64), cells in 1usize..12, hz in prop::option::of(10.0..300.0f64)) {
         let (wall, block) = (scene([flat(3.0, cells)]), tool(box_mesh([0.01, 0.0, 0.0], [0.03, 0.04, 0.05], 2)));
-        let options = SessionOptions { collision_hz: hz, ..Default::default() };
+        let options = SessionOptions::default().with_collision_hz(hz);
         let mut session = begun(&wall, &block, &at([0.0, 0.0, 0.1], [0.0; 3]), options);
         for k in 0..300 {
             let t = 0.001 * f64::from(k);
@@ -120,7 +121,7 @@ fn the_force_is_the_same_by_any_clock() {
     clocks.push(Box::new(|r: &mut Random| 10f64.powf(r.real(-5.0, 0.0))));
     for (n, clock) in clocks.iter().enumerate() {
         for hz in [None, Some(100.0)] {
-            let options = SessionOptions { collision_hz: hz, ..Default::default() };
+            let options = SessionOptions::default().with_collision_hz(hz);
             let slew = options.coupling.slew_n_per_s;
             let mut session = begun(&plate, &block, &at([0.0, 0.0, 0.005], [0.0; 3]), options);
             let (mut time, mut before, mut sum, mut steps) = (0.0, [0.0; 3], 0.0, 0u32);
@@ -155,7 +156,7 @@ fn in_the_air_nothing_at_all_is_felt() {
     let plate = scene([box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 4)]);
     let block = tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 2));
     for (hz, speed) in [(None, 3.0), (Some(100.0), 1.0), (Some(100.0), 0.3), (Some(10.0), 0.6)] {
-        let options = SessionOptions { collision_hz: hz, ..Default::default() };
+        let options = SessionOptions::default().with_collision_hz(hz);
         let path = |t: f64| at([speed * t - 0.3, 0.02 * (20.0 * t).sin(), 0.5], [0.3 * (9.0 * t).sin(), t, 0.0]);
         let mut session = begun(&plate, &block, &path(0.0), options);
         for k in 0..500 {
@@ -164,7 +165,7 @@ fn in_the_air_nothing_at_all_is_felt() {
         }
     }
     // Near the plate it is as far as that between two sets.
-    let options = SessionOptions { collision_hz: Some(10.0), ..Default::default() };
+    let options = SessionOptions::default().with_collision_hz(10.0);
     let mut session = begun(&plate, &block, &at([0.0, 0.0, 0.095], [0.0; 3]), options);
     for k in 0..99 {
         step(&mut session, &at([0.0, 0.0, 0.095 - 0.001 * f64::from(k)], [0.0; 3]));
@@ -208,7 +209,7 @@ fn sliding_over_a_cylinder_and_along_a_flat_face_is_smooth() {
 #[test]
 fn collision_at_ten_hertz_drags_and_does_not_give_way() {
     let (wall, block) = (scene([flat(1.0, 7)]), tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 2)));
-    let options = SessionOptions { collision_hz: Some(10.0), ..Default::default() };
+    let options = SessionOptions::default().with_collision_hz(10.0);
     let mut session = begun(&wall, &block, &at([0.0, 0.0, 0.06], [0.0; 3]), options);
     let (mut bound, mut oldest) = (0, 0.0f64);
     for k in 0..2000 {
@@ -290,11 +291,11 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
         }
         last.unwrap()
     };
-    assert!(matches!(session.take(&[3]), Err(Error::Core(_))));
-    assert_eq!(session.put_down(), Err(Error::World(World::HoldsNothing)));
+    assert!(matches!(session.grip(&[3]), Err(Error::Core(_))));
+    assert_eq!(session.release(Release::Here), Err(Error::World(World::HoldsNothing)));
     let before = go(&mut session, [0.0; 3], [0.0; 3]).wrench;
-    session.take(&[1]).unwrap();
-    assert_eq!(session.take(&[2]), Err(Error::World(World::HoldsAlready { part: 1 })));
+    session.grip(&[1]).unwrap();
+    assert_eq!(session.grip(&[2]), Err(Error::World(World::HoldsAlready { part: 1 })));
     let after = step(&mut session, &Pose::IDENTITY);
     assert!(length(&sub(&after.wrench.force, &before.force)) < 1e-3, "{before:?} {after:?}");
     // Down it does not go: the seat holds it, though the plate is not asked.
@@ -312,7 +313,7 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     let down = go(&mut session, [0.05, 0.0, 0.03], [0.05, 0.0, -0.02]);
     assert!((down.proxy.translation()[2] - 2e-5).abs() < 1e-6, "{down:?}");
     // Put down, the hand goes; the block is in its new place, and nowhere else.
-    session.put_down().unwrap();
+    session.release(Release::Here).unwrap();
     assert_eq!(session.world().moved().collect::<Vec<_>>(), [1]);
     go(&mut session, [0.05, 0.0, -0.02], [0.05, 0.0, 0.05]);
     let over = go(&mut session, [0.05, 0.0, 0.05], [0.05, 0.0, -0.01]);
@@ -323,10 +324,10 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     // Where the hand is now the block cannot go back to; from above it can.
     go(&mut session, [0.0, 0.0, -0.039], [0.0, 0.0, 0.05]);
     go(&mut session, [0.0, 0.0, 0.05], [0.05, 0.0, 0.05]);
-    session.take(&[1]).unwrap();
+    session.grip(&[1]).unwrap();
     go(&mut session, [0.05, 0.0, 0.05], [0.05, 0.0, 0.08]);
-    session.put_back().unwrap();
-    assert!(session.world().moved().next().is_none() && session.world().grips().is_empty());
+    session.release(Release::PutBack).unwrap();
+    assert!(session.world().moved().next().is_none() && session.world().gripped().is_empty());
     go(&mut session, [0.05, 0.0, 0.08], [0.0, 0.0, 0.08]);
     let again = go(&mut session, [0.0, 0.0, 0.08], [0.0, 0.0, -0.02]);
     assert!(again.proxy.translation()[2] > -1e-4, "{again:?}");
@@ -339,7 +340,7 @@ fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place()
     let (plate, block) = (box_mesh([0.0, 0.0, -0.51], [0.4, 0.4, 0.02], 4), box_mesh([0.0, 0.0, 0.02], [0.04; 3], 2));
     let mockup = scene([plate.clone(), block.clone()]);
     let moved = (block.0.iter().map(|p| std::array::from_fn(|a| p[a] + aside[a])).collect(), block.1.clone());
-    let put_down = || vec![PutDown { part: 1, scene: scene([moved.clone()]) }];
+    let put_down = || vec![PutDown::new(1, scene([moved.clone()]))];
     let hand = tool(box_mesh([0.0; 3], [0.02; 3], 1));
     let start = |from: &Pose, scene: &Arc<Scene>, put_down: Vec<PutDown>| {
         let mut session =
@@ -378,12 +379,12 @@ fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place()
     }
     // It can be taken, and goes back to a place that it has.
     elsewhere.start(&shifted(&way(0))).unwrap();
-    elsewhere.take(&[1]).unwrap();
+    elsewhere.grip(&[1]).unwrap();
     assert!(elsewhere.world().moved().next().is_none());
-    assert_eq!(elsewhere.put_back(), Err(Error::World(World::HasNoPlace { part: 1 })));
+    assert_eq!(elsewhere.release(Release::PutBack), Err(Error::World(World::HasNoPlace { part: 1 })));
     elsewhere.set_scene(mockup.clone()).unwrap();
-    elsewhere.take(&[1]).unwrap();
-    elsewhere.put_back().unwrap();
+    elsewhere.grip(&[1]).unwrap();
+    elsewhere.release(Release::PutBack).unwrap();
     assert!(matches!(elsewhere.start(&in_top).unwrap(), Start::Seated(_)));
 }
 
@@ -395,7 +396,7 @@ fn what_lies_elsewhere_is_one_part_of_the_mockup_once() {
     let refused = |put_down: Vec<PutDown>| {
         Session::with_put_down(mockup.clone(), hand.clone(), put_down, SessionOptions::default()).err()
     };
-    let part = |part, scene| PutDown { part, scene };
+    let part = |part, scene| PutDown::new(part, scene);
     assert!(matches!(refused(vec![part(2, alone())]), Some(Error::Core(_))));
     assert_eq!(refused(vec![part(0, mockup.clone())]), Some(Error::World(World::PutDown { part: 0, parts: 2 })));
     assert_eq!(

@@ -41,7 +41,7 @@ fn felt(scene: &Arc<Scene>, tool: &Arc<Tool>, way: &[Pose], options: SessionOpti
 }
 
 fn unshaded() -> SessionOptions {
-    SessionOptions { shading: false, ..Default::default() }
+    SessionOptions::default().with_shading(false)
 }
 
 /// The largest change of the force in a tick as a share of its mean, while the ball slides at a depth at 5 cm/s.
@@ -66,7 +66,7 @@ fn the_force_does_not_jump_from_facet_to_facet() {
         assert!(shaded <= most && unshaded > bare, "{sides} {bands}: {shaded} {unshaded}");
     }
     // Between two sets the servo side follows the surface.
-    let slow = SessionOptions { collision_hz: Some(100.0), ..Default::default() };
+    let slow = SessionOptions::default().with_collision_hz(100.0);
     let found = largest_jump(48, 32, 0.001, slow);
     assert!(found <= 0.02, "{found}");
 }
@@ -153,15 +153,13 @@ fn closed_motions_over_facets_give_no_energy() {
 /// Without dampers the force is the stiffness times the way from the device to the proxy, at every step.
 #[test]
 fn the_force_is_that_of_the_proxy_of_the_step() {
-    let coupling = Coupling {
-        damping_n_s_per_m: 0.0,
-        rotational_damping_nm_s_per_rad: 0.0,
-        slew_n_per_s: 1e8,
-        slew_nm_per_s: 1e8,
-        max_force_n: 100.0,
-        ..Coupling::default()
-    };
-    let options = SessionOptions { coupling, ..unshaded() };
+    let coupling = Coupling::default()
+        .with_damping_n_s_per_m(0.0)
+        .with_rotational_damping_nm_s_per_rad(0.0)
+        .with_slew_n_per_s(1e8)
+        .with_slew_nm_per_s(1e8)
+        .with_max_force_n(100.0);
+    let options = unshaded().with_coupling(coupling);
     let check = |scene: &Arc<Scene>, tool: &Arc<Tool>, way: &[Pose]| {
         let mut session = Session::new(scene.clone(), tool.clone(), options).unwrap();
         session.start(&way[0]).unwrap();

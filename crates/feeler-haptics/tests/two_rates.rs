@@ -5,14 +5,15 @@ mod common;
 use std::sync::{Arc, Mutex};
 
 use common::*;
+use feeler_core::geometry::twist::displacement;
 use feeler_core::geometry::vectors::length;
 use feeler_haptics::device::faulty::{Fault, Faulty};
 use feeler_haptics::device::hand::HandPath;
 use feeler_haptics::device::simulated::SimulatedOptions;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState, Freedoms};
-use feeler_haptics::runner::{RunnerOptions, Sides, View};
-use feeler_haptics::twist::{displacement, Twist, Wrench};
 use feeler_haptics::{Mode, Session, SessionOptions};
+use feeler_haptics::{RunnerOptions, Sides, View};
+use feeler_haptics::{Twist, Wrench};
 use feeler_shapes::random::Random;
 
 const TICK: f64 = 1e-3;
@@ -266,7 +267,7 @@ impl Device for Cap {
         self.z += speed * (now - self.last);
         self.last = now;
         let twist = Some(Twist { linear: [0.0, 0.0, speed], angular: [0.0; 3] });
-        Ok(DeviceState { pose: at([0.0, 0.0, self.z], [0.0; 3]), twist, buttons: 0, time: now })
+        Ok(DeviceState::new(at([0.0, 0.0, self.z], [0.0; 3]), now).with_twist(twist).with_buttons(0))
     }
 
     fn write(&mut self, _: &Wrench, _: f64) -> Result<(), DeviceError> {
@@ -283,7 +284,7 @@ impl Device for Cap {
 #[test]
 fn a_rate_device_that_was_pushed_into_a_wall_comes_back_at_once() {
     let nothing = Freedoms::default();
-    let info = DeviceInfo { driven: nothing, workspace: [0.0; 3], ..SimulatedOptions::desktop_6dof().info };
+    let info = SimulatedOptions::desktop_6dof().info.with_driven(nothing).with_workspace([0.0; 3]);
     // A slow and a fast push of 5 s, then back at the same speed, and at a tenth of it.
     let caps: [(f64, Speed); 3] = [
         (0.2, |t| if t < 5.0 { -0.2 } else { 0.2 }),
@@ -315,7 +316,7 @@ impl Device for Thrown {
 
     fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
         let z = (10.0 * (now - 0.3)).clamp(0.0, 0.98 * self.info.workspace[2]);
-        Ok(DeviceState { pose: at([0.0, 0.0, z], [0.0; 3]), twist: None, buttons: 0, time: now })
+        Ok(DeviceState::new(at([0.0, 0.0, z], [0.0; 3]), now).with_buttons(0))
     }
 
     fn write(&mut self, wrench: &Wrench, _: f64) -> Result<(), DeviceError> {

@@ -2,13 +2,15 @@
 //!
 //! The wall is the plane z = 0 at the tool's centre, and the proxy is the device's pose moved straight out of it.
 
+use feeler_core::geometry::twist::{displacement, pose_of, rotation_of};
 use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::{Point, Pose};
 use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceInfo, DeviceLimits, Freedoms};
-use feeler_haptics::twist::{displacement, pose_of, rotation_of, Twist, Wrench};
-use feeler_haptics::{Coupling, ForceInput, ForceLoop, Shading, VelocityEstimate};
+use feeler_haptics::internals::{ForceInput, ForceLoop, Shading, VelocityEstimate};
+use feeler_haptics::Coupling;
+use feeler_haptics::{Twist, Wrench};
 use proptest::prelude::*;
 
 const TICK: f64 = 1e-3;
@@ -110,13 +112,11 @@ fn into_the_wall() -> HandPath {
 
 /// Far stiffer than any of these devices holds.
 fn too_stiff(options: &SimulatedOptions) -> Coupling {
-    Coupling {
-        stiffness_n_per_m: 30.0 * 2.0 * options.info.limits.damping_n_s_per_m / TICK,
-        damping_n_s_per_m: 0.1,
-        max_force_n: options.info.limits.force_n,
-        max_torque_nm: options.info.limits.torque_nm,
-        ..Coupling::for_device(&options.info)
-    }
+    Coupling::for_device(&options.info)
+        .with_stiffness_n_per_m(30.0 * 2.0 * options.info.limits.damping_n_s_per_m / TICK)
+        .with_damping_n_s_per_m(0.1)
+        .with_max_force_n(options.info.limits.force_n)
+        .with_max_torque_nm(options.info.limits.torque_nm)
 }
 
 type Preset = fn() -> SimulatedOptions;
@@ -129,7 +129,8 @@ fn every_case() -> impl Iterator<Item = (SimulatedOptions, Hand)> {
     PRESETS.into_iter().flat_map(move |preset| {
         delays.into_iter().flat_map(move |(pose_delay_s, force_delay_s, jitter_s)| {
             [Hand::firm(into_the_wall()), Hand::loose(into_the_wall())].map(|hand| {
-                let mut options = SimulatedOptions { pose_delay_s, force_delay_s, jitter_s, ..preset() };
+                let mut options =
+                    preset().with_pose_delay_s(pose_delay_s).with_force_delay_s(force_delay_s).with_jitter_s(jitter_s);
                 // Hardly any friction: it would hold still what else would hum.
                 options.info.limits.friction_n *= 0.3;
                 (options, hand)
@@ -196,8 +197,8 @@ fn an_arm_takes_stiffness_away() {
 #[test]
 fn the_controller_damps_a_hum_that_the_bound_did_not_prevent() {
     let ripple = |is_controlled: bool| {
-        let options = SimulatedOptions { force_delay_s: 1e-3, ..SimulatedOptions::desktop_3dof() };
-        let coupling = Coupling { stiffness_n_per_m: 9000.0, ..Coupling::for_device(&options.info) };
+        let options = SimulatedOptions::desktop_3dof().with_force_delay_s(1e-3);
+        let coupling = Coupling::for_device(&options.info).with_stiffness_n_per_m(9000.0);
         let mut device = SimulatedDevice::new(options, Some(Hand::loose(into_the_wall()))).unwrap();
         let mut limits = device.info().limits;
         if !is_controlled {
@@ -215,7 +216,7 @@ fn the_controller_damps_a_hum_that_the_bound_did_not_prevent() {
 fn let_go_at_depth_it_comes_out_below_the_bound_and_with_no_more_than_the_spring_had() {
     for preset in PRESETS {
         for delay in [0.0, 1e-3, 3e-3] {
-            let options = SimulatedOptions { force_delay_s: delay, ..preset() };
+            let options = preset().with_force_delay_s(delay);
             let mass = options.mass_kg;
             let mut device = SimulatedDevice::new(options, Some(Hand::firm(into_the_wall()))).unwrap();
             let info = device.info().clone();
@@ -350,7 +351,7 @@ fn what_a_delay_will_give_is_taken_in_advance() {
 #[test]
 fn a_closed_motion_gains_energy_without_the_controller() {
     let mut info = SimulatedOptions::desktop_3dof().info;
-    let coupling = Coupling { damping_n_s_per_m: 0.0, ..Coupling::for_device(&info) };
+    let coupling = Coupling::for_device(&info).with_damping_n_s_per_m(0.0);
     let poses = closed(&[[0.0, 0.0, 0.007, 0.0, 0.0, 0.0]], 0.4);
     let (put_in, sum) = work(&info, coupling, &[0.0; 3], &poses);
     assert!(sum >= -0.01 * put_in, "{sum} of {put_in}");
@@ -363,7 +364,7 @@ fn a_closed_motion_gains_energy_without_the_controller() {
 #[test]
 fn the_books_balance_after_a_contact() {
     for force_delay_s in [0.0, 1e-3, 3e-3] {
-        let options = SimulatedOptions { force_delay_s, ..SimulatedOptions::desktop_3dof() };
+        let options = SimulatedOptions::desktop_3dof().with_force_delay_s(force_delay_s);
         let mut device = SimulatedDevice::new(options, Some(Hand::firm(into_the_wall()))).unwrap();
         let info = device.info().clone();
         let coupling = Coupling::for_device(&info);
@@ -406,10 +407,8 @@ fn a_turn_against_a_stop_hums_when_too_stiff_and_rests_as_stiff_as_the_device_ho
         let mut device = SimulatedDevice::new(options, Some(Hand::loose(path))).unwrap();
         let info = device.info().clone();
         let limits = info.limits;
-        let wanted = Coupling {
-            rotational_stiffness_nm_per_rad: 60.0 * limits.rotational_damping_nm_s_per_rad / TICK,
-            ..Coupling::for_device(&info)
-        };
+        let wanted = Coupling::for_device(&info)
+            .with_rotational_stiffness_nm_per_rad(60.0 * limits.rotational_damping_nm_s_per_rad / TICK);
         let mut force = match is_limited {
             true => loop_of(wanted.limited(&info, 1.0 / TICK).0, info.driven, &limits),
             false => Force::Bare(wanted),
@@ -449,7 +448,7 @@ fn a_turn_against_a_stop_hums_when_too_stiff_and_rests_as_stiff_as_the_device_ho
     };
     for preset in [SimulatedOptions::desktop_6dof, SimulatedOptions::large_6dof] {
         for force_delay_s in [0.0, 1e-3, 3e-3] {
-            let mut options = SimulatedOptions { force_delay_s, ..preset() };
+            let mut options = preset().with_force_delay_s(force_delay_s);
             options.info.limits.rotational_friction_nm *= 0.3;
             let (hums, rests) = (ripple(options.clone(), false), ripple(options.clone(), true));
             assert!(hums > 10.0, "{} {force_delay_s}: {hums}", options.info.name);

@@ -15,8 +15,8 @@ mod swept;
 pub use blocked::Blocker;
 pub use error::{Error, Result};
 pub use feeler_world::Allowed;
-pub use removal::{removal, Held, Method, Removal, RemovalTask};
-pub use swept::sweep::{swept, Swept};
+pub use removal::{removal, Held, Method, Removal, RemovalOptions, RemovalTask};
+pub use swept::sweep::{swept, Swept, SweptOptions};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Motion, Pose, Scene, SceneOptions, Tool};
-use feeler_plan::{removal, Allowed, Error, Method, Removal, RemovalTask};
+use feeler_plan::{removal, Allowed, Error, Method, Removal, RemovalOptions, RemovalTask};
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, turned, Arrays, Point};
-use feeler_world::{Body, Care, Environment, Surroundings};
+use feeler_world::{Body, Environment, Surroundings, WalkOptions};
 
 /// Parts, each alone as a tool.
 struct Assembly {
@@ -32,21 +32,13 @@ impl Assembly {
         let numbers = (0..).zip(&parts).flat_map(|(part, (_, faces))| vec![part; faces.len()]).collect();
         let (vertices, faces) = joined(parts.clone());
         let mockup = Mockup::new(vertices, faces, numbers, parts.len()).unwrap();
-        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
         Assembly { parts, scene }
     }
 
     fn task(&self, part: usize) -> RemovalTask {
         let (vertices, faces) = self.parts[part].clone();
-        RemovalTask {
-            tool: Arc::new(Tool::new(vertices, faces).unwrap()),
-            own_parts: 1,
-            start: Pose::IDENTITY,
-            allowed: Allowed { start: true, ..Default::default() },
-            directions: vec![],
-            clearance: 0.0,
-            seed: 0,
-        }
+        RemovalTask::new(Arc::new(Tool::new(vertices, faces).unwrap()), Pose::IDENTITY)
     }
 
     fn rest(&self, part: usize) -> ContactSolver {
@@ -73,7 +65,8 @@ impl Assembly {
 /// With time for so many directions, pushes and extensions of trees.
 fn removal_in(solver: &ContactSolver, task: &RemovalTask, rounds: u32) -> Removal {
     let asked = AtomicU32::new(0);
-    removal(solver, task, &|_, _| true, &|| asked.fetch_add(1, Ordering::Relaxed) < rounds).unwrap()
+    let has_time = || asked.fetch_add(1, Ordering::Relaxed) < rounds;
+    removal(solver, task, &RemovalOptions::default().with_has_time(&has_time)).unwrap()
 }
 
 /// A closed tube along x with a hole that a cylinder of as many sides fits.
@@ -167,7 +160,7 @@ fn a_bolt_without_a_hole_goes_no_deeper_than_it_is() {
     let (way, length) = (found.poses[1].translation(), found.path_length);
     assert!((0..3).all(|a| (way[a] / length - askew.rotation()[a][2]).abs() < 1e-6), "{way:?}");
     // By its name a neighbour may be met all along, and then any way is good.
-    let all = assembly.remove(0, |task| task.allowed = Allowed { parts: vec![1, 2], ..Default::default() });
+    let all = assembly.remove(0, |task| task.allowed = Allowed::default().with_parts(vec![1, 2]));
     assert!(all.method.is_some() && all.clearance == f64::INFINITY);
 }
 
@@ -207,7 +200,7 @@ fn so_many_metres_of_overlap_are_allowed() {
         block([-0.03, -0.012, -0.03], [-0.01, 0.012, 0.02]),
         block([-0.0099, -0.012, -0.03], [0.0099, 0.012, -0.0101]),
     ]);
-    let with = |overlap| assembly.remove(0, |task| task.allowed = Allowed { overlap, ..Default::default() });
+    let with = |overlap| assembly.remove(0, |task| task.allowed = Allowed::default().with_overlap(overlap));
     assert_eq!(with(1.5e-4).method, Some(Method::Straight));
     let less = with(5e-5);
     assert_eq!((less.method, less.blockers.len()), (None, 2));
@@ -250,7 +243,7 @@ fn in_a_closed_box_it_ends_in_time_and_says_what_is_in_the_way() {
     let lid = found.blockers.iter().find(|blocker| blocker.part == 7).unwrap();
     assert!(lid.reach > 0.06, "{lid:?}");
     let tool = assembly.task(0).tool;
-    let gap = assembly.scene.only(&[7]).unwrap().closest(&tool, &lid.pose, 1.0).unwrap().unwrap();
+    let gap = assembly.scene.only(&[7]).unwrap().distance(&tool, &lid.pose, 1.0).unwrap().unwrap();
     assert!(gap.distance < 2e-6, "{gap:?}");
 }
 
@@ -369,7 +362,7 @@ fn a_way_keeps_its_clearance() {
         let motion = Motion::new(&tool, &pair[0], &pair[1]);
         for i in 0..=100 {
             let pose = motion.at(f64::from(i) / 100.0);
-            let gap = scene.closest(&tool, &pose, 1.0).unwrap().unwrap();
+            let gap = scene.distance(&tool, &pose, 1.0).unwrap().unwrap();
             assert!(gap.distance >= 0.98 * 0.0015 && gap.distance >= found.clearance - 3e-4, "{gap:?}");
         }
     }
@@ -399,22 +392,22 @@ fn what_is_out_needs_no_way() {
 fn what_cannot_be_is_refused() {
     let assembly = duct(true);
     let (solver, task) = (assembly.rest(0), assembly.task(0));
-    let error = |task: RemovalTask| removal(&solver, &task, &|_, _| true, &|| true).unwrap_err();
+    let error = |task: RemovalTask| removal(&solver, &task, &RemovalOptions::default()).unwrap_err();
     for clearance in [-1.0, f64::NAN, f64::INFINITY] {
-        let refused = error(RemovalTask { clearance, ..task.clone() });
+        let refused = error(task.clone().with_clearance(clearance));
         assert!(matches!(refused, Error::Option { what: "clearance", .. }), "{refused}");
     }
     for direction in [[0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
-        let refused = error(RemovalTask { directions: vec![direction], ..task.clone() });
+        let refused = error(task.clone().with_directions(vec![direction]));
         assert!(matches!(refused, Error::Option { what: "directions", .. }), "{refused}");
     }
-    let allowed = Allowed { overlap: -0.1, ..Default::default() };
-    assert!(matches!(error(RemovalTask { allowed, ..task.clone() }), Error::Option { what: "allow", .. }));
+    let allowed = Allowed::default().with_overlap(-0.1);
+    assert!(matches!(error(task.clone().with_allowed(allowed)), Error::Option { what: "allow", .. }));
     // All of the tool grips, and none of it is the mock-up's: it may not start in what it meets.
     let start = Pose::IDENTITY.translated(&[0.0, 0.0, 0.004]).unwrap();
-    let refused = error(RemovalTask { start, own_parts: 0, ..task.clone() });
+    let refused = error(task.clone().with_start(start).with_own_parts(0u32));
     assert!(matches!(refused, Error::World(feeler_world::Error::GripMeets { tool_part: 0, .. })), "{refused}");
-    let stopped = removal(&solver, &task, &|_, _| false, &|| true).unwrap_err();
+    let stopped = removal(&solver, &task, &RemovalOptions::default().with_progress(&|_, _| false)).unwrap_err();
     assert_eq!(stopped, Error::Core(feeler_core::Error::Cancelled));
 }
 
@@ -502,7 +495,7 @@ fn a_way_is_looked_at_more_finely_before_it_is_given() {
     let length = around.way_out(&task.start, &[1.0, 0.0, 0.0]);
     assert!((length / step - 39.99).abs() < 1e-6 && (around.size() - size).abs() < 1e-12, "{}", length / step);
     let to = around.moved(&task.start, &[1.0, 0.0, 0.0], length).unwrap();
-    let walk = around.walk(&around.seated_at_start(), (&task.start, &to), Care::search(&[], &|| true)).unwrap();
+    let walk = around.walk(&around.seated_at_start(), (&task.start, &to), WalkOptions::default()).unwrap();
     assert!(walk.stop.is_none(), "the search does not see it");
     let found = assembly.remove(0, with);
     assert_eq!(found.method, Some(Method::Straight));

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
 use feeler_core::{closest_triangle_triangle, Error, Motion, Point, Pose, Tool};
-use feeler_plan::{swept, Swept};
+use feeler_plan::{swept, Swept, SweptOptions};
 use feeler_shapes::random::Random;
 use feeler_shapes::{ball, box_mesh, joined, sheet, Arrays};
 
@@ -25,7 +25,7 @@ fn turn(angle: f64, place: Point) -> Pose {
 }
 
 fn sweep(tool: &Tool, poses: &[Pose], error: f64) -> Swept {
-    let found = swept(tool, poses, error, u64::MAX, &|_, _| true).unwrap();
+    let found = swept(tool, poses, error, &SweptOptions::default()).unwrap();
     assert_closed(&found);
     found
 }
@@ -259,8 +259,9 @@ fn threads_do_not_matter() {
 fn bad_input_is_refused_before_the_work() {
     let cube = tool(box_mesh([0.0; 3], [0.1; 3], 1));
     let way = [at(0.0, 0.0, 0.0), turn(1.0, [0.3, 0.0, 0.0])];
-    let refused =
-        |poses: &[Pose], error: f64, memory: u64| swept(&cube, poses, error, memory, &|_, _| true).unwrap_err();
+    let refused = |poses: &[Pose], error: f64, memory: u64| {
+        swept(&cube, poses, error, &SweptOptions::default().with_memory_limit(memory)).unwrap_err()
+    };
     assert_eq!(refused(&[], 0.001, u64::MAX), Error::EmptyPath);
     for error in [0.0, -1.0, f64::INFINITY] {
         assert_eq!(refused(&way, error, u64::MAX), Error::SweptError { value: error });
@@ -275,7 +276,7 @@ fn bad_input_is_refused_before_the_work() {
     // What is said to fit does.
     let Error::SweptTooFine { least, .. } = refused(&way, 1e-4, 20 << 20) else { panic!() };
     assert!(least < 0.1);
-    swept(&cube, &way, least, 20 << 20, &|_, _| true).unwrap();
+    swept(&cube, &way, least, &SweptOptions::default().with_memory_limit(20 << 20)).unwrap();
 }
 
 #[test]
@@ -283,15 +284,15 @@ fn progress_rises_and_can_stop_it() {
     let cube = tool(box_mesh([0.0; 3], [0.1; 3], 1));
     let way = [at(0.0, 0.0, 0.0), at(0.3, 0.0, 0.0)];
     let told = std::sync::Mutex::new(Vec::new());
-    swept(&cube, &way, 0.01, u64::MAX, &|done, _| {
+    let tell = |done: f64, _: &str| {
         told.lock().unwrap().push(done);
         true
-    })
-    .unwrap();
+    };
+    swept(&cube, &way, 0.01, &SweptOptions::default().with_progress(&tell)).unwrap();
     let told = told.into_inner().unwrap();
     assert!(told.len() > 10 && told.is_sorted() && told[told.len() - 1] > 0.99);
     for stop in [0.0, 0.3] {
-        let stopped = swept(&cube, &way, 0.01, u64::MAX, &|done, _| done < stop);
+        let stopped = swept(&cube, &way, 0.01, &SweptOptions::default().with_progress(&|done, _| done < stop));
         assert!(matches!(stopped, Err(Error::Cancelled)));
     }
 }

@@ -202,13 +202,12 @@ pub fn clash(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<ClashRows> {
-    let tables = core::PairLimitTables {
-        class_of_part: class_of_part.map_or_else(Vec::new, |classes| list(&classes)),
-        clearance: table("clearance", &clearance)?,
-        contact: table("contact", &contact)?,
-        contact_of_part: contact_of_part.map_or_else(Vec::new, |contacts| list(&contacts)),
-        excluded: exclude.map_or_else(|| Ok(Vec::new()), |pairs| rows_of::<u32, 2>(&pairs))?,
-    };
+    let tables = core::PairLimitTables::default()
+        .with_class_of_part(class_of_part.map_or_else(Vec::new, |classes| list(&classes)))
+        .with_clearance(table("clearance", &clearance)?)
+        .with_contact(table("contact", &contact)?)
+        .with_contact_of_part(contact_of_part.map_or_else(Vec::new, |contacts| list(&contacts)))
+        .with_excluded(exclude.map_or_else(|| Ok(Vec::new()), |pairs| rows_of::<u32, 2>(&pairs))?);
     let solver = Arc::clone(scene.solver());
     let limits = core::PairLimits::new(tables, solver.scene().mockup().part_bounds().len()).map_err(to_py)?;
     let own = threads.map(|threads| Arc::new(Pool::new(threads)));
@@ -217,16 +216,17 @@ pub fn clash(
     let found = py.detach(|| {
         reporter.watch(pool, || {
             let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+            let options = contacts::ClashOptions::default().with_progress(&tell);
             let mut seconds = [0.0; 3];
             let start = Instant::now();
-            let mut search = contacts::ClashSearch::new(&solver, &limits)?;
-            search.find_verdicts(&tell);
+            let mut search = contacts::ClashSearch::new(&solver, &limits, &options)?;
+            search.find_verdicts();
             seconds[0] = start.elapsed().as_secs_f64();
             if search.is_complete() {
-                search.find_gaps(&tell);
+                search.find_gaps();
                 seconds[1] = start.elapsed().as_secs_f64() - seconds[0];
             }
-            let rows = search.measure(&tell)?;
+            let rows = search.measure()?;
             seconds[2] = start.elapsed().as_secs_f64() - seconds[0] - seconds[1];
             Ok(ClashRows { rows, counts: search.counts(), seconds, is_partial: !search.is_complete() })
         })

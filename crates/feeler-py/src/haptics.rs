@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_core as core;
-use feeler_haptics::{Coupling, Error, Mode, PutDown, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Coupling, Error, Mode, PutDown, Release, Session, SessionOptions, Start, Step};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -35,16 +35,15 @@ pub fn haptics_to_py(error: Error) -> PyErr {
 
 /// The eight numbers of a coupling, in the order of its fields.
 fn coupling_of([k, d, rk, rd, force, torque, slew, rslew]: [f64; 8]) -> Coupling {
-    Coupling {
-        stiffness_n_per_m: k,
-        damping_n_s_per_m: d,
-        rotational_stiffness_nm_per_rad: rk,
-        rotational_damping_nm_s_per_rad: rd,
-        max_force_n: force,
-        max_torque_nm: torque,
-        slew_n_per_s: slew,
-        slew_nm_per_s: rslew,
-    }
+    Coupling::default()
+        .with_stiffness_n_per_m(k)
+        .with_damping_n_s_per_m(d)
+        .with_rotational_stiffness_nm_per_rad(rk)
+        .with_rotational_damping_nm_s_per_rad(rd)
+        .with_max_force_n(force)
+        .with_max_torque_nm(torque)
+        .with_slew_n_per_s(slew)
+        .with_slew_nm_per_s(rslew)
 }
 
 /// The reverse.
@@ -140,6 +139,15 @@ impl HapticsSession {
 /// translation out, where the tool is sunk.
 pub type Started = (Vec<(u32, u32, &'static str, f64)>, Option<core::Point>);
 
+/// Where `release(put_back)` has the parts go.
+pub fn release_of(put_back: bool) -> Release {
+    if put_back {
+        Release::PutBack
+    } else {
+        Release::Here
+    }
+}
+
 /// What a start met.
 pub fn started(start: Start) -> Started {
     let Start::Seated(seating) = start else { return (Vec::new(), None) };
@@ -167,12 +175,13 @@ impl HapticsSession {
         collision_hz: Option<f64>,
         put_down: Vec<(u32, PyRef<'_, Scene>)>,
     ) -> PyResult<HapticsSession> {
-        let mut options =
-            SessionOptions { coupling: coupling_of(coupling), shading, collision_hz, ..Default::default() };
+        let mut options = SessionOptions::default()
+            .with_coupling(coupling_of(coupling))
+            .with_shading(shading)
+            .with_collision_hz(collision_hz);
         (options.proxy.margin, options.proxy.skin) = (margin, skin);
         let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
-        let put_down: Vec<PutDown> =
-            put_down.iter().map(|(part, scene)| PutDown { part: *part, scene: scene.core() }).collect();
+        let put_down: Vec<PutDown> = put_down.iter().map(|(part, scene)| PutDown::new(*part, scene.core())).collect();
         py.detach(|| {
             let mut scenes = std::iter::once(&scene).chain(put_down.iter().map(|part| &part.scene));
             scenes.try_for_each(|scene| find_topology(scene.mockup(), &tool, true))
@@ -211,25 +220,20 @@ impl HapticsSession {
         Ok(started(start))
     }
 
-    #[pyo3(name = "_take")]
+    #[pyo3(name = "_grip")]
     fn grip(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {
-        self.change(py, |session| session.take(&parts))
+        self.change(py, |session| session.grip(&parts))
     }
 
-    #[pyo3(name = "_put_down")]
-    fn put_down(&self, py: Python<'_>) -> PyResult<()> {
-        self.change(py, Session::put_down)
-    }
-
-    #[pyo3(name = "_put_back")]
-    fn put_part_back(&self, py: Python<'_>) -> PyResult<()> {
-        self.change(py, Session::put_back)
+    #[pyo3(name = "_release")]
+    fn release(&self, py: Python<'_>, put_back: bool) -> PyResult<()> {
+        self.change(py, |session| session.release(release_of(put_back)))
     }
 
     /// The parts that are held.
-    #[getter(_held_parts)]
-    fn held_parts(&self) -> PyResult<Vec<u32>> {
-        self.with(|session| session.world().grips().iter().map(|grip| grip.part).collect())
+    #[getter(_gripped)]
+    fn gripped(&self) -> PyResult<Vec<u32>> {
+        self.with(|session| session.gripped().collect())
     }
 
     /// Parts that were put down elsewhere, sorted.

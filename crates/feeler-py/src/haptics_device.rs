@@ -227,24 +227,28 @@ impl HapticsDevice {
             limits;
         let [rotational_damping_nm_s_per_rad, friction_n, rotational_friction_nm, resolution_m, more @ ..] = more;
         let [rotational_resolution_rad, rate_hz, delay_s] = more;
-        let limits = DeviceLimits {
-            force_n,
-            torque_nm,
-            stiffness_n_per_m,
-            rotational_stiffness_nm_per_rad,
-            damping_n_s_per_m,
-            rotational_damping_nm_s_per_rad,
-            friction_n,
-            rotational_friction_nm,
-            resolution_m,
-            rotational_resolution_rad,
-            rate_hz,
-            delay_s,
-        };
+        let limits = DeviceLimits::default()
+            .with_force_n(force_n)
+            .with_torque_nm(torque_nm)
+            .with_stiffness_n_per_m(stiffness_n_per_m)
+            .with_rotational_stiffness_nm_per_rad(rotational_stiffness_nm_per_rad)
+            .with_damping_n_s_per_m(damping_n_s_per_m)
+            .with_rotational_damping_nm_s_per_rad(rotational_damping_nm_s_per_rad)
+            .with_friction_n(friction_n)
+            .with_rotational_friction_nm(rotational_friction_nm)
+            .with_resolution_m(resolution_m)
+            .with_rotational_resolution_rad(rotational_resolution_rad)
+            .with_rate_hz(rate_hz)
+            .with_delay_s(delay_s);
         limits.check().map_err(haptics_to_py)?;
         let sensed = Freedoms { translation: true, rotation: senses_rotation };
         let driven = Freedoms { translation: force_n > 0.0, rotation: senses_rotation && torque_nm > 0.0 };
-        let info = DeviceInfo { name, sensed, driven, workspace, limits, buttons };
+        let info = DeviceInfo::new(name)
+            .with_sensed(sensed)
+            .with_driven(driven)
+            .with_workspace(workspace)
+            .with_limits(limits)
+            .with_buttons(buttons);
         Ok(HapticsDevice::new(Box::new(OwnDevice::new(object, info)), None, false))
     }
 

@@ -2,7 +2,7 @@
 
 use feeler_core::Pose;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::Wrench;
+use feeler_haptics::Wrench;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -43,7 +43,7 @@ impl Device for OwnDevice {
             self.last = Some((pose, buttons, now));
         }
         match self.last {
-            Some((pose, buttons, time)) => Ok(DeviceState { pose, twist: None, buttons, time }),
+            Some((pose, buttons, time)) => Ok(DeviceState::new(pose, time).with_buttons(buttons)),
             None => Err(DeviceError::Lost { device: self.info.name.clone(), why: "it has told no pose yet".into() }),
         }
     }

@@ -4,9 +4,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_devices::machine::{lock_memory, raise_priority, raise_priority_below_servo};
-use feeler_haptics::runner::{MappingOptions, RunnerOptions, Stopped, ThreadKind, TraceTick, View};
-use feeler_haptics::statistics::Distribution;
+use feeler_haptics::Distribution;
 use feeler_haptics::{Error, Runner, Statistics};
+use feeler_haptics::{MappingOptions, RunnerOptions, Stopped, ThreadKind, TraceTick, View};
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::arguments::PoseArgument;
 use crate::errors::raise;
-use crate::haptics::{haptics_to_py, name_of, numbers_of, started, HapticsSession, Started};
+use crate::haptics::{haptics_to_py, name_of, numbers_of, release_of, started, HapticsSession, Started};
 use crate::haptics_device::{matrix_of, HapticsDevice};
 use crate::pools::{find_topology, generation, machine_clock, threads_of};
 use crate::scene::Scene;
@@ -160,13 +160,18 @@ impl HapticsRun {
         };
         let taken = session.get().take()?;
         let collision_hz = taken.options().collision_hz;
-        let options = RunnerOptions {
-            rate_hz,
-            collision_hz,
-            mapping: MappingOptions { scale, world_from_device: world_from_device.0, is_absolute, clutch_button },
-            on_thread_start: Arc::new(on_thread_start),
-            around_work: Arc::new(move |work| threads.install(work)),
-        };
+        let options = RunnerOptions::default()
+            .with_rate_hz(rate_hz)
+            .with_collision_hz(collision_hz)
+            .with_mapping(
+                MappingOptions::default()
+                    .with_scale(scale)
+                    .with_world_from_device(world_from_device.0)
+                    .with_is_absolute(is_absolute)
+                    .with_clutch_button(clutch_button),
+            )
+            .with_on_thread_start(on_thread_start)
+            .with_around_work(move |work| threads.install(work));
         let own = match device.get().take() {
             Ok(own) => own,
             Err(error) => {
@@ -176,7 +181,7 @@ impl HapticsRun {
         };
         // Before the threads begin: what is there then is what they need.
         let memory = is_realtime.then(lock_memory);
-        match py.detach(|| Runner::start(taken, own, machine_clock(), &options)) {
+        match py.detach(|| Runner::run(taken, own, machine_clock(), &options)) {
             Ok(runner) => Ok(HapticsRun {
                 runner: Mutex::new(Some(runner)),
                 session,
@@ -275,8 +280,8 @@ impl HapticsRun {
     }
 
     /// Begins anew at a pose: what it meets there.
-    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
-        self.ask(py, |runner| runner.begin(&pose.0)).map(started)
+    fn start(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
+        self.ask(py, |runner| runner.start(&pose.0)).map(started)
     }
 
     /// Puts another scene in the place of the present one: what the proxy meets there.
@@ -288,16 +293,12 @@ impl HapticsRun {
         self.ask(py, |runner| runner.set_scene(scene)).map(started)
     }
 
-    fn take(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {
-        self.ask(py, |runner| runner.take(&parts))
+    fn grip(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {
+        self.ask(py, |runner| runner.grip(&parts))
     }
 
-    fn put_down(&self, py: Python<'_>) -> PyResult<()> {
-        self.ask(py, |runner| runner.put_down())
-    }
-
-    fn put_back(&self, py: Python<'_>) -> PyResult<()> {
-        self.ask(py, |runner| runner.put_back())
+    fn release(&self, py: Python<'_>, put_back: bool) -> PyResult<()> {
+        self.ask(py, |runner| runner.release(release_of(put_back)))
     }
 
     fn __reduce__(&self) -> PyResult<()> {

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use feeler_core as core;
-use feeler_plan::{Allowed, Error, Method, Removal, RemovalTask};
+use feeler_plan::{Allowed, Error, Method, Removal, RemovalOptions, RemovalTask};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -187,15 +187,13 @@ pub fn removal(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<RemovalAnswer> {
-    let task = RemovalTask {
-        tool: Arc::clone(tool.core()),
-        own_parts,
-        start: start.0,
-        allowed: Allowed { start: allow_start, overlap: allow_overlap, parts: allow_parts },
-        directions: rows_of(&directions)?,
-        clearance,
-        seed,
-    };
+    let allowed = Allowed::default().with_start(allow_start).with_overlap(allow_overlap).with_parts(allow_parts);
+    let task = RemovalTask::new(Arc::clone(tool.core()), start.0)
+        .with_own_parts(own_parts)
+        .with_allowed(allowed)
+        .with_directions(rows_of(&directions)?)
+        .with_clearance(clearance)
+        .with_seed(seed);
     let solver = Arc::clone(scene.solver());
     let own = threads.map(|threads| Arc::new(Pool::new(threads)));
     let pool = own.as_deref().or(scene.pool().map(Arc::as_ref));
@@ -203,8 +201,9 @@ pub fn removal(
     let clock = Clock::new(&reporter, Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX));
     let found = py.detach(|| {
         find_topology(solver.scene().mockup(), &task.tool, false)?;
-        reporter
-            .watch(pool, || feeler_plan::removal(&solver, &task, &|_, stage| clock.begins(stage), &|| clock.has_time()))
+        let (progress, has_time) = (|_: f64, stage: &str| clock.begins(stage), || clock.has_time());
+        let options = RemovalOptions::default().with_progress(&progress).with_has_time(&has_time);
+        reporter.watch(pool, || feeler_plan::removal(&solver, &task, &options))
     });
     let is_interrupted = reporter.finish_interrupted()?;
     RemovalAnswer::new(py, &task, &found?.map_err(plan_to_py)?, is_interrupted)

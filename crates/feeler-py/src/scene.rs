@@ -114,11 +114,16 @@ impl Scene {
         let pool = threads.map(|threads| Arc::new(Pool::new(threads)));
         let core_mockup = Arc::clone(&mockup.get().core);
         let core_tool = tool.as_ref().map(|t| Arc::clone(t.core()));
-        let options = core::SceneOptions { voxel_size, storage, tool: core_tool.as_deref(), memory_limit };
+        let options = core::SceneOptions::default()
+            .with_voxel_size(voxel_size)
+            .with_storage(storage)
+            .with_tool(core_tool.as_deref())
+            .with_memory_limit(memory_limit);
         let reporter = Reporter::new(progress);
         let built = py.detach(|| {
             reporter.watch(pool.as_deref(), || {
-                core::Scene::build(core_mockup, &options, &|done, stage| reporter.tell(done, stage))
+                let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+                core::Scene::build(core_mockup, &options.with_progress(&tell))
             })
         });
         reporter.finish()?;
@@ -304,7 +309,8 @@ impl Scene {
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
-                asked.scene().collide_batch(tool, &poses.0, &|done, stage| reporter.tell(done, stage))
+                let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+                asked.scene().collide_batch(tool, &poses.0, &core::BatchOptions::default().with_progress(&tell))
             })
         });
         reporter.finish()?;
@@ -410,7 +416,7 @@ impl Scene {
     ) -> PyResult<Distance> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        Ok(Distance::new(py.detach(|| asked.scene().closest(tool, &world_from_tool.0, within)).map_err(to_py)?))
+        Ok(Distance::new(py.detach(|| asked.scene().distance(tool, &world_from_tool.0, within)).map_err(to_py)?))
     }
 
     #[pyo3(signature = (tool, world_from_tool, within, k, *, ignore = None))]
@@ -426,7 +432,7 @@ impl Scene {
     ) -> PyResult<Vec<Distance>> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let gaps = py.detach(|| asked.scene().distance(tool, &world_from_tool.0, within, k)).map_err(to_py)?;
+        let gaps = py.detach(|| asked.scene().nearest(tool, &world_from_tool.0, k, within)).map_err(to_py)?;
         Ok(gaps.into_iter().map(|gap| Distance::new(Some(gap))).collect())
     }
 
@@ -445,7 +451,9 @@ impl Scene {
         let reporter = Reporter::new(progress);
         let gaps = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
-                asked.scene().distance_batch(tool, &poses.0, within, &|done, stage| reporter.tell(done, stage))
+                let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+                let options = core::BatchOptions::default().with_progress(&tell);
+                asked.scene().distance_batch(tool, &poses.0, within, &options)
             })
         });
         reporter.finish()?;
@@ -469,9 +477,13 @@ impl Scene {
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
-                asked
-                    .scene()
-                    .clearance_batch(tool, &poses.0, within, triangles, &|done, stage| reporter.tell(done, stage))
+                let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+                let options = core::BatchOptions::default().with_progress(&tell);
+                if triangles {
+                    asked.scene().near_pairs_batch(tool, &poses.0, within, &options)
+                } else {
+                    asked.scene().clearance_batch(tool, &poses.0, within, &options)
+                }
             })
         });
         reporter.finish()?;
@@ -502,7 +514,8 @@ impl Scene {
                 (None, Some(screw)) => core::Motion::screw(tool, &start.0, &screw.0).map_err(to_py)?,
                 _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
             };
-            asked.scene().cast_along(tool, &motion, tolerance, touching.0).map_err(to_py)
+            let options = core::CastOptions::default().with_tolerance(tolerance).with_touching(touching.0);
+            asked.scene().cast_along(tool, &motion, &options).map_err(to_py)
         });
         Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
     }
@@ -533,11 +546,11 @@ impl Scene {
             reporter.watch(self.pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
                 let scene = asked.scene();
+                let options = core::PathOptions::default().with_tolerance(tolerance).with_touching(touching.0);
+                let options = options.with_progress(&tell);
                 match &poses {
-                    PathArgument::Legs(start, legs) => {
-                        scene.check_legs(tool, start, legs, (tolerance, touching.0), &tell)
-                    }
-                    PathArgument::Poses(poses) => scene.check_path_touching(tool, poses, tolerance, touching.0, &tell),
+                    PathArgument::Legs(start, legs) => scene.check_legs(tool, start, legs, &options),
+                    PathArgument::Poses(poses) => scene.check_path(tool, poses, &options),
                 }
             })
         });

@@ -37,7 +37,8 @@ pub fn swept<'py>(
     let found = py.detach(|| {
         reporter.watch(pool.as_ref(), || {
             let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-            plan::swept(&core, &poses.0, error, memory_limit, &tell)
+            let options = plan::SweptOptions::default().with_memory_limit(memory_limit).with_progress(&tell);
+            plan::swept(&core, &poses.0, error, &options)
         })
     });
     reporter.finish()?;

@@ -64,8 +64,7 @@ impl World {
     /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of it at its new place.
     #[new]
     fn new(py: Python<'_>, scene: PyRef<'_, Scene>, put_down: Vec<(u32, PyRef<'_, Scene>)>) -> PyResult<World> {
-        let put_down: Vec<_> =
-            put_down.iter().map(|(part, scene)| world::PutDown { part: *part, scene: scene.core() }).collect();
+        let put_down: Vec<_> = put_down.iter().map(|(part, scene)| world::PutDown::new(*part, scene.core())).collect();
         let (scene, mockup) = (scene.core(), scene.mockup(py));
         let made = py.detach(|| world::Environment::new(&scene, &put_down));
         Ok(World { environment: made.map_err(world_to_py)?, mockup })

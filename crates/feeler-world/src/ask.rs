@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use feeler_contacts::{ContactPlane, Contacts, Footing, Penetration, PenetrationKind, MOST_PLANES};
 use feeler_core::geometry::vectors::length;
-use feeler_core::{Cast, Collision, Gap, IgnoredPairs, Motion, Pose, Scene, Tool};
+use feeler_core::{Cast, CastOptions, Collision, Gap, IgnoredPairs, Motion, Pose, Scene, Tool};
 
 use crate::constants::{CLEARANCE_SHARE, CLEARANCE_STEP, TOUCH};
 use crate::environment::{id_in_body, Body, Environment};
@@ -45,7 +45,9 @@ impl Environment {
     pub fn cast(&self, tool: &Tool, (from, to): (&Pose, &Pose), tolerance: f64) -> Result<Option<(Cast, u32)>> {
         let mut first: Option<(Cast, u32)> = None;
         for (body, scene) in self.scenes() {
-            let Some(hit) = scene.cast(tool, from, to, tolerance)? else { continue };
+            let Some(hit) = scene.cast(tool, from, to, &CastOptions::default().with_tolerance(tolerance))? else {
+                continue;
+            };
             if first.as_ref().is_none_or(|(first, _)| hit.fraction < first.fraction) {
                 let part = body.part_in_mockup(scene.mockup().part_of_face(hit.mockup_triangle));
                 first = Some((hit, part));
@@ -58,7 +60,7 @@ impl Environment {
     pub fn nearest(&self, tool: &Tool, pose: &Pose, mut within: f64) -> Result<Option<Gap>> {
         let mut best: Option<Gap> = None;
         for (body, scene) in self.scenes() {
-            let Some(gap) = scene.closest(tool, pose, within)? else { continue };
+            let Some(gap) = scene.distance(tool, pose, within)? else { continue };
             if best.is_none_or(|best| gap.distance < best.distance) {
                 best = Some(self.renumbered(body, gap));
                 within = gap.distance;
@@ -227,11 +229,11 @@ pub fn least_distance(
     tool: &Tool,
     motion: &Motion,
     mut least: f64,
-    goes_on: &dyn Fn() -> bool,
+    goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<f64> {
     let (long, size) = (motion.longest_way(), length(&tool.mesh().bounds().extent()));
     let mut time = 0.0;
-    while let Some(gap) = scene.closest(tool, &motion.at(time), least + long * (1.0 - time))? {
+    while let Some(gap) = scene.distance(tool, &motion.at(time), least + long * (1.0 - time))? {
         if !goes_on() {
             return Err(feeler_core::Error::Cancelled.into());
         }

@@ -25,11 +25,19 @@ pub struct Environment {
 
 /// A part of the mock-up that lies elsewhere.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct PutDown {
     /// Its number in the mock-up.
     pub part: u32,
     /// Of this part alone, where it lies, its triangles in the mock-up's order.
     pub scene: Arc<Scene>,
+}
+
+impl PutDown {
+    /// A part, and the scene of it alone, where it lies.
+    pub fn new(part: u32, scene: Arc<Scene>) -> PutDown {
+        PutDown { part, scene }
+    }
 }
 
 /// A plane of the contacts.

@@ -15,16 +15,25 @@ mod surroundings;
 mod walk;
 mod world;
 
-pub use ask::least_distance;
-pub use constants::SEAT_REST;
-pub use environment::{Body, Environment, Pair, Plane, PutDown};
+pub use environment::{Body, Environment, Plane, PutDown};
 pub use error::{Error, Result};
 pub use seats::{Allowed, Seat, SeatKind, Seated};
 pub use stop::{GuardedMove, Impact, Moved};
-pub use sunk::SunkPlane;
 pub use surroundings::Surroundings;
-pub use walk::{Care, Span, Stop, Walk};
-pub use world::{Grip, World};
+pub use walk::{Stop, Walk, WalkOptions};
+pub use world::{Grip, Release, World};
+
+// For the crates of feeler that stand above this one.
+#[doc(hidden)]
+pub use ask::least_distance;
+#[doc(hidden)]
+pub use constants::SEAT_REST;
+#[doc(hidden)]
+pub use environment::Pair;
+#[doc(hidden)]
+pub use sunk::SunkPlane;
+#[doc(hidden)]
+pub use walk::Span;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

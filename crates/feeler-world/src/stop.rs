@@ -10,7 +10,7 @@ use crate::environment::Environment;
 use crate::error::Result;
 use crate::seats::{Seat, Seated};
 use crate::surroundings::Surroundings;
-use crate::walk::{Care, Stop, Walk};
+use crate::walk::{Stop, Walk, WalkOptions};
 
 /// A tool that contact stops: it goes as far as the way is free, however often it is asked and however fast it moves.
 ///
@@ -153,7 +153,7 @@ impl Surroundings {
     /// A [walk](Self::walk) that ends `off` metres before the impact, or at its start if that is nearer, so that the next walk starts free.
     /// A walk that a seat stops ends at that seat. `tolerance`: of the casts, metres.
     fn stop_short(&self, seated: &Arc<Seated>, (from, to): (&Pose, &Pose), tolerance: f64, off: f64) -> Result<Walk> {
-        let care = Care { beside: &[], tolerance, finer: 1.0, goes_on: &|| true };
+        let care = WalkOptions::default().with_tolerance(tolerance);
         let walk = self.walk(seated, (from, to), care)?;
         let Some(stop) = walk.stop.filter(|stop| !stop.is_seat) else { return Ok(walk) };
         let motion = Motion::new(&self.tool, from, to);

@@ -45,13 +45,14 @@ impl Surroundings {
     /// Of a tool at its start, among bodies without it. Tool parts from `own_parts` on are what grips, and may meet nothing there.
     ///
     /// Errors: what grips meets something at the start; where `goes_on` says so, a request to stop.
+    #[doc(hidden)]
     pub fn new(
         environment: Environment,
         tool: Arc<Tool>,
         own_parts: u32,
         start: &Pose,
         (allowed, clearance): (&Allowed, f64),
-        goes_on: &dyn Fn() -> bool,
+        goes_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Surroundings> {
         let mut around = Surroundings::without_seats(environment, tool);
         (around.start, around.overlap, around.clearance) = (*start, allowed.overlap, clearance);
@@ -75,12 +76,14 @@ impl Surroundings {
     }
 
     /// Of a tool at a pose: all that it meets there is a seat.
+    #[doc(hidden)]
     pub fn around(bodies: Vec<Body>, tool: Arc<Tool>, start: &Pose) -> Result<Surroundings> {
         let (parts, allowed) = (tool.parts() as u32, Allowed { start: true, ..Allowed::default() });
         Surroundings::new(Environment { bodies }, tool, parts, start, (&allowed, 0.0), &|| true)
     }
 
     /// Of a tool that is nowhere yet.
+    #[doc(hidden)]
     pub fn without_seats(environment: Environment, tool: Arc<Tool>) -> Surroundings {
         let own = tool.mesh().bounds();
         let mut bounds = Aabb::EMPTY;
@@ -124,6 +127,7 @@ impl Surroundings {
     }
 
     /// The diagonal of its box, metres.
+    #[doc(hidden)]
     pub fn size(&self) -> f64 {
         self.size
     }
@@ -134,16 +138,19 @@ impl Surroundings {
     }
 
     /// The middle of its box, tool frame, metres.
+    #[doc(hidden)]
     pub fn middle(&self) -> &Point {
         &self.middle
     }
 
     /// Around all that is there, world.
+    #[doc(hidden)]
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
     }
 
     /// Pairs `[tool part, part]` that meet at the start though nothing allows it.
+    #[doc(hidden)]
     pub fn refused(&self) -> &[[u32; 2]] {
         &self.refused
     }
@@ -162,11 +169,13 @@ impl Surroundings {
     }
 
     /// Whether casts decide it all: then verifying a motion is casting it once more.
+    #[doc(hidden)]
     pub fn casts_decide(&self) -> bool {
         self.overlap == 0.0 && self.seats().all(|seat| seat.kind != SeatKind::Sunk)
     }
 
     /// The nearest points of a pair at a pose, the tool's first, world.
+    #[doc(hidden)]
     pub fn closest(&self, pose: &Pose, pair: &Pair) -> Option<Closest> {
         let eroded =
             pair.seat.and_then(|seat| self.makings.get(pair.body as usize)?.eroded.get(seat as usize)?.as_ref());
@@ -197,12 +206,14 @@ impl Surroundings {
     }
 
     /// The contact manifolds at a pose of the tool with all that is not seated, nearest first, and how far off all else is.
+    #[doc(hidden)]
     pub fn manifolds(&self, seated: &Seated, pose: &Pose, margin: f64, out: &mut Manifolds) -> Result<()> {
         let asked = seated.bodies.iter().map(|asked| (&asked.ordinary, &self.tool));
         self.manifolds_of(asked.enumerate(), pose, margin, out)
     }
 
     /// The contact manifolds of the eroded parts with their neighbours: their gaps are how far a seat may still go.
+    #[doc(hidden)]
     pub fn seat_manifolds(&self, seated: &Seated, pose: &Pose, margin: f64, out: &mut Manifolds) -> Result<()> {
         let parts = seated.bodies.iter().enumerate();
         let asked = parts.flat_map(|(body, asked)| asked.smaller.iter().map(move |part| (body, part)));
@@ -239,7 +250,7 @@ impl Surroundings {
         for asked in &seated.bodies {
             let smaller = asked.smaller.iter().map(|part| (&part.solver, &part.tool));
             for (solver, tool) in [(&asked.ordinary, &self.tool)].into_iter().chain(smaller) {
-                let gap = solver.scene().closest(tool, pose, least.unwrap_or(within))?;
+                let gap = solver.scene().distance(tool, pose, least.unwrap_or(within))?;
                 least = gap.map(|gap| gap.distance).or(least);
             }
         }
@@ -247,6 +258,7 @@ impl Surroundings {
     }
 
     /// What may not collide: by body, the scene that is asked and what moves in it; all that is not seated, and the eroded parts.
+    #[doc(hidden)]
     pub fn asked<'a>(&'a self, seated: &'a Seated) -> impl Iterator<Item = (usize, &'a Scene, &'a Tool)> {
         seated.bodies.iter().enumerate().flat_map(|(body, asked)| {
             let smaller = asked.smaller.iter().map(|part| (&part.solver, &part.tool));
@@ -285,11 +297,13 @@ impl Surroundings {
     }
 
     /// How far its middle is from where it starts, metres.
+    #[doc(hidden)]
     pub fn reach(&self, pose: &Pose) -> f64 {
         length(&sub(&pose.apply(&self.middle), &self.start.apply(&self.middle)))
     }
 
     /// How far it has to move along a direction (unit) until its box is off the box of all that is there, metres; 0 where it is.
+    #[doc(hidden)]
     pub fn way_out(&self, pose: &Pose, direction: &Point) -> f64 {
         let own = self.box_at(pose);
         let beyond = EXIT_MARGIN * self.size + self.clearance;
@@ -305,6 +319,7 @@ impl Surroundings {
     }
 
     /// Whether its box is off the box of all that is there.
+    #[doc(hidden)]
     pub fn is_out(&self, pose: &Pose) -> bool {
         let own = self.box_at(pose);
         let beyond = 0.5 * EXIT_MARGIN * self.size + self.clearance;
@@ -326,6 +341,7 @@ impl Surroundings {
     }
 
     /// The pose moved along a direction. Errors: beyond the coordinate limit.
+    #[doc(hidden)]
     pub fn moved(&self, pose: &Pose, direction: &Point, by: f64) -> Result<Pose> {
         Ok(pose.translated(&scaled(direction, by))?)
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use feeler_core::{Cast, Motion, Point, Pose};
+use feeler_core::{Cast, CastOptions, GoOn, Motion, Point, Pose};
 
 use crate::ask::least_distance;
 use crate::constants::{CLEARANCE_SLACK, FIRST_SAMPLE, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER};
@@ -11,28 +11,59 @@ use crate::error::Result;
 use crate::seats::{crossing_outside, Seat, Seated, SeatedBody, SmallerPart};
 use crate::surroundings::Surroundings;
 
-/// How closely a motion is looked at.
-#[derive(Clone, Copy)]
-pub struct Care<'a> {
-    /// Along these directions (units, world) the tool is probably off what is near: casts take less time.
-    pub beside: &'a [Point],
-    /// Of casts of what is not seated, metres.
+/// Options of [`Surroundings::walk`].
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct WalkOptions<'a> {
+    /// Directions (units, world) along which the tool is probably off its neighbours: casts take less time.
+    pub directions: &'a [Point],
+    /// Of casts of pairs that are not seated, metres.
     pub tolerance: f64,
     /// How often seated pairs are measured, in times of the steps of a search.
+    #[doc(hidden)]
     pub finer: f64,
-    /// Whether to go on: asked every few milliseconds. Where the answer is `false`, the walk ends with an error: a request to stop.
-    pub goes_on: &'a dyn Fn() -> bool,
+    /// Asked every few milliseconds, and may stop the walk with an error.
+    pub go_on: GoOn<'a>,
 }
 
-impl<'a> Care<'a> {
+impl Default for WalkOptions<'_> {
+    fn default() -> Self {
+        WalkOptions { directions: &[], tolerance: TOUCH, finer: 1.0, go_on: GoOn::default() }
+    }
+}
+
+impl<'a> WalkOptions<'a> {
     /// Before a way is given.
-    pub fn verify(goes_on: &'a dyn Fn() -> bool) -> Care<'a> {
-        Care { beside: &[], tolerance: TOUCH, finer: VERIFY_FINER, goes_on }
+    #[doc(hidden)]
+    pub fn verify(goes_on: &'a (dyn Fn() -> bool + Sync)) -> WalkOptions<'a> {
+        WalkOptions { finer: VERIFY_FINER, go_on: GoOn::new(goes_on), ..WalkOptions::default() }
     }
 
     /// While ways are sought.
-    pub fn search(beside: &'a [Point], goes_on: &'a dyn Fn() -> bool) -> Care<'a> {
-        Care { beside, tolerance: TOUCH, finer: 1.0, goes_on }
+    #[doc(hidden)]
+    pub fn search(directions: &'a [Point], goes_on: &'a (dyn Fn() -> bool + Sync)) -> WalkOptions<'a> {
+        WalkOptions { directions, go_on: GoOn::new(goes_on), ..WalkOptions::default() }
+    }
+
+    /// Sets directions along which the tool is probably off its neighbours.
+    #[must_use]
+    pub fn with_directions(mut self, directions: &'a [Point]) -> Self {
+        self.directions = directions;
+        self
+    }
+
+    /// Sets the tolerance of casts of pairs that are not seated, metres.
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = tolerance;
+        self
+    }
+
+    /// Asks a function every few milliseconds. The walk stops with an error where it returns false.
+    #[must_use]
+    pub fn with_go_on(mut self, go_on: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.go_on = GoOn::new(go_on);
+        self
     }
 }
 
@@ -85,16 +116,17 @@ enum End {
 
 impl Surroundings {
     /// Moves from a pose towards another, as far as that is free.
-    pub fn walk(&self, seated: &Arc<Seated>, between: (&Pose, &Pose), care: Care<'_>) -> Result<Walk> {
-        self.walk_along(seated, &Motion::new(&self.tool, between.0, between.1), care, &mut |_| ())
+    pub fn walk(&self, seated: &Arc<Seated>, between: (&Pose, &Pose), options: WalkOptions<'_>) -> Result<Walk> {
+        self.walk_along(seated, &Motion::new(&self.tool, between.0, between.1), options, &mut |_| ())
     }
 
     /// The same along any motion of the tool; each share of it is told to `span`.
+    #[doc(hidden)]
     pub fn walk_along(
         &self,
         seated: &Arc<Seated>,
         whole: &Motion,
-        care: Care<'_>,
+        options: WalkOptions<'_>,
         span: &mut dyn FnMut(Span),
     ) -> Result<Walk> {
         let to = whole.end();
@@ -103,7 +135,7 @@ impl Surroundings {
             let motion = whole.rest(&self.tool, done)?;
             // Also of a motion that ends before it is cast: a search that is bounded by casts ends.
             casts += 1;
-            let part = self.part(&seated, &motion, care)?;
+            let part = self.part(&seated, &motion, options)?;
             span(Span { seated: seated.clone(), motion: motion.until(&self.tool, part.fraction)? });
             done = if part.fraction < 1.0 { done + (1.0 - done) * part.fraction } else { 1.0 };
             match part.end {
@@ -122,13 +154,13 @@ impl Surroundings {
     }
 
     /// The same until a seat parts.
-    fn part(&self, seated: &Arc<Seated>, motion: &Motion, care: Care<'_>) -> Result<Part> {
+    fn part(&self, seated: &Arc<Seated>, motion: &Motion, options: WalkOptions<'_>) -> Result<Part> {
         let tool = &self.tool;
         let mut first: Option<(f64, Stop)> = None;
         let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop) });
         for (number, asked) in seated.bodies.iter().enumerate() {
             for part in &asked.smaller {
-                let cast = self.cast_of_smaller(part, motion, care)?;
+                let cast = self.cast_of_smaller(part, motion, options)?;
                 let end = cast.map(|(fraction, pair)| (fraction, self.stop_of_smaller(number, part.seat, pair)));
                 first = earlier(first, end);
             }
@@ -136,7 +168,7 @@ impl Surroundings {
         if let Some((0.0, stop)) = first {
             return stopped(0.0, stop);
         }
-        let steps = (motion.longest_way() / self.stride * care.finer).ceil().max(1.0);
+        let steps = (motion.longest_way() / self.stride * options.finer).ceil().max(1.0);
         let measures = self.overlap > 0.0 || seated.bodies.iter().any(|asked| asked.sunk.is_some());
         // What is in each other mostly goes deeper at once: that costs less than a cast.
         if measures {
@@ -157,7 +189,15 @@ impl Surroundings {
                 meets = Some(0.0);
                 continue;
             }
-            let Some(cast) = scene.cast_beside(tool, motion, care.tolerance, care.beside, care.goes_on)? else {
+            let Some(cast) = scene.cast_along(
+                tool,
+                motion,
+                &CastOptions::default()
+                    .with_tolerance(options.tolerance)
+                    .with_directions(options.directions)
+                    .with_go_on(options.go_on.function()),
+            )?
+            else {
                 continue;
             };
             if self.overlap > 0.0 {
@@ -179,7 +219,7 @@ impl Surroundings {
         if measures || has_seats && self.clearance > 0.0 {
             let mut last = 0.0;
             for step in 1.. {
-                if !(care.goes_on)() {
+                if !(options.go_on.function())() {
                     return Err(feeler_core::Error::Cancelled.into());
                 }
                 let time = (f64::from(step) / steps).min(end);
@@ -269,7 +309,8 @@ impl Surroundings {
 
     /// The least distance along a span between parts that do not meet where they are seated, or `least` if that is less, metres; see [`least_distance`].
     /// `goes_on` as in [`Care`].
-    pub fn least_distance(&self, span: &Span, least: f64, goes_on: &dyn Fn() -> bool) -> Result<f64> {
+    #[doc(hidden)]
+    pub fn least_distance(&self, span: &Span, least: f64, goes_on: &(dyn Fn() -> bool + Sync)) -> Result<f64> {
         let of_body =
             |least, asked: &SeatedBody| least_distance(&asked.apart, &self.tool, &span.motion, least, goes_on);
         span.seated.bodies.iter().try_fold(least, of_body)
@@ -288,7 +329,7 @@ impl Surroundings {
             loop {
                 let pose = motion.at(time.min(end));
                 let reach = self.clearance + long * (end - time.min(end));
-                let Some(gap) = asked.clear.closest(&self.tool, &pose, reach)? else { break };
+                let Some(gap) = asked.clear.distance(&self.tool, &pose, reach)? else { break };
                 if gap.distance < self.clearance - slack {
                     let stop = self.stop(number, [gap.tool_triangle, gap.mockup_triangle]);
                     (first, end) = (Some((last, stop)), last);
@@ -305,9 +346,21 @@ impl Surroundings {
     }
 
     /// When a smaller part first meets its neighbour, and which triangle of it. It ends where the next motion may begin.
-    fn cast_of_smaller(&self, part: &SmallerPart, motion: &Motion, care: Care<'_>) -> Result<Option<(f64, [u32; 2])>> {
+    fn cast_of_smaller(
+        &self,
+        part: &SmallerPart,
+        motion: &Motion,
+        options: WalkOptions<'_>,
+    ) -> Result<Option<(f64, [u32; 2])>> {
         let own = motion.of_tool(&part.tool)?;
-        let cast = part.solver.scene().cast_beside(&part.tool, &own, SEAT_CAST, care.beside, care.goes_on)?;
+        let cast = part.solver.scene().cast_along(
+            &part.tool,
+            &own,
+            &CastOptions::default()
+                .with_tolerance(SEAT_CAST)
+                .with_directions(options.directions)
+                .with_go_on(options.go_on.function()),
+        )?;
         // The next one begins clearly off what ended this.
         let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
         Ok(cast.map(|cast| (before(cast.fraction), [cast.tool_triangle, cast.mockup_triangle])))

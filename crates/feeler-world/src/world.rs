@@ -23,6 +23,16 @@ pub struct Grip {
     pub tool_part: u32,
 }
 
+/// Where gripped parts go when the tool releases them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Release {
+    /// They stay where they are: parts of the scene again, in their new places.
+    #[default]
+    Here,
+    /// Back to their places in the mock-up, wherever they are.
+    PutBack,
+}
+
 /// A tool, the parts that it grips, and what stands around: the mock-up, and parts that were put down elsewhere.
 #[derive(Debug)]
 pub struct World {
@@ -61,7 +71,7 @@ impl World {
     }
 
     /// The parts that are held.
-    pub fn grips(&self) -> &[Grip] {
+    pub fn gripped(&self) -> &[Grip] {
         &self.grips
     }
 
@@ -83,7 +93,7 @@ impl World {
     /// Takes parts: out of the mock-up, or from where they were put down. The tool is at a pose.
     ///
     /// Errors: something is held already, no part or one twice, or there is no such part to take; nothing has changed then.
-    pub fn take(&mut self, parts: &[u32], pose: &Pose) -> Result<()> {
+    pub fn grip(&mut self, parts: &[u32], pose: &Pose) -> Result<()> {
         if let Some(grip) = self.grips.first() {
             return Err(Error::HoldsAlready { part: grip.part });
         }
@@ -110,8 +120,17 @@ impl World {
         Ok(())
     }
 
-    /// Puts what is held down where it is: parts of the scene again, in their new places.
-    pub fn put_down(&mut self, pose: &Pose) -> Result<()> {
+    /// Releases what is held.
+    ///
+    /// Errors: nothing is held; with [`Release::PutBack`] also where the tool is in a part's place, or the scene never had it.
+    pub fn release(&mut self, to: Release, pose: &Pose) -> Result<()> {
+        match to {
+            Release::Here => self.put_down(pose),
+            Release::PutBack => self.put_back(pose),
+        }
+    }
+
+    fn put_down(&mut self, pose: &Pose) -> Result<()> {
         if self.grips.is_empty() {
             return Err(Error::HoldsNothing);
         }
@@ -123,7 +142,7 @@ impl World {
                 .collect();
             let (vertices, faces) = gathered(&faces, |v| pose.apply(&mesh.vertices()[v as usize]));
             let mockup = Arc::new(Mockup::new(vertices, faces, vec![], 1)?);
-            let scene = Scene::build(mockup, &SceneOptions::default(), &|_, _| true)?;
+            let scene = Scene::build(mockup, &SceneOptions::default())?;
             bodies.push(Body { solver: ContactSolver::new(Arc::new(scene)), part: Some(grip.part) });
         }
         self.around = Surroundings::around(bodies, self.own_tool.clone(), pose)?;
@@ -131,9 +150,7 @@ impl World {
         Ok(())
     }
 
-    /// Puts what is held back where it was in the mock-up, wherever it is. Errors where the tool is in its place, or the scene never had
-    /// it.
-    pub fn put_back(&mut self, pose: &Pose) -> Result<()> {
+    fn put_back(&mut self, pose: &Pose) -> Result<()> {
         if self.grips.is_empty() {
             return Err(Error::HoldsNothing);
         }

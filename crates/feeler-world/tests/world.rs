@@ -7,14 +7,16 @@ use feeler_contacts::{ContactSolver, Manifolds};
 use feeler_core::geometry::twist::{pose_of, rotation_of};
 use feeler_core::{Mockup, Motion, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_shapes::{box_mesh, joined, Arrays};
-use feeler_world::{least_distance, Body, Care, Environment, Error, PutDown, SeatKind, Surroundings, World};
+use feeler_world::{
+    least_distance, Body, Environment, Error, PutDown, Release, SeatKind, Surroundings, WalkOptions, World,
+};
 
 /// Each a part.
 fn scene(parts: &[Arrays]) -> Arc<Scene> {
     let numbers = (0..).zip(parts).flat_map(|(part, (_, faces))| vec![part; faces.len()]).collect();
     let (vertices, faces) = joined(parts.to_vec());
     let mockup = Mockup::new(vertices, faces, numbers, parts.len()).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 fn tool(parts: &[Arrays]) -> Arc<Tool> {
@@ -40,16 +42,16 @@ fn a_part_goes_back_to_its_place_unless_the_tool_is_there() {
     let mut world = World::new(scene(&[plate, block]), hand, &[]).unwrap();
     let off = at([0.1, 0.0, 0.06]);
     world.move_to(&off).unwrap();
-    world.take(&[1], &off).unwrap();
+    world.grip(&[1], &off).unwrap();
     // In it by its lower half, across one of its sides, and wholly inside, where no surfaces meet.
     for taken in [at([0.1, 0.0, 0.045]), at([0.115, 0.0, 0.02]), at([0.1, 0.0, 0.02])] {
-        assert_eq!(world.put_back(&taken), Err(Error::PlaceIsTaken { part: 1 }));
-        assert_eq!((world.grips().len(), world.tool().parts()), (1, 2), "nothing has changed");
+        assert_eq!(world.release(Release::PutBack, &taken), Err(Error::PlaceIsTaken { part: 1 }));
+        assert_eq!((world.gripped().len(), world.tool().parts()), (1, 2), "nothing has changed");
     }
-    world.put_back(&off).unwrap();
-    assert_eq!((world.grips().len(), world.tool().parts()), (0, 1));
+    world.release(Release::PutBack, &off).unwrap();
+    assert_eq!((world.gripped().len(), world.tool().parts()), (0, 1));
     assert!(world.around().environment().is_colliding(world.tool(), &at([0.115, 0.0, 0.02])));
-    assert_eq!(world.put_back(&off), Err(Error::HoldsNothing));
+    assert_eq!(world.release(Release::PutBack, &off), Err(Error::HoldsNothing));
 }
 
 #[test]
@@ -57,7 +59,7 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
     // Two blocks of the same triangles, the second put down beside the first, and a bar over both.
     let block = |x: f64| box_mesh([x, 0.0, 0.0], [0.02; 3], 2);
     let mockup = scene(&[block(0.0), block(0.5)]);
-    let put_down = PutDown { part: 1, scene: scene(&[block(0.03)]) };
+    let put_down = PutDown::new(1, scene(&[block(0.03)]));
     let bar = tool(&[box_mesh([0.0; 3], [0.1, 0.02, 0.01], 1)]);
     let over = at([0.015, 0.0, 0.0155]);
     let world = World::new(mockup.clone(), bar.clone(), &[put_down.clone()]).unwrap();
@@ -88,7 +90,7 @@ fn each_part_of_a_tool_parts_from_its_seat_by_itself() {
     let standing = [(0, SeatKind::Flush), (1, SeatKind::Flush)];
     assert_eq!(kinds(around.seats().collect()), standing);
     let start = around.seated_at_start();
-    let walk = |to: &Pose| around.walk(&start, (&Pose::IDENTITY, to), Care::search(&[], &|| true)).unwrap();
+    let walk = |to: &Pose| around.walk(&start, (&Pose::IDENTITY, to), WalkOptions::default()).unwrap();
     // Along the plate both stay.
     let along = walk(&at([0.03, 0.02, 0.0]));
     assert!(along.stop.is_none());

@@ -183,7 +183,7 @@ class Runs(_core.HapticsSession):
             device._serve(self)
         pose = np.eye(4) if world_from_device is None else np.array(world_from_device, dtype=np.float64)
         is_absolute = device._is_absolute if absolute is None else bool(absolute)
-        self._held = tuple(self._held_parts)
+        self._held = tuple(self._gripped)
         self._run = _core.HapticsRun(
             self, device._device, float(rate_hz), float(scale), pose, is_absolute, clutch_button, bool(realtime)
         )

@@ -165,7 +165,7 @@ class Session(Runs):
         frees the tool from the one body that it is deepest in. Raises `PoseError` for an invalid pose.
         """
         pose = np.array(plain(world_from_tool), dtype=np.float64)
-        started = super()._begin(pose) if self._run is None else self._run.begin(pose)
+        started = super()._begin(pose) if self._run is None else self._run.start(pose)
         if self._recorder:
             self._recorder.start(pose)
         return _start_of(started)
@@ -200,9 +200,9 @@ class Session(Runs):
         if not chosen or len(set(chosen)) < len(chosen):
             raise OptionError(f"{parts!r} names {'a part twice' if chosen else 'no part'}: give each once")
         if self._run is None:
-            super()._take(chosen)
+            super()._grip(chosen)
         else:
-            self._run.take(chosen)
+            self._run.grip(chosen)
             self._held = tuple(chosen)
         if self._recorder:
             self._recorder.grip(chosen)
@@ -214,10 +214,10 @@ class Session(Runs):
         tool occupies a part's place.
         """
         run = self._run
-        if put_back:
-            super()._put_back() if run is None else run.put_back()
+        if run is None:
+            super()._release(put_back)
         else:
-            super()._put_down() if run is None else run.put_down()
+            run.release(put_back)
         self._held = ()
         if self._recorder:
             self._recorder.release(put_back)
@@ -225,7 +225,7 @@ class Session(Runs):
     @property
     def gripped(self) -> tuple[int, ...]:
         """The held parts, as indices into `mockup.parts`."""
-        return tuple(super()._held_parts) if self._run is None else self._held
+        return tuple(super()._gripped) if self._run is None else self._held
 
     def set_scene(self, scene: Scene) -> Start:
         """Replaces the scene; while the session runs, between two ticks.

@@ -33,11 +33,77 @@ impl Relation {
     }
 }
 
-/// A search in steps, each of which may be stopped; what was found until then can be told.
+/// Options of [`clash`].
+#[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
+pub struct ClashOptions<'a> {
+    /// Reports the progress, and may stop the search: what was found until then is returned.
+    pub progress: Progress<'a>,
+}
+
+impl<'a> ClashOptions<'a> {
+    /// Calls a function with the share done (0 to 1) of a stage, and the stage. The search stops where it returns false.
+    #[must_use]
+    pub fn with_progress(mut self, progress: &'a (dyn Fn(f64, &str) -> bool + Sync)) -> Self {
+        self.progress = Progress::new(progress);
+        self
+    }
+}
+
+/// What [`clash`] found.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Clashes {
+    /// The pairs of parts, each with the lesser part first, in order.
+    pub rows: Vec<Clash>,
+    /// Pairs by their relation.
+    pub counts: ClashCounts,
+    /// Whether the search was not stopped. A pair that was not measured by then has NaN for a depth.
+    pub is_complete: bool,
+}
+
+/// Finds all pairs of parts of a scene that are nearer each other than `limits` allow, or in each other, and measures them; in parallel
+/// on the current rayon pool.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use feeler_contacts::{clash, ClashOptions, ContactSolver, Verdict};
+/// use feeler_core::{Mockup, PairLimits, Scene, SceneOptions};
+///
+/// # fn main() -> feeler_core::Result<()> {
+/// // Two tetrahedra that are 1 cm in each other.
+/// let corners = |x: f64| [[x, 0.0, 0.0], [x + 0.1, 0.0, 0.0], [x, 0.1, 0.0], [x, 0.0, 0.1]];
+/// let vertices = [corners(0.0), corners(0.09)].concat();
+/// let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let faces = [faces, faces.map(|f| f.map(|v| v + 4))].concat();
+/// let mockup = Mockup::new(vertices, faces, vec![0, 0, 0, 0, 1, 1, 1, 1], 2)?;
+/// let solver = ContactSolver::new(Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default())?));
+///
+/// // No two parts nearer than 5 mm; in contact up to a depth of 0.1 mm.
+/// let found = clash(&solver, &PairLimits::uniform(0.005, 1e-4)?, &ClashOptions::default())?;
+/// assert_eq!(found.rows.len(), 1);
+/// assert_eq!((found.rows[0].parts, found.rows[0].verdict), ([0, 1], Verdict::Clash));
+/// # Ok(())
+/// # }
+/// ```
+///
+/// Errors: as of building blocks, where the scene has none.
+pub fn clash(solver: &ContactSolver, limits: &PairLimits, options: &ClashOptions<'_>) -> Result<Clashes> {
+    let mut search = ClashSearch::new(solver, limits, options)?;
+    if search.find_verdicts() {
+        search.find_gaps();
+    }
+    let rows = search.measure()?;
+    Ok(Clashes { rows, counts: search.counts(), is_complete: search.is_complete() })
+}
+
+/// The search of [`clash`] in steps, each of which may be stopped; what was found until then can be told.
 #[derive(Debug)]
 pub struct ClashSearch<'a> {
     solver: &'a ContactSolver,
     limits: PairLimits,
+    progress: Progress<'a>,
     index: SelfIndex<'a>,
     solids: Solids<'a>,
     /// By pair.
@@ -73,13 +139,14 @@ pub struct ClashCounts {
 }
 
 impl<'a> ClashSearch<'a> {
-    /// Of the parts that are there. Errors: as of building blocks, where the scene has none.
-    pub fn new(solver: &'a ContactSolver, limits: &PairLimits) -> Result<ClashSearch<'a>> {
+    /// A search of the parts that are there. Errors: as of building blocks, where the scene has none.
+    pub fn new(solver: &'a ContactSolver, limits: &PairLimits, options: &ClashOptions<'a>) -> Result<ClashSearch<'a>> {
         let scene = solver.scene();
         let meeting = Meeting { pairs: Vec::new(), examples: Vec::new(), touches: Vec::new(), is_complete: true };
         Ok(ClashSearch {
             solver,
             limits: limits.with_rounding(scene.mockup().part_bounds()),
+            progress: options.progress,
             index: SelfIndex::new(scene.index())?,
             solids: Solids::new(scene.mockup()),
             related: BTreeMap::new(),
@@ -99,7 +166,8 @@ impl<'a> ClashSearch<'a> {
     }
 
     /// Finds what each pair of parts is, but for those that only come near; false where it was stopped.
-    pub fn find_verdicts(&mut self, progress: Progress<'_>) -> bool {
+    pub fn find_verdicts(&mut self) -> bool {
+        let progress = self.progress;
         let (index, limits) = (self.scene().index(), &self.limits);
         self.sets = same_parts(self.scene().mockup(), |part| index.selection().has_part(part));
         self.set_of_part =
@@ -139,7 +207,8 @@ impl<'a> ClashSearch<'a> {
     }
 
     /// Measures how near the pairs are that do not meet; false where it was stopped.
-    pub fn find_gaps(&mut self, progress: Progress<'_>) -> bool {
+    pub fn find_gaps(&mut self) -> bool {
+        let progress = self.progress;
         if self.limits.largest_reach() > 0.0 {
             let known: Vec<[u32; 2]> = self.related.keys().copied().collect();
             let found = near_parts(&self.index, &self.limits, &known, progress);
@@ -170,8 +239,9 @@ impl<'a> ClashSearch<'a> {
 
     /// Measures the pairs that meet, and tells of all that were found, in order of parts. Where it is stopped, pairs that were not
     /// measured by then have NaN for a depth.
-    pub fn measure(&mut self, progress: Progress<'_>) -> Result<Vec<Clash>> {
-        let is_stopped = !progress(0.0, STAGE);
+    pub fn measure(&mut self) -> Result<Vec<Clash>> {
+        let progress = self.progress;
+        let is_stopped = !progress.tell(0.0, STAGE);
         let adjacency = (!is_stopped).then(|| self.scene().mockup().adjacency());
         let is_open = |parts: [u32; 2]| parts.map(|part| adjacency.is_some_and(|adjacency| adjacency.is_open(part)));
         self.is_measuring = !is_stopped;
@@ -192,7 +262,7 @@ impl<'a> ClashSearch<'a> {
         let groups: Vec<(u32, Vec<Related>)> = deep.into_iter().collect();
         const WAVE: usize = 256;
         for (n, wave) in groups.chunks(WAVE).enumerate() {
-            if !self.is_measuring || !progress((n * WAVE) as f64 / groups.len() as f64, STAGE) {
+            if !self.is_measuring || !progress.tell((n * WAVE) as f64 / groups.len() as f64, STAGE) {
                 (self.is_complete, self.is_measuring) = (false, false);
                 let all = wave.iter().flat_map(|(_, pairs)| pairs);
                 rows.extend(

@@ -96,7 +96,7 @@ impl Pair<'_> {
         let (points, gap) = match points {
             Some(points) => (points, gap),
             None => {
-                let closest = self.other_alone.closest(self.tool, &Pose::IDENTITY, f64::INFINITY)?;
+                let closest = self.other_alone.distance(self.tool, &Pose::IDENTITY, f64::INFINITY)?;
                 let points = closest.map_or([[0.0; 3]; 2], |gap| [gap.on_tool, gap.on_mockup]);
                 points.iter().for_each(|p| bounds.grow(p));
                 (points, closest.map_or(0.0, |gap| gap.distance))

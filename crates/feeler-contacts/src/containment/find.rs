@@ -473,7 +473,7 @@ mod tests {
         let bar = box_mesh([0.0012, 0.0, 0.0], [0.001, 0.002, 0.3], 1);
         let held = scene_of(vec![bar, plate]);
         let block = tool(box_mesh([0.0; 3], [0.001; 3], 1));
-        assert_eq!(held.closest(&block, &Pose::IDENTITY, 1.0).unwrap().unwrap().part, 0);
+        assert_eq!(held.distance(&block, &Pose::IDENTITY, 1.0).unwrap().unwrap().part, 0);
         assert_eq!(parts_in_containment(&held, &block, &Pose::IDENTITY), [1]);
         // A ball of many triangles around it, far from the origin.
         let around =

@@ -86,7 +86,7 @@ pub(crate) fn escape_containment(scene: &Scene, tool: &Tool, pose: &Pose, parts:
 fn nearest_of(scene: &Scene, tool: &Tool, pose: &Pose, parts: &[u32], within: f64) -> Result<Option<Gap>> {
     let mut count = 1;
     loop {
-        let gaps = scene.distance(tool, pose, within, count)?;
+        let gaps = scene.nearest(tool, pose, count, within)?;
         let (is_all, found) = (gaps.len() < count, gaps.into_iter().find(|gap| parts.contains(&gap.part)));
         if found.is_some() || is_all {
             return Ok(found);

@@ -36,7 +36,7 @@ impl Held {
     }
 
     pub fn with(mockup: Arc<Mockup>, options: &SceneOptions<'_>, level: Level) -> Held {
-        let mut scene = Scene::build(mockup, options, &|_, _| true).unwrap();
+        let mut scene = Scene::build(mockup, options).unwrap();
         scene.set_lanes(level);
         Held(ContactSolver::new(Arc::new(scene)))
     }

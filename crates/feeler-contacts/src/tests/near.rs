@@ -35,7 +35,7 @@ fn a_pair_that_many_voxels_offer_counts_once_against_the_memory_limit() {
     let (parts, held) = (vec![0; faces.len()], tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 1)));
     let mockup = Arc::new(Mockup::new(vertices, faces, parts, 1).unwrap());
     let storage = Storage::Hashed { level: 0.3 };
-    let options = SceneOptions { voxel_size: Some(0.001), storage, memory_limit: 1 << 20, tool: None };
+    let options = SceneOptions::default().with_voxel_size(0.001).with_storage(storage).with_memory_limit(1 << 20);
     let near = Held::with(mockup, &options, Level::best());
     let found = near.near_candidates(&held, &at(0.0, 0.0, 0.021), 0.05, &[], usize::MAX).unwrap();
     assert!(found.len() > 12, "{}", found.len());
@@ -153,7 +153,7 @@ fn near_planes_do_not_depend_on_the_order_in_which_pairs_are_measured() {
         let mockup = Arc::new(Mockup::new(corners, triangles, vec![0; 12], 1).unwrap());
         let pose = at(whole(), whole(), whole());
         let found = [Storage::Blocks, Storage::Hashed { level: 0.3 }].map(|storage| {
-            let options = SceneOptions { storage, tool: Some(&held), ..SceneOptions::default() };
+            let options = SceneOptions::default().with_storage(storage).with_tool(&held);
             let near = Held::with(Arc::clone(&mockup), &options, Level::best());
             near.contacts(&held, &pose, 1.25, None).unwrap()
         });

@@ -6,6 +6,7 @@
 
 pub mod brute;
 pub mod impact;
+pub mod options;
 mod pair;
 pub mod path;
 pub mod query;

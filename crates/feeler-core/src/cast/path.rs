@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::impact::{check_tolerance, Cast, Touching};
+use super::impact::{check_tolerance, Cast};
+use super::options::PathOptions;
 use super::query::{cast, CastScratch, How};
 use crate::error::Result;
 use crate::index::mockup_index::Index;
-use crate::progress::{report, Progress};
 use crate::scratch_pool::ScratchPool;
 use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
@@ -30,16 +30,16 @@ pub(crate) fn check_path(
     pool: &ScratchPool<CastScratch>,
     tool: &Tool,
     (segments, motion): (usize, &(dyn Fn(usize) -> Motion + Sync)),
-    (tolerance, touching): (f64, Touching),
-    progress: Progress<'_>,
+    options: &PathOptions<'_>,
 ) -> Result<PathCheck> {
     const PATH_WAVE: usize = 2048;
     const PATH_TASK: usize = 8;
+    let PathOptions { tolerance, touching, progress } = *options;
     check_tolerance(tolerance)?;
     let mut hits = Vec::new();
     let numbers: Vec<usize> = (0..segments.min(PATH_WAVE)).collect();
     for start in (0..segments).step_by(PATH_WAVE) {
-        report(progress, start as f64 / segments as f64, "casting")?;
+        progress.report(start as f64 / segments as f64, "casting")?;
         let wave = &numbers[..PATH_WAVE.min(segments - start)];
         let found: Vec<Vec<(usize, Cast)>> = wave
             .par_chunks(PATH_TASK)
@@ -60,6 +60,6 @@ pub(crate) fn check_path(
             .collect::<Result<_>>()?;
         hits.extend(found.into_iter().flatten());
     }
-    report(progress, 1.0, "done")?;
+    progress.report(1.0, "done")?;
     Ok(PathCheck { segments, hits })
 }

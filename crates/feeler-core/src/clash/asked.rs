@@ -27,6 +27,7 @@ pub struct PairLimits {
 
 /// See [`PairLimits::new`].
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct PairLimitTables {
     /// `(parts,)`: the class of each part; empty: all are of class 0.
     pub class_of_part: Vec<u32>,
@@ -39,6 +40,21 @@ pub struct PairLimitTables {
     pub contact_of_part: Vec<f64>,
     /// Pairs of parts that are never asked, in any order.
     pub excluded: Vec<[u32; 2]>,
+}
+
+impl PairLimitTables {
+    /// Tables of the clearance and of the contact, each `(classes, classes)`, row by row, symmetric, metres.
+    pub fn new(clearance: Vec<f64>, contact: Vec<f64>) -> PairLimitTables {
+        PairLimitTables { clearance, contact, ..PairLimitTables::default() }
+    }
+
+    crate::setters! {
+        with_class_of_part: class_of_part: Vec<u32>,
+        with_clearance: clearance: Vec<f64>,
+        with_contact: contact: Vec<f64>,
+        with_contact_of_part: contact_of_part: Vec<f64>,
+        with_excluded: excluded: Vec<[u32; 2]>,
+    }
 }
 
 impl PairLimits {

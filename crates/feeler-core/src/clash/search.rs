@@ -39,7 +39,7 @@ impl<'a> SelfIndex<'a> {
             _ => {
                 let (mesh, ids) = (mockup.mesh(), mockup.mesh().queried().collect::<Vec<u32>>());
                 let size = default_piece_size(ids.len(), |i| mesh.triangle(ids[i]), MOCKUP_CUT_ALLOWANCE);
-                Some(Blocks::build(mesh, size, limit, &|_, _| true)?)
+                Some(Blocks::build(mesh, size, limit, Progress::default())?)
             }
         };
         let selection = index.selection();
@@ -71,7 +71,7 @@ impl<'a> SelfIndex<'a> {
         let tasks = search.tasks();
         let mut all = Vec::new();
         for (n, wave) in tasks.chunks(WAVE).enumerate() {
-            if !progress((n * WAVE) as f64 / tasks.len() as f64, stage) {
+            if !progress.tell((n * WAVE) as f64 / tasks.len() as f64, stage) {
                 return Found { all, is_complete: false };
             }
             let found: Vec<Vec<T>> = wave.par_iter().map(|task| work(&search, task)).collect();

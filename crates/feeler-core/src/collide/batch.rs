@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
-use crate::progress::{report, Progress};
+use crate::progress::Progress;
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
@@ -86,7 +86,7 @@ pub(crate) fn collide_batch(
     let (pairs, done) = (AtomicU64::new(0), AtomicU64::new(0));
     let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(COLLIDE_TASK));
     for (n, wave) in poses.chunks(COLLIDE_WAVE).enumerate() {
-        report(progress, (n * COLLIDE_WAVE) as f64 / poses.len() as f64, "colliding")?;
+        progress.report((n * COLLIDE_WAVE) as f64 / poses.len() as f64, "colliding")?;
         tasks.par_extend(wave.par_chunks(COLLIDE_TASK).map(|task| {
             let mut scratch = pool.take();
             // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
@@ -118,6 +118,6 @@ pub(crate) fn collide_batch(
         }
     }
     let batch = Batch::of_tasks(tasks, poses.len());
-    report(progress, 1.0, "done")?;
+    progress.report(1.0, "done")?;
     Ok(batch)
 }

@@ -277,7 +277,7 @@ mod tests {
 
     fn is_entering(mockup: Arrays, tool: Arrays) -> bool {
         let mockup = Mockup::new(mockup.0, mockup.1, Vec::new(), 1).unwrap();
-        let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true).unwrap();
+        let scene = Scene::build(mockup.into(), &SceneOptions::default()).unwrap();
         let tool = Tool::new(tool.0, tool.1).unwrap();
         assert!(scene.is_colliding(&tool, &Pose::IDENTITY));
         scene.is_entering(&tool, &Pose::IDENTITY)

@@ -10,7 +10,7 @@ use super::wanted::Goal;
 use crate::error::Result;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
-use crate::progress::{report, Progress};
+use crate::progress::Progress;
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
@@ -41,7 +41,7 @@ pub(crate) fn distance_batch(
     check_distance("max", max)?;
     let mut found = vec![None; poses.len()];
     for (n, (wave, out)) in poses.chunks(DISTANCE_WAVE).zip(found.chunks_mut(DISTANCE_WAVE)).enumerate() {
-        report(progress, (n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring distances")?;
+        progress.report((n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring distances")?;
         wave.par_chunks(DISTANCE_TASK).zip(out.par_chunks_mut(DISTANCE_TASK)).for_each(|(task, out)| {
             let mut scratch = pool.take();
             for (pose, out) in task.iter().zip(out) {
@@ -51,7 +51,7 @@ pub(crate) fn distance_batch(
             pool.put(scratch);
         });
     }
-    report(progress, 1.0, "done")?;
+    progress.report(1.0, "done")?;
     Ok(found)
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn clearance_batch(
     batch.offsets.push(0);
     let most = most_gaps(index);
     for (n, wave) in poses.chunks(DISTANCE_WAVE).enumerate() {
-        report(progress, (n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring clearances")?;
+        progress.report((n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring clearances")?;
         let count = AtomicUsize::new(batch.gaps.len());
         let found: Vec<(Vec<Gap>, Vec<usize>)> = wave
             .par_chunks(DISTANCE_TASK)
@@ -105,6 +105,6 @@ pub(crate) fn clearance_batch(
             batch.gaps.extend(gaps);
         }
     }
-    report(progress, 1.0, "done")?;
+    progress.report(1.0, "done")?;
     Ok(batch)
 }

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::geometry::bounds::Aabb;
 use crate::index::grid::VoxelGrid;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::progress::{report, Progress};
+use crate::progress::Progress;
 use crate::tool::moving_tool::Tool;
 
 /// For each slot the triangles of its voxels, ascending, each once.
@@ -47,7 +47,7 @@ impl VoxelLists {
         // Counting stops where the lists would outgrow the limit, or the 32 bits of a position.
         let most = u64::from(u32::MAX).min((limit - fixed as u64) / 4);
 
-        report(progress, 0.0, "counting voxels")?;
+        progress.report(0.0, "counting voxels")?;
         let starts: Vec<AtomicU32> = filled("the voxel array", slots + 1, limit)?;
         let occupancy = Occupancy::new(&grid, limit)?;
         let total = AtomicU64::new(0);
@@ -73,7 +73,7 @@ impl VoxelLists {
             sum += slot.load(Relaxed);
             slot.store(sum, Relaxed);
         }
-        report(progress, 0.4, "filling voxels")?;
+        progress.report(0.4, "filling voxels")?;
         let entries: Vec<AtomicU32> = filled("the voxel lists", total, limit)?;
         mesh.par_queried().for_each(|id| {
             grid.for_each_voxel(&mesh.triangle(id), |voxel| {
@@ -84,13 +84,13 @@ impl VoxelLists {
         // Same layout: these reuse the allocations.
         let starts: Vec<u32> = starts.into_iter().map(AtomicU32::into_inner).collect();
         let entries: Vec<u32> = entries.into_iter().map(AtomicU32::into_inner).collect();
-        report(progress, 0.8, "sorting lists")?;
+        progress.report(0.8, "sorting lists")?;
         let mut lists = VoxelLists { grid, bounds: mesh.bounds(), slots, starts, entries, occupancy };
         lists.sort();
         if lists.grid.voxel_count() > slots {
             lists.remove_repeats();
         }
-        report(progress, 1.0, "done")?;
+        progress.report(1.0, "done")?;
         Ok(lists)
     }
 

@@ -38,6 +38,11 @@ pub struct RayHit {
 }
 
 impl Ray {
+    /// A ray from a point, metres, in a direction of any length.
+    pub fn new(origin: Point, direction: Point) -> Ray {
+        Ray { origin, direction }
+    }
+
     /// Errors: numbers that are not finite or beyond 1e100 in size, and a direction with no entry of 1e-100 or more.
     pub(super) fn check(&self, ray: usize) -> Result<()> {
         let is_plain = |p: &Point| p.iter().all(|x| x.abs() <= LARGEST_COORDINATE);
@@ -54,6 +59,11 @@ impl Ray {
 }
 
 impl HalfSpace {
+    /// The points with `normal . x >= offset`.
+    pub fn new(normal: Point, offset: f64) -> HalfSpace {
+        HalfSpace { normal, offset }
+    }
+
     /// Errors: a normal of zero, and numbers that are not finite or beyond 1e100 in size.
     pub(super) fn check(&self, section: usize) -> Result<()> {
         let HalfSpace { normal: [x, y, z], offset } = *self;

@@ -206,7 +206,7 @@ mod tests {
         let cloud = Mockup::new(corners, faces, Vec::new(), 1).unwrap();
         for mockup in [mockup(40, 1.0), cloud] {
             let (mockup, tool) = (Arc::new(mockup), tool(1.0));
-            let scene = Scene::build(Arc::clone(&mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+            let scene = Scene::build(Arc::clone(&mockup), &SceneOptions::default()).unwrap();
             let statics = Statics::new(mockup.mesh());
             let crowd = Crowd::new(&mockup.mesh().bounds(), &statics.triangles, statics.each);
             let ids: Vec<u32> = tool.mesh().queried().collect();

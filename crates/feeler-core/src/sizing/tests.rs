@@ -151,7 +151,7 @@ fn memory_is_predicted() {
     let predictor = Predictor::new(mockup.mesh(), tool.mesh(), Storage::Dense).unwrap();
     for size in [0.01, 0.02, 0.05] {
         let options = SceneOptions { voxel_size: Some(size), storage: Storage::Dense, ..SceneOptions::default() };
-        let scene = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
+        let scene = Scene::build(Arc::clone(&mockup), &options).unwrap();
         let bytes: usize =
             scene.memory().iter().filter(|(name, _)| ["voxels", "lists"].contains(name)).map(|m| m.1).sum();
         assert!((predictor.bytes(size) / bytes as f64 - 1.0).abs() < 0.05, "{size}: {bytes}");

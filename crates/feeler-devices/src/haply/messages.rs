@@ -1,7 +1,7 @@
 //! The service's messages, as much of them as is needed: states in, commands out. `make test-haply` holds both to the types of the maker's crate.
 
 use feeler_core::Point;
-use feeler_haptics::twist::Twist;
+use feeler_haptics::Twist;
 use serde::{Deserialize, Serialize};
 
 use super::options::HaplyOptions;

@@ -17,7 +17,7 @@ mod service;
 use std::time::Instant;
 
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::Wrench;
+use feeler_haptics::Wrench;
 
 pub use options::HaplyOptions;
 

@@ -4,6 +4,7 @@ use crate::constants::INVERSE_SERVICE;
 
 /// Which device, and how.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct HaplyOptions {
     /// Host and port of the Inverse Service.
     pub address: String,
@@ -29,5 +30,16 @@ impl Default for HaplyOptions {
             force_n: None,
             stiffness_n_per_m: None,
         }
+    }
+}
+
+impl HaplyOptions {
+    feeler_core::setters! {
+        with_address: address: impl Into<String>,
+        with_device_id: device_id: impl Into<Option<String>>,
+        with_grip_id: grip_id: impl Into<Option<String>>,
+        with_preset: preset: impl Into<Option<String>>,
+        with_force_n: force_n: impl Into<Option<f64>>,
+        with_stiffness_n_per_m: stiffness_n_per_m: impl Into<Option<f64>>,
     }
 }

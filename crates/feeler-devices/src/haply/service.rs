@@ -4,9 +4,9 @@ use std::io::ErrorKind;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Instant;
 
+use feeler_core::geometry::twist;
 use feeler_core::Point;
 use feeler_haptics::device::{DeviceError, DeviceInfo};
-use feeler_haptics::twist;
 use tungstenite::client::client_with_config;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
@@ -63,7 +63,7 @@ fn info(options: &HaplyOptions, id: &str, is_minverse: bool, has_grip: bool) -> 
         options.force_n.filter(|force| *force >= 0.0).map_or(figures.force_n, |force| force.min(2.0 * figures.force_n));
     let said = Said { stiffness_n_per_m: options.stiffness_n_per_m, ..Said::default() };
     let info = Figures { force_n, ..figures }.info(format!("{INVERSE3_NAME} {id}"), has_grip, false, &said);
-    DeviceInfo { buttons: if has_grip { GRIP_BUTTONS } else { 0 }, ..info }
+    info.with_buttons(if has_grip { GRIP_BUTTONS } else { 0 })
 }
 
 fn connect(address: &str) -> Result<WebSocket<TcpStream>, DeviceError> {

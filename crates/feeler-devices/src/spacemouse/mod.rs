@@ -20,7 +20,7 @@ mod rate;
 mod reader;
 
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::twist::Wrench;
+use feeler_haptics::Wrench;
 
 pub use options::SpaceMouseOptions;
 
@@ -77,7 +77,7 @@ impl Device for SpaceMouse {
         match self.newest() {
             Ok(cap) => {
                 let (pose, twist) = self.rate.step(&cap.counts, now)?;
-                Ok(DeviceState { pose, twist: Some(twist), buttons: cap.buttons, time: now })
+                Ok(DeviceState::new(pose, now).with_twist(twist).with_buttons(cap.buttons))
             }
             Err(error) => {
                 self.rate.pause(now);

@@ -8,6 +8,7 @@ use crate::constants::{FULL_DEFLECTION_COUNTS, SPACEMOUSE, SPACEMOUSE_HZ};
 
 /// How the cap moves the pose.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SpaceMouseOptions {
     /// The daemon's socket. `None`: what the environment variable `SPNAV_SOCKET` says, else `/var/run/spnav.sock`.
     pub socket: Option<PathBuf>,
@@ -40,6 +41,18 @@ impl Default for SpaceMouseOptions {
 }
 
 impl SpaceMouseOptions {
+    feeler_core::setters! {
+        with_socket: socket: impl Into<Option<PathBuf>>,
+        with_speed_m_per_s: speed_m_per_s: f64,
+        with_turn_rad_per_s: turn_rad_per_s: f64,
+        with_full_deflection_counts: full_deflection_counts: f64,
+        with_dead_zone: dead_zone: f64,
+        with_reach_m: reach_m: f64,
+        with_silence_s: silence_s: f64,
+    }
+}
+
+impl SpaceMouseOptions {
     pub(super) fn check(&self) -> Result<(), DeviceError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         let checks = [
@@ -60,19 +73,17 @@ impl SpaceMouseOptions {
 
     pub(super) fn info(&self, protocol: u8, buttons: u32) -> DeviceInfo {
         let step = |speed: f64| speed / self.full_deflection_counts / SPACEMOUSE_HZ;
-        DeviceInfo {
-            name: format!("{SPACEMOUSE} (spacenavd, protocol {protocol})"),
-            sensed: Freedoms { translation: true, rotation: true },
-            driven: Freedoms::default(),
-            workspace: [self.reach_m; 3],
-            limits: DeviceLimits {
-                resolution_m: step(self.speed_m_per_s),
-                rotational_resolution_rad: step(self.turn_rad_per_s),
-                rate_hz: SPACEMOUSE_HZ,
-                ..DeviceLimits::default()
-            },
-            buttons,
-        }
+        DeviceInfo::new(format!("{SPACEMOUSE} (spacenavd, protocol {protocol})"))
+            .with_sensed(Freedoms { translation: true, rotation: true })
+            .with_driven(Freedoms::default())
+            .with_workspace([self.reach_m; 3])
+            .with_limits(
+                DeviceLimits::default()
+                    .with_resolution_m(step(self.speed_m_per_s))
+                    .with_rotational_resolution_rad(step(self.turn_rad_per_s))
+                    .with_rate_hz(SPACEMOUSE_HZ),
+            )
+            .with_buttons(buttons)
     }
 
     /// Where the daemon listens.

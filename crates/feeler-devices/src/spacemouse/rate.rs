@@ -1,8 +1,10 @@
 //! From the cap's displacement to a velocity, and from velocities to a pose.
 
+use feeler_core::geometry::twist;
+use feeler_core::geometry::twist::Matrix;
 use feeler_core::{Point, Pose};
 use feeler_haptics::device::DeviceError;
-use feeler_haptics::twist::{self, Matrix, Twist};
+use feeler_haptics::Twist;
 
 use super::options::SpaceMouseOptions;
 use crate::clip::told_pose;

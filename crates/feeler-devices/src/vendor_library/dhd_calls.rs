@@ -4,9 +4,10 @@
 use std::ffi::{c_char, c_int, c_uchar, c_uint};
 use std::path::Path;
 
+use feeler_core::geometry::twist::Matrix;
 use feeler_core::Point;
 use feeler_haptics::device::DeviceError;
-use feeler_haptics::twist::{Matrix, Wrench};
+use feeler_haptics::Wrench;
 
 use crate::constants::FORCE_DIMENSION;
 

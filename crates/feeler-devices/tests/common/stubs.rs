@@ -77,10 +77,10 @@ impl Stub {
     }
 
     pub fn open_dhd(&self) -> Result<Dhd, DeviceError> {
-        Dhd::open(&DhdOptions { library: Some(self.path.clone()), ..Default::default() })
+        Dhd::open(&DhdOptions::default().with_library(self.path.clone()))
     }
 
     pub fn open_hd(&self) -> Result<OpenHaptics, DeviceError> {
-        OpenHaptics::open(&OpenHapticsOptions { library: Some(self.path.clone()), ..Default::default() })
+        OpenHaptics::open(&OpenHapticsOptions::default().with_library(self.path.clone()))
     }
 }

@@ -6,9 +6,10 @@ mod service;
 use std::net::TcpListener;
 
 use super::common::eventually;
+use feeler_core::geometry::twist::rotation_vector;
 use feeler_devices::haply::{Haply, HaplyOptions};
 use feeler_haptics::device::{Device, DeviceError};
-use feeler_haptics::twist::{rotation_vector, Wrench};
+use feeler_haptics::Wrench;
 use serde_json::json;
 use service::{inverse3, with_grip, Mood, Service};
 
@@ -66,7 +67,7 @@ fn poses_come_in_and_forces_go_out() {
 #[test]
 fn forces_are_clipped_and_none_where_a_number_is_not_finite() {
     let service = Service::start(inverse3());
-    let mut device = Haply::open(&HaplyOptions { force_n: Some(2.0), ..service.options() }).unwrap();
+    let mut device = Haply::open(&service.options().with_force_n(2.0)).unwrap();
     push(&mut device, &service, &force(0.0, 1e9, 0.0), [0.0, 2.0, 0.0]);
     push(&mut device, &service, &force(f64::NAN, 1.0, 1.0), [0.0; 3]);
     push(&mut device, &service, &force(0.0, -1.0, 0.0), [0.0, -1.0, 0.0]);
@@ -76,7 +77,7 @@ fn forces_are_clipped_and_none_where_a_number_is_not_finite() {
     service.check();
 
     let service = Service::start(inverse3());
-    let device = Haply::open(&HaplyOptions { force_n: Some(1e3), ..service.options() }).unwrap();
+    let device = Haply::open(&service.options().with_force_n(1e3)).unwrap();
     assert_eq!(device.info().limits.force_n, 10.0, "never more than the maker's peak");
 }
 
@@ -217,7 +218,7 @@ fn dropping_the_device_lets_go_of_the_force() {
 #[test]
 fn what_is_not_there_is_said_with_what_to_do() {
     let nobody = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
-    let options = |address: &str| HaplyOptions { address: address.to_string(), ..Default::default() };
+    let options = |address: &str| HaplyOptions::default().with_address(address.to_string());
     for address in [nobody.as_str(), "localhost", "", "no-such-host.invalid:1"] {
         let error = Haply::open(&options(address)).err().unwrap();
         assert!(
@@ -244,7 +245,7 @@ fn what_is_not_there_is_said_with_what_to_do() {
     let error = Haply::open(&service.options()).err().unwrap();
     assert!(matches!(&error, DeviceError::NotFound { why, .. } if why.contains("no Inverse3")), "{error}");
     let service = Service::start(inverse3());
-    let error = Haply::open(&HaplyOptions { device_id: Some("FFFF".to_string()), ..service.options() }).err().unwrap();
+    let error = Haply::open(&service.options().with_device_id("FFFF".to_string())).err().unwrap();
     assert!(
         matches!(&error, DeviceError::NotFound { why, .. } if why.contains("FFFF") && why.contains("04C3")),
         "{error}"

@@ -75,7 +75,7 @@ impl Service {
     }
 
     pub fn options(&self) -> HaplyOptions {
-        HaplyOptions { address: self.address.clone(), ..Default::default() }
+        HaplyOptions::default().with_address(self.address.clone())
     }
 
     pub fn open(&self) -> Haply {

@@ -1,8 +1,9 @@
 //! Devices: what a hand holds. One trait for all, whatever they sense and drive.
 
+#[doc(hidden)]
 pub mod faulty;
 pub mod hand;
-pub mod mapping;
+pub(crate) mod mapping;
 pub mod mouse;
 mod random;
 pub mod simulated;
@@ -25,6 +26,7 @@ pub struct Freedoms {
 
 /// What a device can do and hold.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct DeviceLimits {
     /// Largest force, newtons; 0 where it drives none.
     pub force_n: f64,
@@ -53,6 +55,23 @@ pub struct DeviceLimits {
     /// From a motion of the handle to the force that answers it, seconds, beyond the hold of one tick: the pose's way
     /// in and the force's way out, of the device and its connection. It takes stiffness away, as the period does.
     pub delay_s: f64,
+}
+
+impl DeviceLimits {
+    feeler_core::setters! {
+        with_force_n: force_n: f64,
+        with_torque_nm: torque_nm: f64,
+        with_stiffness_n_per_m: stiffness_n_per_m: f64,
+        with_rotational_stiffness_nm_per_rad: rotational_stiffness_nm_per_rad: f64,
+        with_damping_n_s_per_m: damping_n_s_per_m: f64,
+        with_rotational_damping_nm_s_per_rad: rotational_damping_nm_s_per_rad: f64,
+        with_friction_n: friction_n: f64,
+        with_rotational_friction_nm: rotational_friction_nm: f64,
+        with_resolution_m: resolution_m: f64,
+        with_rotational_resolution_rad: rotational_resolution_rad: f64,
+        with_rate_hz: rate_hz: f64,
+        with_delay_s: delay_s: f64,
+    }
 }
 
 impl DeviceLimits {
@@ -100,6 +119,7 @@ impl DeviceLimits {
 
 /// What a device is.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct DeviceInfo {
     /// Maker and model, or what the device says of itself.
     pub name: String,
@@ -115,9 +135,32 @@ pub struct DeviceInfo {
     pub buttons: u32,
 }
 
+impl DeviceInfo {
+    /// A device of a name that senses and drives nothing, until it is said what.
+    pub fn new(name: impl Into<String>) -> DeviceInfo {
+        DeviceInfo {
+            name: name.into(),
+            sensed: Freedoms::default(),
+            driven: Freedoms::default(),
+            workspace: [0.0; 3],
+            limits: DeviceLimits::default(),
+            buttons: 0,
+        }
+    }
+
+    feeler_core::setters! {
+        with_sensed: sensed: Freedoms,
+        with_driven: driven: Freedoms,
+        with_workspace: workspace: [f64; 3],
+        with_limits: limits: DeviceLimits,
+        with_buttons: buttons: u32,
+    }
+}
+
 /// What a device tells, in its own frame: origin in the middle of its workspace, right-handed, x to the right, y away
 /// from the hand's owner, z up.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct DeviceState {
     /// Of the handle; the rotation is the identity where none is sensed.
     pub pose: Pose,
@@ -127,6 +170,18 @@ pub struct DeviceState {
     pub buttons: u32,
     /// When it was measured, seconds on the caller's clock; older than the time of asking where nothing new has come.
     pub time: f64,
+}
+
+impl DeviceState {
+    /// A handle at a pose, measured at a time (seconds on the caller's clock); no button is pressed.
+    pub fn new(pose: Pose, time: f64) -> DeviceState {
+        DeviceState { pose, twist: None, buttons: 0, time }
+    }
+
+    feeler_core::setters! {
+        with_twist: twist: impl Into<Option<Twist>>,
+        with_buttons: buttons: u32,
+    }
 }
 
 /// Why a device does not answer.

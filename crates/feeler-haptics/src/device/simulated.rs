@@ -16,6 +16,7 @@ use crate::error::{Error, Result};
 
 /// What a simulated device is made of.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SimulatedOptions {
     /// What it says of itself. Its damping, friction, resolution, bounds and freedoms are what is simulated; `rate_hz`
     /// is for others to know: it tells and takes as often as it is asked. Its `delay_s` is set to what the two ways
@@ -33,6 +34,18 @@ pub struct SimulatedOptions {
     pub jitter_s: f64,
     /// Of the jitter.
     pub seed: u64,
+}
+
+impl SimulatedOptions {
+    feeler_core::setters! {
+        with_info: info: DeviceInfo,
+        with_mass_kg: mass_kg: f64,
+        with_inertia_kg_m2: inertia_kg_m2: f64,
+        with_pose_delay_s: pose_delay_s: f64,
+        with_force_delay_s: force_delay_s: f64,
+        with_jitter_s: jitter_s: f64,
+        with_seed: seed: u64,
+    }
 }
 
 /// See the [module](self).

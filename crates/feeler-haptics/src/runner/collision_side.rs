@@ -4,6 +4,7 @@ use std::sync::mpsc::SyncSender;
 use std::sync::Arc;
 
 use feeler_core::{Pose, Scene};
+use feeler_world::Release;
 use triple_buffer::{Input, Output};
 
 use super::exchange::{Handed, Target};
@@ -22,9 +23,8 @@ pub(super) enum Answer {
 /// What is asked of the collision side, done between two ticks.
 pub(super) enum Wish {
     Start(Pose),
-    Take(Vec<u32>),
-    PutDown,
-    PutBack,
+    Grip(Vec<u32>),
+    Release(Release),
     Scene(Arc<Scene>),
 }
 
@@ -142,9 +142,8 @@ impl CollisionSide {
                 Answer::Started(start)
             }
             Wish::Scene(scene) => Answer::Started(self.session.set_scene(scene)?),
-            Wish::Take(parts) => self.session.take(&parts).map(|()| Answer::Done)?,
-            Wish::PutDown => self.session.put_down().map(|()| Answer::Done)?,
-            Wish::PutBack => self.session.put_back().map(|()| Answer::Done)?,
+            Wish::Grip(parts) => self.session.grip(&parts).map(|()| Answer::Done)?,
+            Wish::Release(to) => self.session.release(to).map(|()| Answer::Done)?,
         };
         self.is_settled = false;
         Ok(answer)

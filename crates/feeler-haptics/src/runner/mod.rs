@@ -24,6 +24,7 @@ use std::thread::{Builder, JoinHandle};
 
 use feeler_core::geometry::vectors::length;
 use feeler_core::{Pose, Scene};
+use feeler_world::Release;
 use rtrb::{Consumer, RingBuffer};
 use triple_buffer::{triple_buffer, Output};
 
@@ -41,8 +42,9 @@ use collision_side::{Answer, Command, Wish};
 use servo_side::{ServoEnds, Setting};
 
 pub use collision_side::CollisionSide;
-pub use exchange::{Handed, Target, View};
-pub use options::{MappingOptions, RunnerOptions, ThreadKind};
+pub use exchange::View;
+use exchange::{Handed, Target};
+pub use options::{AroundWork, MappingOptions, OnThreadStart, RunnerOptions, ThreadKind};
 pub use servo_side::ServoSide;
 pub use trace::TraceTick;
 
@@ -184,8 +186,8 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Begins. The session must be started. Unless the mapping is absolute, the tool stays where it is, with the handle where it is.
-    pub fn start(
+    /// Runs a session, which must be started. Unless the mapping is absolute, the tool stays where it is, with the handle where it is.
+    pub fn run(
         session: Session,
         device: Box<dyn Device>,
         clock: Arc<dyn Clock>,
@@ -251,7 +253,7 @@ impl Runner {
         &self.coupling
     }
 
-    /// What the device took away of it.
+    /// What the device took away of it; [`limitations_in_words`](Self::limitations_in_words) has it as sentences.
     pub fn limitations(&self) -> &Limitations {
         &self.limitations
     }
@@ -279,7 +281,7 @@ impl Runner {
     }
 
     /// Begins anew at a pose, as [`Session::start`]: the handle where it is means that pose from now on, unless the mapping is absolute.
-    pub fn begin(&self, pose: &Pose) -> Result<Start> {
+    pub fn start(&self, pose: &Pose) -> Result<Start> {
         self.ask_for_start(Wish::Start(*pose))
     }
 
@@ -295,19 +297,14 @@ impl Runner {
         }
     }
 
-    /// As [`Session::take`].
-    pub fn take(&self, parts: &[u32]) -> Result<()> {
-        self.ask(Wish::Take(parts.to_vec())).map(|_| ())
+    /// As [`Session::grip`].
+    pub fn grip(&self, parts: &[u32]) -> Result<()> {
+        self.ask(Wish::Grip(parts.to_vec())).map(|_| ())
     }
 
-    /// As [`Session::put_down`].
-    pub fn put_down(&self) -> Result<()> {
-        self.ask(Wish::PutDown).map(|_| ())
-    }
-
-    /// As [`Session::put_back`].
-    pub fn put_back(&self) -> Result<()> {
-        self.ask(Wish::PutBack).map(|_| ())
+    /// As [`Session::release`].
+    pub fn release(&self, to: Release) -> Result<()> {
+        self.ask(Wish::Release(to)).map(|_| ())
     }
 
     /// Lets go of the force, then ends the threads.

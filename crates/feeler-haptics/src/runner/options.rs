@@ -18,6 +18,7 @@ pub enum ThreadKind {
 
 /// How the device is put into the world; see [`Mapping`](crate::device::mapping::Mapping).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct MappingOptions {
     /// How far the tool moves for a metre of the handle.
     pub scale: f64,
@@ -36,6 +37,15 @@ impl Default for MappingOptions {
     }
 }
 
+impl MappingOptions {
+    feeler_core::setters! {
+        with_scale: scale: f64,
+        with_world_from_device: world_from_device: Pose,
+        with_is_absolute: is_absolute: bool,
+        with_clutch_button: clutch_button: impl Into<Option<u32>>,
+    }
+}
+
 /// Called by each thread before its first tick.
 pub type OnThreadStart = Arc<dyn Fn(ThreadKind) + Send + Sync>;
 
@@ -44,6 +54,7 @@ pub type AroundWork = Arc<dyn Fn(&mut (dyn FnMut() + Send)) + Send + Sync>;
 
 /// How a session is to run.
 #[derive(Clone)]
+#[non_exhaustive]
 pub struct RunnerOptions {
     /// Of the servo thread, hertz: 50 to 100000.
     pub rate_hz: f64,
@@ -67,6 +78,28 @@ impl Default for RunnerOptions {
             on_thread_start: Arc::new(|_| ()),
             around_work: Arc::new(|work| work()),
         }
+    }
+}
+
+impl RunnerOptions {
+    /// Has each thread call a function before its first tick, to set its priority.
+    #[must_use]
+    pub fn with_on_thread_start(mut self, call: impl Fn(ThreadKind) + Send + Sync + 'static) -> Self {
+        self.on_thread_start = Arc::new(call);
+        self
+    }
+
+    /// Has the collision thread do within a function what a grip or a new scene takes.
+    #[must_use]
+    pub fn with_around_work(mut self, call: impl Fn(&mut (dyn FnMut() + Send)) + Send + Sync + 'static) -> Self {
+        self.around_work = Arc::new(call);
+        self
+    }
+
+    feeler_core::setters! {
+        with_rate_hz: rate_hz: f64,
+        with_collision_hz: collision_hz: impl Into<Option<f64>>,
+        with_mapping: mapping: MappingOptions,
     }
 }
 

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use feeler_core::geometry::twist::{pose_of, rotation_of};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
-use feeler_haptics::twist::{pose_of, rotation_of};
 use feeler_haptics::{Session, SessionOptions};
 use feeler_shapes::{box_mesh, Arrays};
 
@@ -16,7 +16,7 @@ pub fn at(place: Point, turn: Point) -> Pose {
 
 pub fn scene((vertices, faces): Arrays) -> Arc<Scene> {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap())
 }
 
 /// Its upper side is z = 0.

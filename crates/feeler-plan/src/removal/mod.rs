@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::geometry::vectors::unit;
-use feeler_core::{Leg, Motion, Point, Pose, Progress, Tool};
+use feeler_core::{GoOn, Leg, Motion, Point, Pose, Progress, Tool};
 
 use self::directions::directions;
 use self::held::held;
@@ -38,6 +38,7 @@ use feeler_world::{Allowed, Body, Environment, Surroundings};
 
 /// What is to come out.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct RemovalTask {
     /// What moves: parts of the mock-up, and what grips them.
     pub tool: Arc<Tool>,
@@ -53,6 +54,52 @@ pub struct RemovalTask {
     pub clearance: f64,
     /// Of the random samples.
     pub seed: u64,
+}
+
+impl RemovalTask {
+    /// A tool at a pose, all of whose parts are the mock-up's. What meets at the start may; there is no clearance, and no direction is
+    /// tried first.
+    pub fn new(tool: Arc<Tool>, start: Pose) -> RemovalTask {
+        let own_parts = tool.parts() as u32;
+        let allowed = Allowed::default().with_start(true);
+        RemovalTask { tool, own_parts, start, allowed, directions: Vec::new(), clearance: 0.0, seed: 0 }
+    }
+
+    feeler_core::setters! {
+        with_own_parts: own_parts: u32,
+        with_start: start: Pose,
+        with_allowed: allowed: Allowed,
+        with_directions: directions: Vec<Point>,
+        with_clearance: clearance: f64,
+        with_seed: seed: u64,
+    }
+}
+
+/// How [`removal`] works.
+#[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
+pub struct RemovalOptions<'a> {
+    /// Hears the stages, and may stop the search with an error. The share done is always 0: the search does not know it.
+    pub progress: Progress<'a>,
+    /// Asked every few milliseconds whether there is time to go on. Where it ends, a way found so far is returned without shortcuts.
+    pub has_time: GoOn<'a>,
+}
+
+impl<'a> RemovalOptions<'a> {
+    /// Calls a function with a share and the stage. The search stops with [`feeler_core::Error::Cancelled`] where it returns false.
+    #[must_use]
+    pub fn with_progress(mut self, progress: &'a (dyn Fn(f64, &str) -> bool + Sync)) -> Self {
+        self.progress = Progress::new(progress);
+        self
+    }
+
+    /// Asks a function whether there is time to go on; this crate reads no clock. Without it the search goes on until it finds a way, or
+    /// shows that there is none.
+    #[must_use]
+    pub fn with_has_time(mut self, has_time: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.has_time = GoOn::new(has_time);
+        self
+    }
 }
 
 /// How a way was found.
@@ -115,16 +162,11 @@ impl Removal {
 
 /// Takes a tool out of the scene that a solver is of, in parallel on the current rayon pool.
 ///
-/// `progress` stops it; `has_time` says whether to go on: where it ends, a way that is found is given as it is, without shortcuts. Errors: numbers that cannot be,
-/// a tool that grips and meets something at the start, a request to stop.
-pub fn removal(
-    solver: &ContactSolver,
-    task: &RemovalTask,
-    progress: Progress<'_>,
-    has_time: &(dyn Fn() -> bool + Sync),
-) -> Result<Removal> {
+/// Errors: numbers that cannot be, a tool that grips and meets something at the start, a request to stop.
+pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOptions<'_>) -> Result<Removal> {
     check(task)?;
-    let report = |done: f64, stage: &str| match progress(done, stage) {
+    let has_time = options.has_time.function();
+    let report = |done: f64, stage: &str| match options.progress.tell(done, stage) {
         true => Ok(()),
         false => Err(Error::Core(feeler_core::Error::Cancelled)),
     };

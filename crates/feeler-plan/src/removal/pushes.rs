@@ -24,7 +24,7 @@ use crate::constants::{
     WORK_OF_A_CAST, YOUNG,
 };
 use crate::error::Result;
-use feeler_world::{Care, Seated, Surroundings};
+use feeler_world::{Seated, Surroundings, WalkOptions};
 
 /// A search by pushes.
 pub struct Pushes<'a> {
@@ -310,7 +310,7 @@ impl<'a> Pushes<'a> {
             }
             return Ok((None, seated.clone(), false));
         }
-        let care = Care::search(&self.nodes[node].normals, self.has_time);
+        let care = WalkOptions::search(&self.nodes[node].normals, self.has_time);
         let walk = around.walk_along(seated, motion, care, &mut |_| ())?;
         self.tally.walked(self.around, &walk);
         self.work += WORK_OF_A_CAST * walk.casts;
@@ -429,7 +429,7 @@ impl<'a> Pushes<'a> {
         let mut play = [0.0; 2];
         for (sense, play) in [1.0, -1.0].into_iter().zip(&mut play) {
             let end = self.around.moved(pose, &axis.along, sense * far)?;
-            let walk = self.around.walk(seated, (pose, &end), Care::search(&[], self.has_time))?;
+            let walk = self.around.walk(seated, (pose, &end), WalkOptions::search(&[], self.has_time))?;
             self.tally.walked(self.around, &walk);
             self.work += WORK_OF_A_CAST * walk.casts;
             *play = walk.fraction * far;

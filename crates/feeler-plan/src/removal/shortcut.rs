@@ -10,7 +10,7 @@ use crate::blocked::Tally;
 use crate::constants::{CUT_TRIES, LEAST_CUT, MOST_UNTURNED};
 use crate::error::Result;
 use crate::random::Random;
-use feeler_world::{Care, Surroundings};
+use feeler_world::{Surroundings, WalkOptions};
 
 /// The way with shortcuts: from each leg's begin straight to the last end that can be had, then between random places on it. What is
 /// seated at a pose is found again as the way is walked, since a shortcut may part a pair elsewhere. The work is bounded.
@@ -102,7 +102,7 @@ fn leapt(around: &Surroundings, way: Vec<Leg>, has_time: HasTime<'_>, tally: &mu
         loop {
             let leg = if beyond == at + 1 { way[at] } else { Leg::To(*motions[beyond - 1].end()) };
             let motion = Motion::of_legs(around.tool(), &here, &[leg])?.remove(0);
-            let walk = around.walk_along(&seated, &motion, Care::search(&[], has_time), &mut |_| ())?;
+            let walk = around.walk_along(&seated, &motion, WalkOptions::search(&[], has_time), &mut |_| ())?;
             tally.walked(around, &walk);
             if walk.stop.is_none() {
                 (seated, here) = (walk.seated, *motion.end());

@@ -6,7 +6,7 @@ use super::directions::Wall;
 use super::verify::{verified, HasTime, Verified};
 use crate::blocked::Tally;
 use crate::error::Result;
-use feeler_world::{Care, Surroundings};
+use feeler_world::{Surroundings, WalkOptions};
 
 /// The first straight way out that is free, verified: along one of the caller's directions, or else along one of those
 /// that contacts and shapes suggest and no contact plane opposes; the shorter first. What a plane opposes is left to the pushes: each is
@@ -32,7 +32,7 @@ pub fn straight_way(
             let end = surroundings.moved(&start, direction, length)?;
             // Where casts decide, one is enough.
             let mut is_free = || -> Result<bool> {
-                let walk = surroundings.walk(&seated, (&start, &end), Care::search(&[], has_time))?;
+                let walk = surroundings.walk(&seated, (&start, &end), WalkOptions::search(&[], has_time))?;
                 tally.walked(surroundings, &walk);
                 Ok(walk.stop.is_none())
             };

@@ -20,7 +20,7 @@ use crate::constants::{
 use crate::error::Result;
 use crate::random::Random;
 use crate::removal::verify::HasTime;
-use feeler_world::{Care, Seated, Surroundings};
+use feeler_world::{Seated, Surroundings, WalkOptions};
 
 /// How long the lives of a search are that may take long by bad luck, in the unit of the first: 1, 1, 2, 1, 1, 2, 4, and so on. No other
 /// sequence takes less but for a factor, whatever the luck is like (M. Luby, A. Sinclair and D. Zuckerman, 1993).
@@ -123,7 +123,7 @@ impl<'a> Tree<'a> {
         for _ in 0..=MOST_SLIDES {
             let from = self.nodes[at].pose;
             let seated = self.nodes[at].seated.clone();
-            let walk = self.around.walk(&seated, (&from, &target), Care::search(&normals, self.has_time))?;
+            let walk = self.around.walk(&seated, (&from, &target), WalkOptions::search(&normals, self.has_time))?;
             self.tally.walked(self.around, &walk);
             let moved = Motion::new(self.around.tool(), &from, &walk.pose).longest_way();
             if moved > SHORTEST_STEP * self.around.size() {
@@ -245,7 +245,7 @@ impl<'a> Tree<'a> {
                 continue;
             }
             let end = around.moved(&pose, &direction, way)?;
-            let walk = around.walk(&seated, (&pose, &end), Care::search(&[], self.has_time))?;
+            let walk = around.walk(&seated, (&pose, &end), WalkOptions::search(&[], self.has_time))?;
             self.tally.walked(around, &walk);
             if walk.stop.is_none() {
                 let mut way = self.way_to(at);

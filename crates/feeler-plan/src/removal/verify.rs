@@ -8,7 +8,7 @@ use feeler_core::{Leg, Motion, Pose};
 use crate::blocked::Tally;
 use crate::constants::{MOST_SAME_PIECES, PIECES, SAME_MOTION, SAME_PLACE_M};
 use crate::error::Result;
-use feeler_world::{Care, Span, Surroundings};
+use feeler_world::{Span, Surroundings, WalkOptions};
 
 /// Whether there is time to go on; asked every few milliseconds.
 pub type HasTime<'a> = &'a (dyn Fn() -> bool + Sync);
@@ -33,7 +33,7 @@ pub fn verified(
     let mut seated = around.seated_at_start();
     let mut spans = Vec::new();
     for motion in &motions {
-        let walk = around.walk_along(&seated, motion, Care::verify(has_time), &mut |span| spans.push(span))?;
+        let walk = around.walk_along(&seated, motion, WalkOptions::verify(has_time), &mut |span| spans.push(span))?;
         tally.walked(around, &walk);
         if walk.stop.is_some() {
             return Ok(None);
@@ -62,7 +62,7 @@ pub fn is_free(
     // Without seats nothing depends on what was before.
     let first = if around.has_seats() { 0 } else { from };
     for motion in &Motion::of_legs(around.tool(), around.start(), way)?[first..] {
-        let walk = around.walk_along(&seated, motion, Care::search(&[], has_time), &mut |_| ())?;
+        let walk = around.walk_along(&seated, motion, WalkOptions::search(&[], has_time), &mut |_| ())?;
         tally.walked(around, &walk);
         if walk.stop.is_some() {
             return Ok(false);

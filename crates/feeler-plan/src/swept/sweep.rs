@@ -30,18 +30,51 @@ pub struct Swept {
     pub faces: Vec<[u32; 3]>,
 }
 
+/// How [`swept`] works.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct SweptOptions<'a> {
+    /// Most bytes that it may take; by default there is no limit.
+    pub memory_limit: u64,
+    /// Reports the progress, and may stop it.
+    pub progress: Progress<'a>,
+}
+
+impl Default for SweptOptions<'_> {
+    fn default() -> Self {
+        SweptOptions { memory_limit: u64::MAX, progress: Progress::default() }
+    }
+}
+
+impl<'a> SweptOptions<'a> {
+    /// Sets the most bytes that it may take.
+    #[must_use]
+    pub fn with_memory_limit(mut self, bytes: u64) -> Self {
+        self.memory_limit = bytes;
+        self
+    }
+
+    /// Calls a function with the share done (0 to 1) and the stage. It stops with [`Error::Cancelled`] where that returns false.
+    #[must_use]
+    pub fn with_progress(mut self, progress: &'a (dyn Fn(f64, &str) -> bool + Sync)) -> Self {
+        self.progress = Progress::new(progress);
+        self
+    }
+}
+
 /// A closed mesh that contains everything a tool sweeps on its way from pose to pose, [`feeler_core::Motion`] between them, and of
 /// which nothing is farther than `error` (metres) from that.
 ///
 /// What a closed surface of the tool has inside is swept, too; a hollow that nothing sweeps stays. The same on any number of threads:
-/// of the current rayon pool. `memory`: most bytes that it may take.
+/// of the current rayon pool.
 ///
 /// # Errors
 ///
 /// [`Error::EmptyPath`] for no pose, [`Error::SweptError`] for an error that is no positive length, [`Error::SweptTooFine`] for one that
-/// is too small for the memory, the grid's numbers or float64, before the most of the work, and [`Error::Cancelled`] where `progress`
-/// said so.
-pub fn swept(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Progress<'_>) -> Result<Swept> {
+/// is too small for the memory, the grid's numbers or float64, before the most of the work, and [`Error::Cancelled`] where the progress
+/// function stopped it.
+pub fn swept(tool: &Tool, poses: &[Pose], error: f64, options: &SweptOptions<'_>) -> Result<Swept> {
+    let SweptOptions { memory_limit: memory, progress } = *options;
     if !(error > 0.0 && error.is_finite()) {
         return Err(Error::SweptError { value: error });
     }
@@ -74,7 +107,7 @@ struct Plan {
 
 impl Plan {
     fn new(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Progress<'_>) -> Result<Plan> {
-        if !progress(0.0, "cutting the way into steps") {
+        if !progress.tell(0.0, "cutting the way into steps") {
             return Err(Error::Cancelled);
         }
         let steps = checked_steps(tool, poses, error, memory, progress)?;
@@ -159,7 +192,7 @@ fn shared_out(steps: &Steps, grid: &Grid, cells: f64, progress: Progress<'_>) ->
     let side = (cells.ceil() as u32).max(BLOCK as u32).next_power_of_two();
     let mut cubes = vec![Cube { at: [0; 3], side, near: (0..steps.count()).collect() }];
     while cubes.len() < SHARES && cubes.iter().any(|cube| !cube.is_block()) {
-        if !progress(0.0, "looking where the tool comes") {
+        if !progress.tell(0.0, "looking where the tool comes") {
             return Err(Error::Cancelled);
         }
         cubes = cubes.into_par_iter().flat_map_iter(|cube| cube.halves(&field)).collect();
@@ -183,7 +216,7 @@ fn pieces(field: &Field<'_>, cubes: Vec<Cube>, progress: Progress<'_>) -> Result
             search(field, cube, scratch, &is_stopped, &mut found);
             let mut done = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             *done += share;
-            if !progress(f64::min(*done, 1.0), "finding the surface") {
+            if !progress.tell(f64::min(*done, 1.0), "finding the surface") {
                 is_stopped.store(true, Ordering::Relaxed);
             }
             found

@@ -22,6 +22,7 @@ use crate::surfaces::Surfaces;
 
 /// What may meet.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Allowed {
     /// Pairs that meet at the start may, until they part, no deeper than then.
     pub start: bool,
@@ -29,6 +30,14 @@ pub struct Allowed {
     pub overlap: f64,
     /// Parts of the mock-up that may be met all along.
     pub parts: Vec<u32>,
+}
+
+impl Allowed {
+    feeler_core::setters! {
+        with_start: start: bool,
+        with_overlap: overlap: f64,
+        with_parts: parts: Vec<u32>,
+    }
 }
 
 /// How a pair is at the start.
@@ -135,7 +144,7 @@ pub fn find_seats(
     own_parts: u32,
     start: &Pose,
     (allowed, clearance): (&Allowed, f64),
-    goes_on: &dyn Fn() -> bool,
+    goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Start> {
     let mut nearest: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     let mut met: Vec<[u32; 2]> = Vec::new();

@@ -13,7 +13,7 @@ use crate::index::limits::{check_entries, check_memory};
 use crate::mesh::median::{self, Cells};
 use crate::mesh::pieces::{cut_margin, cut_triangle, least_pieces};
 use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
-use crate::progress::{report, Progress};
+use crate::progress::Progress;
 use feeler_lanes::{greatest, least, prefetch_at, Box4, Kernel, Level, Simd, LANES};
 
 /// Triangles a build task handles at a time.
@@ -59,17 +59,17 @@ impl Blocks {
         if !(size.is_finite() && size > 0.0) {
             return Err(Error::VoxelSize { value: size });
         }
-        report(progress, 0.0, "cutting triangles")?;
+        progress.report(0.0, "cutting triangles")?;
         let ids: Vec<u32> = mesh.queried().collect();
         let counts = count_pieces(mesh, &ids, size, limit)?;
         let frame = Frame::new(&mesh.bounds());
         let (mut pieces, cuts) = cut_all(mesh, &ids, size, &counts, &frame);
         drop((ids, counts));
 
-        report(progress, 0.3, "sorting pieces")?;
+        progress.report(0.3, "sorting pieces")?;
         median::order(&mut pieces, FANOUT);
 
-        report(progress, 0.7, "building blocks")?;
+        progress.report(0.7, "building blocks")?;
         // Cutting rounds, and so does growing by what cutting rounds: coordinates are at most 1.
         let slack = (1.01 * cut_margin(mesh.bounds().largest_coordinate()) * frame.scale) as f32;
         let margin = slack + 2.0 * f32::EPSILON;
@@ -92,7 +92,7 @@ impl Blocks {
             levels.push(above);
         }
         levels.iter_mut().for_each(Vec::shrink_to_fit);
-        report(progress, 1.0, "done")?;
+        progress.report(1.0, "done")?;
         Ok(Blocks { frame, levels, pieces: packed, slack })
     }
 }
