@@ -410,7 +410,7 @@ mod tests {
         let surroundings = |post: f64| {
             let (vertices, faces) = box_mesh([post, 0.0145, 0.0], [thin, 0.008, 0.05], 1);
             let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-            let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+            let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
             let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
             let allowed = Allowed { overlap, ..Allowed::default() };
             Surroundings::new(Environment { bodies }, tool.clone(), 1, &start, (&allowed, 0.0), &|| true).unwrap()
@@ -421,8 +421,8 @@ mod tests {
             let around = surroundings(post * step);
             let to = start.translated(&[39.99 * step, 0.0, 0.0]).unwrap();
             let walk = |care| around.walk(&around.seated_at_start(), (&start, &to), care).unwrap();
-            assert_eq!(walk(Care::search(&[], &|| true)).stop.is_some(), is_seen, "{post}");
-            assert!(walk(Care::verify(&|| true)).stop.is_some(), "{post}");
+            assert_eq!(walk(WalkOptions::default()).stop.is_some(), is_seen, "{post}");
+            assert!(walk(WalkOptions::verify(&|| true)).stop.is_some(), "{post}");
         }
     }
 }
