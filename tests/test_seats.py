@@ -76,7 +76,7 @@ def dragged(scene: feeler.Scene, part: int, way: list[np.ndarray]) -> np.ndarray
     world = World(scene, meshes, {}, [part])
     hand, pose = GuardedMove(world, tool, way[0]), way[0]
     for wish in way[1:]:
-        pose, _ = hand.go(pose, wish, 2.5e-7, 5e-7)
+        pose = hand.go(pose, wish, 2.5e-7, 5e-7).pose
     return pose
 
 

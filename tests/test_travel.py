@@ -33,12 +33,27 @@ STAY = {
     "Impact",
     "Predictor",
     "PiecePredictor",
+    "MoveAnswer",
     "RemovalAnswer",
     "HapticsDevice",
     "HapticsRun",
     "Session",
 }
-"""What does not travel, and says so."""
+RUNNING: dict[str, Callable[[Any], Any]] = {
+    "TickAnswer": lambda run: run.view(),
+    "TraceAnswer": lambda run: run.trace(),
+    "GrantedAnswer": lambda run: run.granted(),
+    "StatisticsAnswer": lambda run: run.statistics(),
+    "DistributionAnswer": lambda run: run.statistics().age,
+    "RunEnd": lambda run: run.stop(),
+}
+STEPPED: dict[str, Callable[[haptics.Session], Any]] = {
+    "StartAnswer": lambda session: session._begin(pose(0.2)),
+    "SeatAnswer": lambda session: session._begin(pose(0.2)).seats[0],
+    "StepAnswer": lambda session: (session._begin(pose(5.0)), session._advance(pose(5.0), 0.001))[1],
+}
+STAY |= {*RUNNING, *STEPPED}
+"""What does not travel, and says so; answers of running sessions, and of stepped ones."""
 BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
 WAYS: dict[str, Callable[[Any], Any]] = {
@@ -251,20 +266,22 @@ def staying(name: str) -> Any:
             "seed": 0,
         }
         return _core.removal(feeler.Scene(mock), tool, pose(5.0), own_parts=1, directions=np.eye(3), **lift)
-    if name in ("World", "GuardedMove"):
+    if name in ("World", "GuardedMove", "MoveAnswer"):
         world = _core.World(feeler.Scene(mock), [])
-        return world if name == "World" else _core.GuardedMove(world, tool, pose(5.0))
+        guarded = _core.GuardedMove(world, tool, pose(5.0))
+        made = {"World": world, "GuardedMove": guarded, "MoveAnswer": guarded.go(pose(5.0), pose(4.0), 1e-6, 1e-6)}
+        return made[name]
     if name == "Impact":
         return _core.Impact(0.5, np.zeros(3), np.ones(3), 0)
     device = haptics.devices.Simulated()
     if name == "HapticsDevice":
         return device._device
     session = haptics.Session(feeler.Scene(mock), tool)
-    if name == "HapticsRun":
+    if name == "HapticsRun" or name in RUNNING:
         session.start(pose(5.0))
         session.run(device, realtime=False)
-        return session._run
-    return session
+        return session._run if name == "HapticsRun" else RUNNING[name](session._run)
+    return STEPPED[name](session) if name in STEPPED else session
 
 
 @pytest.mark.parametrize("name", sorted(public_classes()))

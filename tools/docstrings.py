@@ -22,7 +22,7 @@ STUBS = [ROOT / "python" / "feeler" / name for name in ("_core.pyi", "_core_resu
 RUST = ROOT / "crates" / "feeler-py" / "src"
 
 ITEM = re.compile(r"^(?:pub(?:\(crate\))? )?(fn|struct) (?:r#)?(\w+)")
-FIELD = re.compile(r"^(\w+): ")
+FIELD = re.compile(r"^(?:pub )?(\w+): ")
 NAMED = re.compile(r'name = "(\w+)"|#\[getter\((?:r#)?(\w+)\)\]')
 
 

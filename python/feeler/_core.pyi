@@ -16,12 +16,21 @@ from feeler._core_results import (
     Collision,
     Distance,
     DistanceBatch,
+    DistributionAnswer,
+    GrantedAnswer,
     Packed,
     PackedPiece,
     Rays,
     RemovalAnswer,
+    RunEnd,
     Screw,
+    SeatAnswer,
     SectionOutline,
+    StartAnswer,
+    StatisticsAnswer,
+    StepAnswer,
+    TickAnswer,
+    TraceAnswer,
 )
 from feeler.poses import PoseLike, PosesLike
 
@@ -42,6 +51,8 @@ __all__ = [
     "Containment",
     "Distance",
     "DistanceBatch",
+    "DistributionAnswer",
+    "GrantedAnswer",
     "GuardedMove",
     "HapticsDevice",
     "HapticsRun",
@@ -49,6 +60,7 @@ __all__ = [
     "IgnoredPairs",
     "Impact",
     "Mockup",
+    "MoveAnswer",
     "Packed",
     "PackedPiece",
     "PathCheck",
@@ -57,11 +69,18 @@ __all__ = [
     "Predictor",
     "Rays",
     "RemovalAnswer",
+    "RunEnd",
     "Scene",
     "Screw",
+    "SeatAnswer",
     "SectionOutline",
     "Selected",
+    "StartAnswer",
+    "StatisticsAnswer",
+    "StepAnswer",
+    "TickAnswer",
     "Tool",
+    "TraceAnswer",
     "World",
     "clash",
     "optimal_voxel_size",
@@ -657,17 +676,25 @@ class Impact:
     def part(self) -> int: ...
 
 @final
+class MoveAnswer:
+    """Where a guarded move ended."""
+
+    @property
+    def pose(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)` world_from_tool."""
+    @property
+    def impact(self) -> Impact | None:
+        """The impact that stopped the tool, if any."""
+
+@final
 class GuardedMove:
     """A tool that stops at contact. Parts in contact at the start are seats: it may slide along them and separate."""
 
     def __new__(cls, world: World, tool: Tool, world_from_tool: PoseLike) -> Self: ...
-    def seats(self) -> list[tuple[int, int, str, float]]:
-        """The remaining seats: part of the tool, part of the mock-up, kind, and depth at the start (metres)."""
-    def go(
-        self, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float, off: float
-    ) -> tuple[npt.NDArray[np.float64], Impact | None]:
-        """Moves from a pose towards another as far as possible: the pose `(4, 4)`, and the impact that stopped the
-        tool.
+    def seats(self) -> list[SeatAnswer]:
+        """The remaining seats, with their depths at the start."""
+    def go(self, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float, off: float) -> MoveAnswer:
+        """Moves from a pose towards another as far as possible.
 
         `tolerance`: of the casts. `off`: the distance before an impact at which it stops. Metres.
         """
@@ -688,18 +715,12 @@ class HapticsSession:
         put_down: Sequence[tuple[int, Scene]],
     ) -> Self:
         """`put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of that part alone."""
-    def _begin(self, pose: PoseLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
-        """Begins at a pose: its seats, as tool part, part, kind and depth (metres); and the way out if sunk."""
-    def _advance(
-        self, pose: PoseLike | None, dt: float
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str]:
-        """One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode."""
-    def _planes(
-        self,
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint64], npt.NDArray[np.bool_]]:
-        """The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each is active."""
-    def _swap(self, scene: Scene) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
-        """Changes the scene: the seats of the proxy there, as `_begin`."""
+    def _begin(self, pose: PoseLike) -> StartAnswer:
+        """Begins at a pose."""
+    def _advance(self, pose: PoseLike | None, dt: float) -> StepAnswer:
+        """One step of `dt` seconds; None for a pose that is in doubt."""
+    def _swap(self, scene: Scene) -> StartAnswer:
+        """Changes the scene: the seats of the proxy there."""
     def _grip(self, parts: Sequence[int]) -> None: ...
     def _release(self, put_back: bool) -> None: ...
     @property
@@ -769,24 +790,18 @@ class HapticsRun:
         clutch_button: int | None,
         is_realtime: bool,
     ) -> Self: ...
-    def stop(self) -> tuple[str | None, str | None, str | None]:
-        """Ends it. Returns the errors of the threads, and why device and contacts failed the last time."""
-    def statistics(self) -> dict[str, Any]: ...
-    def view(self) -> dict[str, Any]: ...
-    def trace(
-        self,
-    ) -> tuple[
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        list[str],
-        npt.NDArray[np.bool_],
-    ]: ...
-    def coupling(self) -> tuple[list[float], list[str]]: ...
-    def granted(self) -> list[tuple[bool, str] | None]: ...
-    def start(self, pose: PoseLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]: ...
-    def set_scene(self, scene: Scene) -> tuple[list[tuple[int, int, str, float]], list[float] | None]: ...
+    def stop(self) -> RunEnd:
+        """Ends it."""
+    def statistics(self) -> StatisticsAnswer:
+        """The run up to now; after its end, all of it."""
+    def view(self) -> TickAnswer:
+        """The newest tick."""
+    def trace(self) -> TraceAnswer:
+        """Every tick since the last call, the newest 4 s at most."""
+    def granted(self) -> GrantedAnswer:
+        """What was granted so far."""
+    def start(self, pose: PoseLike) -> StartAnswer: ...
+    def set_scene(self, scene: Scene) -> StartAnswer: ...
     def grip(self, parts: Sequence[int]) -> None: ...
     def release(self, put_back: bool) -> None: ...
     @property

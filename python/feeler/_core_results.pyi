@@ -438,3 +438,255 @@ class Screw:
         """`(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
+
+@final
+class SeatAnswer:
+    """A part of the tool and one of the mock-up in contact at the start."""
+
+    @property
+    def tool_part(self) -> int:
+        """Index into `tool.parts`."""
+    @property
+    def part(self) -> int:
+        """Index into `mockup.parts`."""
+    @property
+    def kind(self) -> str:
+        """`touching`, `fit` or `sunk`."""
+    @property
+    def depth(self) -> float:
+        """Metres."""
+
+@final
+class StartAnswer:
+    """The start of a session."""
+
+    @property
+    def seats(self) -> list[SeatAnswer]:
+        """The contacts at the start."""
+    @property
+    def way_out(self) -> npt.NDArray[np.float64] | None:
+        """`(3,)`: a translation that frees the tool, metres, world; None unless it is sunk."""
+
+@final
+class StepAnswer:
+    """One step of a session, with its contact planes, nearest first."""
+
+    @property
+    def world_from_proxy(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: the proxy."""
+    @property
+    def force(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: on the hand, newtons, world axes."""
+    @property
+    def torque(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame."""
+    @property
+    def age(self) -> float:
+        """Age of the contact planes, seconds."""
+    @property
+    def mode(self) -> str:
+        """`free`, `contact`, `bound` or `doubt`."""
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: on the mock-up, metres, world; nearest first."""
+    @property
+    def normals(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: unit, from the mock-up to the tool."""
+    @property
+    def gaps(self) -> npt.NDArray[np.float64]:
+        """`(k,)`: distances from the proxy, metres."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: indices into `mockup.parts`."""
+    @property
+    def ids(self) -> npt.NDArray[np.uint64]:
+        """`(k,)`: identify the pair of surfaces."""
+    @property
+    def is_holding(self) -> npt.NDArray[np.bool_]:
+        """`(k,)`: whether the plane holds the proxy."""
+
+@final
+class RunEnd:
+    """How a run ended: errors as texts."""
+
+    @property
+    def error(self) -> str | None:
+        """The error of a thread, if one failed."""
+    @property
+    def device_error(self) -> str | None:
+        """The last failure of the device."""
+    @property
+    def collision_error(self) -> str | None:
+        """The last failure of the search for contacts."""
+
+@final
+class TickAnswer:
+    """The newest tick of a run."""
+
+    @property
+    def number(self) -> int:
+        """Number of the servo tick; 0: none yet."""
+    @property
+    def time(self) -> float:
+        """Seconds on the machine's clock."""
+    @property
+    def world_from_proxy(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: the proxy."""
+    @property
+    def world_from_device(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: the pose of the device."""
+    @property
+    def force(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: on the hand, newtons, world axes."""
+    @property
+    def torque(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame."""
+    @property
+    def age(self) -> float:
+        """Age of the contact planes, seconds."""
+    @property
+    def mode(self) -> str:
+        """`free`, `contact`, `bound` or `doubt`."""
+    @property
+    def buttons(self) -> int:
+        """Pressed buttons, a bit each."""
+    @property
+    def is_clutched(self) -> bool:
+        """Whether the clutch is pressed."""
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: on the mock-up, metres, world; nearest first."""
+    @property
+    def normals(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: unit, from the mock-up to the tool."""
+    @property
+    def gaps(self) -> npt.NDArray[np.float64]:
+        """`(k,)`: distances from the proxy, metres."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: indices into `mockup.parts`."""
+
+@final
+class TraceAnswer:
+    """All ticks of a period."""
+
+    @property
+    def times(self) -> npt.NDArray[np.float64]:
+        """`(n,)`: seconds on the machine's clock."""
+    @property
+    def world_from_device(self) -> npt.NDArray[np.float64]:
+        """`(n, 4, 4)`."""
+    @property
+    def world_from_proxy(self) -> npt.NDArray[np.float64]:
+        """`(n, 4, 4)`."""
+    @property
+    def wrenches(self) -> npt.NDArray[np.float64]:
+        """`(n, 6)`: force and torque on the hand."""
+    @property
+    def modes(self) -> list[str]:
+        """As in `TickAnswer`, for each tick."""
+    @property
+    def has_device(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether the device reported a valid pose."""
+
+@final
+class DistributionAnswer:
+    """The distribution of durations, seconds."""
+
+    @property
+    def count(self) -> int:
+        """Number of durations."""
+    @property
+    def mean(self) -> float:
+        """Mean."""
+    @property
+    def median(self) -> float:
+        """Median."""
+    @property
+    def p90(self) -> float:
+        """90th percentile."""
+    @property
+    def p99(self) -> float:
+        """99th percentile."""
+    @property
+    def p999(self) -> float:
+        """99.9th percentile."""
+    @property
+    def max(self) -> float:
+        """Longest."""
+
+@final
+class StatisticsAnswer:
+    """Timings and counts of a run; `feeler.haptics.Statistics` explains them."""
+
+    @property
+    def servo_lateness(self) -> DistributionAnswer:
+        """Delay of servo ticks."""
+    @property
+    def servo_tick(self) -> DistributionAnswer:
+        """CPU time of a servo tick."""
+    @property
+    def age(self) -> DistributionAnswer:
+        """Age of the contact planes at the servo's ticks."""
+    @property
+    def collision_tick(self) -> DistributionAnswer:
+        """CPU time of a search for contacts."""
+    @property
+    def ticks(self) -> int:
+        """Servo ticks."""
+    @property
+    def misses(self) -> int:
+        """Skipped servo ticks."""
+    @property
+    def doubts(self) -> int:
+        """Servo ticks in doubt."""
+    @property
+    def device_errors(self) -> int:
+        """Failed reads and writes of the device."""
+    @property
+    def sets(self) -> int:
+        """Sets of contact planes."""
+    @property
+    def rounds(self) -> int:
+        """Motions of the proxy that were tried."""
+    @property
+    def stopped(self) -> int:
+        """Those stopped by the cast."""
+    @property
+    def collision_errors(self) -> int:
+        """Failed searches for contacts."""
+    @property
+    def servo_hz(self) -> float:
+        """Ticks per second."""
+    @property
+    def collision_hz(self) -> float:
+        """Searches per second."""
+
+@final
+class GrantedAnswer:
+    """What the system and the device granted to a run; `feeler.haptics.Granted` explains it."""
+
+    @property
+    def priority(self) -> str:
+        """Priority of the servo thread, or why it has none."""
+    @property
+    def has_priority(self) -> bool:
+        """Whether it has one."""
+    @property
+    def collision_priority(self) -> str:
+        """Priority of the collision thread, or why it has none."""
+    @property
+    def has_collision_priority(self) -> bool:
+        """Whether it has one."""
+    @property
+    def memory(self) -> str:
+        """The locked memory, or why none is locked."""
+    @property
+    def is_locked(self) -> bool:
+        """Whether memory is locked."""
+    @property
+    def coupling(self) -> list[float]:
+        """The eight numbers of the coupling in use."""
+    @property
+    def limitations(self) -> list[str]:
+        """Reductions of the session's coupling, a sentence each."""

@@ -3,17 +3,16 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_core as core;
-use feeler_haptics::{Coupling, Error, Mode, PutDown, Release, Session, SessionOptions, Start, Step};
-use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use feeler_haptics::{Coupling, Error, PutDown, Release, Session, SessionOptions};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arguments::{PoseArgument, ToolArgument};
 use crate::errors::{raise, to_py};
+use crate::haptics_answers::{StartAnswer, StepAnswer};
 use crate::pools::{find_topology, on_pool};
 use crate::scene::Scene;
 use crate::travel::stays;
-use crate::world::kind_name;
 
 /// One session; `feeler.haptics.Session` adds names and records.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -60,47 +59,6 @@ pub fn numbers_of(coupling: &Coupling) -> [f64; 8] {
     ]
 }
 
-pub fn name_of(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Free => "free",
-        Mode::Contact => "contact",
-        Mode::Bound => "bound",
-        Mode::Doubt => "doubt",
-    }
-}
-
-/// Pose, force, torque, age and mode.
-type StepParts<'py> =
-    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, f64, &'static str);
-
-/// Numbers (point, normal, gap), parts, ids and whether each holds.
-type PlaneParts<'py> =
-    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<bool>>);
-
-fn parts_of<'py>(py: Python<'py>, step: &Step) -> StepParts<'py> {
-    let matrix = step.proxy.matrix();
-    let pose = Array2::from_shape_fn((4, 4), |(i, j)| matrix[i][j]).into_pyarray(py);
-    let [force, torque] = [step.wrench.force, step.wrench.torque].map(|v| PyArray1::from_slice(py, &v));
-    (pose, force, torque, step.age, name_of(step.mode))
-}
-
-/// The newest planes, nearest first.
-fn planes_of<'py>(py: Python<'py>, session: &Session) -> PlaneParts<'py> {
-    let planes = session.constraints().map_or(&[][..], |set| set.planes());
-    let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
-    let number = |i: usize, j: usize| match j {
-        0..3 => planes[i].point[j],
-        3..6 => planes[i].normal[j - 3],
-        _ => planes[i].gap,
-    };
-    (
-        Array2::from_shape_fn((planes.len(), 7), |(i, j)| number(i, j)).into_pyarray(py),
-        PyArray1::from_iter(py, planes.iter().map(|plane| plane.part)),
-        PyArray1::from_iter(py, planes.iter().map(|plane| plane.id)),
-        PyArray1::from_iter(py, planes.iter().map(|plane| held.contains(&plane.id))),
-    )
-}
-
 impl HapticsSession {
     fn locked(&self) -> MutexGuard<'_, Option<Session>> {
         self.session.lock().unwrap_or_else(PoisonError::into_inner)
@@ -135,10 +93,6 @@ impl HapticsSession {
     }
 }
 
-/// What a start met: for each pair of parts that of the tool, that of the mock-up, how they meet and how deep (metres); and the
-/// translation out, where the tool is sunk.
-pub type Started = (Vec<(u32, u32, &'static str, f64)>, Option<core::Point>);
-
 /// Where `release(put_back)` has the parts go.
 pub fn release_of(put_back: bool) -> Release {
     if put_back {
@@ -146,13 +100,6 @@ pub fn release_of(put_back: bool) -> Release {
     } else {
         Release::Here
     }
-}
-
-/// What a start met.
-pub fn started(start: Start) -> Started {
-    let Start::Seated(seating) = start else { return (Vec::new(), None) };
-    let seats = seating.seats.iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth));
-    (seats.collect(), seating.way_out.map(|out| out.translation))
 }
 
 fn is_away() -> PyErr {
@@ -190,34 +137,29 @@ impl HapticsSession {
         Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
     }
 
-    /// Begins at a pose: its seats, as tool part, part, kind and depth (metres); and the way out if sunk.
+    /// Begins at a pose.
     #[pyo3(name = "_begin")]
-    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
-        self.change(py, |session| session.start(&pose.0)).map(started)
+    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<StartAnswer> {
+        let start = self.change(py, |session| session.start(&pose.0))?;
+        StartAnswer::new(py, start)
     }
 
-    /// One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode.
+    /// One step of `dt` seconds; None for a pose that is in doubt.
     #[pyo3(signature = (pose, dt))]
     #[pyo3(name = "_advance")]
-    fn advance<'py>(&self, py: Python<'py>, pose: Option<PoseArgument>, dt: f64) -> PyResult<StepParts<'py>> {
+    fn advance(&self, py: Python<'_>, pose: Option<PoseArgument>, dt: f64) -> PyResult<StepAnswer> {
         let step = py.detach(|| self.locked().as_mut().map(|session| session.step(pose.as_ref().map(|p| &p.0), dt)));
         let step = step.ok_or_else(is_away)?.map_err(haptics_to_py)?;
-        Ok(parts_of(py, &step))
+        self.with(|session| StepAnswer::new(py, &step, session))
     }
 
-    /// The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each is active.
-    #[pyo3(name = "_planes")]
-    fn planes<'py>(&self, py: Python<'py>) -> PyResult<PlaneParts<'py>> {
-        self.with(|session| planes_of(py, session))
-    }
-
-    /// Changes the scene: the seats of the proxy there, as `_begin`.
+    /// Changes the scene: the seats of the proxy there.
     #[pyo3(name = "_swap")]
-    fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Started> {
+    fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<StartAnswer> {
         let scene = scene.core();
         py.detach(|| find_topology(scene.mockup(), &self.tool, true))?;
         let start = self.change(py, |session| session.set_scene(scene))?;
-        Ok(started(start))
+        StartAnswer::new(py, start)
     }
 
     #[pyo3(name = "_grip")]

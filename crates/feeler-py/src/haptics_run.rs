@@ -4,18 +4,14 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_devices::machine::{lock_memory, raise_priority, raise_priority_below_servo};
-use feeler_haptics::Distribution;
-use feeler_haptics::{Error, Runner, Statistics};
-use feeler_haptics::{MappingOptions, RunnerOptions, Stopped, ThreadKind, TraceTick, View};
-use numpy::ndarray::{Array1, Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use feeler_haptics::{Error, MappingOptions, Runner, RunnerOptions, Statistics, Stopped, ThreadKind};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::arguments::PoseArgument;
 use crate::errors::raise;
-use crate::haptics::{haptics_to_py, name_of, numbers_of, release_of, started, HapticsSession, Started};
-use crate::haptics_device::{matrix_of, HapticsDevice};
+use crate::haptics::{haptics_to_py, numbers_of, release_of, HapticsSession};
+use crate::haptics_answers::{GrantedAnswer, RunEnd, StartAnswer, StatisticsAnswer, TickAnswer, TraceAnswer};
+use crate::haptics_device::HapticsDevice;
 use crate::pools::{find_topology, generation, machine_clock, threads_of};
 use crate::scene::Scene;
 use crate::travel::stays;
@@ -39,75 +35,6 @@ pub struct HapticsRun {
 
 fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn distribution<'py>(py: Python<'py>, of: &Distribution) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    dict.set_item("count", of.count)?;
-    let seconds = [("mean", of.mean), ("median", of.median), ("p90", of.p90), ("p99", of.p99), ("p999", of.p999)];
-    for (name, value) in seconds.into_iter().chain([("max", of.max)]) {
-        dict.set_item(name, value)?;
-    }
-    Ok(dict)
-}
-
-fn statistics<'py>(py: Python<'py>, of: &Statistics) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    for (name, value) in [
-        ("servo_lateness", &of.servo_lateness),
-        ("servo_tick", &of.servo_tick),
-        ("age", &of.age),
-        ("collision_tick", &of.collision_tick),
-    ] {
-        dict.set_item(name, distribution(py, value)?)?;
-    }
-    for (name, value) in [
-        ("ticks", of.ticks),
-        ("misses", of.misses),
-        ("doubts", of.doubts),
-        ("device_errors", of.device_errors),
-        ("sets", of.sets),
-        ("rounds", of.rounds),
-        ("stopped", of.stopped),
-        ("collision_errors", of.collision_errors),
-    ] {
-        dict.set_item(name, value)?;
-    }
-    dict.set_item("servo_hz", of.servo_hz)?;
-    dict.set_item("collision_hz", of.collision_hz)?;
-    Ok(dict)
-}
-
-/// Numbers (point, normal, gap), parts and ids of the planes that hold.
-type Held<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u64>>);
-
-fn held<'py>(py: Python<'py>, view: &View) -> Held<'py> {
-    let planes = view.held();
-    let number = |i: usize, j: usize| match j {
-        0..3 => planes[i].point[j],
-        3..6 => planes[i].normal[j - 3],
-        _ => planes[i].gap,
-    };
-    (
-        Array2::from_shape_fn((planes.len(), 7), |(i, j)| number(i, j)).into_pyarray(py),
-        PyArray1::from_iter(py, planes.iter().map(|plane| plane.part)),
-        PyArray1::from_iter(py, planes.iter().map(|plane| plane.id)),
-    )
-}
-
-/// Times, devices' poses, proxies, wrenches, modes, and whether the device told something.
-type Trace<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray3<f64>>,
-    Bound<'py, PyArray3<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Vec<&'static str>,
-    Bound<'py, PyArray1<bool>>,
-);
-
-fn poses(ticks: &[TraceTick], of: impl Fn(&TraceTick) -> [[f64; 4]; 4]) -> Array3<f64> {
-    let all: Vec<_> = ticks.iter().map(of).collect();
-    Array3::from_shape_fn((all.len(), 4, 4), |(n, i, j)| all[n][i][j])
 }
 
 impl HapticsRun {
@@ -199,18 +126,19 @@ impl HapticsRun {
         }
     }
 
-    /// Ends it. Returns the errors of the threads, and why device and contacts failed the last time.
-    fn stop(&self, py: Python<'_>) -> PyResult<(Option<String>, Option<String>, Option<String>)> {
+    /// Ends it.
+    fn stop(&self, py: Python<'_>) -> PyResult<RunEnd> {
         self.check_process()?;
         let stopped = py.detach(|| locked(&self.runner).take().map(Runner::stop));
         let Some(Stopped { session, device, statistics, error, device_error, collision_error }) = stopped else {
-            return Ok((None, None, None));
+            return Ok(RunEnd::default());
         };
         self.session.get().put_back(session);
         self.device.get().put_back(device, true);
         *locked(&self.last) = Some(statistics);
         let said = |error: Option<Error>| error.map(|error| error.to_string());
-        Ok((said(error), device_error.map(|error| error.to_string()), said(collision_error)))
+        let device_error = device_error.map(|error| error.to_string());
+        Ok(RunEnd { error: said(error), device_error, collision_error: said(collision_error) })
     }
 
     #[getter]
@@ -218,79 +146,67 @@ impl HapticsRun {
         self.born == generation() && locked(&self.runner).as_ref().is_some_and(Runner::is_running)
     }
 
-    /// What the run took up to now, by name; after its end, all of it.
-    fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// The run up to now; after its end, all of it.
+    fn statistics(&self, py: Python<'_>) -> PyResult<StatisticsAnswer> {
         self.check_process()?;
         let last = *locked(&self.last);
         match last {
-            Some(last) => statistics(py, &last),
-            None => statistics(py, &self.with(py, |runner| runner.watch().statistics())?),
+            Some(last) => StatisticsAnswer::new(py, &last),
+            None => StatisticsAnswer::new(py, &self.with(py, |runner| runner.watch().statistics())?),
         }
     }
 
-    /// The newest tick, by name.
-    fn view<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// The newest tick.
+    fn view(&self, py: Python<'_>) -> PyResult<TickAnswer> {
         let view = self.with(py, |runner| *runner.watch().view())?;
-        let dict = PyDict::new(py);
-        dict.set_item("number", view.number)?;
-        dict.set_item("time", view.time)?;
-        dict.set_item("world_from_proxy", matrix_of(py, &view.proxy))?;
-        dict.set_item("world_from_device", matrix_of(py, &view.device))?;
-        dict.set_item("force", PyArray1::from_slice(py, &view.wrench.force))?;
-        dict.set_item("torque", PyArray1::from_slice(py, &view.wrench.torque))?;
-        dict.set_item("age", view.age)?;
-        dict.set_item("mode", name_of(view.mode))?;
-        dict.set_item("buttons", view.buttons)?;
-        dict.set_item("is_clutched", view.is_clutched)?;
-        dict.set_item("held", held(py, &view))?;
-        Ok(dict)
+        Ok(TickAnswer::new(py, &view))
     }
 
     /// Every tick since the last call, the newest 4 s at most.
-    fn trace<'py>(&self, py: Python<'py>) -> PyResult<Trace<'py>> {
+    fn trace(&self, py: Python<'_>) -> PyResult<TraceAnswer> {
         let ticks = self.with(py, |runner| runner.watch().trace())?;
-        let wrench = |n: usize, j: usize| match j {
-            0..3 => ticks[n].wrench.force[j],
-            _ => ticks[n].wrench.torque[j - 3],
-        };
-        Ok((
-            Array1::from_iter(ticks.iter().map(|tick| tick.time)).into_pyarray(py),
-            poses(&ticks, |tick| tick.device.matrix()).into_pyarray(py),
-            poses(&ticks, |tick| tick.proxy.matrix()).into_pyarray(py),
-            Array2::from_shape_fn((ticks.len(), 6), |(n, j)| wrench(n, j)).into_pyarray(py),
-            ticks.iter().map(|tick| name_of(tick.mode)).collect(),
-            PyArray1::from_iter(py, ticks.iter().map(|tick| tick.has_device)),
-        ))
+        Ok(TraceAnswer::new(py, &ticks))
     }
 
-    /// The numbers of the coupling in use, and what the device took away of the session's, a sentence each.
-    fn coupling(&self, py: Python<'_>) -> PyResult<([f64; 8], Vec<String>)> {
-        self.with(py, |runner| (numbers_of(runner.coupling()), runner.limitations_in_words()))
-    }
-
-    /// What priorities (of the servo and the collision thread) and memory were granted: whether, and in words; None where it was not
-    /// asked for, or is not known yet.
-    fn granted(&self) -> [Option<(bool, String)>; 3] {
-        let said = |granted: Result<String, String>| match granted {
-            Ok(what) => (true, what),
-            Err(why) => (false, why),
+    /// What was granted so far.
+    fn granted(&self, py: Python<'_>) -> PyResult<GrantedAnswer> {
+        let (coupling, limitations) =
+            self.with(py, |runner| (numbers_of(runner.coupling()), runner.limitations_in_words()))?;
+        let said = |granted: Option<Result<String, String>>| match granted {
+            Some(Ok(what)) => (what, true),
+            Some(Err(why)) => (why, false),
+            None => (String::new(), false),
         };
         let [servo, collision] = &self.priorities;
-        [locked(servo).clone(), locked(collision).clone(), self.memory.clone()].map(|granted| granted.map(said))
+        let (priority, has_priority) = said(locked(servo).clone());
+        let (collision_priority, has_collision_priority) = said(locked(collision).clone());
+        let (memory, is_locked) = said(self.memory.clone());
+        Ok(GrantedAnswer {
+            priority,
+            has_priority,
+            collision_priority,
+            has_collision_priority,
+            memory,
+            is_locked,
+            coupling,
+            limitations,
+        })
     }
 
     /// Begins anew at a pose: what it meets there.
-    fn start(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
-        self.ask(py, |runner| runner.start(&pose.0)).map(started)
+    fn start(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<StartAnswer> {
+        let start = self.ask(py, |runner| runner.start(&pose.0))?;
+        StartAnswer::new(py, start)
     }
 
     /// Puts another scene in the place of the present one: what the proxy meets there.
-    fn set_scene(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Started> {
+    fn set_scene(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<StartAnswer> {
         self.check_process()?;
         let scene = scene.core();
         let tool = self.session.get().tool().clone();
         py.detach(|| find_topology(scene.mockup(), &tool, true))?;
-        self.ask(py, |runner| runner.set_scene(scene)).map(started)
+        let start = self.ask(py, |runner| runner.set_scene(scene))?;
+        StartAnswer::new(py, start)
     }
 
     fn grip(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {

@@ -9,6 +9,7 @@ mod contacts;
 mod containment;
 mod errors;
 mod haptics;
+mod haptics_answers;
 mod haptics_device;
 mod haptics_own;
 mod haptics_run;
@@ -71,6 +72,11 @@ mod _core {
     #[pymodule_export]
     use super::haptics::HapticsSession;
     #[pymodule_export]
+    use super::haptics_answers::{
+        DistributionAnswer, GrantedAnswer, RunEnd, SeatAnswer, StartAnswer, StatisticsAnswer, StepAnswer, TickAnswer,
+        TraceAnswer,
+    };
+    #[pymodule_export]
     use super::haptics_device::HapticsDevice;
     #[pymodule_export]
     use super::haptics_run::HapticsRun;
@@ -101,7 +107,7 @@ mod _core {
     #[pymodule_export]
     use super::weld_vertices;
     #[pymodule_export]
-    use super::world::{GuardedMove, Impact, World};
+    use super::world::{GuardedMove, Impact, MoveAnswer, World};
 
     use pyo3::prelude::*;
 

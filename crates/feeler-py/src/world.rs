@@ -12,6 +12,7 @@ use crate::arrays::pose_array;
 use crate::collision::Collision;
 use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
+use crate::haptics_answers::SeatAnswer;
 use crate::mockup::Mockup;
 use crate::pools::{find_topology, on_pool};
 use crate::proximity::{Clearance, Distance};
@@ -263,6 +264,22 @@ impl Impact {
     }
 }
 
+/// Where a guarded move ended.
+#[pyclass(frozen, get_all, module = "feeler._core")]
+pub struct MoveAnswer {
+    /// `(4, 4)` world_from_tool.
+    pose: Py<PyArray2<f64>>,
+    /// The impact that stopped the tool, if any.
+    impact: Option<Py<Impact>>,
+}
+
+#[pymethods]
+impl MoveAnswer {
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("MoveAnswer", "send its pose"))
+    }
+}
+
 /// A tool that stops at contact. Parts in contact at the start are seats: it may slide along them and separate.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct GuardedMove {
@@ -292,26 +309,25 @@ impl GuardedMove {
         Ok(GuardedMove { core: Mutex::new(begun?.map_err(world_to_py)?) })
     }
 
-    /// The remaining seats: part of the tool, part of the mock-up, kind, and depth at the start (metres).
-    fn seats(&self) -> Vec<(u32, u32, &'static str, f64)> {
-        self.lock().seats().iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth)).collect()
+    /// The remaining seats, with their depths at the start.
+    fn seats(&self) -> Vec<SeatAnswer> {
+        self.lock().seats().iter().map(SeatAnswer::new).collect()
     }
 
-    /// Moves from a pose towards another as far as possible: the pose `(4, 4)`, and the impact that stopped the
-    /// tool.
+    /// Moves from a pose towards another as far as possible.
     ///
     /// `tolerance`: of the casts. `off`: the distance before an impact at which it stops. Metres.
-    #[allow(clippy::type_complexity, reason = "a tuple of two")]
-    fn go<'py>(
+    fn go(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         start: PoseArgument,
         end: PoseArgument,
         tolerance: f64,
         off: f64,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Impact>)> {
+    ) -> PyResult<MoveAnswer> {
         let moved = py.detach(|| self.lock().go(&start.0, &end.0, tolerance, off)).map_err(world_to_py)?;
-        Ok((pose_array(py, &moved.pose), moved.impact.map(|core| Impact { core })))
+        let impact = moved.impact.map(|core| Py::new(py, Impact { core })).transpose()?;
+        Ok(MoveAnswer { pose: pose_array(py, &moved.pose).unbind(), impact })
     }
 
     fn __reduce__(&self) -> PyResult<()> {

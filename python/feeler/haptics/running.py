@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -203,12 +203,12 @@ class Runs(_core.HapticsSession):
         run = self._run
         if run is None:
             return self._ended
-        error, device_error, collision_error = run.stop()
+        end = run.stop()
         self._run = None
         self._ended = _statistics(run.statistics())
-        self._why = tuple(why for why in (device_error, collision_error) if why)
-        if error:
-            raise SessionError(error)
+        self._why = tuple(why for why in (end.device_error, end.collision_error) if why)
+        if end.error:
+            raise SessionError(end.error)
         return self._ended
 
     @property
@@ -229,21 +229,19 @@ class Runs(_core.HapticsSession):
 
     def view(self) -> View:
         """The newest tick, without waiting. Raises `SessionError` if the session does not run."""
-        facts = self._running().view()
-        planes, parts, _ids = facts.pop("held")
-        return View(**facts, points=planes[:, :3], normals=planes[:, 3:6], gaps=planes[:, 6], parts=parts)
+        return View(**_facts(View, self._running().view()))
 
     def trace(self) -> Trace:
         """All ticks since the last call. The buffer holds four seconds at 1 kHz; later ticks are dropped."""
-        times, devices, proxies, wrenches, modes, has_device = self._running().trace()
-        return Trace(times, devices, proxies, wrenches, tuple(modes), has_device)
+        facts = _facts(Trace, self._running().trace())
+        return Trace(**{**facts, "modes": tuple(facts["modes"])})
 
     def granted(self) -> Granted:
         """What the system and the device granted."""
-        run = self._running()
-        numbers, limitations = run.coupling()
-        servo, collision, memory = (said or (False, "") for said in run.granted())
-        return Granted(*servo[::-1], *collision[::-1], *memory[::-1], Coupling(*numbers), tuple(limitations))
+        facts = _facts(Granted, self._running().granted())
+        return Granted(
+            **{**facts, "coupling": Coupling(*facts["coupling"]), "limitations": tuple(facts["limitations"])}
+        )
 
     def _running(self) -> _core.HapticsRun:
         if self._run is None:
@@ -251,6 +249,12 @@ class Runs(_core.HapticsSession):
         return self._run
 
 
-def _statistics(facts: dict[str, Any]) -> Statistics:
-    names = ("servo_lateness", "servo_tick", "age", "collision_tick")
-    return Statistics(**{**facts, **{name: Distribution(**facts[name]) for name in names}})
+def _statistics(answer: _core.StatisticsAnswer) -> Statistics:
+    facts = _facts(Statistics, answer)
+    durations = ("servo_lateness", "servo_tick", "age", "collision_tick")
+    return Statistics(**{**facts, **{name: Distribution(**_facts(Distribution, facts[name])) for name in durations}})
+
+
+def _facts(kind: type, answer: object) -> dict[str, Any]:
+    """The fields of a dataclass, from an answer of the core that has them by the same names."""
+    return {each.name: getattr(answer, each.name) for each in fields(kind)}

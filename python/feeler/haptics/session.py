@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler import _core
 from feeler.errors import OptionError, PoseError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import MODES, Recorder
@@ -180,12 +181,11 @@ class Session(Runs):
         if pose.shape != (4, 4):
             raise PoseError(f"a pose has shape {pose.shape}: (4, 4) is needed")
         dt = float(dt)
-        proxy, force, torque, age, mode = super()._advance(pose if _is_rigid(pose) else None, dt)
-        numbers, parts, ids, is_holding = super()._planes()
-        planes = Planes(numbers[:, :3], numbers[:, 3:6], numbers[:, 6], parts, ids, is_holding)
-        step = Step(proxy, force, torque, planes, age, mode)
+        made = super()._advance(pose if _is_rigid(pose) else None, dt)
+        planes = Planes(made.points, made.normals, made.gaps, made.parts, made.ids, made.is_holding)
+        step = Step(made.world_from_proxy, made.force, made.torque, planes, made.age, made.mode)
         if self._recorder:
-            self._recorder.step(pose, dt, step.world_from_proxy, step.force, step.torque, MODES.index(mode))
+            self._recorder.step(pose, dt, step.world_from_proxy, step.force, step.torque, MODES.index(step.mode))
         return step
 
     def grip(self, parts: int | str | Sequence[int | str]) -> None:
@@ -253,10 +253,9 @@ class Session(Runs):
         self._recorder = None
 
 
-def _start_of(started: tuple[list[tuple[int, int, str, float]], list[float] | None]) -> Start:
-    seats, way_out = started
-    told = tuple(Seat(part, ours, kind, depth) for ours, part, kind, depth in seats)
-    return Start(told, None if way_out is None else np.array(way_out))
+def _start_of(started: _core.StartAnswer) -> Start:
+    seats = tuple(Seat(each.part, each.tool_part, each.kind, each.depth) for each in started.seats)
+    return Start(seats, started.way_out)
 
 
 def _one_part(scene: Scene, part: int | str, where: str) -> int:

@@ -362,7 +362,8 @@ class Engine:
             if not np.array_equal(self._pose, self._wish):
                 if self._guarded is None:
                     self._guarded = GuardedMove(world, tool, self._pose)
-                self._pose, impact = self._guarded.go(self._pose, self._wish, _TOLERANCE_M, OFF_M)
+                moved = self._guarded.go(self._pose, self._wish, _TOLERANCE_M, OFF_M)
+                self._pose, impact = moved.pose, moved.impact
         elif steps:
             impact = self._glide_on(world, tool, steps)
         else:
