@@ -18,6 +18,8 @@ from feeler._core_results import (
     DistanceBatch,
     DistributionAnswer,
     GrantedAnswer,
+    Impact,
+    MoveAnswer,
     Packed,
     PackedPiece,
     Rays,
@@ -660,31 +662,6 @@ class World:
         """The smallest distance along poses `(n, 4, 4)`, at most `within`; ignores the given pairs of parts."""
     def part_of(self, triangles: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
         """The parts of some triangles of the mock-up."""
-
-@final
-class Impact:
-    """An impact: the free fraction of the motion, point and unit normal `(3,)` (mock-up to tool), world; the part."""
-
-    def __new__(cls, fraction: float, point: npt.ArrayLike, normal: npt.ArrayLike, part: int) -> Self: ...
-    @property
-    def fraction(self) -> float: ...
-    @property
-    def point(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def normal(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def part(self) -> int: ...
-
-@final
-class MoveAnswer:
-    """Where a guarded move ended."""
-
-    @property
-    def pose(self) -> npt.NDArray[np.float64]:
-        """`(4, 4)` world_from_tool."""
-    @property
-    def impact(self) -> Impact | None:
-        """The impact that stopped the tool, if any."""
 
 @final
 class GuardedMove:

@@ -4,6 +4,7 @@ from typing import final
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import Self
 
 @final
 class Collision:
@@ -690,3 +691,28 @@ class GrantedAnswer:
     @property
     def limitations(self) -> list[str]:
         """Reductions of the session's coupling, a sentence each."""
+
+@final
+class Impact:
+    """An impact: the free fraction of the motion, point and unit normal `(3,)` (mock-up to tool), world; the part."""
+
+    def __new__(cls, fraction: float, point: npt.ArrayLike, normal: npt.ArrayLike, part: int) -> Self: ...
+    @property
+    def fraction(self) -> float: ...
+    @property
+    def point(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def normal(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def part(self) -> int: ...
+
+@final
+class MoveAnswer:
+    """Where a guarded move ended."""
+
+    @property
+    def pose(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)` world_from_tool."""
+    @property
+    def impact(self) -> Impact | None:
+        """The impact that stopped the tool, if any."""

@@ -6,28 +6,9 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
-use crate::haptics_device::matrix_of;
+use crate::arrays::pose_array;
 use crate::travel::stays;
-use crate::world::kind_name;
-
-/// A part of the tool and one of the mock-up in contact at the start.
-#[pyclass(frozen, get_all, module = "feeler._core")]
-pub struct SeatAnswer {
-    /// Index into `tool.parts`.
-    tool_part: u32,
-    /// Index into `mockup.parts`.
-    part: u32,
-    /// `touching`, `fit` or `sunk`.
-    kind: &'static str,
-    /// Metres.
-    depth: f64,
-}
-
-impl SeatAnswer {
-    pub fn new(seat: &feeler_world::Seat) -> SeatAnswer {
-        SeatAnswer { tool_part: seat.tool_part, part: seat.part, kind: kind_name(seat.kind), depth: seat.depth }
-    }
-}
+use crate::world::SeatAnswer;
 
 /// The start of a session.
 #[pyclass(frozen, get_all, module = "feeler._core")]
@@ -79,7 +60,7 @@ impl StepAnswer {
         let planes = session.constraints().map_or(&[][..], |set| set.planes());
         let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
         StepAnswer {
-            world_from_proxy: matrix_of(py, &step.proxy).unbind(),
+            world_from_proxy: pose_array(py, &step.proxy).unbind(),
             force: vector(py, &step.wrench.force),
             torque: vector(py, &step.wrench.torque),
             age: step.age,
@@ -145,8 +126,8 @@ impl TickAnswer {
         TickAnswer {
             number: view.number,
             time: view.time,
-            world_from_proxy: matrix_of(py, &view.proxy).unbind(),
-            world_from_device: matrix_of(py, &view.device).unbind(),
+            world_from_proxy: pose_array(py, &view.proxy).unbind(),
+            world_from_device: pose_array(py, &view.device).unbind(),
             force: vector(py, &view.wrench.force),
             torque: vector(py, &view.wrench.torque),
             age: view.age,
@@ -307,7 +288,7 @@ macro_rules! stay {
     )*};
 }
 
-stay!(SeatAnswer StartAnswer StepAnswer RunEnd TickAnswer TraceAnswer DistributionAnswer StatisticsAnswer GrantedAnswer);
+stay!(StartAnswer StepAnswer RunEnd TickAnswer TraceAnswer DistributionAnswer StatisticsAnswer GrantedAnswer);
 
 fn mode_name(mode: Mode) -> &'static str {
     match mode {

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use feeler_core::Pose;
 use feeler_devices::Options;
 use feeler_haptics::device::faulty::{Fault, Faulty};
 use feeler_haptics::device::hand::{Hand, HandPath};
@@ -336,10 +335,4 @@ impl HapticsDevice {
         }
         Ok(())
     }
-}
-
-/// A pose as Python has it.
-pub fn matrix_of<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, numpy::PyArray2<f64>> {
-    let matrix = pose.matrix();
-    numpy::IntoPyArray::into_pyarray(numpy::ndarray::Array2::from_shape_fn((4, 4), |(i, j)| matrix[i][j]), py)
 }

@@ -73,8 +73,7 @@ mod _core {
     use super::haptics::HapticsSession;
     #[pymodule_export]
     use super::haptics_answers::{
-        DistributionAnswer, GrantedAnswer, RunEnd, SeatAnswer, StartAnswer, StatisticsAnswer, StepAnswer, TickAnswer,
-        TraceAnswer,
+        DistributionAnswer, GrantedAnswer, RunEnd, StartAnswer, StatisticsAnswer, StepAnswer, TickAnswer, TraceAnswer,
     };
     #[pymodule_export]
     use super::haptics_device::HapticsDevice;
@@ -107,7 +106,7 @@ mod _core {
     #[pymodule_export]
     use super::weld_vertices;
     #[pymodule_export]
-    use super::world::{GuardedMove, Impact, MoveAnswer, World};
+    use super::world::{GuardedMove, Impact, MoveAnswer, SeatAnswer, World};
 
     use pyo3::prelude::*;
 

@@ -12,7 +12,6 @@ use crate::arrays::pose_array;
 use crate::collision::Collision;
 use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
-use crate::haptics_answers::SeatAnswer;
 use crate::mockup::Mockup;
 use crate::pools::{find_topology, on_pool};
 use crate::proximity::{Clearance, Distance};
@@ -261,6 +260,32 @@ impl Impact {
 
     fn __reduce__(&self) -> PyResult<()> {
         Err(stays("Impact", "send its part and its point"))
+    }
+}
+
+/// A part of the tool and one of the mock-up in contact at the start.
+#[pyclass(frozen, get_all, module = "feeler._core")]
+pub struct SeatAnswer {
+    /// Index into `tool.parts`.
+    tool_part: u32,
+    /// Index into `mockup.parts`.
+    part: u32,
+    /// `touching`, `fit` or `sunk`.
+    kind: &'static str,
+    /// Metres.
+    depth: f64,
+}
+
+impl SeatAnswer {
+    pub fn new(seat: &world::Seat) -> SeatAnswer {
+        SeatAnswer { tool_part: seat.tool_part, part: seat.part, kind: kind_name(seat.kind), depth: seat.depth }
+    }
+}
+
+#[pymethods]
+impl SeatAnswer {
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("SeatAnswer", "send its fields"))
     }
 }
 
