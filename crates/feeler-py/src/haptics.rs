@@ -86,7 +86,7 @@ fn parts_of<'py>(py: Python<'py>, step: &Step) -> StepParts<'py> {
 
 /// The newest planes, nearest first.
 fn planes_of<'py>(py: Python<'py>, session: &Session) -> PlaneParts<'py> {
-    let planes = session.constraints().map_or(&[][..], |set| set.planes());
+    let planes = session.planes();
     let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
     let number = |i: usize, j: usize| match j {
         0..3 => planes[i].point[j],

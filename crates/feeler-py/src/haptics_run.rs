@@ -4,9 +4,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_devices::machine::{lock_memory, raise_priority, raise_priority_below_servo};
-use feeler_haptics::Distribution;
-use feeler_haptics::{Error, Runner, Statistics};
-use feeler_haptics::{MappingOptions, RunnerOptions, Stopped, ThreadKind, TraceTick, View};
+use feeler_haptics::{
+    Distribution, Error, MappingOptions, Runner, RunnerOptions, Statistics, Stopped, ThreadKind, TraceTick, View,
+};
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -203,7 +203,7 @@ impl HapticsRun {
     fn stop(&self, py: Python<'_>) -> PyResult<(Option<String>, Option<String>, Option<String>)> {
         self.check_process()?;
         let stopped = py.detach(|| locked(&self.runner).take().map(Runner::stop));
-        let Some(Stopped { session, device, statistics, error, device_error, collision_error }) = stopped else {
+        let Some(Stopped { session, device, statistics, error, device_error, collision_error, .. }) = stopped else {
             return Ok((None, None, None));
         };
         self.session.get().put_back(session);
