@@ -41,6 +41,9 @@ unexport CONDA_PREFIX PYTHONHOME MAKEFLAGS MFLAGS
 # The Rust crates that others may depend on; the rest has `publish = false`.
 PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-world feeler-plan feeler-haptics feeler-devices
 
+# Poses of the core as the types of other crates.
+FEATURES := --features feeler-core/glam,feeler-core/nalgebra
+
 # In CI the lock file is law; at home cargo may bring it up to date with an edited Cargo.toml.
 LOCKED := $(if $(CI),--locked)
 
@@ -163,9 +166,9 @@ test: test-rust test-haply test-page test-browser test-python ## all tests
 
 # feeler-py is a module for Python to load: it has no tests of its own, and would need libpython to link one.
 .PHONY: test-rust
-test-rust: ## cargo test of all crates but the Python binding
+test-rust: ## cargo test of all crates but the Python binding, and their examples
 	@command -v cargo >/dev/null || { echo "make test: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
-	@cargo test --workspace --exclude feeler-py $(LOCKED) $(CARGO_ARGS)
+	@cargo test --workspace --exclude feeler-py $(FEATURES) $(LOCKED) $(CARGO_ARGS)
 
 # A project of its own: the maker's crate brings an HTTP client, which on Linux is compiled against OpenSSL.
 .PHONY: test-haply
@@ -245,8 +248,8 @@ lint-rust: $(INSTALLED) ## rustfmt, clippy (the lints are listed in Cargo.toml) 
 	@cargo fmt --version >/dev/null 2>&1 || { echo "make lint: rustfmt not found (rustup component add rustfmt)" >&2; exit 1; }
 	@cargo clippy --version >/dev/null 2>&1 || { echo "make lint: clippy not found (rustup component add clippy)" >&2; exit 1; }
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets $(LOCKED) --quiet -- --deny warnings
-	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps $(LOCKED) --quiet
+	cargo clippy --workspace --all-targets $(FEATURES) $(LOCKED) --quiet -- --deny warnings
+	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps $(FEATURES) $(LOCKED) --quiet
 
 .PHONY: lint-python
 lint-python: build ## ruff, mypy (strict), and the type stubs against the compiled module

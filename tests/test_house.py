@@ -186,6 +186,11 @@ PLANTED = {
         '\n[target."cfg(windows)".dependencies]\nfeeler-py = "0.1"\n',
         "may not depend on feeler-py",
     ),
+    "a crate takes any version of the core": (
+        "crates/feeler-plan/Cargo.toml",
+        '\n[target."cfg(unix)".dependencies]\nfeeler-core = { path = "../feeler-core", version = "0.1.0" }\n',
+        "feeler-core must be `feeler-core.workspace = true`",
+    ),
     "io imports samples": (
         "python/feeler/io/__init__.py",
         "\ndef late():\n    from ..samples import sample\n",
@@ -259,6 +264,16 @@ def complaints(root: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str
 def test_layering_check_catches(name: str, complaints: list[str]) -> None:
     where, _, complaint = PLANTED[name]
     assert [line for line in complaints if line.startswith(where) and complaint in line], complaints
+
+
+def test_a_pin_that_is_no_pin_is_caught(layers: ModuleType, root: Path, tmp_path: Path) -> None:
+    manifest = (root / "Cargo.toml").read_text(encoding="utf-8")
+    (tmp_path / "Cargo.toml").write_text(manifest, encoding="utf-8")
+    assert list(layers.pin_violations(tmp_path)) == []
+    loose = manifest.replace('feeler-world", version = "=', 'feeler-world", version = "')
+    (tmp_path / "Cargo.toml").write_text(loose, encoding="utf-8")
+    (found,) = layers.pin_violations(tmp_path)
+    assert found.startswith("Cargo.toml: feeler-world must be of version")
 
 
 def test_layering_check_lets_comments_speak(root: Path, tmp_path: Path) -> None:

@@ -78,12 +78,15 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "distance": QUERY_BASE,
         "cast": {*QUERY_BASE, "collide"},
         # The mock-up against itself.
-        "clash": {*QUERY_BASE, "collide"},
-        "sizing": {*INDEX_BASE, "index"},
+        "clash": {*QUERY_BASE, "collide", "setters"},
+        "sizing": {*INDEX_BASE, "index", "setters"},
         # What is looked at: rays, sections, and pieces for drawing.
         "rays": {*QUERY_BASE, "distance"},
         "section": {*INDEX_BASE, "index"},
         "chunks": INDEX_BASE,
+        # Poses as other crates have them, and the setters of options, for all.
+        "interop": {"error", "geometry"},
+        "setters": set(),
         "scene": {*QUERY_BASE, "collide", "distance", "cast", "rays", "section", "sizing"},
     },
     "feeler-contacts": {
@@ -173,6 +176,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
             *HAPTICS_BASE,
             *("device", "coupling", "stability", "force", "servo", "constraint_set", "session", "clock", "statistics"),
         },
+        # What tests, examples and measurements of the other crates ask of the engine; hidden from users.
+        "internals": {"constraint_set", "device", "force", "proxy", "servo", "shading", "velocity"},
     },
     "feeler-devices": {
         "constants": set(),
@@ -314,6 +319,27 @@ def crate_violations(root: Path) -> Iterator[str]:
         if crate in PURE:
             for name in sorted(depends & PURE_MAY_NOT_DEPEND_ON):
                 yield f"{where}: {crate} is pure and may not depend on {name}"
+
+
+def pin_violations(root: Path) -> Iterator[str]:
+    """The crates share hidden modules, which may change with every version: they are pinned to each other exactly."""
+    manifest = root / "Cargo.toml"
+    if manifest.is_file():
+        workspace = tomllib.loads(manifest.read_text(encoding="utf-8"))["workspace"]
+        exactly = f"={workspace['package']['version']}"
+        for name in CRATES:
+            pin = workspace.get("dependencies", {}).get(name)
+            if pin is not None and pin.get("version") != exactly:
+                yield f'Cargo.toml: {name} must be of version "{exactly}", the one that it is tested with'
+    for path in sorted(root.glob("crates/*/Cargo.toml")):
+        where = path.relative_to(root).as_posix()
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        for table in (data, *data.get("target", {}).values()):
+            for kind in ("dependencies", "build-dependencies", "dev-dependencies"):
+                for name, wanted in table.get(kind, {}).items():
+                    is_pinned = isinstance(wanted, dict) and wanted.get("workspace") is True
+                    if name in CRATES and name not in FOR_TESTS and not is_pinned:
+                        yield f"{where}: {name} must be `{name}.workspace = true`, so that its version is pinned"
 
 
 def source_violations(root: Path) -> Iterator[str]:
@@ -514,6 +540,7 @@ def main() -> int:
     violations = sorted(
         {
             *crate_violations(root),
+            *pin_violations(root),
             *source_violations(root),
             *module_violations(root),
             *python_violations(root),

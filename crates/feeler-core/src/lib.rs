@@ -65,6 +65,8 @@ mod error;
 pub mod geometry;
 #[doc(hidden)]
 pub mod index;
+#[cfg(any(feature = "glam", feature = "nalgebra"))]
+mod interop;
 #[doc(hidden)]
 pub mod mesh;
 mod progress;

@@ -9,8 +9,7 @@ use feeler_core::{Pose, Tool};
 use feeler_devices::machine::thread_time;
 use feeler_haptics::internals::ConstraintSet;
 use feeler_haptics::internals::{Servo, ServoInput};
-use feeler_haptics::Plane;
-use feeler_haptics::{Coupling, SessionOptions};
+use feeler_haptics::{Coupling, Plane, SessionOptions};
 use feeler_shapes::box_mesh;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

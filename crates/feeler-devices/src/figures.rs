@@ -12,6 +12,7 @@ use crate::constants::{HANDOVER_ROUNDS, USUAL_HZ};
 
 /// Figures of a type of device. 0: not published.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Figures {
     /// Maker and model.
     pub name: &'static str,

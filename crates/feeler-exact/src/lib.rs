@@ -6,6 +6,17 @@
 //! of [`casts`] is known to hit. How deep [`concave`] solids of [`blocks`] are in each other is known to the judge of [`contacts`].
 //! How deep [`polyhedra`] are in each other by points, the judge of [`depths`] asks points in whole numbers of [`spots`].
 //! No product code depends on this crate.
+//!
+//! ```
+//! use feeler_core::PairKind;
+//! use feeler_exact::oracle::kind_of_pair;
+//!
+//! let floor = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let above = |z: f64| [[0.25, 0.25, z], [0.5, 0.25, 1.0], [0.25, 0.5, 1.0]];
+//! assert_eq!(kind_of_pair(&floor, &above(0.0)), Some(PairKind::Touching));
+//! assert_eq!(kind_of_pair(&floor, &above(f64::MIN_POSITIVE)), None);
+//! assert_eq!(kind_of_pair(&floor, &above(-f64::MIN_POSITIVE)), Some(PairKind::Crossing));
+//! ```
 
 pub mod blocks;
 pub mod casts;

@@ -7,9 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use feeler_core::{Mockup, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
-use feeler_haptics::Wrench;
-use feeler_haptics::{Coupling, Session, SessionOptions};
-use feeler_haptics::{RunnerOptions, Sides};
+use feeler_haptics::{Coupling, RunnerOptions, Session, SessionOptions, Sides, Wrench};
 
 /// Here a program moves the handle, and looks at the force; yours asks a motor controller.
 #[derive(Default)]

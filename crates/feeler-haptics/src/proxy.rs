@@ -216,8 +216,8 @@ impl Proxy {
             return Ok(None);
         }
         let normals: Vec<Point> = set.planes().iter().map(|plane| plane.normal).collect();
-        let care = WalkOptions::default().with_directions(&normals).with_tolerance(self.cast_tolerance());
-        let walk = around.walk(&self.seated, (&set.taken_at, &nearest), care)?;
+        let how = WalkOptions::default().with_directions(&normals).with_tolerance(self.cast_tolerance());
+        let walk = around.walk(&self.seated, (&set.taken_at, &nearest), how)?;
         Ok(Some((nearest, walk.stop.is_none())))
     }
 
@@ -256,8 +256,8 @@ impl Proxy {
             }
             self.normals.clear();
             self.normals.extend(self.set.planes().iter().map(|plane| plane.normal));
-            let care = WalkOptions::default().with_directions(&self.normals).with_tolerance(self.cast_tolerance());
-            let walk = around.walk(&self.seated, (&from, &goal.pose), care)?;
+            let how = WalkOptions::default().with_directions(&self.normals).with_tolerance(self.cast_tolerance());
+            let walk = around.walk(&self.seated, (&from, &goal.pose), how)?;
             self.seated = walk.seated.clone();
             if walk.stop.is_some() {
                 done.stopped += 1;

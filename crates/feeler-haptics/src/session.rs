@@ -99,6 +99,7 @@ pub enum Start {
 
 /// What the tool meets where a session begins. It may slide along that and part from it, and goes no deeper.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Seating {
     /// Pairs of parts, each with how it meets; the parts' numbers are those of the mock-up.
     pub seats: Vec<Seat>,
@@ -108,6 +109,7 @@ pub struct Seating {
 
 /// What a step gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Step {
     /// `world_from_tool`, free by the exact test but for seats, and reached by a free motion.
     pub proxy: Pose,

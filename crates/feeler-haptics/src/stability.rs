@@ -23,7 +23,7 @@ use crate::device::DeviceInfo;
 
 /// What a number of a coupling was limited by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bound {
+pub(crate) enum Bound {
     /// The device's own damping, its rate and its delay: Colgate and Brown.
     Damping,
     /// Its friction and resolution: Abbott and Okamura.
@@ -36,7 +36,7 @@ pub enum Bound {
 
 /// A number of a coupling that a device does not hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limitation {
+pub(crate) struct Limitation {
     /// What was asked for, in the number's own unit.
     pub wanted: f64,
     /// What is left.
@@ -49,17 +49,17 @@ pub struct Limitation {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limitations {
     /// Of `stiffness_n_per_m`.
-    pub stiffness: Option<Limitation>,
+    pub(crate) stiffness: Option<Limitation>,
     /// Of `damping_n_s_per_m`.
-    pub damping: Option<Limitation>,
+    pub(crate) damping: Option<Limitation>,
     /// Of `rotational_stiffness_nm_per_rad`.
-    pub rotational_stiffness: Option<Limitation>,
+    pub(crate) rotational_stiffness: Option<Limitation>,
     /// Of `rotational_damping_nm_s_per_rad`.
-    pub rotational_damping: Option<Limitation>,
+    pub(crate) rotational_damping: Option<Limitation>,
     /// Of `max_force_n`.
-    pub force: Option<Limitation>,
+    pub(crate) force: Option<Limitation>,
     /// Of `max_torque_nm`.
-    pub torque: Option<Limitation>,
+    pub(crate) torque: Option<Limitation>,
 }
 
 impl Limitations {

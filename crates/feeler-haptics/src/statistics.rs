@@ -9,6 +9,7 @@ use crate::constants::{HISTOGRAM_DIGITS, LONGEST_COUNTED_NS};
 
 /// How a duration is spread.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Distribution {
     /// Number of values.
     pub count: u64,
@@ -131,6 +132,7 @@ copies!(CollisionRecord: tick; sets, rounds, stopped, errors, span);
 
 /// A snapshot of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Statistics {
     /// From when a servo tick was due to when it began.
     pub servo_lateness: Distribution,

@@ -10,8 +10,7 @@ use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use feeler_haptics::internals::Mapping;
-use feeler_haptics::Coupling;
-use feeler_haptics::{Twist, Wrench};
+use feeler_haptics::{Coupling, Twist, Wrench};
 use proptest::prelude::*;
 
 const TICK: f64 = 1e-3;

@@ -8,8 +8,7 @@ use feeler_core::geometry::twist::{pose_of, rotation_of};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::internals::Proxy;
-use feeler_haptics::Coupling;
-use feeler_haptics::ProxyOptions;
+use feeler_haptics::{Coupling, ProxyOptions};
 use feeler_shapes::{lathe, Arrays};
 use feeler_world::{Body, Surroundings};
 

@@ -7,8 +7,7 @@ use std::cell::Cell;
 
 use common::*;
 use feeler_haptics::internals::{Servo, ServoInput};
-use feeler_haptics::{Coupling, Mode, SessionOptions};
-use feeler_haptics::{RunnerOptions, Sides};
+use feeler_haptics::{Coupling, Mode, RunnerOptions, SessionOptions, Sides};
 
 struct Counting;
 

@@ -11,9 +11,7 @@ use feeler_haptics::device::faulty::{Fault, Faulty};
 use feeler_haptics::device::hand::HandPath;
 use feeler_haptics::device::simulated::SimulatedOptions;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState, Freedoms};
-use feeler_haptics::{Mode, Session, SessionOptions};
-use feeler_haptics::{RunnerOptions, Sides, View};
-use feeler_haptics::{Twist, Wrench};
+use feeler_haptics::{Mode, RunnerOptions, Session, SessionOptions, Sides, Twist, View, Wrench};
 use feeler_shapes::random::Random;
 
 const TICK: f64 = 1e-3;

@@ -9,8 +9,7 @@ use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceInfo, DeviceLimits, Freedoms};
 use feeler_haptics::internals::{ForceInput, ForceLoop, Shading, VelocityEstimate};
-use feeler_haptics::Coupling;
-use feeler_haptics::{Twist, Wrench};
+use feeler_haptics::{Coupling, Twist, Wrench};
 use proptest::prelude::*;
 
 const TICK: f64 = 1e-3;
@@ -160,7 +159,8 @@ fn a_wall_as_stiff_as_the_device_holds_rests() {
         let mut device = SimulatedDevice::new(options, Some(hand)).unwrap();
         let info = device.info().clone();
         let (coupling, taken) = wanted.limited(&info, 1.0 / TICK);
-        assert!(taken.stiffness.is_some(), "{what}");
+        let words = taken.in_words(&info, 1.0 / TICK);
+        assert!(words.iter().any(|said| said.starts_with("stiffness ")), "{what}: {words:?}");
         let mut force = loop_of(coupling, info.driven, &info.limits);
         let outcome = run(&mut device, &mut force, [0.0; 3], f64::INFINITY);
         assert!(outcome.deepest < 0.0, "{what}: it is not at the wall, at {}", outcome.deepest);

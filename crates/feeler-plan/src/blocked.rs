@@ -7,6 +7,7 @@ use feeler_world::{Surroundings, Walk};
 
 /// A part that stopped the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Blocker {
     /// Of the mock-up.
     pub part: u32,

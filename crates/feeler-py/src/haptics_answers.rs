@@ -57,7 +57,7 @@ pub struct StepAnswer {
 impl StepAnswer {
     /// The step that the session has just made, with its newest planes, nearest first.
     pub fn new(py: Python<'_>, step: &Step, session: &Session) -> StepAnswer {
-        let planes = session.constraints().map_or(&[][..], |set| set.planes());
+        let planes = session.planes();
         let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
         StepAnswer {
             world_from_proxy: pose_array(py, &step.proxy).unbind(),

@@ -130,7 +130,7 @@ impl HapticsRun {
     fn stop(&self, py: Python<'_>) -> PyResult<RunEnd> {
         self.check_process()?;
         let stopped = py.detach(|| locked(&self.runner).take().map(Runner::stop));
-        let Some(Stopped { session, device, statistics, error, device_error, collision_error }) = stopped else {
+        let Some(Stopped { session, device, statistics, error, device_error, collision_error, .. }) = stopped else {
             return Ok(RunEnd::default());
         };
         self.session.get().put_back(session);

@@ -21,7 +21,13 @@ pub struct Predictor {
 type Constants = [f64; 6];
 
 fn constants_of(c: Constants) -> core::CostConstants {
-    core::CostConstants { query: c[0], tool_triangle: c[1], voxel: c[2], entry: c[3], pair: c[4], test: c[5] }
+    core::CostConstants::default()
+        .with_query(c[0])
+        .with_tool_triangle(c[1])
+        .with_voxel(c[2])
+        .with_entry(c[3])
+        .with_pair(c[4])
+        .with_test(c[5])
 }
 
 #[pymethods]

@@ -125,7 +125,7 @@ impl World {
         within: f64,
     ) -> PyResult<Distance> {
         let tool = tool.core();
-        let found = py.detach(|| self.environment.nearest(tool, &world_from_tool.0, within));
+        let found = py.detach(|| self.environment.distance(tool, &world_from_tool.0, within));
         Ok(Distance::new(found.map_err(world_to_py)?))
     }
 
@@ -329,7 +329,7 @@ impl GuardedMove {
         let tool = tool.core();
         let begun = world.asked(py, tool, |all| {
             let all = world::Environment { bodies: all.bodies.clone() };
-            Ok(on_pool(None, || world::GuardedMove::begin(all, Arc::clone(tool), &world_from_tool.0)))
+            Ok(on_pool(None, || world::GuardedMove::new(all, Arc::clone(tool), &world_from_tool.0)))
         })?;
         Ok(GuardedMove { core: Mutex::new(begun?.map_err(world_to_py)?) })
     }

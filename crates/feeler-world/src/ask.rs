@@ -57,7 +57,7 @@ impl Environment {
     }
 
     /// The least distance at a pose, if it is at most `within` (metres).
-    pub fn nearest(&self, tool: &Tool, pose: &Pose, mut within: f64) -> Result<Option<Gap>> {
+    pub fn distance(&self, tool: &Tool, pose: &Pose, mut within: f64) -> Result<Option<Gap>> {
         let mut best: Option<Gap> = None;
         for (body, scene) in self.scenes() {
             let Some(gap) = scene.distance(tool, pose, within)? else { continue };

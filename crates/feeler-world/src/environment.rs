@@ -20,6 +20,7 @@ pub struct Body {
 #[derive(Debug, Default)]
 pub struct Environment {
     /// The mock-up first.
+    #[doc(hidden)]
     pub bodies: Vec<Body>,
 }
 

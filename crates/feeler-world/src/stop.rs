@@ -27,6 +27,7 @@ pub struct GuardedMove {
 
 /// Where a guarded move came.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Moved {
     /// World from tool.
     pub pose: Pose,
@@ -55,8 +56,8 @@ impl Impact {
 }
 
 impl GuardedMove {
-    /// A tool begins at a pose.
-    pub fn begin(environment: Environment, tool: Arc<Tool>, pose: &Pose) -> Result<GuardedMove> {
+    /// A tool at a pose.
+    pub fn new(environment: Environment, tool: Arc<Tool>, pose: &Pose) -> Result<GuardedMove> {
         let mut begun = GuardedMove { environment, tool, seats: None, stuck: None };
         if begun.environment.is_colliding(&begun.tool, pose) {
             let around = begun.around(pose)?;
@@ -139,7 +140,7 @@ impl GuardedMove {
         let (point, normal) = match against {
             Some(plane) => (plane.point, plane.normal),
             None => {
-                let near = self.environment.nearest(&self.tool, &walk.pose, f64::INFINITY)?;
+                let near = self.environment.distance(&self.tool, &walk.pose, f64::INFINITY)?;
                 let long = length(&ahead);
                 let back = if long > 0.0 { scaled(&ahead, -1.0 / long) } else { [0.0, 0.0, 1.0] };
                 (near.map_or(*walk.pose.translation(), |near| near.on_mockup), back)
@@ -153,14 +154,14 @@ impl Surroundings {
     /// A [walk](Self::walk) that ends `off` metres before the impact, or at its start if that is nearer, so that the next walk starts free.
     /// A walk that a seat stops ends at that seat. `tolerance`: of the casts, metres.
     fn stop_short(&self, seated: &Arc<Seated>, (from, to): (&Pose, &Pose), tolerance: f64, off: f64) -> Result<Walk> {
-        let care = WalkOptions::default().with_tolerance(tolerance);
-        let walk = self.walk(seated, (from, to), care)?;
+        let how = WalkOptions::default().with_tolerance(tolerance);
+        let walk = self.walk(seated, (from, to), how)?;
         let Some(stop) = walk.stop.filter(|stop| !stop.is_seat) else { return Ok(walk) };
         let motion = Motion::new(&self.tool, from, to);
         let mut back = off / motion.longest_way();
         while back < walk.fraction {
             let fraction = walk.fraction - back;
-            let before = self.walk(seated, (from, &motion.at(fraction)), care)?;
+            let before = self.walk(seated, (from, &motion.at(fraction)), how)?;
             if before.stop.is_none() {
                 return Ok(Walk { fraction, stop: Some(stop), ..before });
             }

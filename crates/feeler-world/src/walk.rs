@@ -69,6 +69,7 @@ impl<'a> WalkOptions<'a> {
 
 /// A motion as far as it is free.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Walk {
     /// Where it ends.
     pub pose: Pose,
@@ -93,6 +94,7 @@ pub struct Span {
 
 /// What ends a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Stop {
     /// Of the mock-up.
     pub part: u32,

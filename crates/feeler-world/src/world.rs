@@ -16,6 +16,7 @@ use crate::surroundings::Surroundings;
 
 /// A gripped part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Grip {
     /// Its number in the mock-up.
     pub part: u32,

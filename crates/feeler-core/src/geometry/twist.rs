@@ -31,6 +31,11 @@ pub struct Wrench {
 pub type Matrix = [[f64; 3]; 3];
 
 impl Twist {
+    /// Of a linear and an angular part.
+    pub const fn new(linear: Point, angular: Point) -> Twist {
+        Twist { linear, angular }
+    }
+
     /// At rest.
     pub const ZERO: Twist = Twist { linear: [0.0; 3], angular: [0.0; 3] };
 
@@ -62,6 +67,11 @@ impl Twist {
 }
 
 impl Wrench {
+    /// Of a force (newtons) and a torque (newton metres).
+    pub const fn new(force: Point, torque: Point) -> Wrench {
+        Wrench { force, torque }
+    }
+
     /// No force.
     pub const ZERO: Wrench = Wrench { force: [0.0; 3], torque: [0.0; 3] };
 

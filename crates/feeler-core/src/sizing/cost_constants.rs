@@ -2,6 +2,7 @@
 
 /// What the steps of a query cost on a machine, seconds each. The core has no clock: whoever has one measures them.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct CostConstants {
     /// A query, whatever it does.
     pub query: f64,
@@ -28,5 +29,16 @@ impl Default for CostConstants {
             pair: 9.0e-9,
             test: 3.5e-8,
         }
+    }
+}
+
+impl CostConstants {
+    crate::setters! {
+        with_query: query: f64,
+        with_tool_triangle: tool_triangle: f64,
+        with_voxel: voxel: f64,
+        with_entry: entry: f64,
+        with_pair: pair: f64,
+        with_test: test: f64,
     }
 }

@@ -49,6 +49,7 @@ pub use servo_side::ServoSide;
 pub use trace::TraceTick;
 
 /// A run that did not begin: why, and what it was to begin with.
+#[non_exhaustive]
 pub struct Refused {
     /// Why.
     pub error: Error,
@@ -59,6 +60,7 @@ pub struct Refused {
 }
 
 /// What a run leaves.
+#[non_exhaustive]
 pub struct Stopped {
     /// To be stepped or run again, the proxy where it was; `None` where the collision thread panicked.
     pub session: Option<Session>,

@@ -7,6 +7,7 @@ use crate::servo::Mode;
 
 /// One tick of the servo side.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct TraceTick {
     /// Seconds on the caller's clock.
     pub time: f64,

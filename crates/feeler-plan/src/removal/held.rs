@@ -21,6 +21,7 @@ use crate::linear_program::least_cost;
 
 /// What holds a part.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Held {
     /// The parts that hold it, by number.
     pub parts: Vec<u32>,

@@ -310,8 +310,8 @@ impl<'a> Pushes<'a> {
             }
             return Ok((None, seated.clone(), false));
         }
-        let care = WalkOptions::search(&self.nodes[node].normals, self.has_time);
-        let walk = around.walk_along(seated, motion, care, &mut |_| ())?;
+        let how = WalkOptions::search(&self.nodes[node].normals, self.has_time);
+        let walk = around.walk_along(seated, motion, how, &mut |_| ())?;
         self.tally.walked(self.around, &walk);
         self.work += WORK_OF_A_CAST * walk.casts;
         // A little before what stopped it: along that the next push slides.

@@ -62,6 +62,7 @@ impl SeatKind {
 
 /// A part of the tool and one of a body that are together at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Seat {
     /// Of the tool.
     pub tool_part: u32,
