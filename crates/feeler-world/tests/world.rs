@@ -130,3 +130,22 @@ fn the_least_distance_of_a_motion_is_refined_to_a_share_of_the_tool() {
         assert!(least >= gap - 1e-12 && least <= gap + size / 64.0, "{offset}: {least}");
     }
 }
+
+#[test]
+fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
+    // Both ends of a bolt are in the planes of the plate's faces, or one stands out: as it moves aside, surfaces hardly cross.
+    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    for long in [0.02, 0.03] {
+        let bolt = tool(&[box_mesh([0.0, 0.0, 0.5 * (long - 0.02)], [0.01, 0.01, long], 1)]);
+        let around = around(&[plate.clone()], &bolt, &Pose::IDENTITY);
+        assert_eq!(around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
+        let start = around.seated_at_start();
+        let walk = |by| around.walk(&start, (&Pose::IDENTITY, &at(by)), Care::search(&[], &|| true)).unwrap();
+        for by in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.03, 0.04, 0.0]] {
+            let aside = walk(by);
+            let far = aside.fraction * 0.05;
+            assert!(aside.stop.is_some_and(|stop| stop.is_seat) && far <= 0.02 * around.size() + 1e-5, "{by:?} {far}");
+        }
+        assert!(walk([0.0, 0.0, 0.05]).stop.is_none());
+    }
+}
