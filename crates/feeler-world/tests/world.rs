@@ -149,3 +149,23 @@ fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
         assert!(walk([0.0, 0.0, 0.05]).stop.is_none());
     }
 }
+
+#[test]
+fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
+    // Both ends flush, one, or none. The second: with a head on the plate, which the way down would press into it.
+    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    for (low, high) in [(-0.01, 0.01), (-0.01, 0.02), (-0.02, 0.01), (-0.015, 0.02), (-0.02, 0.02)] {
+        for head in [false, true] {
+            let shank = box_mesh([0.0, 0.0, 0.5 * (low + high)], [0.01, 0.01, high - low], 1);
+            let on_top = box_mesh([0.0, 0.0, 0.0125], [0.02, 0.02, 0.005], 1);
+            let (vertices, faces) = joined(if head { vec![shank, on_top] } else { vec![shank] });
+            let around = around(&[plate.clone()], &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
+            let start = around.seated_at_start();
+            let is_free = |z: f64| {
+                let to = at([0.0, 0.0, z]);
+                around.walk(&start, (&Pose::IDENTITY, &to), Care::search(&[], &|| true)).unwrap().stop.is_none()
+            };
+            assert_eq!([is_free(0.06), is_free(-0.06)], [true, !head], "from {low} to {high}, head: {head}");
+        }
+    }
+}
