@@ -359,11 +359,13 @@ type Boxes = Vec<[Point; 2]>;
 
 #[test]
 fn a_way_out_leads_out_of_all_of_the_other_part() {
-    // A wall is 2 mm deep in a cube, and pushes it aside by as much: into a step that is 1 mm off, over a pebble that is then inside
-    // of it, or with a pebble of its own into a block.
+    // A wall is 2 mm deep in a cube, and pushes it aside by as much: into a step that is 1 mm off, or a bar, over a pebble that is then
+    // inside of it, or with a pebble of its own into a block.
     let (cube, wall) = ([[0.0; 3], [0.02; 3]], [[-0.02, -0.01, 0.005], [0.002, 0.03, 0.05]]);
-    let cases: [(&str, Boxes, Boxes); 3] = [
+    let cases: [(&str, Boxes, Boxes); 4] = [
         ("a step", vec![cube], vec![wall, [[0.021, -0.01, -0.02], [0.05, 0.03, 0.0005]]]),
+        // No corner of either is in the other.
+        ("a bar", vec![cube], vec![wall, [[0.021, -0.05, 0.008], [0.0215, 0.05, 0.012]]]),
         ("a pebble", vec![cube], vec![wall, [[0.0205, 0.01, 0.01], [0.0215, 0.011, 0.011]]]),
         (
             "its own pebble",

@@ -3,7 +3,7 @@
 //! They leave through the place that they filled. That is measured at poses along a motion, so their steps are short.
 
 use feeler_contacts::{ContactPlane, ContactSolver};
-use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
+use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
@@ -85,7 +85,8 @@ impl Surroundings {
         Ok(planes)
     }
 
-    /// Whether a face of the tool that leads on a way is inside the neighbours of a scene at the start: their solid would have to give.
+    /// Whether a face of the tool that leads on a way has the solid of the neighbours of a scene before it at the start: that would have to
+    /// give. A face that is flush with the surface where the way leaves has nothing before it.
     fn leads_inside(&self, scene: &Scene, way: &Point) -> Result<bool> {
         let mesh = self.tool.mesh();
         for t in mesh.queried().step_by(mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1)) {
@@ -95,7 +96,7 @@ impl Surroundings {
             if sign * dot(&normal, way) < LEADING_COS * length(&normal) {
                 continue;
             }
-            if around_point(scene, &middle_of(&corners), way)?.is_some() {
+            if around_point(scene, &along(&middle_of(&corners), SEAT_TOLERANCE, way), way)?.is_some() {
                 return Ok(true);
             }
         }

@@ -132,3 +132,42 @@ fn the_least_distance_of_a_motion_is_refined_to_a_share_of_the_tool() {
         assert!(least >= gap - 1e-12 && least <= gap + size / 64.0, "{offset}: {least}");
     }
 }
+
+#[test]
+fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
+    // Both ends of a bolt are in the planes of the plate's faces, or one stands out: as it moves aside, surfaces hardly cross.
+    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    for long in [0.02, 0.03] {
+        let bolt = tool(&[box_mesh([0.0, 0.0, 0.5 * (long - 0.02)], [0.01, 0.01, long], 1)]);
+        let around = around(&[plate.clone()], &bolt, &Pose::IDENTITY);
+        assert_eq!(around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
+        let start = around.seated_at_start();
+        let walk = |by| around.walk(&start, (&Pose::IDENTITY, &at(by)), Care::search(&[], &|| true)).unwrap();
+        for by in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.03, 0.04, 0.0]] {
+            let aside = walk(by);
+            let far = aside.fraction * 0.05;
+            assert!(aside.stop.is_some_and(|stop| stop.is_seat) && far <= 0.02 * around.size() + 1e-5, "{by:?} {far}");
+        }
+        assert!(walk([0.0, 0.0, 0.05]).stop.is_none());
+    }
+}
+
+#[test]
+fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
+    // Both ends flush, one, or none. The second: with a head on the plate, which the way down would press into it.
+    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    for (low, high) in [(-0.01, 0.01), (-0.01, 0.02), (-0.02, 0.01), (-0.015, 0.02), (-0.02, 0.02)] {
+        for head in [false, true] {
+            let shank = box_mesh([0.0, 0.0, 0.5 * (low + high)], [0.01, 0.01, high - low], 1);
+            let on_top = box_mesh([0.0, 0.0, 0.0125], [0.02, 0.02, 0.005], 1);
+            let (vertices, faces) = joined(if head { vec![shank, on_top] } else { vec![shank] });
+            let around = around(&[plate.clone()], &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
+            let start = around.seated_at_start();
+            let is_free = |z: f64| {
+                let to = at([0.0, 0.0, z]);
+                around.walk(&start, (&Pose::IDENTITY, &to), Care::search(&[], &|| true)).unwrap().stop.is_none()
+            };
+            assert_eq!([is_free(0.06), is_free(-0.06)], [true, !head], "from {low} to {high}, head: {head}");
+        }
+    }
+}

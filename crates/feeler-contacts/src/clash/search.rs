@@ -1,7 +1,6 @@
 //! The search for all pairs of parts that are too near each other: first what each pair is, then how near those are that do not meet,
 //! then how deep those are that do.
 
-use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashMap};
 
 use feeler_core::clash::asked::in_order;
@@ -14,7 +13,6 @@ use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
 use feeler_core::clash::solids::Solids;
 use feeler_core::clash::touch::{judge as touching, Touching};
-use feeler_core::geometry::vectors::dot;
 use feeler_core::scratch_pool::ScratchPool;
 use feeler_core::{Aabb, PairLimits, Progress, Result, Scene, Tool};
 use rayon::prelude::*;
@@ -255,7 +253,7 @@ impl<'a> ClashSearch<'a> {
                 }
                 // Of parts that are the same all pairs are as the first.
                 Relation::Duplicate if !self.is_first_of_its_set(parts) => {}
-                _ => deep.entry(self.tool_of(parts, relation)).or_default().push(*related),
+                _ => deep.entry(self.tool_of(parts)).or_default().push(*related),
             }
         }
         rows.extend(self.gaps.iter().map(|gap| self.apart(gap, is_open(gap.parts))));
@@ -325,15 +323,9 @@ impl<'a> ClashSearch<'a> {
         Ok(self.deep(parts, verdict, by_points, kind, way, is_open))
     }
 
-    /// The part of a pair that serves as the tool: the one of fewer triangles; where one is within the other, the one in the smaller
-    /// box, as it is near little else.
-    fn tool_of(&self, [a, b]: [u32; 2], relation: Relation) -> u32 {
-        let extent = |part: u32| {
-            let extent = self.scene().mockup().part_bounds()[part as usize].extent();
-            dot(&extent, &extent)
-        };
-        let by_box = if relation.is_within() { extent(b).total_cmp(&extent(a)) } else { Ordering::Equal };
-        if by_box.then(self.solids.faces(b).len().cmp(&self.solids.faces(a).len())).is_lt() {
+    /// The part of a pair that serves as the tool: the one of fewer triangles.
+    fn tool_of(&self, [a, b]: [u32; 2]) -> u32 {
+        if self.solids.faces(b).len() < self.solids.faces(a).len() {
             b
         } else {
             a

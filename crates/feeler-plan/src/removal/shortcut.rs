@@ -21,6 +21,7 @@ pub fn shortened(
     has_time: HasTime<'_>,
     tally: &mut Tally,
 ) -> Result<Vec<Leg>> {
+    // A leap may need a turn where the way around does not.
     let legs = unturned(around, legs, has_time, tally)?;
     let mut way = leapt(around, legs, has_time, tally)?;
     let mut random = Random::new(seed, u64::MAX);
@@ -47,9 +48,8 @@ pub fn shortened(
             way = cut;
         }
     }
-    let way = unturned(around, leapt(around, way, has_time, tally)?, has_time, tally)?;
-    let way = pulled_up(around, way, has_time, tally)?;
-    // There is more room now.
+    let way = pulled_up(around, leapt(around, way, has_time, tally)?, has_time, tally)?;
+    // It leads elsewhere now, with more room.
     unturned(around, way, has_time, tally)
 }
 
@@ -119,4 +119,64 @@ fn leapt(around: &Surroundings, way: Vec<Leg>, has_time: HasTime<'_>, tally: &mu
         at = beyond;
     }
     Ok(leaps)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use feeler_contacts::ContactSolver;
+    use feeler_core::geometry::twist::rotation_of;
+    use feeler_core::{Mockup, Point, Scene, SceneOptions, Tool};
+    use feeler_shapes::{box_mesh, joined};
+    use feeler_world::{Allowed, Body, Environment};
+
+    use super::*;
+
+    /// A bar of 20 mm along x, among posts along z of 2 mm.
+    fn bar(posts: &[[f64; 2]]) -> Surroundings {
+        let (vertices, faces) = box_mesh([0.0; 3], [0.02, 0.002, 0.004], 1);
+        let posts = posts.iter().map(|[x, y]| box_mesh([*x, *y, 0.0], [0.002, 0.002, 0.02], 1));
+        let (around, of) = joined(posts);
+        let mockup = Mockup::new(around, of, vec![], 1).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
+        let (tool, what) = (Arc::new(Tool::new(vertices, faces).unwrap()), (&Allowed::default(), 0.0));
+        Surroundings::new(Environment { bodies }, tool, 1, &Pose::IDENTITY, what, &|| true).unwrap()
+    }
+
+    /// Turned about z, and moved.
+    fn to(angle: f64, [x, y]: [f64; 2]) -> Leg {
+        let at: Point = [x, y, 0.0];
+        Leg::To(pose_of(&rotation_of(&[0.0, 0.0, angle]), &at).unwrap())
+    }
+
+    fn turn_of(around: &Surroundings, way: &[Leg]) -> f64 {
+        let motions = Motion::of_legs(around.tool(), around.start(), way).unwrap();
+        assert!(is_free(around, way, 0, &|| true, &mut Tally::default()).unwrap());
+        motions.iter().map(Motion::angle).sum()
+    }
+
+    fn short(around: &Surroundings, way: Vec<Leg>) -> Vec<Leg> {
+        assert!(turn_of(around, &way) > 0.2, "the way as it was found is free, and turns");
+        shortened(around, way, 0, &|| true, &mut Tally::default()).unwrap()
+    }
+
+    #[test]
+    fn a_turn_that_only_a_shortcut_needs_is_left_out() {
+        // Between two posts the straight way is free for a bar that turns along it; around them it need not turn.
+        let around = bar(&[[0.0246, 0.0154], [0.0154, 0.0246]]);
+        let leap = [to(1.2, [0.04, 0.04])];
+        assert!(turn_of(&around, &leap) > 0.7, "the leap is free, and turns");
+        let way = short(&around, vec![to(0.0, [0.04, 0.0]), to(1.2, [0.04, 0.04])]);
+        assert_eq!(turn_of(&around, &way), 0.0);
+    }
+
+    #[test]
+    fn a_turn_that_only_a_detour_needs_is_left_out() {
+        // At the end of the first leg an end of the bar has a post beside it, unless it is turned.
+        let around = bar(&[[0.029, 0.0005]]);
+        let way = short(&around, vec![to(-0.3, [0.02, 0.0]), to(-0.3, [0.02, -0.06])]);
+        assert_eq!((turn_of(&around, &way), way.len()), (0.0, 1));
+    }
 }

@@ -113,3 +113,49 @@ fn cut(motion: &Motion, pieces: usize) -> Vec<Pose> {
     let cuts = ((quarters * pieces as f64).ceil() as usize).max(1);
     (1..=cuts).map(|i| motion.at(i as f64 / cuts as f64)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use feeler_contacts::ContactSolver;
+    use feeler_core::{Mockup, Scene, SceneOptions, Screw, Tool};
+    use feeler_shapes::box_mesh;
+    use feeler_world::{Allowed, Body, Environment};
+
+    use super::*;
+
+    #[test]
+    fn screws_are_few_poses_unless_they_turn_more_than_once() {
+        // A cube, and a post that it is off.
+        let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 1);
+        let (post, of_post) = box_mesh([0.1, 0.1, 0.0], [0.01; 3], 1);
+        let scene = Mockup::new(post, of_post, vec![], 1).unwrap();
+        let scene = Scene::build(Arc::new(scene), &SceneOptions::default(), &|_, _| true).unwrap();
+        let environment =
+            Environment { bodies: vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }] };
+        let (tool, what) = (Arc::new(Tool::new(vertices, faces).unwrap()), (&Allowed::default(), 0.0));
+        let around = Surroundings::new(environment, tool, 1, &Pose::IDENTITY, what, &|| true).unwrap();
+        let poses = |off: f64, turns: f64, pitch: f64| {
+            let screw = Screw::new(&[0.0, 0.0, 1.0], &[0.0, off, 0.0], turns * TAU, pitch).unwrap();
+            let poses = as_poses(&around, &[Leg::Screw(screw)], &|| true, &mut Tally::default()).unwrap().unwrap();
+            let whole = Motion::screw(around.tool(), around.start(), &screw).unwrap();
+            let pieces = poses.len() - 1;
+            // How far the middle of the cube is from the screw's.
+            let off = (0..pieces).flat_map(|i| [0.25, 0.5].map(|t| (i, t))).map(|(i, t)| {
+                let at = Motion::new(around.tool(), &poses[i], &poses[i + 1]).at(t);
+                length(&sub(at.translation(), whole.at((i as f64 + t) / pieces as f64).translation()))
+            });
+            (pieces, off.fold(0.0, f64::max))
+        };
+        // A lever of 20 mm goes straight between the ends of its quarter of a turn.
+        let (pieces, off) = poses(0.02, 0.25, 0.0);
+        assert!(pieces == 1 && off > 5e-3, "{off}");
+        // About its own axis, to the least rounding, any number of turns are the same.
+        let (pieces, off) = poses(0.0, 3.0, 0.002);
+        assert!(pieces == 12 && off < 1e-12, "{pieces} {off}");
+        // A thread that is a little off turns as exactly as it can be told, however free it would be with less.
+        let (pieces, off) = poses(1e-5, 3.0, 0.002);
+        assert!(pieces > 12 && off <= SAME_PLACE_M, "{pieces} {off}");
+    }
+}
