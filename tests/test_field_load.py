@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 import feeler
 from feeler import LimitError, LoadError, MissingFileError, OptionError
 from feeler.cli import app
-from feeler.io import axes, load_mockup, load_tool, polygons, readers
+from feeler.io import axes, load_mockup, load_tool, readers
 from feeler.io.raw import PathBook
 
 
@@ -319,15 +319,3 @@ def test_obj_parts_are_named_once(tmp_path, monkeypatch):
     assert mockup.part_count == 2000 and mockup.part_paths[1999] == "a/part_1999"
     assert mockup.part_of_face.tolist() == list(range(2000))
     assert len(calls) == 4000
-
-
-def test_ears_of_large_polygons_are_those_of_the_plain_loop(monkeypatch, rng):
-    for count in (5, 40, 150):
-        angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-        # On a coarse grid: many corners fall together or onto edges.
-        points = np.rint(np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * rng.integers(2, 9, (count, 1)))
-        corners = np.arange(count)
-        monkeypatch.setattr(polygons, "_MANY", 0)
-        fast = polygons.triangulate(corners, np.array([count]), points)
-        monkeypatch.setattr(polygons, "_MANY", count)
-        assert np.array_equal(fast.faces, polygons.triangulate(corners, np.array([count]), points).faces)
