@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 import feeler
 from feeler import LimitError, LoadError, MissingFileError, OptionError
+from feeler.clashes import openness
 from feeler.cli import app
 from feeler.io import axes, load_mockup, load_tool, readers
 from feeler.io.raw import PathBook
@@ -319,3 +320,33 @@ def test_obj_parts_are_named_once(tmp_path, monkeypatch):
     assert mockup.part_count == 2000 and mockup.part_paths[1999] == "a/part_1999"
     assert mockup.part_of_face.tolist() == list(range(2000))
     assert len(calls) == 4000
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 9, 60, 300])
+@pytest.mark.parametrize("kind", ["grid", "anywhere", "nested", "equal"])
+def test_boxes_that_contain_others_are_those_of_the_plain_loop(rng, count, kind):
+    low, size = rng.uniform(0, 1, (count, 3)), rng.uniform(0, 0.4, (count, 3))
+    if kind == "grid":  # many edges fall together
+        low, size = rng.integers(0, 6, (count, 3)).astype(float), rng.integers(0, 4, (count, 3)).astype(float)
+    elif kind == "nested":
+        low, size = -size, 2.0 * size
+    elif kind == "equal":
+        low, size = np.zeros((count, 3)), np.ones((count, 3))
+    high = low + size
+    inside = (low[None] >= low[:, None]).all(axis=2) & (high[None] <= high[:, None]).all(axis=2)
+    assert np.array_equal(openness._containing(low, high), inside.sum(axis=1) > 1)
+
+
+def test_boxes_in_a_lattice_are_compared_with_few_others(monkeypatch):
+    """As many times as there are boxes, or nearly: 100,000 of them would not be done otherwise."""
+
+    def compared(side: int) -> float:
+        rows = []
+        plain = np.repeat
+        monkeypatch.setattr(np, "repeat", lambda what, times: rows.append(len(what) * times) or plain(what, times))
+        low = np.array(list(itertools.product(range(side), repeat=3)), dtype=float)
+        assert not openness._containing(low, low + 0.5).any()
+        monkeypatch.setattr(np, "repeat", plain)
+        return sum(rows) / len(low)
+
+    assert compared(24) < 2.0 * compared(12)
