@@ -16,8 +16,9 @@ from typer.testing import CliRunner
 
 import feeler
 from feeler import LimitError, LoadError, MissingFileError, OptionError
+from feeler.clashes import openness
 from feeler.cli import app
-from feeler.io import axes, load_mockup, load_tool, polygons, readers
+from feeler.io import axes, load_mockup, load_tool, readers
 from feeler.io.raw import PathBook
 
 
@@ -321,13 +322,31 @@ def test_obj_parts_are_named_once(tmp_path, monkeypatch):
     assert len(calls) == 4000
 
 
-def test_ears_of_large_polygons_are_those_of_the_plain_loop(monkeypatch, rng):
-    for count in (5, 40, 150):
-        angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-        # On a coarse grid: many corners fall together or onto edges.
-        points = np.rint(np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * rng.integers(2, 9, (count, 1)))
-        corners = np.arange(count)
-        monkeypatch.setattr(polygons, "_MANY", 0)
-        fast = polygons.triangulate(corners, np.array([count]), points)
-        monkeypatch.setattr(polygons, "_MANY", count)
-        assert np.array_equal(fast.faces, polygons.triangulate(corners, np.array([count]), points).faces)
+@pytest.mark.parametrize("count", [1, 2, 3, 9, 60, 300])
+@pytest.mark.parametrize("kind", ["grid", "anywhere", "nested", "equal"])
+def test_boxes_that_contain_others_are_those_of_the_plain_loop(rng, count, kind):
+    low, size = rng.uniform(0, 1, (count, 3)), rng.uniform(0, 0.4, (count, 3))
+    if kind == "grid":  # many edges fall together
+        low, size = rng.integers(0, 6, (count, 3)).astype(float), rng.integers(0, 4, (count, 3)).astype(float)
+    elif kind == "nested":
+        low, size = -size, 2.0 * size
+    elif kind == "equal":
+        low, size = np.zeros((count, 3)), np.ones((count, 3))
+    high = low + size
+    inside = (low[None] >= low[:, None]).all(axis=2) & (high[None] <= high[:, None]).all(axis=2)
+    assert np.array_equal(openness._containing(low, high), inside.sum(axis=1) > 1)
+
+
+def test_boxes_in_a_lattice_are_compared_with_few_others(monkeypatch):
+    """As many times as there are boxes, or nearly: 100,000 of them would not be done otherwise."""
+
+    def compared(side: int) -> float:
+        rows = []
+        plain = np.repeat
+        monkeypatch.setattr(np, "repeat", lambda what, times: rows.append(len(what) * times) or plain(what, times))
+        low = np.array(list(itertools.product(range(side), repeat=3)), dtype=float)
+        assert not openness._containing(low, low + 0.5).any()
+        monkeypatch.setattr(np, "repeat", plain)
+        return sum(rows) / len(low)
+
+    assert compared(24) < 2.0 * compared(12)

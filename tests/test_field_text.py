@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import base64
+import json
 
 import numpy as np
 import pytest
 from loading import notes, save, soup
+from shapes import box
 from test_io_builders import SOUP, Gltf, obj_text, off_text, ply, stl_binary, stl_text
 
-from feeler import Mockup
+import feeler
+from feeler import Mockup, PoseError
+from feeler.cli.inputs import read_poses
 from feeler.io import load_mockup
 from feeler.io.sniff import identify
 
@@ -118,6 +122,61 @@ def test_gltf_text_with_a_mark(tmp_path):
     uri = "data:application/octet-stream;base64," + base64.b64encode(g.blob).decode()
     mockup = load_mockup(save(tmp_path, "a.gltf", b"\xef\xbb\xbf" + g.gltf(uri)))
     assert np.array_equal(soup(mockup), SOUP)
+
+
+# --- poses, rules and findings ----------------------------------------------------------------------------------------
+
+POSE = np.array([[0.0, -1.0, 0.0, 0.5], [1.0, 0.0, 0.0, -1.25], [0.0, 0.0, 1.0, 1e-3], [0.0, 0.0, 0.0, 1.0]])
+ROWS = [[f"{value:g}" for value in row] for row in POSE.tolist()]
+POSE_TEXTS = {
+    "blanks": "\n".join(" ".join(row) for row in ROWS),
+    "commas": "\n".join(", ".join(row) for row in ROWS),
+    "commas, one line": ",".join(",".join(row) for row in ROWS),
+    "semicolons": ";".join(";".join(row) for row in ROWS) + "\n",
+    "semicolons at the ends": "\n".join(";".join(row) + ";" for row in ROWS),
+    "semicolons between rows": "; ".join(", ".join(row) for row in ROWS),
+    "decimal commas": "\n".join(";".join(row) for row in ROWS).replace(".", ","),
+    "decimal commas and tabs": "\t".join("\t".join(row) for row in ROWS).replace(".", ","),
+    "comments": "# a; b, c\n" + "\n".join("; ".join(row) + " # 1,5; Höhe" for row in ROWS),
+}
+
+
+@pytest.mark.parametrize("layout", POSE_TEXTS)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+@pytest.mark.parametrize("count", [1, 3])
+def test_poses_as_text(tmp_path, layout, encoding, count):
+    text = (POSE_TEXTS[layout] + "\n") * count
+    poses = read_poses(save(tmp_path, "a.csv", text.replace("\n", "\r\n").encode(encoding)))
+    assert np.array_equal(poses, [POSE] * count)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (POSE_TEXTS["decimal commas"].replace("0,5", "0,5,1"), "no whole number of poses"),
+        (POSE_TEXTS["semicolons"].replace("0.5", "0.5x"), "0.5x"),
+        ("x;y;z\n" + POSE_TEXTS["semicolons"], "could not convert"),
+    ],
+)
+def test_poses_as_text_that_are_refused(tmp_path, text, words):
+    with pytest.raises(PoseError, match=words):
+        read_poses(save(tmp_path, "a.csv", text))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_rules_findings_and_poses_in_any_encoding(tmp_path, encoding):
+    """As PowerShell and editors of Windows save them."""
+    cubes = Mockup({"Größe 5": Mockup(*box([0, 0, 0], [1, 1, 1])), "b": Mockup(*box([0.9, 0, 0], [2, 1, 1]))})
+    found = feeler.clash(cubes)
+    found.save(tmp_path / "plain.json")
+    text = (tmp_path / "plain.json").read_text(encoding="utf-8")
+    again = feeler.load_clashes(save(tmp_path, "a.json", text.encode(encoding)))
+    assert again.ids == found.ids and again[0].path_a == found[0].path_a
+    rules = 'version = 1\n[[exclude]]\nname = "Größe"\na = "Größe 5"\nb = "*"\n'
+    left = feeler.clash(cubes, rules=save(tmp_path, "r.toml", rules.encode(encoding)))
+    assert len(found) == 1 and len(left) == 0
+    poses = read_poses(save(tmp_path, "p.json", json.dumps({"pose": POSE.tolist()}).encode(encoding)))
+    assert np.array_equal(poses, [POSE])
 
 
 # --- OBJ --------------------------------------------------------------------------------------------------------------

@@ -320,20 +320,31 @@ def test_escapes_are_undone_once():
 
 
 @needs_step
-def test_a_part_is_called_by_its_product(tmp_path):
-    """Occurrences are called "left" and "right", or nothing; the product is "housing"."""
+@pytest.mark.parametrize(
+    ("occurrence", "name"),
+    [
+        ("left \\X2\\00E4\\X0\\", "left ä (housing)"),
+        ("Housing:1", "Housing:1"),
+        ("housing-12", "housing-12"),
+        ("HOUSING", "housing"),
+        ("A", "A (housing)"),
+        ("NAUO17", "housing"),
+        ("17", "housing"),
+        ("", "housing"),
+    ],
+)
+def test_a_part_is_called_by_its_place_and_product(tmp_path, occurrence, name):
+    """The product is "housing"; the second occurrence has no name."""
     again = (
         "#304=NEXT_ASSEMBLY_USAGE_OCCURRENCE('9','','',#12,#20,$);\n#305=PRODUCT_DEFINITION_SHAPE('','',#304);\n"
         "#306=ITEM_DEFINED_TRANSFORMATION('','',#29,#189);\n"
         "#307=(REPRESENTATION_RELATIONSHIP('','',#180,#202) REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#306) "
         "SHAPE_REPRESENTATION_RELATIONSHIP());\n#308=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#307,#305);\n"
     )
-    text = ASSEMBLY.replace("'1','housing'", "'1','left \\X2\\00E4\\X0\\'").replace(
-        "ENDSEC;\nEND", again + "ENDSEC;\nEND"
-    )
+    text = ASSEMBLY.replace("'1','housing'", f"'1','{occurrence}'").replace("ENDSEC;\nEND", again + "ENDSEC;\nEND")
     mockup = load_mockup(save(tmp_path, "a.step", text))
-    assert paths(mockup) == ["a/asm/housing", "a/asm/housing#2"]
-    assert [part.name for part in mockup.parts] == ["housing", "housing"]
+    assert paths(mockup) == [f"a/asm/{name}", "a/asm/housing" + ("#2" if name == "housing" else "")]
+    assert [part.name for part in mockup.parts] == [name, "housing"]
     assert np.allclose(boxes(mockup), [BOX, moved(0.1, 0, 0)], atol=1e-8)
 
 
@@ -387,6 +398,40 @@ def test_comments_are_no_entities(tmp_path):
     mockup = load_mockup(save(tmp_path, "a.step", commented))
     assert paths(mockup) == ["a/bracket"]
     assert plain_text(b"'/*' /* ' */ '*/' /* open") == b"'/*'   '*/'  "
+
+
+SIGNATURE = "SIGNATURE;\n" + "MIIC6QYJKoZIhvcNAQcCoIIC2jCCAtYCAQExCTAHBgUrDgMCGjALBgkqhkiG9w0B\n" * 200 + "ENDSEC;\n"
+FRAMES = {
+    "a long signature": (COLOURS + SIGNATURE, "the signature was not checked"),
+    "two signatures": (COLOURS + SIGNATURE + SIGNATURE, "the signature was not checked"),
+    "zeros": (COLOURS + "\0" * 9000 + "\x1a", ""),
+    "another file": (COLOURS + COLOURS.replace("bracket", "lid"), "another STEP file follows"),
+    "a text": (COLOURS + "\nmade by hand\n", "a text of 12 bytes follows"),
+    "a blank in the end": (COLOURS.replace("END-ISO-10303-21;", "END-ISO-10303-21 ;\n/* by x */"), ""),
+    "the end in a name": (COLOURS.replace("'bracket','bracket'", "'END-ISO-10303-21;','bracket'"), ""),
+    "a section with parameters": (COLOURS.replace("DATA;", "DATA ('one',('AP214')) ;"), ""),
+    "two sections": (COLOURS.replace("#64=PLANE(", "ENDSEC;\nDATA('two',('AP214'));\n#64=PLANE("), ""),
+    "sections of edition 3": (COLOURS.replace("DATA;", "ANCHOR;\n<a>=#10;\nENDSEC;\nREFERENCE;\nENDSEC;\nDATA;"), ""),
+    "sections in a name": (COLOURS.replace("'bracket','bracket'", "'ENDSEC; DATA; HEADER;','bracket'"), ""),
+}  # fmt: skip
+
+
+@needs_step
+@pytest.mark.parametrize("frame", FRAMES)
+def test_sections_and_what_follows_the_end(tmp_path, frame):
+    text, words = FRAMES[frame]
+    assert text != COLOURS
+    mockup = load_mockup(save(tmp_path, "a.step", text))
+    assert paths(mockup) == ["a/bracket"] and mockup.triangle_count == 12
+    assert np.allclose(mockup.bounds, BOX)
+    said = "\n".join(mockup.report.source.notes[:2])
+    assert words in said and len(mockup.report.source.notes) == 1 + bool(words)
+    assert bool(mockup.report.source.doubts) == (frame in ("another file", "a text"))
+
+
+@needs_step
+def test_a_signature_alone_is_no_end(tmp_path):
+    fails(save(tmp_path, "a.step", COLOURS.replace("END-ISO-10303-21;\n", "") + SIGNATURE), "truncated")
 
 
 def test_arguments():

@@ -38,6 +38,7 @@ from typing import Any
 from feeler.arguments import check_length, near
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
 from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.io.text import text_of
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -152,7 +153,7 @@ def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The contents of a TOML file: see `Rules.read`."""
     file = Path(path)
     try:
-        data: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+        data: dict[str, Any] = tomllib.loads(text_of(file))
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
     except (OSError, UnicodeDecodeError) as error:

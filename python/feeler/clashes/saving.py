@@ -28,6 +28,7 @@ from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import LoadError, MissingFileError
 from feeler.io.atomic import atomic_file
+from feeler.io.text import text_of
 
 FORMAT, VERSION = "feeler clash", 1
 _OLD_KINDS = ("exact", "bound", "estimate")
@@ -142,7 +143,7 @@ def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
     """See `load_clashes`."""
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        text = text_of(file)
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give what Clashes.save wrote") from None
     except (OSError, UnicodeDecodeError) as error:

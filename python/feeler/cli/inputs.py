@@ -17,6 +17,7 @@ import typer
 import feeler
 from feeler.cli.outputs import warn
 from feeler.errors import MissingFileError, OptionError, PoseError
+from feeler.io.text import decoded, name_text, numbers_of, text_of
 from feeler.progress import Progress, bar
 
 Poses = npt.NDArray[np.float64]
@@ -257,7 +258,8 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
     """Poses world_from_tool, metres, (n, 4, 4), from a file; with `snap` the nearest rigid ones.
 
     `.npy`: (4, 4) or (n, 4, 4). `.json`: such an array as lists, alone or under "world_from_tool", "pose" or "poses".
-    Anything else: 16 numbers a pose, row by row, split by blanks, commas or lines; `#` begins a comment.
+    Anything else: 16 numbers a pose, row by row, split by blanks, commas, semicolons or lines, with decimal points or
+    commas; `#` begins a comment.
     Raises `MissingFileError`, `PoseError`.
     """
     if not path.is_file():
@@ -267,9 +269,9 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
         if path.suffix.lower() == ".npy":
             values = np.load(path, allow_pickle=False)
         elif path.suffix.lower() == ".json":
-            values = _from_json(json.loads(path.read_text(encoding="utf-8-sig")))
+            values = _from_json(json.loads(text_of(path)))
         else:
-            values = _from_text(path.read_text(encoding="utf-8-sig"))
+            values = _from_text(name_text(decoded(path.read_bytes())))
         poses = np.asarray(values, dtype=np.float64)
     except (ValueError, TypeError, EOFError, RecursionError) as error:
         raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
@@ -297,7 +299,7 @@ def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Scr
     legs = None
     if path.suffix.lower() == ".json" and path.is_file():
         try:
-            document = json.loads(path.read_text(encoding="utf-8-sig"))
+            document = json.loads(text_of(path))
             legs = document.get("legs") if isinstance(document, dict) else None
             if legs is not None:
                 from feeler.plan.legs import path_of_json
@@ -325,11 +327,8 @@ def _from_json(document: Any) -> Any:
 
 
 def _from_text(text: str) -> npt.NDArray[np.float64]:
-    words = " ".join(line.partition("#")[0] for line in text.splitlines()).replace(",", " ").split()
-    values = np.array([float(word) for word in words])
-    if len(values) % 16:
-        raise ValueError(f"{len(values)} numbers are not a multiple of 16")
-    return values.reshape(-1, 4, 4)
+    plain = "\n".join(line.partition("#")[0] for line in text.splitlines())
+    return np.array(numbers_of(plain, 16, "poses")).reshape(-1, 4, 4)
 
 
 def _cos_sin(angle_deg: float) -> tuple[float, float]:
@@ -341,7 +340,7 @@ def _cos_sin(angle_deg: float) -> tuple[float, float]:
 
 def _triple(text: str, option: str) -> list[float]:
     try:
-        values = [float(word) for word in text.replace(",", " ").split()]
+        values = numbers_of(text, 3, "triples")
     except ValueError:
         values = []
     if len(values) != 3 or not all(math.isfinite(value) for value in values):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from feeler.io.collada_document import Document, Element
 from feeler.io.placing import shift_indices
-from feeler.io.polygons import MAX_EAR_CORNERS, bridged, triangulate
+from feeler.io.polygons import CROSSING, bridged, triangulate
 from feeler.io.raw import clean_name, seal_indices
 from feeler.io.tally import Tally
 
@@ -70,12 +70,7 @@ class MeshReader:
             if made.thin:
                 self.tally.add("polygons with fewer than three corners have no triangle", name, made.thin)
             if made.rough:
-                self.tally.add(
-                    f"hollow polygons with more than {MAX_EAR_CORNERS:,} corners were cut as fans: their triangles may "
-                    "overlap",
-                    name,
-                    made.rough,
-                )
+                self.tally.add(CROSSING, name, made.rough)
             faces.append(shift_indices(seal_indices(made.faces, len(points)), first, len(points)))
         return Mesh(np.concatenate(vertices), np.concatenate(faces))
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-MAX_EAR_CORNERS = 2000
-"""Larger polygons that are not convex are cut as a fan: ear clipping takes cubic time at worst."""
+from feeler.io.ears import cut_ears
 
-_MANY = 100  # corners from which NumPy is faster than a loop
+CROSSING = "polygons cross themselves: their triangles overlap, or stand out of them"
 
-
-_Ring: TypeAlias = list[tuple[int, list[float]]]
-"""A polygon as (vertex, [x, y]) of each corner."""
+_Points: TypeAlias = NDArray[np.float64]
+"""Points of a plane, (k, 2), or one of them."""
 
 
 class Triangulated(NamedTuple):
@@ -23,7 +21,7 @@ class Triangulated(NamedTuple):
     faces: NDArray[np.int64]  # (m, 3)
     polygon: NDArray[np.int64]  # (m,) the polygon each triangle came from
     cut: int  # polygons with more than three corners
-    rough: int  # polygons that are not convex but had to be cut as a fan
+    rough: int  # polygons that cross themselves, so that their triangles overlap
     thin: int  # polygons with fewer than three corners: they have no triangle
     first_thin: int  # index of the first of those, or -1
 
@@ -50,11 +48,9 @@ def triangulate(corners: NDArray[np.int64], sizes: NDArray[np.int64], vertices: 
         fan[:, :, 2] = block[:, 2:]
         if size > 4:
             hollow = np.flatnonzero(_reflex(block, vertices).any(axis=1)).tolist()
-            if size > MAX_EAR_CORNERS:
-                rough += len(hollow)
-            else:
-                for row in hollow:
-                    fan[row] = _ears(block[row], vertices)
+            for row in hollow:
+                fan[row], is_covered = _ears(block[row], vertices)
+                rough += not is_covered
         faces[out_starts[which][:, None] + np.arange(size - 2)] = fan
     polygon = np.repeat(np.arange(len(sizes)), pieces)
     return Triangulated(faces, polygon, int((sizes > 3).sum()), rough, int(thin.sum()), first_thin)
@@ -66,21 +62,8 @@ def describe(result: Triangulated) -> list[str]:
     if result.cut:
         notes.append(f"{result.cut:,} polygons with more than three corners were cut into triangles")
     if result.rough:
-        notes.append(
-            f"{result.rough:,} hollow polygons with more than {MAX_EAR_CORNERS:,} corners were cut as fans: "
-            "their triangles may overlap"
-        )
+        notes.append(f"{result.rough:,} {CROSSING}")
     return notes
-
-
-def _any_inside(left: NDArray[np.int64], a: int, b: int, c: int, plane: NDArray[np.float64]) -> bool:
-    """Tell whether a remaining corner lies in the triangle, or on it; those equal to its corners do not count."""
-    x, y = plane[left].T
-    inside = np.ones(len(left), dtype=bool)
-    for (from_x, from_y), (to_x, to_y) in zip(plane[[a, b, c]].tolist(), plane[[b, c, a]].tolist(), strict=True):
-        inside &= (to_x - from_x) * (y - from_y) - (to_y - from_y) * (x - from_x) >= 0
-        inside &= (x != from_x) | (y != from_y)
-    return bool(inside.any())
 
 
 def _reflex(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -103,49 +86,21 @@ def _area_vector(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return area
 
 
-def _flat(points: NDArray[np.float64], normal: NDArray[np.float64]) -> list[list[float]]:
+def _flat(points: NDArray[np.float64], normal: NDArray[np.float64]) -> _Points:
     """Return points (n, 3) projected along a normal, as x and y: counter-clockwise seen from the normal's tip."""
     drop = int(np.argmax(np.abs(normal)))
     flat = np.delete(points, drop, axis=1)
     if (normal[drop] < 0) != (drop == 1):
         flat = flat[:, ::-1]
-    rows: list[list[float]] = flat.tolist()
-    return rows
+    return flat
 
 
-def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Cut ears off one polygon, seen along its area vector. A rest without an ear is cut as a fan."""
-    xy = _flat(vertices[corners], _area_vector(vertices[corners][None])[0])
-
-    def turn(a: int, b: int, c: int) -> float:
-        return (xy[b][0] - xy[a][0]) * (xy[c][1] - xy[a][1]) - (xy[b][1] - xy[a][1]) * (xy[c][0] - xy[a][0])
-
-    def is_ear(a: int, b: int, c: int) -> bool:
-        if turn(a, b, c) <= 0:
-            return False
-        if len(left) > _MANY:
-            return not _any_inside(np.array(left), a, b, c, plane)
-        return not any(
-            turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0
-            for p in left
-            if xy[p] not in (xy[a], xy[b], xy[c])
-        )
-
-    plane = np.array(xy)
-    left = list(range(len(corners)))
-    triangles: list[list[int]] = []
-    while len(left) > 3:
-        for at in range(len(left)):
-            ear = [left[at - 1], left[at], left[(at + 1) % len(left)]]
-            if is_ear(*ear):
-                triangles.append(ear)
-                del left[at]
-                break
-        else:
-            break
-    triangles += [[left[0], left[i], left[i + 1]] for i in range(1, len(left) - 1)]
+def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> tuple[NDArray[np.int64], bool]:
+    """Return the triangles of one polygon, seen along its area vector, and whether they cover it once."""
+    points = vertices[corners]
+    triangles, is_covered = cut_ears(_flat(points, _area_vector(points[None])[0]).tolist())
     ears: NDArray[np.int64] = corners[np.array(triangles)]
-    return ears
+    return ears, is_covered
 
 
 def bridged(
@@ -163,64 +118,65 @@ def bridged(
     normal = _area_vector(vertices[outline][None])[0]
     if not np.isfinite(normal).all():
         return outline
-    rows = [list(zip(ring.tolist(), _flat(vertices[ring], normal), strict=True)) for ring in (outline, *holes)]
-    left, rings = rows[0], rows[1:]
-    for ring in sorted(rings, key=lambda ring: -max(at[0] for _, at in ring)):
-        if _area(ring) > 0:
-            ring.reverse()  # a hole runs against its outline
-        start = max(range(len(ring)), key=lambda i: ring[i][1][0])
-        ring = ring[start:] + ring[:start]
-        tie = _seen_from(ring[0][1], left)
-        left[tie + 1 : tie + 1] = [*ring, ring[0], left[tie]]
-    return np.array([corner for corner, _ in left], dtype=np.int64)
+    ring, plane = outline, _flat(vertices[outline], normal)
+    rings = [(hole, _flat(vertices[hole], normal)) for hole in holes]
+    for hole, at in sorted(rings, key=lambda ring: -ring[1][:, 0].max()):
+        start = int(np.argmax(at[:, 0]))
+        order = np.roll(np.arange(len(hole)), -start)
+        if _area(at) > 0:
+            order = np.roll(order[::-1], 1)  # a hole runs against its outline
+        order = np.append(order, order[0])
+        tie = _seen_from(at[start], plane)
+        ring = np.concatenate([ring[: tie + 1], hole[order], ring[tie:]])
+        plane = np.concatenate([plane[: tie + 1], at[order], plane[tie:]])
+    return ring
 
 
-def _area(ring: _Ring) -> float:
-    return sum(a[1][0] * b[1][1] - b[1][0] * a[1][1] for a, b in zip(ring, ring[1:] + ring[:1], strict=True))
+def _area(ring: _Points) -> float:
+    """Return twice the area of a polygon in the plane, positive if it runs counter-clockwise."""
+    x, y = (ring - ring[0]).T
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
 
 
-def _seen_from(point: list[float], ring: _Ring) -> int:
+def _seen_from(point: _Points, ring: _Points) -> int:
     """Return a corner of a counter-clockwise ring that is visible from a point inside, looking to the right."""
-    x, y = point
-    best, at = float("inf"), -1
-    for i, (_, a) in enumerate(ring):
-        b = ring[(i + 1) % len(ring)][1]
-        # Edges ahead have the inside on their left, so they go up.
-        if a[1] <= y < b[1] or (a[1] < y <= b[1]):
-            hit = a[0] + (y - a[1]) * (b[0] - a[0]) / (b[1] - a[1])
-            if x <= hit < best:
-                begins = y == a[1] or (y != b[1] and a[0] > b[0])
-                best, at = hit, i if begins else (i + 1) % len(ring)
-    if at < 0:
+    x, y = point.tolist()
+    (ax, ay), (bx, by) = ring.T, np.roll(ring, -1, axis=0).T
+    # Edges ahead have the inside on their left, so they go up.
+    ahead = np.flatnonzero(((ay <= y) & (y < by)) | ((ay < y) & (y <= by)))
+    hits = ax[ahead] + (y - ay[ahead]) * (bx[ahead] - ax[ahead]) / (by[ahead] - ay[ahead])
+    ahead, hits = ahead[hits >= x], hits[hits >= x]
+    if not len(ahead):
         # The hole is not inside: any corner will do, so take the nearest.
-        return min(range(len(ring)), key=lambda i: (ring[i][1][0] - x) ** 2 + (ring[i][1][1] - y) ** 2)
-    tip = ring[at][1]
+        return int(np.argmin((ax - x) ** 2 + (ay - y) ** 2))
+    best, at = float(hits.min()), int(ahead[np.argmin(hits)])
+    begins = y == ay[at] or (y != by[at] and ax[at] > bx[at])
+    at = at if begins else (at + 1) % len(ring)
+    tip = ring[at].tolist()
     if tip[1] == y:
         return at
     # Reflex corners may lie in between, inside the triangle of point, hit and tip: take the one with the least angle.
-    corners = ([x, y], [best, y], tip) if tip[1] > y else ([x, y], tip, [best, y])
+    a, b, c = ([x, y], [best, y], tip) if tip[1] > y else ([x, y], tip, [best, y])
+    between = (_turn(a, b, ring.T) >= 0) & (_turn(b, c, ring.T) >= 0) & (_turn(c, a, ring.T) >= 0) & (ax >= x)
     least, nearest = (abs(tip[1] - y) / max(tip[0] - x, 1e-300), (tip[0] - x) ** 2 + (tip[1] - y) ** 2), at
-    for i, (_, p) in enumerate(ring):
-        if i == at or p == tip or p[0] < x or not _inside(p, corners):
+    for i in np.flatnonzero(between).tolist():
+        p = ring[i].tolist()
+        if i == at or p == tip:
             continue
         angle = (abs(p[1] - y) / max(p[0] - x, 1e-300), (p[0] - x) ** 2 + (p[1] - y) ** 2)
-        if angle < least and _is_open(ring, i, point):
+        if angle < least and _is_open(ring[[i - 1, i, (i + 1) % len(ring)]].tolist(), [x, y]):
             least, nearest = angle, i
     return nearest
 
 
-def _turn(a: list[float], b: list[float], c: list[float]) -> float:
+def _turn(a: Any, b: Any, c: Any) -> Any:
+    """Return twice the area of triangles, from points, or from x and y of many."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def _inside(p: list[float], corners: tuple[list[float], list[float], list[float]]) -> bool:
-    a, b, c = corners
-    return _turn(a, b, p) >= 0 and _turn(b, c, p) >= 0 and _turn(c, a, p) >= 0
-
-
-def _is_open(ring: _Ring, i: int, point: list[float]) -> bool:
-    """Tell whether the inside of the ring at its corner `i` is towards the point."""
-    before, at, after = ring[i - 1][1], ring[i][1], ring[(i + 1) % len(ring)][1]
+def _is_open(corners: list[list[float]], point: list[float]) -> bool:
+    """Tell whether the inside of a ring at the second of three corners in a row is towards the point."""
+    before, at, after = corners
     if _turn(before, at, after) >= 0:
-        return _turn(before, at, point) >= 0 and _turn(at, after, point) >= 0
-    return _turn(before, at, point) >= 0 or _turn(at, after, point) >= 0
+        return bool(_turn(before, at, point) >= 0 and _turn(at, after, point) >= 0)
+    return bool(_turn(before, at, point) >= 0 or _turn(at, after, point) >= 0)

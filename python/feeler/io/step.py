@@ -26,7 +26,7 @@ from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly, stated_units
 from feeler.io.step_parts import Library, ReadFile, Slot, fill
 from feeler.io.step_source import count_faces, for_converter, left_out, misplaced
-from feeler.io.step_text import plain_text
+from feeler.io.step_text import one_section, plain_text, split_end
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
@@ -58,24 +58,46 @@ def read_step(
     Parts in other files beside it are read from there. `given` is the unit that the caller will apply instead of the
     stated one; the tolerance holds in that unit.
     """
-    text = _text_of(path)
+    text, signed, rest = _text_of(path)
     tolerance = DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else chord_tolerance
     stretch = given.metres / _main_unit(text).metres if given else 1.0
     library = Library(path.parent)
 
     def read_part(part: Path, chain: tuple[Path, ...]) -> RawMesh:
-        return _read(part, _text_of(part), tolerance / stretch, None, library, (*chain, part), read_part)
+        inner, *said = _text_of(part)
+        found = _read(part, inner, tolerance / stretch, None, library, (*chain, part), read_part)
+        found.notes += [note for notes in said for note in notes]
+        return found
 
     raw = _read(path, text, tolerance / stretch, progress, library, (path.resolve(),), read_part)
     raw.notes.insert(0, f"triangulated from B-rep: chord tolerance {tolerance:g} m, angle {ANGLE_RAD:g} rad")
+    raw.notes += signed
+    raw.doubts += rest
     return raw
 
 
-def _text_of(path: Path) -> bytes:
-    """Return the text of a STEP file, in UTF-8, without comments."""
+def _text_of(path: Path) -> tuple[bytes, list[str], list[str]]:
+    """Return the text of a STEP file, in UTF-8, without comments, up to its end, with notes and doubts on what follows.
+
+    Checks that it begins and ends as STEP does, before native code sees it.
+    """
     text = decoded(path.read_bytes())
-    _check_frame(path, text)
-    return plain_text(text)
+    if not text[:1024].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"ISO-10303-21"):
+        raise LoadError(f"{path}: a STEP file starts with 'ISO-10303-21;'; this one is something else")
+    split = split_end(plain_text(text))
+    if split is None:
+        raise LoadError(
+            f"{path}: the closing 'END-ISO-10303-21;' is missing: the file is truncated; copy or export it again"
+        )
+    text, rest = split[0], split[1].strip(b"\0\x1a \t\n")
+    if b"\nDATA" not in text and b"DATA;" not in text:
+        raise LoadError(f"{path}: the STEP file has no DATA section; export it again")
+    if not rest:
+        return text, [], []
+    if rest.startswith(b"SIGNATURE"):
+        return text, ["the file is signed (edition 3 of STEP): the signature was not checked"], []
+    what = "another STEP file follows" if rest.startswith(b"ISO-10303-21") else f"a text of {len(rest):,} bytes follows"
+    return text, [], [f"{what} after 'END-ISO-10303-21;', and was not read"]
 
 
 def _main_unit(text: bytes) -> Unit:
@@ -114,7 +136,7 @@ def _read(
 
     with tempfile.TemporaryDirectory(prefix="feeler-") as folder:
         source, target = Path(folder) / "source.step", Path(folder) / "converted.glb"
-        source.write_bytes(for_converter(text))
+        source.write_bytes(one_section(for_converter(text)))
         said = _convert(path, source, target, tolerance, portion(progress, 0.0, 0.9))
         try:
             raw = read_gltf(target, None, edit=edit)
@@ -194,18 +216,6 @@ def _empty_parts(document: Document, definitions: dict[int, int]) -> list[Slot]:
         for part in SceneGraph(document, Tally()).instances
         if part.shape.mesh in node_of
     ]
-
-
-def _check_frame(path: Path, text: bytes) -> None:
-    """Check that the file starts and ends as STEP does, before native code sees it."""
-    if not text[:1024].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"ISO-10303-21"):
-        raise LoadError(f"{path}: a STEP file starts with 'ISO-10303-21;'; this one is something else")
-    if b"END-ISO-10303-21" not in text[-4096:]:
-        raise LoadError(
-            f"{path}: the closing 'END-ISO-10303-21;' is missing: the file is truncated; copy or export it again"
-        )
-    if b"\nDATA" not in text and b"DATA;" not in text:
-        raise LoadError(f"{path}: the STEP file has no DATA section; export it again")
 
 
 def _convert(path: Path, source: Path, target: Path, tolerance: float, progress: Progress | None) -> list[str]:

@@ -1,7 +1,8 @@
-"""Facts in the text of a STEP file: units, the assembly, and the product names that the converter leaves out.
+"""Facts in the text of a STEP file: units, the assembly, and the names that the converter leaves out.
 
-The converter names a node after its occurrence ("bolt-3"), or by a number if the occurrence has no name ("130"). feeler
-names parts after their product. The text has both.
+The converter names a node after its occurrence ("bolt-3", "R101"), or by a number if the occurrence has no name
+("130"), and drops the product ("bolt", "resistor"). The occurrence distinguishes parts of one product, also in the
+next revision; the product says what they are. The text has both, and `place_name` makes the name of a part from them.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ _PREFIXES = {
     b"KILO": "km", b"DECI": "dm", b"CENTI": "cm", b"MILLI": "mm", b"MICRO": "um", b"NANO": "nm", b"": "m",
 }  # fmt: skip
 _NO_NAME = re.compile(r"(?:=>)?\[\d+(?::\d+)*\]$")  # where the converter keeps a shape that has no name
+# Names that programs give to occurrences for want of one: a bare number, NAUO12.
+_NUMBERED = re.compile(r"(?:nauo|next_assembly_usage_occurrence|occurrence|instance)?[\W\d_]*", re.IGNORECASE)
 _DEFINITIONS = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
 _FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE")
 
@@ -53,6 +56,14 @@ class Occurrence(NamedTuple):
 
     label: str  # the converter's name
     definition: int  # the PRODUCT_DEFINITION entity of the placed product
+    name: str = ""  # the name of the place, "" if it has none of its own
+
+
+def place_name(occurrence: str, product: str) -> str:
+    """Return the name of a product at its place: "bolt-3", "R101 (resistor)", or "bolt" for a place without a name."""
+    if _NUMBERED.fullmatch(occurrence) or occurrence.casefold() == product.casefold():
+        return product
+    return occurrence if product.casefold() in occurrence.casefold() else f"{occurrence} ({product})"
 
 
 class Assembly:
@@ -75,7 +86,8 @@ class Assembly:
         self.placed: set[int] = set()
         for entity in found.get("NEXT_ASSEMBLY_USAGE_OCCURRENCE", []):
             above, below = entity.refers(3), entity.refers(4)
-            self._below.setdefault(above, []).append(Occurrence(entity.text(1) or entity.text(0), below))
+            label = entity.text(1) or entity.text(0)
+            self._below.setdefault(above, []).append(Occurrence(label, below, entity.text(1)))
             self.placed.add(below)
         self._roots = [Occurrence(name, number) for number, name in self._names.items() if number not in self.placed]
 
@@ -84,25 +96,28 @@ class Assembly:
         return self._names.get(definition, "")
 
     def give_names(self, root: dict[str, Any]) -> dict[int, int]:
-        """Name the nodes of a converted file after their products; return the definition of each node."""
+        """Name the nodes of a converted file after their places; return the definition of each node."""
         nodes = root.get("nodes", [])
         definitions: dict[int, int] = {}
         todo = [(scene.get("nodes", []), self._roots, "") for scene in root.get("scenes", [])]
         while todo:
             children, known, above = todo.pop()
-            for at, definition in zip(children, self._matched(children, nodes, known), strict=True):
+            for at, place in zip(children, self._matched(children, nodes, known), strict=True):
                 node = nodes[at]
+                definition = place.definition if place else 0
                 if definition:
                     definitions[at] = definition
-                if self.name(definition):
-                    node["name"] = self.name(definition)
+                if place and self.name(definition):
+                    node["name"] = place_name(place.name, self.name(definition))
                 elif above and _NO_NAME.match(str(node.get("name", ""))):
                     node["name"] = above  # one of several shapes of a product
                 todo.append((node.get("children", []), self._below.get(definition, []), str(node.get("name", ""))))
         return definitions
 
-    def _matched(self, children: list[int], nodes: list[dict[str, Any]], known: list[Occurrence]) -> list[int]:
-        """Return the definition of each node, 0 if it is not known.
+    def _matched(
+        self, children: list[int], nodes: list[dict[str, Any]], known: list[Occurrence]
+    ) -> list[Occurrence | None]:
+        """Return the occurrence of each node, None if it is not known.
 
         Nodes and occurrences have the same order, but some of either may lack the other. Therefore labels count first,
         each occurrence once; without a label match, the position counts if there are as many of both.
@@ -117,4 +132,4 @@ class Assembly:
         if len(children) == len(known):
             left = set(range(len(known))) - {place for place in taken if place is not None}
             taken = [here if here is not None or place not in left else place for place, here in enumerate(taken)]
-        return [0 if place is None else known[place].definition for place in taken]
+        return [None if place is None else known[place] for place in taken]

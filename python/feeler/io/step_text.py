@@ -22,6 +22,8 @@ _ESCAPE = re.compile(
     r"''|\\\\|\\X2\\((?:[0-9A-F]{4})*)\\X0\\|\\X4\\((?:[0-9A-F]{8})*)\\X0\\|\\X\\([0-9A-F]{2})|\\P([A-I])\\|\\S\\(.)",
     re.IGNORECASE,
 )
+_END = re.compile(rb"END-ISO-10303-21\s*;")
+_SECTION = re.compile(rb"(?:^|(?<=[;\s]))(HEADER|DATA|ANCHOR|REFERENCE)\s*(?:\([^;]*\)\s*)?;|\bENDSEC\s*;")
 _MAX_NESTED = 50  # real ones nest 4 deep
 
 
@@ -65,6 +67,37 @@ def plain_text(text: bytes) -> bytes:
     if b"/*" in text:
         text = _STRING_OR_COMMENT.sub(lambda m: m[1] or b" ", text)
     return text
+
+
+def split_end(text: bytes) -> tuple[bytes, bytes] | None:
+    """Return (the text up to the end of its exchange structure, what follows); None if it has no end.
+
+    Signatures follow (edition 3 of the standard), and what was appended by programs. `text` is as `plain_text` returns
+    it.
+    """
+    for found in _END.finditer(text):
+        if text.count(b"'", 0, found.start()) % 2 == 0:
+            return text[: found.end()], text[found.end() :]
+    return None
+
+
+def one_section(text: bytes) -> bytes:
+    """Return the text with all entities in one section DATA, and without the sections of edition 3.
+
+    OpenCASCADE knows neither several sections DATA, nor one with parameters, nor ANCHOR and REFERENCE. `text` is as
+    `split_end` returns it.
+    """
+    pieces: dict[bytes, list[bytes]] = {b"HEADER": [], b"DATA": []}
+    quotes = np.flatnonzero(np.frombuffer(text, dtype=np.uint8) == ord("'"))
+    keyword, start = b"", 0
+    for found in _SECTION.finditer(text):
+        if np.searchsorted(quotes, found.start()) % 2:
+            continue  # in a string
+        pieces.setdefault(keyword, []).append(text[start : found.start()])
+        keyword, start = found[1] or b"", found.end()
+    pieces.setdefault(keyword, []).append(text[start : text.rindex(b"END-ISO")])  # nothing, unless an end is missing
+    header, data = (b"\n".join(pieces[word]) for word in (b"HEADER", b"DATA"))
+    return b"ISO-10303-21;\nHEADER;%b\nENDSEC;\nDATA;%b\nENDSEC;\nEND-ISO-10303-21;\n" % (header, data)
 
 
 def entities(text: bytes, *keywords: str) -> Iterator[Entity]:

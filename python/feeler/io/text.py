@@ -31,6 +31,7 @@ _MARKS = (
 )
 # How the C library of old Windows compilers writes what is no number: 1.#IND, -1.#IND00, 1.#QNAN, 1.#INF.
 _NOT_FINITE = re.compile(rb"(?<![^\s/])([-+]?)1\.#(?:(INF)|IND|[QS]NAN)\d*(?=[\s/])", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?")
 _WITHOUT_MARK = 4  # characters at the start that have to be ASCII in UTF-16 where no mark says so
 
 
@@ -63,6 +64,30 @@ def _utf16_without_mark(data: bytes) -> str | None:
         if not any(zeros) and all(9 <= letter < 127 for letter in letters):
             return encoding
     return None
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a file in UTF-8, UTF-16 or UTF-32, as editors and PowerShell write it, without its mark.
+
+    Raises `UnicodeDecodeError` for another encoding, `OSError`.
+    """
+    return decoded(path.read_bytes()).decode("utf-8")
+
+
+def numbers_of(text: str, each: int, what: str) -> list[float]:
+    """Return the numbers in a text, split by blanks, lines, commas or semicolons.
+
+    each: how many of them one of `what` ("poses") has. It tells decimal commas ("0,5; 1,0") from commas that separate
+    ("0.5, 1.0"): with decimal commas, every word is a number, and there are as many as there should be. Raises
+    `ValueError` for a word that is no number, and where their number is no multiple of `each`.
+    """
+    words = text.replace(";", " ").split()
+    if not ("," in text and len(words) % each == 0 and all(_DECIMAL_COMMA.fullmatch(word) for word in words)):
+        words = [word for part in words for word in part.split(",") if word]
+    numbers = [float(word.replace(",", ".")) for word in words]
+    if len(numbers) % each:
+        raise ValueError(f"{len(numbers)} numbers are no whole number of {what}")
+    return numbers
 
 
 def name_text(raw: bytes) -> str:

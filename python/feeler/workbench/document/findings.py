@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import Any
 
 from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.io.text import text_of
 from feeler.parts import Parts
 from feeler.words import length
 from feeler.workbench.document.arguments import is_number, is_sequence
@@ -32,7 +33,7 @@ def read_findings(path: str | Path) -> Any:
     """The content of a file, for `grouped`. Raises `MissingFileError`, and `LoadError` for other files."""
     file = Path(path)
     try:
-        data = json.loads(file.read_text(encoding="utf-8-sig"))
+        data = json.loads(text_of(file))
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give what feeler clash --json wrote") from None
     except (OSError, ValueError, RecursionError) as error:
