@@ -1,10 +1,9 @@
-"""Fasteners as other people's CAD draws them, and things that are none: random sizes, cuts, places and windings.
+"""Fasteners as modelled in various CAD styles, and other things: random sizes, cuts, places and windings.
 
     python bench/drawn_fasteners.py [--count 40] [--seed 0] [--show KIND]
 
-Prints, for each shape, how many of `count` are taken for fasteners without names, and how many answers are right: of
-the right kind, drive and size and at the right place, or none. Needs `manifold3d`, with
-whose solids feeler shares no code.
+Prints, for each shape, how many of `count` are recognised as fasteners without names, and how many answers are right:
+the right kind, drive, size and place, or none. Needs `manifold3d`, with whose solids feeler shares no code.
 """
 
 from __future__ import annotations

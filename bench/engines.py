@@ -1,7 +1,7 @@
-"""What the bench asks of an engine, and feeler's answer to it. A peer is one more class of this shape.
+"""The interface of the bench's engines, and feeler's implementation. A peer is one more class of this shape.
 
-An engine builds its index of a mock-up, takes a tool, and is aimed at a pose outside the clock: `aim` does what a user
-would do once per pose to get the numbers into the engine's types, and returns the bare call to be timed.
+An engine builds its index of a mock-up, takes a tool, and is aimed at a pose outside the clock: `aim` converts the pose
+to the engine's types, as a user does once per pose, and returns the bare call to time.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ KINDS_OF = {
     "contacts": ("nominal",),
     "cast": ("near",),
 }
-"""The queries, and the kinds of poses each is asked at."""
+"""The queries, and their kinds of poses."""
 AT_ONE_SIZE = ("contacts", "cast")
 QUERIES = tuple(KINDS_OF)
 ANY = ("collide", "is_colliding")  # of an engine that does not say

@@ -1,4 +1,4 @@
-"""feeler alone: batches on one and two cores, what the Python call costs, and a fine tool against its coarse twin."""
+"""feeler alone: batches on one and two cores, the cost of a Python call, and a fine tool against its coarse twin."""
 
 from __future__ import annotations
 

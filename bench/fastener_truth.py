@@ -1,4 +1,4 @@
-"""What the sample mock-ups know of their fasteners, and how much of it `feeler.find_fasteners` finds."""
+"""The true fasteners of the sample mock-ups, and how many of them `feeler.find_fasteners` finds."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
     make figures
 
-Shown is the newest release of each kind of machine; cells, funnel and builds are of the machine that was last measured
-as a whole.
+The page shows the newest release of each kind of machine; cells, funnel and builds are from the machine that was last
+measured completely.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is aimed at, and whether a record meets it. Goals are wishes: none of them decides the exit status."""
+"""The goals, and whether a record meets them. None of them affects the exit status."""
 
 from __future__ import annotations
 

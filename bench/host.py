@@ -1,4 +1,4 @@
-"""Where and on what the bench runs: machine, system, commit, versions."""
+"""The environment of the bench: machine, system, commit, versions."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""How far feeler is from what this machine can do: lines of memory read, operations in lanes done, one core.
+"""How far feeler is from the limits of this machine: memory lines read, lane operations done, one core.
 
 python bench/limit.py                    at 1.6M triangles, into bench/records
 python bench/limit.py --size 100k --tools hand --poses 20 --out /tmp/records
 
-First the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and nothing else.
-Then, for each tool and kind of poses, what must at least be done is counted, and priced with that. Everything counted
-is a lower bound, and memory and lanes are taken to overlap fully, so no program of this design can be faster on this
-machine than the limit; how near one could come is not said.
+First it measures the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and
+nothing else. Then, for each tool and kind of poses, it counts the least work of a query and multiplies it by these
+costs. Every count is a lower bound, and memory and lanes are assumed to overlap fully, so no program of this design can
+be faster on this machine than the limit; it is not known how near one could come.
 """
 
 from __future__ import annotations

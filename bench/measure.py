@@ -1,9 +1,9 @@
-"""The clock: the same poses for every engine, pass by pass, and what the figures are made of.
+"""The measurement: the same poses for every engine, in passes, and the statistics.
 
-In each round each engine runs one whole pass over the poses of the cell, and which comes first changes from round to
-round: as in a user's loop, an engine's own index is what the caches hold. Of each pose the least time over the rounds
-is kept: the machine can only add to it. Median, p95 and worst are over poses. Further rounds are of feeler and of those
-peers of which one will be the best.
+In each round each engine runs one whole pass over the poses of the cell, in a changing order: as in a user's loop, an
+engine's own index fills the caches. For each pose the least time over the rounds is kept, because the machine can only
+add to it. Median, p95 and worst are over poses. Further rounds run for feeler and for those peers of which one will be
+the best.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""The folder of real models: which files it holds, what packed ones unpack to, and what their sources say of size.
+"""The folder of real models: its files, the content of packed ones, and the sizes that their sources state.
 
-Nothing of it is in the repository: the models are other people's. Each folder's SOURCE.txt names origin and licence.
+None of them is in the repository: the models belong to others. Each folder's SOURCE.txt names origin and licence.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The record of the bench: one CSV per kind of machine and release, a row per cell and engine (bench/README.md).
 
-`read` and `keep` are the only reader and writer. A run replaces the rows of what it measured and leaves the others, so
-each row names its own commit and date.
+`read` and `keep` are the only reader and writer. A run replaces the rows that it measured and keeps the others, so each
+row has its own commit and date.
 """
 
 from __future__ import annotations

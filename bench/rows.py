@@ -1,4 +1,4 @@
-"""The rows of a run, as `record.py` keeps them, from what `run.py` found."""
+"""The rows of a run, in the form of `record.py`, from the results of `run.py`."""
 
 from __future__ import annotations
 

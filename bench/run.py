@@ -6,10 +6,10 @@
     python bench/run.py --no-peers --queries collide --poses 300 --worst 0 --batch 0 --out /tmp/records
 
 A cell is a mock-up size, a tool, a kind of poses and a query; a run replaces the rows of its cells in bench/records,
-and leaves the others. A run that is not like the others (short, of changes that are not committed, without a peer that
-the record has) goes into target/bench/records instead, and says why. How it is timed: bench/measure.py. How peers are
-set up: bench/*_engine.py. Pairs that only one engine finds are judged in exact arithmetic: bench/judge.py. There is no
-pass or fail in the times; the exit status is 1 only if feeler found a pair that is none, or missed one.
+and keeps the others. A run that is not comparable (short, with uncommitted changes, without a peer that the record has)
+goes into target/bench/records instead, and says why. Timing: bench/measure.py. Set-up of peers: bench/*_engine.py.
+Pairs that only one engine finds are judged in exact arithmetic: bench/judge.py. Times neither pass nor fail; the exit
+status is 1 only if feeler reported a false pair, or missed one.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Taking an assembly apart: which part can be drawn out along an axis, and once it is out, which one next?
+"""Disassembly: which part can be pulled out along an axis, and which one after that?
 
     python examples/part_out.py
 
-A part goes straight out if, on its way, it enters nothing that is still there: it may touch, and slide along its seat.
+A part goes straight out if it enters no remaining part on its way: it may touch, and slide along its seat.
 """
 
 import numpy as np

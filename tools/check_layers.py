@@ -1,4 +1,4 @@
-"""Checks who may know of whom: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python`, never back.
+"""Checks the layers: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python`, never back.
 
     python tools/check_layers.py [ROOT]              the check
     python tools/check_layers.py --graph [NAME]      which file imports which, and the circles: of a crate, bench, ...

@@ -1,4 +1,4 @@
-"""Writes the docstrings of python/feeler/_core*.pyi into crates/feeler-py/src, where `help()` gets them from.
+"""Writes the docstrings of python/feeler/_core*.pyi into crates/feeler-py/src, where `help()` finds them.
 
     python tools/docstrings.py              write them
     python tools/docstrings.py --check      fail if what is written differs

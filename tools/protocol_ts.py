@@ -1,4 +1,4 @@
-"""Writes viewer/src/link/protocol.ts: what the page knows of the messages.
+"""Writes viewer/src/link/protocol.ts: the types of the messages for the page.
 
 The messages and the objects in them are those of python/feeler/workbench/document/protocol.py; the names, arguments and
 answers of commands, questions and jobs are the tables of document/commands.py and session/asking.py there.
@@ -6,7 +6,7 @@ answers of commands, questions and jobs are the tables of document/commands.py a
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if what is written differs
 
-Reads the source, not the module: it runs without NumPy, and the docstrings of fields are there.
+It reads the source instead of importing the module, so it runs without NumPy and sees the docstrings of fields.
 """
 
 from __future__ import annotations

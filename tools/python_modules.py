@@ -1,4 +1,4 @@
-"""Which Python file imports which: what `check_layers` asks of the package and of bench/."""
+"""The imports between Python files, for `check_layers`: of the package and of bench/."""
 
 from __future__ import annotations
 

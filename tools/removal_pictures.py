@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/removal.md: ways out as a row of poses.
+"""Makes the pictures of docs/removal.md: removal paths as a row of poses.
 
     python tools/removal_pictures.py [NAME ...] [--out FOLDER]
 

@@ -1,4 +1,4 @@
-"""What is asked of a clash checker; feeler; which peers there are, and which of them this machine has."""
+"""The interface of clash checkers, feeler's implementation, the list of peers, and which of them are installed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from feeler import Clashes, Verdict
 
 CLEARANCE_M = 0.002
 QUERIES = ("verdicts", "clearance", "depths")
-"""Of a whole mock-up: pairs that meet, those within `CLEARANCE_M`, and how deep those that clash are."""
+"""Of a whole mock-up: colliding pairs, those within `CLEARANCE_M`, and the depths of clashes."""
 
 Pairs = set[tuple[int, int]]
 Faces = npt.NDArray[np.int64]

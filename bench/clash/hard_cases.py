@@ -1,4 +1,4 @@
-"""The pairs of testdata/clash, asked of each checker: as they are, 3,000 m off, and with boxes cut finer and finer."""
+"""The pairs of testdata/clash, checked by each checker: as they are, 3,000 m off, and with boxes cut ever finer."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Result = dict[str, Any]
 OFFSETS_M = (0.0, FAR_M)
 QUICK_CUTS = (1, 4)
 SHARED = ("contained", "duplicate")
-"""Verdicts that peers do not have: theirs is right if it says that the two share space."""
+"""Verdicts that peers do not have: theirs is right if it says that the two overlap."""
 WITHIN, WITHIN_M = 0.01, 1e-9
-"""How near a depth or gap has to be to be right: of itself, and metres."""
+"""The allowed error of a depth or gap: relative, and in metres."""
 
 
 def asked(checkers: Sequence[Checker], is_quick: bool) -> Result:

@@ -1,4 +1,4 @@
-"""The tables of a run, as Markdown: the hard pairs, each checker beside what is right, and times."""
+"""The tables of a run, as Markdown: the hard pairs, each checker beside the true result, and times."""
 
 from __future__ import annotations
 

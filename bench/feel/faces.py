@@ -1,4 +1,4 @@
-"""What can be felt: feeler's session and the baselines behind one shape, and the coupling that the baselines share."""
+"""The common interface of feeler's session and the baselines, and the coupling that the baselines share."""
 
 from __future__ import annotations
 

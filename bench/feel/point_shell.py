@@ -4,11 +4,12 @@ After W. A. McNeely, K. D. Puterbaugh and J. J. Troy, Six degree-of-freedom hapt
 SIGGRAPH 1999.
 
 The mock-up becomes a grid of voxels: free, surface, interior. The tool becomes points, one in the middle of each voxel
-of its own surface, with normals inwards. A point in a surface voxel (or inside) meets the plane through that voxel's
-middle across its own normal; the depth behind it gives the force (the paper's tangent-plane force). Of more than ten
-points in contact the stiffness is shared, as in the paper. As there, the surface that is felt is up to half a voxel off
-the true one, and a motion of more than half a voxel a tick may miss a thin thing. Not taken over: the layer of voxels
-about the surface that keeps the true surfaces apart, and the braking before a contact. Written to be plain, not fast.
+of its own surface, with normals inwards. A point in a surface voxel (or inside) touches the plane through that voxel's
+middle across its own normal; the depth behind it gives the force (the paper's tangent-plane force). With more than ten
+points in contact the stiffness is shared, as in the paper. As there, the felt surface is up to half a voxel off the
+true one, and a motion of more than half a voxel per tick can pass through a thin object. Not included: the layer of
+voxels around the surface that keeps the true surfaces apart, and the braking before a contact. Written to be simple,
+not fast.
 """
 
 from __future__ import annotations

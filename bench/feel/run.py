@@ -6,10 +6,10 @@
     python bench/feel/run.py --only engine --big     also at 11 million triangles
     python bench/feel/run.py --record                and into bench/records/feel.json, for docs/haptics-figures.md
 
-Written into the folder (target/feel): feel.json with all that was found, tables.md, and plots where matplotlib is. All
-but the times in the engine and in fits is decided on simulated time: the same arguments give the same numbers on any
-machine. The exit status is 1 if a goal is missed (bench/feel/goals.py) that no clock decides. Which baselines stand
-beside: --faces.
+Writes into a folder (target/feel): feel.json with all results, tables.md, and plots if matplotlib is installed. All
+results but the times in the engine and in fits are computed on simulated time: the same arguments give the same numbers
+on any machine. The exit status is 1 if a goal is missed (bench/feel/goals.py) that does not depend on time. --faces
+selects the baselines.
 """
 
 from __future__ import annotations

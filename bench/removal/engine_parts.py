@@ -1,4 +1,4 @@
-"""The sample engine: which of its parts come out, and how long it takes to know; and its bolts, with a wrench."""
+"""The sample engine: its removable parts, and the time to find out; and its bolts, with a wrench."""
 
 from __future__ import annotations
 

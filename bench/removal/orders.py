@@ -1,11 +1,11 @@
-"""Removal orders of random assemblies: whether they are valid, and as short as exhaustive search finds them.
+"""Removal orders of random assemblies: whether they are valid, and as short as those of an exhaustive search.
 
     python bench/removal/orders.py                 300 assemblies; some minutes
     python bench/removal/orders.py 40 --first 1000 others, fewer
     python bench/removal/orders.py 1 --first 17    one of them, with what was found
 
-Prints a row for each kind of assembly, and each order that is longer or not valid. Assemblies that straight motions
-along the axes do not take apart are left out. The exit status is 1 if an order is not valid, or fewer than 95 % are as
+Prints a row for each kind of assembly, and each order that is longer or invalid. Assemblies that straight motions along
+the axes cannot disassemble are left out. The exit status is 1 if an order is invalid, or if fewer than 95 % are as
 short.
 """
 

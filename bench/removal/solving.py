@@ -1,4 +1,4 @@
-"""The puzzles, by feeler and by OMPL: how often each finds a way, in what time, and whether what it found is free."""
+"""The puzzles, by feeler and by OMPL: how often each finds a path, in what time, and whether the path is free."""
 
 from __future__ import annotations
 

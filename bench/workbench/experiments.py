@@ -1,4 +1,4 @@
-"""What is measured, each experiment as a function that gives plain data. Lengths in metres, times as the names say."""
+"""The measurements, each experiment a function that returns plain data. Lengths in metres, times as in the names."""
 
 from __future__ import annotations
 

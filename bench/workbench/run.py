@@ -6,11 +6,11 @@
     python bench/workbench/run.py --only soak --soak 30
     python bench/workbench/run.py --record           into bench/records/workbench.json, for docs/workbench-figures.md
 
-Written into the folder (target/workbench): workbench.json with all that was found, and tables.md. The exit status is 1
-if a goal is missed (bench/workbench/goals.py) that no clock decides. Experiments: large and small (opening, camera,
-tool and single frames, a picture of 1280x720 and of 640x360), parts (hiding and filtering 10,000), page (memory,
-contact, stops, a cut, a lost context), engine (outlines, rays, one HTML file), soak (the tool moves on and on). Of what
-is repeated the best counts.
+Writes into a folder (target/workbench): workbench.json with all results, and tables.md. The exit status is 1 if a goal
+is missed (bench/workbench/goals.py) that does not depend on time. Experiments: large and small (opening, camera, tool
+and single frames, a picture of 1280x720 and of 640x360), parts (hiding and filtering 10,000), page (memory, contact,
+stops, a cut, a lost context), engine (outlines, rays, one HTML file), soak (continuous motion of the tool). Of repeated
+measurements the best counts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is measured: `feeler view` as a program, and a headless Chromium with SwiftShader, all of it on one core."""
+"""The test stand: `feeler view` as a program, and a headless Chromium with SwiftShader, all on one core."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Does the session give more energy than it takes: closed motions, a hand that steps into a wall, one that lets go.
+"""Does the session produce energy? Closed motions, a hand that steps into a wall, one that releases.
 
-The device is held by a simulated hand (`hands.Hand`), whose mechanics run ten times a tick. A force holds for a tick,
-so the work of a tick is that force times what the device moves in it: what a real hand would get.
+A simulated hand (`hands.Hand`) holds the device; its mechanics run ten times a tick. A force holds for a tick, so the
+work of a tick is that force times the device's motion: the work that a real hand would feel.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How long a step takes in a tight fit, and a cast along a bore. Like `engine`, an experiment with a clock."""
+"""Duration of a step in a tight fit, and of a cast along a bore. Like `engine`, an experiment that depends on time."""
 
 from __future__ import annotations
 

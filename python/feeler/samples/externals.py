@@ -1,4 +1,4 @@
-"""What is mounted around a casing: pipes with clamps and brackets, harness, boxes, valves, the accessory gearbox."""
+"""Parts mounted around a casing: pipes with clamps and brackets, harness, boxes, valves, the accessory gearbox."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Tessellated solids: skins over loops, revolved and extruded profiles, plates with holes, swept pipes.
 
-Each function returns a closed `Mesh`, counter-clockwise from outside, in metres. The one rule behind all: loops run
-counter-clockwise seen from where the stack of loops goes, and then the skin faces outwards.
+Each function returns a closed `Mesh`, counter-clockwise from outside, in metres. One rule applies to all: loops run
+counter-clockwise seen from where the stack of loops goes, which makes the skin face outwards.
 """
 
 from __future__ import annotations

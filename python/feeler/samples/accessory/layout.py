@@ -1,4 +1,4 @@
-"""Where things stand: the gear train and the housing's outline, from a seed. Millimetres; z along the shafts, y up."""
+"""Places: the gear train and the housing's outline, from a seed. Millimetres; z along the shafts, y up."""
 
 from __future__ import annotations
 
