@@ -1,4 +1,4 @@
-//! Every tolerance and limit of the contacts, with its unit, its reason, and what moves when it changes.
+//! Every tolerance and limit of the contacts, with its unit, its reason, and the effect of a change.
 
 use feeler_lanes::WIDE_LANES;
 

@@ -1,4 +1,4 @@
-//! The planes of an answer.
+//! The contact planes of an answer.
 
 use std::cmp::Ordering;
 

@@ -1,9 +1,9 @@
-//! The contact query: what meets, region by region and body by body, then what is near.
+//! The contact query: first collisions, region by region and body by body, then near surfaces.
 //!
-//! Triangles that meet do so along an intersection contour, which with what it encloses makes a contact region
-//! ([`crate::contour`]). Each of its two surfaces becomes patches and convex bodies ([`crate::patch`]), and two bodies have one
-//! least depth ([`crate::depth`]). What is near and does not meet has planes by distance ([`crate::proximity`]).
-//! `docs/contacts.md` says what the numbers mean and where that ends.
+//! Triangles collide along an intersection contour, which together with the area inside it makes a contact region
+//! ([`crate::contour`]). Each of its two surfaces becomes patches and convex bodies ([`crate::patch`]), and two bodies
+//! have one least depth ([`crate::depth`]). Near surfaces without a collision get planes by distance
+//! ([`crate::proximity`]). `docs/contacts.md` explains the numbers and their limits.
 
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;

@@ -1,8 +1,8 @@
-//! Every limit, tolerance and rounding bound of the core, with its unit, its reason, and what moves when it changes.
+//! Every limit, tolerance and rounding bound of the core, with its unit, its reason, and the effect of a change.
 //!
-//! Answers are exact whatever these are, as long as a bound is not below what its reason says: a filter with a larger one lets
-//! more pairs through to the next, slower stage. Sizes that only cost time (of batches, samples, look-ahead) stand where they
-//! are used.
+//! Answers are exact for any values, as long as no bound is below the one that its reason gives: a filter with a larger
+//! one lets more pairs through to the next, slower stage. Sizes that only cost time (of batches, samples, look-ahead)
+//! stand where they are used.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! What can be wrong with what a caller passes in. Every message says what, where and what to do.
+//! Errors in a caller's arguments. Every message says what is wrong, where, and what to do.
 
 /// What is wrong with what a caller passed in, or why a query stopped. Its message says what, where and what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

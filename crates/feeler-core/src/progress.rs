@@ -1,4 +1,4 @@
-//! How long work tells of itself, and is stopped.
+//! Progress and interruption of long work.
 
 use crate::error::{Error, Result};
 

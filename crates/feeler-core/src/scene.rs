@@ -1,4 +1,4 @@
-//! A mock-up with its index, and the queries on it: a facade, each query stands in its own room.
+//! A mock-up with its index, and the queries on it: a facade; each query has its own room.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The working memory of past queries, for the next ones.
+//! The working memory of past queries, reused by the next ones.
 
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};

@@ -1,5 +1,6 @@
-//! Crossings that are deeper than a limit for all to see, without trees: on both sides of a triangle of a closed part there are points of the
-//! other part's surface to which nothing of the closed part is nearer than that triangle. One of them is inside.
+//! Crossings that are clearly deeper than a limit, found without trees: on both sides of a triangle of a closed part
+//! there are points of the other part's surface whose nearest point on the closed part is on that triangle. One of them
+//! is inside.
 
 use feeler_core::clash::solids::Solids;
 use feeler_core::geometry::vectors::{along, cross, dot, length, precise_normal, scaled, sub};

@@ -1,4 +1,4 @@
-//! What is told of two parts.
+//! The result for two parts.
 
 use feeler_core::{Aabb, Point};
 

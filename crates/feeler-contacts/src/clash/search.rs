@@ -1,5 +1,5 @@
-//! The search for all pairs of parts that are too near each other: first what each pair is, then how near those are that do not meet,
-//! then how deep those are that do.
+//! The search for all pairs of parts that are too near each other: first the verdict of each pair, then the distances
+//! of pairs that do not collide, then the depths of those that do.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashMap};

@@ -1,4 +1,4 @@
-//! What two parts are to each other: by exact signs where nothing crosses, else by the depth by points.
+//! The relation of two parts: by exact signs if nothing crosses, else by the depth by points.
 
 use std::sync::Arc;
 

@@ -1,7 +1,8 @@
-//! The way out of a part: a translation of the smaller one of two parts, as a tool, where it is, that takes it out of the other.
+//! The way out of a part: a translation of the smaller one of two parts, taken as a tool at its place, out of the
+//! other.
 //!
-//! The shortest over all contact planes, if it frees the tool; else one that takes it beyond the other part along an axis or a face normal,
-//! which always does. Both are upper bounds of the least translation.
+//! It is the shortest over all contact planes, if that frees the tool; else one beyond the other part along an axis or
+//! a face normal, which always does. Both are upper bounds of the least translation.
 
 use feeler_core::clash::location::{locate, Location, LocationScratch};
 use feeler_core::clash::solids::Solids;

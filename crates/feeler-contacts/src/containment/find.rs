@@ -1,9 +1,10 @@
-//! Containment: the tool wholly inside a part, or a part inside the tool, though no triangles meet.
+//! Containment: the tool wholly inside a part, or a part inside the tool, without colliding triangles.
 //!
-//! A connected surface that does not cross another lies wholly on one side of it, so one corner decides: it is inside where the
-//! winding number of the other surface around it is not zero. That is counted by ray crossings with exact signs (point in polyhedron)
-//! rather than as a sum of solid angles (A. Jacobson, L. Kavan, O. Sorkine-Hornung: Robust inside-outside segmentation using
-//! generalized winding numbers, 2013), since closed surfaces need no more. Open surfaces have no inside.
+//! A connected surface that does not cross another lies wholly on one side of it, so one corner decides: it is inside
+//! if the winding number of the other surface around it is not zero. That number is counted by ray crossings with exact
+//! signs (point in polyhedron) rather than as a sum of solid angles (A. Jacobson, L. Kavan, O. Sorkine-Hornung: Robust
+//! inside-outside segmentation using generalized winding numbers, 2013), since closed surfaces need no more. Open
+//! surfaces have no inside.
 
 use std::collections::{BTreeMap, BTreeSet};
 

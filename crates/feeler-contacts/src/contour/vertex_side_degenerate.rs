@@ -1,5 +1,5 @@
-//! Sides of vertices in degenerate cases, where edges meet edges: a segment has no length or is in line with the corner, or two segments
-//! are equally near and equally steep.
+//! Sides of vertices in degenerate cases, where edges touch edges: a segment has no length or is in line with the
+//! corner, or two segments are equally near and equally steep.
 
 use crate::constants::{EQUAL_SHARE, ON_PLANE_SHARE, PROBE_SHARE, SAME_FOOT_SHARE};
 use crate::contour::contact_region::ContactRegions;

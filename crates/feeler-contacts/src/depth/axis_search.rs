@@ -1,4 +1,4 @@
-//! The search for the axis of least depth of two bodies: the best so far, and what is offered to it.
+//! The search for the axis of least depth of two bodies: the best one so far, and the comparison with new ones.
 
 use std::array::from_fn;
 

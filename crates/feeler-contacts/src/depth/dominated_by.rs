@@ -1,12 +1,13 @@
-//! Dominance: when a plane that was found makes the plane of another pair of bodies needless.
+//! Dominance: when a known plane makes the plane of another pair of bodies unnecessary.
 //!
-//! A plane dominates a pair of bodies of its region where
+//! A plane dominates a pair of bodies of its region if
 //!
 //! 1. it faces as the pair's own plane would: their normals are within an angle; and
 //! 2. it separates the pair as well: along its normal the pair is no deeper than the plane. Where the plane is an
 //!    [overlap](super::directional_overlap), which separates nothing, the pair overlaps along it by no more.
 //!
-//! A pair is asked up to three times, each time with more known of it ([`OwnPlane`]), so that most pairs are never searched.
+//! A pair is tested up to three times, each time with more known of it ([`OwnPlane`]), so that most pairs are never
+//! searched.
 
 use crate::constants::{DOMINATED_COSINE, SAME_DIRECTION, SAME_PLANE, SHALLOWER};
 use crate::context::QueryContext;

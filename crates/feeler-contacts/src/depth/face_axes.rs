@@ -1,4 +1,4 @@
-//! Face axes: how deep two bodies are in each other along the normals of both, where the search for their least depth begins.
+//! Face axes: the depth of two bodies along the normals of both, where the search for their least depth begins.
 
 use std::array::from_fn;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! Piercing: one surface goes right through the other, as a rod through a sheet or a wire across a finger.
 //!
-//! Every axis is blocked there, so the search for the least depth finds no plane, and the surfaces do not say on which side of what
-//! is pierced the tool belongs. It is taken to be the side of its centre of area, as with open surfaces, or that of the reference
-//! where there is one. One plane across that axis separates all that the contour encloses.
+//! Every axis is blocked there, so the search for the least depth finds no plane, and the surfaces do not show on which
+//! side of the pierced one the tool belongs. The side of the tool's centre of area decides, as with open surfaces, or
+//! that of the reference pose if there is one. One plane across that axis separates everything inside the contour.
 
 use crate::contact_plane::ContactPlane;
 use crate::context::QueryContext;

@@ -1,4 +1,4 @@
-//! The bodies of tool and mock-up in one contact region, and which of them meet.
+//! The bodies of tool and mock-up in one contact region, and which of them collide.
 
 use feeler_core::geometry::vectors::scaled;
 

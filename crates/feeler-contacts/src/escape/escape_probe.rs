@@ -1,6 +1,7 @@
-//! Escape by trial, where contact planes show none: translations along many directions, ever longer, until the tool is free.
+//! Escape by trial, if contact planes yield none: translations along many directions, ever longer, until the tool is
+//! free.
 //!
-//! Straight translations to a free end; what lies between is not asked (that would be motion planning).
+//! Only the end of each translation is tested, not the motion (that would be motion planning).
 
 use feeler_core::geometry::vectors::{across, add, along, length, scaled, sub, unit};
 use feeler_core::{Aabb, Gap, Point, Pose, Result, Scene, Tool};

@@ -1,11 +1,11 @@
-//! The footing of a contact plane: up to four points of the tool that carry the contact, so that a control loop which holds them off
-//! the plane holds the whole surface off it.
+//! The footing of a contact plane: up to four points of the tool that carry the contact, so that a control loop which
+//! keeps them in front of the plane keeps the whole surface there.
 //!
-//! A turn by up to [`FOOTING_TURN`] can bring to the plane only what is lowest along some direction within that angle of the normal.
-//! So the support points along a ring of such directions, of the convex bodies that carry the contact, span the footing of the tool
-//! and that of the mock-up; what both have in common (Sutherland, Hodgman 1974, across the normal) carries. Of more than four
-//! corners the one edge after the other is left out whose neighbours, lengthened, add the least area: the footing never lies within
-//! what it stands for.
+//! A rotation by up to [`FOOTING_TURN`] can bring to the plane only points that are lowest along some direction within
+//! that angle of the normal. The support points of the convex bodies in contact, along a ring of such directions,
+//! therefore span the footing of the tool and that of the mock-up; their intersection (Sutherland, Hodgman 1974, across
+//! the normal) carries. If it has more than four corners, edges are removed one after the other: the one whose
+//! neighbours, lengthened, add the least area. So the reduced footing always contains the full one.
 
 use std::collections::HashSet;
 use std::sync::Arc;

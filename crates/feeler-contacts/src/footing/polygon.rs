@@ -1,4 +1,4 @@
-//! Polygons across the normal of a plane, whose points have a height along it: what carries a contact.
+//! Polygons across the normal of a plane, whose points have a height along it: the area that carries a contact.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;

@@ -1,4 +1,4 @@
-//! Convex bodies as the depth search reads them: facets, points in lanes, and how far the points reach along the
+//! Convex bodies in the form for the depth search: facets, points in lanes, and how far the points extend along the
 //! facets' normals.
 
 use crate::constants::MOST_NORMALS;

@@ -1,4 +1,4 @@
-//! The bodies of a mock-up's parts: each is made when first asked for, and kept as long as they are not too many.
+//! The bodies of a mock-up's parts: made on demand, and cached up to a limit.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,4 +1,5 @@
-//! The surface of a part under a tree of boxes, for points: which of its points is closest, and whether a point is inside it.
+//! The surface of a part under a tree of boxes, for queries of points: the closest point of the surface, and whether a
+//! point is inside.
 
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::geometry::vectors::{add, along, cross, dot, precise_normal, scaled, sub};

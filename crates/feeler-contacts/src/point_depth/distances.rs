@@ -1,4 +1,4 @@
-//! The distances of a piece's corners to triangles of the other body, and what they bound.
+//! The distances of a piece's corners to triangles of the other body, and the bounds that follow.
 
 use feeler_core::Point;
 

@@ -1,9 +1,10 @@
-//! The farthest that a point of one surface is from another surface, of those points that are inside the other body, outside it, or of
-//! all: by branch and bound over the tree of the one surface and then over convex pieces of its triangles, the largest bound first.
+//! The largest distance of a point of one surface from another surface, among the points inside the other body, outside
+//! it, or all: by branch and bound over the tree of the one surface and then over convex pieces of its triangles, the
+//! largest bound first.
 //!
-//! A piece is bounded by the distances of its corners to one triangle, since a distance to a convex set is largest at a corner: a long
-//! facet beside another is bounded as it is, and needs no small pieces. A piece that the other surface parts is cut there; one that it
-//! does not part is inside or outside as any point of it is.
+//! A piece is bounded by the distances of its corners to one triangle, since a distance to a convex set is largest at a
+//! corner: a long facet beside another is bounded as it is, and needs no small pieces. A piece that the other surface
+//! cuts is split there; any other piece lies on one side, and any of its points decides which.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

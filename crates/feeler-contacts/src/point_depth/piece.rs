@@ -1,4 +1,4 @@
-//! A convex piece of a triangle: where the other surface cuts it, and how it is cut on.
+//! A convex piece of a triangle: where the other surface cuts it, and how it is split further.
 
 use feeler_core::geometry::vectors::{cross, dot, length, precise_normal, scaled, sub};
 use feeler_core::{Aabb, Point, Triangle};

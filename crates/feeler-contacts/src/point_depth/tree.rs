@@ -1,4 +1,4 @@
-//! A tree of boxes over triangles, four to a node, so that a point, a box or a segment is asked of four at once.
+//! A tree of boxes over triangles, four to a node, so that a point, a box or a segment is tested against four at once.
 
 use feeler_core::geometry::vectors::add;
 use feeler_core::{Aabb, Point, Triangle};

@@ -1,8 +1,8 @@
-//! Culls the candidate pairs of one part before distances are measured: those that planes separate as whole triangles, that meet, that
-//! are farther than the margin, or behind the other surface. Mostly few are left.
+//! Culls the candidate pairs of one part before distances are measured: pairs that planes separate as whole triangles,
+//! that collide, that are farther than the margin, or behind the other surface. Usually few are left.
 //!
-//! Each triangle is compared with each plane once, and the results are bits of a word: whether a plane separates a pair then costs one
-//! operation.
+//! Each triangle is compared with each plane once, and the results are bits of a word: testing whether a plane
+//! separates a pair then costs one operation.
 
 use crate::constants::BEHIND_SHARE;
 use crate::contact_plane::ContactPlane;

@@ -1,8 +1,9 @@
-//! Separating planes of what is near and does not meet: a greedy cover of the near pairs, found by best-first search.
+//! Separating planes of near surfaces that do not collide: a greedy cover of the near pairs, found by best-first
+//! search.
 //!
-//! The nearest pair of triangles gives a plane; every other pair that this plane separates as well is explained by it and dropped;
-//! the nearest of the rest gives the next. Between two convex surfaces one plane explains all, however many triangles they have.
-//! Pairs come in the order of their lower bounds, so that few are ever measured.
+//! The nearest pair of triangles gives a plane; every other pair that this plane separates as well is covered by it and
+//! dropped; the nearest of the rest gives the next. Between two convex surfaces one plane covers all pairs, however
+//! many triangles they have. Pairs come in the order of their lower bounds, so that few are ever measured.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! The first impact on a way, and what is told of it.
+//! The first impact of a motion, with its details.
 
 use super::pair::Moving;
 use crate::error::{Error, Result};

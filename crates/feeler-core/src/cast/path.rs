@@ -1,4 +1,4 @@
-//! A whole path: each segment on its own, in parallel.
+//! A whole path: each segment separately, in parallel.
 
 use rayon::prelude::*;
 

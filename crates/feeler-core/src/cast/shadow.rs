@@ -1,12 +1,14 @@
-//! What never meets on a way, however far it goes: triangles whose shadows are apart.
+//! Triangles that never collide during a motion, however long it is, because their shadows are apart.
 //!
-//! A slide casts shadows on the plane across it. A turn or a screw casts them on the half-plane of radius and height, where the height is
-//! taken back by what the screw rises for the angle at which a point is: each point of the tool keeps its place there on all of the way. In
-//! a tight fit, a bore or a thread, many thousands of triangles stay near each other all along, and to follow each pair of them takes
-//! seconds; their shadows lie along one outline each, so that a few oriented boxes hold nearly all apart.
+//! A slide casts shadows on the plane across it. A rotation or a screw casts them on the half-plane of radius and
+//! height, with the height reduced by the screw's rise for the angle of a point: each point of the tool keeps its place
+//! there during the whole motion. In a tight fit, a bore or a thread, many thousands of triangles stay near each other
+//! all along, and following each pair of them takes seconds; their shadows lie along one outline each, so that a few
+//! oriented boxes separate nearly all of them.
 //!
-//! A shadow is the triangle through the corners' shadows, grown by a bound on how far the shadow of a flat triangle curves off that, and by
-//! what the way itself may be off a screw. Boxes of a tree are oriented by the spread of what is in them.
+//! A shadow is the triangle through the corners' shadows, grown by a bound on how far the shadow of a flat triangle
+//! curves off it, and by how far the motion may deviate from a screw. Boxes of a tree are oriented by the spread of
+//! their content.
 
 use std::f64::consts::{PI, TAU};
 

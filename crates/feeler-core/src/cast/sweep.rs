@@ -1,7 +1,9 @@
-//! The cast in windows of time: the store offers the pairs that may meet in a window, and each of these is followed through it.
+//! The cast in windows of time: the store offers the pairs that may collide in a window, and each of these is followed
+//! through it.
 //!
-//! A long window is a loose one: boxes around the tool's whole way meet much that the tool passes by. A short one costs a
-//! descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is longer.
+//! A long window is loose: boxes around the tool's whole motion overlap much that the tool passes by. A short one costs
+//! a descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is
+//! longer.
 
 use super::impact::{Impact, Touching};
 use super::pair::Moving;

@@ -1,4 +1,4 @@
-//! Which pairs of parts are asked, and what is asked of each.
+//! Which pairs of parts to check, and with which limits.
 
 use std::collections::HashMap;
 

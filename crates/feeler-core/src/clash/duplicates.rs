@@ -1,4 +1,4 @@
-//! Parts that are one and the same: each triangle of the one is one of the other, by its corners.
+//! Duplicate parts: each triangle of one has the corners of a triangle of the other.
 
 use std::collections::HashMap;
 

@@ -1,5 +1,5 @@
-//! Parts that hold others without touching them: a connected surface that meets nothing of a closed part lies inside it or outside,
-//! and one of its corners tells.
+//! Parts that contain others without touching them: a connected surface that does not collide with a closed part lies
+//! inside it or outside, and one of its corners decides.
 
 use rayon::prelude::*;
 

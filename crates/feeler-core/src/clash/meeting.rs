@@ -1,4 +1,4 @@
-//! Which pairs of parts meet, and whether they cross or only touch: the index held against itself once.
+//! Which pairs of parts collide, and whether they cross or only touch: one descent of the index against itself.
 
 use super::asked::{merged, PairLimits};
 use super::meets::{MeetingParts, Meets, Touch};

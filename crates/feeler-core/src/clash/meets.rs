@@ -1,4 +1,4 @@
-//! How two parts meet, and where they touch.
+//! How two parts collide, and where they touch.
 
 use super::asked::in_order;
 use crate::geometry::intersect_triangle_triangle::PairKind;

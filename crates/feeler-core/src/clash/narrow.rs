@@ -1,5 +1,5 @@
-//! The narrow phase of a mock-up against itself: pairs of triangles in batches, in lanes first, and by exact signs what these leave in
-//! doubt; no more of two parts than is needed to tell whether they cross.
+//! The narrow phase of a mock-up against itself: pairs of triangles in batches, in lanes first, then by exact signs for
+//! the undecided ones; for two parts only until it is known whether they cross.
 
 use super::asked::{in_order, PairLimits};
 use super::meets::{Meets, Touch};

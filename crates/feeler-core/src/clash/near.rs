@@ -1,4 +1,4 @@
-//! How far parts are apart that do not meet: the least distance of each two that are nearer than asked.
+//! Distances of parts that do not collide: the smallest distance of each pair nearer than its limit.
 
 use super::asked::{in_order, merged, PairLimits};
 use super::pair_table::PairTable;

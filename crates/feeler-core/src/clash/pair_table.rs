@@ -1,4 +1,4 @@
-//! What is known of pairs of parts so far, by pair.
+//! Intermediate results by pair of parts.
 
 use crate::index::pair_set::pair_key;
 

@@ -1,4 +1,4 @@
-//! A search of the index held against itself, in shares and in parallel; one that is stopped keeps what it found.
+//! A search of the index against itself, in shares and in parallel; an interrupted search keeps its results.
 
 use rayon::prelude::*;
 

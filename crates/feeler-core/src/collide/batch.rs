@@ -1,4 +1,4 @@
-//! The pairs that meet at many poses, in parallel.
+//! The colliding pairs at many poses, in parallel.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 

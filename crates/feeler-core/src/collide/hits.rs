@@ -1,4 +1,4 @@
-//! The pairs that a query found, and their order.
+//! The pairs found by a query, and their order.
 
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::index::pair_set::pair_key;

@@ -1,5 +1,5 @@
-//! The narrow phase: candidate pairs go through the paper's two filters (Borro et al. 2004: repeated pairs, boxes) to the triangle
-//! test, in batches: in lanes first, and one by one with exact signs what these leave in doubt.
+//! The narrow phase: candidate pairs go through the paper's two filters (Borro et al. 2004: repeated pairs, boxes) to
+//! the triangle test, in batches: in lanes first, then one by one with exact signs for the undecided ones.
 
 use crate::collide::hits::{Hit, Hits};
 use crate::geometry::bounds::Aabb;

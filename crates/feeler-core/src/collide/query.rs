@@ -1,4 +1,4 @@
-//! Every pair of triangles that meets at a pose, or any.
+//! Every pair of triangles that collides at a pose, or whether there is any.
 
 use super::hits::{Hit, Hits};
 use super::narrow::{Filters, Narrow, Pending, PlacedBounds, Until};

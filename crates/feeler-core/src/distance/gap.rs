@@ -1,4 +1,4 @@
-//! How far a triangle of the tool is from one of the mock-up.
+//! The distance of a tool triangle and a mock-up triangle.
 
 use crate::geometry::bounds::Point;
 

@@ -1,4 +1,4 @@
-//! The queries for what is near, one pose at a time.
+//! The distance queries, one pose at a time.
 
 use super::gap::Gap;
 use super::wanted::{Candidate, Goal, Wanted};

@@ -1,4 +1,4 @@
-//! What a search is for: which gaps it keeps, and how far it still has to look.
+//! The goal of a search: which gaps it keeps, and its current limit.
 
 use super::gap::Gap;
 use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};

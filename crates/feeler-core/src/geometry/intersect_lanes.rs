@@ -1,14 +1,14 @@
-//! Triangle pairs side by side, as many as a register of float32 holds (16, eight or four): what can be proven of them.
+//! Pairs of triangles side by side, as many as a register of float32 holds (16, eight or four): proven results only.
 //!
 //! The same test as [`intersect_triangle_triangle`](crate::geometry::intersect_triangle_triangle) (Möller 1997; Guigue and
-//! Devillers 2003), in float32 with a forward error bound as of a floating-point filter (Shewchuk 1997). A sign counts where the
-//! number is beyond what rounding may have done; a pair with any sign in doubt, about one in a hundred, is left to the test of
-//! one pair. So what is said here is exact.
+//! Devillers 2003), in float32 with a forward error bound as in a floating-point filter (Shewchuk 1997). A sign counts
+//! only if the number exceeds the possible rounding error; a pair with any uncertain sign, about one in a hundred, is
+//! left to the test of single pairs. So the results here are exact.
 //!
-//! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its rotation R
-//! inverted, A. A map that keeps what meets and what does not needs no more than to be invertible without mirroring, so A may be
-//! off. In that frame what the tool's triangles are does not depend on the pose and is kept (`line_of`), one cache line each;
-//! the mock-up's edges and one corner are taken there in float64. All is then rounded to float32.
+//! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its
+//! rotation R inverted, A. A map preserves collisions if it is invertible and does not mirror, so A may be inexact. In
+//! that frame the data of the tool's triangles does not depend on the pose and is kept (`line_of`), one cache line
+//! each; the mock-up's edges and one corner are transformed to it in float64. Everything is then rounded to float32.
 //!
 //! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`, P the
 //! larger of C and D, Q of A and B. Let T be the tool's largest coordinate, S three times that and the translation's, and

@@ -1,13 +1,13 @@
-//! Whether two triangles meet, and how: decided by exact signs alone.
+//! Whether and how two triangles collide, decided by exact signs alone.
 //!
 //! Follows T. Möller, *A fast triangle-triangle intersection test* (1997), in the form of P. Guigue and O. Devillers,
 //! *Fast and robust triangle-triangle overlap test using orientation predicates* (2003): instead of computing the two
-//! intervals on the planes' common line, their order is read from two orientation signs. Deviation: the signs are exact,
-//! triangles are closed, and the kind of meeting is found as well.
+//! intervals on the planes' common line, their order is read from two orientation signs. Deviation: the signs are
+//! exact, triangles are closed, and the kind of collision is found as well.
 //!
-//! One of the two may have lost its area: a tool triangle's corners are rounded at each pose and can end up on one line. As a
-//! closed set it is then a segment or a point. It has no plane to cross, so it meets another triangle `coplanar` where it lies
-//! in that triangle's plane and `touching` otherwise.
+//! One of the two may be degenerate: a tool triangle's corners are rounded at each pose and can end up on one line. As
+//! a closed set it is then a segment or a point. It has no plane to cross, so its collision with another triangle is
+//! `coplanar` if it lies in that triangle's plane and `touching` otherwise.
 
 use crate::geometry::bounds::Triangle;
 use crate::geometry::predicates::{is_collinear, Sign, Signs};

@@ -1,4 +1,4 @@
-//! What an index may take: bytes, and entries that 32-bit positions can address.
+//! Limits of an index: bytes, and entries that 32-bit positions can address.
 
 use crate::error::{Error, Result};
 

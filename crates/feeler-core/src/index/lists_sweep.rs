@@ -1,4 +1,4 @@
-//! The query of a cast on lists of voxels: each tool triangle's way through a window of time, as a swept box.
+//! The query of a cast on lists of voxels: each tool triangle's motion through a window of time, as a swept box.
 
 use super::lists::ListedMesh;
 use super::pair_set::{pair_key, PairSet};

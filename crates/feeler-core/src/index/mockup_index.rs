@@ -1,4 +1,4 @@
-//! A mock-up with its index: what every query asks.
+//! A mock-up with its index: the target of every query.
 
 use std::sync::Arc;
 

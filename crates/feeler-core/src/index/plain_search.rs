@@ -1,4 +1,4 @@
-//! The search in plain float64: for every store, and for tools so far away that float32 cannot tell near from far.
+//! The search in plain float64: for every store, and for tools so far away that float32 cannot separate near from far.
 //!
 //! Branch and bound over two trees of boxes, depth first, the nearer child first (N. Roussopoulos, S. Kelley and F. Vincent,
 //! *Nearest neighbor queries*, 1995; of pairs of boxes: E. Larsen, S. Gottschalk, M. Lin and D. Manocha, *Fast proximity queries

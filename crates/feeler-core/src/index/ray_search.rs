@@ -1,6 +1,8 @@
-//! The search along a ray in plain float64: for every store, and for rays from so far away that float32 cannot tell where they pass.
+//! The search along a ray in plain float64: for every store, and for rays from so far away that float32 cannot resolve
+//! them.
 //!
-//! Boxes are met slab by slab (T. Kay and J. Kajiya, *Ray tracing complex scenes*, 1986), depth first, the nearer child first.
+//! Boxes are intersected slab by slab (T. Kay and J. Kajiya, *Ray tracing complex scenes*, 1986), depth first, the
+//! nearer child first.
 
 use super::plain_search::{Cells, Item};
 use super::selection::Selection;

@@ -1,7 +1,7 @@
-//! What a query asks for: of the mock-up the parts that are there, and of pairs of parts those that are not ignored.
+//! The selection of a query: the present parts of the mock-up, and the pairs of parts that are not ignored.
 //!
-//! Both are laid over one index, which stays as it is. Nodes with nothing below them that is there are not looked into, and what
-//! is offered is asked for its triangle: a bit a triangle, and a bit a node.
+//! Both are laid over one index, which does not change. Nodes without present parts are skipped, and each offered
+//! triangle is checked: one bit per triangle, and one per node.
 
 use std::sync::Arc;
 

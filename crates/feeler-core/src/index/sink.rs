@@ -1,4 +1,4 @@
-//! What the index is asked, and who takes what it offers: queries stand above it, and it knows them by these traits alone.
+//! The traits between index and queries: queries stand above the index, which knows them only by these.
 
 use feeler_lanes::{Checked, Simd, LANES};
 

@@ -1,5 +1,5 @@
-//! Triangles that cannot be queried, and exact duplicates: found (zero area by exact signs, duplicates by a hash of the corners),
-//! counted and listed, never dropped in silence.
+//! Triangles that cannot be queried, and exact duplicates: found (zero area by exact signs, duplicates by a hash of the
+//! corners), counted and listed, never dropped silently.
 
 use rayon::prelude::*;
 

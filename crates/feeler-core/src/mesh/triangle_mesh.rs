@@ -1,4 +1,4 @@
-//! Triangle meshes as given, with what is wrong with them.
+//! Triangle meshes as given, with their defects.
 
 use rayon::prelude::*;
 

@@ -1,8 +1,8 @@
-//! Whether and where a ray meets a closed triangle, exactly.
+//! Whether and where a ray hits a closed triangle, exactly.
 //!
-//! By the signed volumes of the ray's direction and two corners each, seen from its origin (K. Segura and C. Feito, *Algorithms to
-//! test ray-triangle intersection*, 2001): the line meets the triangle where no two differ. Signs come from float64 with an error
-//! bound, and else from whole numbers.
+//! By the signed volumes of the ray's direction and two corners each, seen from its origin (K. Segura and C. Feito,
+//! *Algorithms to test ray-triangle intersection*, 2001): the line hits the triangle if no two differ in sign. Signs
+//! come from float64 with an error bound, else from whole numbers.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! The first triangle that a ray meets, in a scene.
+//! The first triangle that a ray hits in a scene.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! What a ray query is given and what it answers.
+//! The input and the answer of a ray query.
 
 use crate::constants::LARGEST_COORDINATE;
 use crate::error::{Error, Result};

@@ -1,4 +1,4 @@
-//! The share of a ray that sections keep: what lies in all half spaces, from where to where.
+//! The range of a ray that sections keep: its intersection with all half spaces.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! The voxel size that is taken where none is given, and the best for a tool.
+//! The default voxel size, and the best one for a tool.
 
 use super::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use super::piece_predictor::PiecePredictor;

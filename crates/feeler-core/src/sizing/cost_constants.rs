@@ -1,4 +1,4 @@
-//! What the steps of a query cost.
+//! The cost of the steps of a query.
 
 /// What the steps of a query cost on a machine, seconds each. The core has no clock: whoever has one measures them.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! How crowded the mock-up is where: surface in a volume, as a histogram on a coarse grid.
+//! The local density of the mock-up: surface in a volume, as a histogram on a coarse grid.
 
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::pieces::{edge_lengths, longest_edge, twice_area};

@@ -1,4 +1,4 @@
-//! The piece size of blocks for a tool: where the fewest boxes meet.
+//! The piece size of blocks for a tool: the one with the fewest overlapping boxes.
 //!
 //! With a tool's piece anywhere, turned anyhow, the pieces of the mock-up whose boxes its box meets are on average as many as
 //! `product(b + e_a)`, summed over them, over the space: `b` is the mean width of the tool's piece, `e` the sides of the box of

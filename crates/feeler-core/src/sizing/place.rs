@@ -1,4 +1,4 @@
-//! Where the tool is put: as `feeler.sample_poses` does for poses at work, with an estimate in place of queries.
+//! Places for the tool: as `feeler.sample_poses` chooses them for working poses, with an estimate instead of queries.
 
 use super::crowd::Crowd;
 use super::random::Random;

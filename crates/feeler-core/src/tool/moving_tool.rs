@@ -1,4 +1,4 @@
-//! A moving tool, prepared once for every scene it is used with.
+//! A moving tool, prepared once for all scenes.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Sixteen boxes or pieces of a tool side by side, and their places at a pose, in float32.
 //!
-//! Lane `i` of each array belongs to entry `i`. Lanes that are not used repeat the last entry, so that no step needs to leave
-//! them out before the end.
+//! Lane `i` of each array belongs to entry `i`. Unused lanes repeat the last entry, so that no step needs to skip them
+//! before the end.
 
 use feeler_lanes::{along, greatest4, least4, load3, splat3, Box4, Lane32, LaneBoxes, Simd, LANES, TINY};
 

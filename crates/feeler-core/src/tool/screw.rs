@@ -1,4 +1,4 @@
-//! Screws: turns about an axis with an advance along it.
+//! Screws: rotations about an axis with an advance along it.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Ways between the connected surfaces of a tool.
+//! Links between the connected surfaces of a tool.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! Which parts the pieces of each block are of, and which nodes are of one part alone: what is asked before the tree is held against
-//! itself, so that no part is held against itself.
+//! The parts of each block's pieces, and the nodes of a single part: checked before the tree is compared with itself,
+//! so that no part is compared with itself.
 
 use rayon::prelude::*;
 

@@ -1,8 +1,9 @@
-//! The outlines of a tool's pieces, as seen along the axis that is nearest to across them. A box beyond a side of one is apart
-//! from the piece; planes leave many such boxes where the mock-up's pieces are the smaller ones.
+//! The outlines of a tool's pieces, projected along the coordinate axis that is nearest to their normal. A box beyond a
+//! side of an outline is apart from the piece; separating planes miss many such boxes where the mock-up's pieces are
+//! the smaller ones.
 //!
-//! These are separating axes across an edge and a coordinate axis, as of a triangle and a box (Akenine-Möller 2001). As with
-//! planes, an axis that keeps two intervals apart by more than their uncertainty is proof whatever the axis is.
+//! These are separating axes across an edge and a coordinate axis, as for a triangle and a box (Akenine-Möller 2001).
+//! As with planes, any axis that separates two intervals by more than their uncertainty is a proof.
 
 use crate::tool::placement::PlacedPieces;
 use feeler_lanes::{greatest4, load3, Arithmetic, Lane32, Simd, LANES, TINY};

@@ -1,8 +1,8 @@
-//! The search for what is near, in lanes: branch and bound as in [`plain_search`](crate::index::plain_search), pairs of a tool
-//! entry and a node go down together, nearest first.
+//! The distance search in lanes: branch and bound as in [`plain_search`](crate::index::plain_search); pairs of a tool
+//! entry and a node are descended together, nearest first.
 //!
-//! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
-//! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
+//! Bounds are squared distances in frame units, between float32 boxes that cover their content; they are compared with
+//! [`Search::limit`], which is rounded up, so nothing relevant is dropped.
 
 use super::nearest_leaf::Candidate;
 use super::node::Node;

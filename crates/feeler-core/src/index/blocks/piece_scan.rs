@@ -1,6 +1,6 @@
-//! The last steps of the descent where blocks are small beside clusters: each of the tool's pieces, one at a time, against a
-//! block's 32, and not each of these against a cluster's 16 as in [`scan`](super::scan). Few pieces of a cluster then meet a
-//! block, and many of the block's the cluster.
+//! The last steps of the descent where blocks are small beside clusters: each of the tool's pieces, one at a time,
+//! against a block's 32, instead of each of these against a cluster's 16 as in [`scan`](super::scan). Few pieces of a
+//! cluster then overlap a block, and many of the block's overlap the cluster.
 //!
 //! All blocks that a group reached go from list to list together.
 

@@ -1,5 +1,5 @@
-//! Clusters of a fine tool beside large pieces of the mock-up: whole clusters lie to one side of the plane of each piece whose box
-//! they meet, and need not be placed.
+//! Clusters of a fine tool beside large pieces of the mock-up: a cluster that lies wholly to one side of the plane of
+//! each overlapping piece need not be placed.
 
 use super::node::Node;
 use super::pieces::{HalfBlock, PackedPieces};

@@ -1,7 +1,7 @@
 //! The search along a ray, in lanes: the 32 children of a node at once, nearest first.
 //!
-//! The ray is brought to the mock-up's box in float64; from there on float32 in frame units tells apart all that is more than
-//! [`RAY_GROWTH`] away from it.
+//! The ray is clipped to the mock-up's box in float64; from there on float32 in frame units distinguishes everything
+//! that is more than [`RAY_GROWTH`] away from it.
 
 use super::node::{Node, FANOUT};
 use super::tree::Blocks;

@@ -1,7 +1,7 @@
 //! The last steps of the descent: the clusters of a tool's group against the blocks the group reached.
 //!
-//! Separating axes in lanes: the boxes' three, then the normals of either piece. Stage by stage, each a loop that appends what
-//! passes to a list: which entries pass is not to be foreseen, so there is no branch.
+//! Separating axes in lanes: the boxes' three, then the normals of either piece. In stages, each a loop that appends
+//! the remaining entries to a list without a branch, because which entries remain is unpredictable.
 
 use std::ops::Range;
 

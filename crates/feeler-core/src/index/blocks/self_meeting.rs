@@ -1,4 +1,5 @@
-//! The last step of the tree held against itself, where triangles may meet: a block's pieces against those of the blocks it reaches.
+//! The last step of the tree against itself, for collisions: a block's pieces against those of the blocks that it
+//! reaches.
 
 use super::block_parts::{BlockParts, PartPieces};
 use super::node::FANOUT;

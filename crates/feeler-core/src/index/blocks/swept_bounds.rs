@@ -1,7 +1,7 @@
-//! Sixteen boxes or pieces of a tool side by side, and what they sweep through a window of time, in a frame, in float32.
+//! Sixteen boxes or pieces of a tool side by side, and their sweep through a window of time, in a frame, in float32.
 //!
-//! A point of the tool stays within the window's margin of the straight line between its places at both ends, so the box around
-//! both places, grown by the margin, holds all of its way, and so does its interval along any axis.
+//! A point of the tool stays within the window's margin of the straight line between its places at both ends, so the
+//! box around both places, grown by the margin, contains its whole motion, and so does its interval along any axis.
 
 use super::node::Frame;
 use super::pieces::HalfBlock;

@@ -1,4 +1,4 @@
-//! The tree: nodes over blocks of pieces, as they are kept.
+//! The stored tree: nodes over blocks of pieces.
 
 use super::node::{Frame, Node, FANOUT};
 use super::pieces::PackedPieces;

@@ -1,5 +1,5 @@
-//! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Found once for a mesh, when contacts
-//! are first asked for.
+//! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Computed once for a
+//! mesh, at the first contact query.
 
 use crate::constants::{EDGES_PER_OPEN_EDGE, LOOSE_EDGES_TRIED, NONE, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
