@@ -1,4 +1,4 @@
-//! Wrenches that a device may be given, and poses that a device may have told.
+//! Limits wrenches for a device, and checks the poses that a device reports.
 
 use feeler_core::geometry::vectors::{cross, dot};
 use feeler_core::{Point, Pose};

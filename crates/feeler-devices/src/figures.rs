@@ -1,8 +1,9 @@
 //! Data of the supported device types, one line each, with its source.
 //!
-//! Damping, friction and mass are published by few makers. What is not known is 0 here, and bounds nothing. A maker's largest stiffness
-//! is of a loop like a driver's here: the damping that holds it there, by Colgate's `b > K (T / 2 + t)`, is the least that the device
-//! must have, and bounds the stiffness of other loops. Data sheets without a date were not at hand, and are quoted from memory.
+//! Few makers publish damping, friction and mass. Unknown values are 0 here, and limit nothing. A maker's largest
+//! stiffness is for a loop like a driver's here: the damping that stabilises it there, by Colgate's `b > K (T / 2 +
+//! t)`, is the least that the device must have, and limits the stiffness of other loops. Data sheets without a date
+//! were not at hand, and are quoted from memory.
 
 use feeler_core::Point;
 use feeler_haptics::device::{DeviceInfo, DeviceLimits, Freedoms};

@@ -1,5 +1,5 @@
-//! Real time on a real system: a clock with absolute sleeps, priority for a thread, memory that stays in memory, and what a thread has
-//! computed. What the system does not allow is said, and nothing else happens.
+//! Real time on a real system: a clock with absolute sleeps, thread priority, locked memory, and CPU time of a thread.
+//! If the system refuses one of them, the reason is reported, and nothing else happens.
 
 use std::time::Instant;
 

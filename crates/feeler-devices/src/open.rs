@@ -1,4 +1,4 @@
-//! Devices by the name of their driver.
+//! Opens devices by the name of their driver.
 
 use feeler_haptics::device::{Device, DeviceError};
 

@@ -1,10 +1,10 @@
 //! Devices of 3D Systems (Touch, Touch X, Phantom), through the maker's OpenHaptics HD API, whose library is loaded when the device is
 //! opened.
 //!
-//! The library's own scheduler calls the driver at its rate, in its own thread; that is where poses are taken and forces given, and
-//! where the force is taken away when the servo has not written for 50 ms. Rotation is sensed. Torques are not driven: the few models
-//! that have them take joint torques of their gimbal, not torques on the hand. The scheduler is one for all devices of the process, and
-//! ends with this one.
+//! The library's own scheduler calls the driver at its rate, in its own thread, which reads poses, sets forces, and
+//! removes the force if the servo has not written for 50 ms. Rotation is sensed. Torques are not actuated: the few
+//! models with torques take joint torques of their gimbal, not torques on the hand. The scheduler serves all devices of
+//! the process, and ends with this one.
 
 use std::path::PathBuf;
 use std::sync::Arc;

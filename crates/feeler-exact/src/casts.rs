@@ -1,8 +1,9 @@
-//! Casts that are known to hit: nothing may tunnel, no impact may be late.
+//! Casts with a known hit: nothing may tunnel, no impact may be late.
 //!
-//! A way is random, from pose to pose or along a screw; then it is shifted so that at a chosen time a chosen point of the tool lies
-//! on a chosen point of a sheet without thickness or of a wire. Rational arithmetic confirms that the two triangles meet then. So
-//! the tool is through at that time, however fast it goes, and the cast must have found an impact by then.
+//! A motion is random, between poses or along a screw; then it is shifted so that at a chosen time a chosen point of
+//! the tool lies on a chosen point of a sheet without thickness or of a wire. Rational arithmetic confirms that the two
+//! triangles collide then. So the tool is in contact at that time, however fast it moves, and the cast must have found
+//! an impact by then.
 
 use std::sync::Arc;
 

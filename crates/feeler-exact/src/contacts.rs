@@ -1,5 +1,5 @@
-//! Contacts of [`concave`](crate::concave) solids whose depths are known: no plane may be missing, deeper than is true, or turned, and
-//! no way out shorter than the shortest.
+//! Contacts of [`concave`](crate::concave) solids of known depth: no plane may be missing, too deep, or turned, and no
+//! way out shorter than the shortest.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! How far apart two triangles are, in exact rational arithmetic, slow and obvious.
+//! The distance of two triangles, in exact rational arithmetic, slow and obvious.
 //!
 //! Two closed triangles that share no point are closest at an edge of each, or at a corner of one and a point inside the other.
 //! All of these squared distances are quotients of whole numbers; the least is the answer.

@@ -1,4 +1,4 @@
-//! The mass: millions of pairs and thousands of scenes, each held to the oracle.
+//! The mass: millions of pairs and thousands of scenes, each compared with the oracle.
 //!
 //! The work of a generator is cut into units; unit `i` depends on the seed and `i` alone, and units run in waves of a fixed
 //! size, so the figures are the same for every number of threads.

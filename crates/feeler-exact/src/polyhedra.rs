@@ -1,5 +1,5 @@
-//! Pairs of closed polyhedra with corners in whole units: flush and not, turned, skewed, hollow, concave, with shared corners and edges, and cut
-//! into triangles as finely as may be.
+//! Pairs of closed polyhedra with integer corners: flush and not, turned, skewed, hollow, concave, with shared corners
+//! and edges, and cut into triangles of any fineness.
 
 use crate::blocks::{Block, Solid, Spot, Surface};
 use crate::random::Random;

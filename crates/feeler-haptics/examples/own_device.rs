@@ -1,4 +1,5 @@
-//! A device of one's own, pressed into a plate in simulated time: a handle on a rail that tells its height and takes a force.
+//! Your own device, pressed into a plate in simulated time: a handle on a rail that reports its height and takes a
+//! force.
 //!
 //! `cargo run -p feeler-haptics --example own_device`
 

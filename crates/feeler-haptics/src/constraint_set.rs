@@ -1,4 +1,5 @@
-//! What the collision side hands to the servo side: contact rows, where they were taken, and how far they are good for.
+//! The result of the collision side for the servo side: contact rows, the pose where they were taken, and the range in
+//! which they hold.
 
 use feeler_core::geometry::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
 use feeler_core::geometry::twist::{displaced, displacement, product, times, transposed, Twist};

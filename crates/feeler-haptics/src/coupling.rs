@@ -1,4 +1,4 @@
-//! The virtual coupling: a spring and a damper between where the hand wants the tool, and where the mock-up lets it be.
+//! The virtual coupling: a spring and a damper between the device's pose and the proxy.
 //!
 //! Colgate, Stanley and Brown, *Issues in the Haptic Display of Tool Use*, IROS 1995; in rotation the spring's torque
 //! is along the rotation vector between the two (the logarithm of the quaternion), which is minus the gradient of `k

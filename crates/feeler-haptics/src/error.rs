@@ -1,4 +1,4 @@
-//! What can be wrong with what a caller passes in, and what a device may fail at.
+//! Errors in a caller's arguments, and failures of a device.
 
 /// What is wrong, where, and what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

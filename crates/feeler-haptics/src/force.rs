@@ -1,4 +1,4 @@
-//! From two poses to a wrench that may go to a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
+//! From two poses to a wrench that is safe for a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
 use feeler_core::geometry::twist::{displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub, unit};

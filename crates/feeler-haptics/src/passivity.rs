@@ -1,19 +1,19 @@
-//! The passivity observer and controller: what the coupling gives the hand more than it took is damped away.
+//! The passivity observer and controller: damps away the energy that the coupling gives the hand beyond what it took.
 //!
 //! B. Hannaford and J.-H. Ryu, *Time-Domain Passivity Control of Haptic Interfaces*, IEEE Trans. Robotics and
 //! Automation 18(1), 2002, with the energy of a held force over each sample (J.-H. Ryu, Y. S. Kim and B. Hannaford,
 //! *Sampled- and Continuous-Time Passivity and Stability of Virtual Environments*, IEEE Trans. Robotics 20(4), 2004),
 //! which is exact, and a reference (J.-H. Ryu, C. Preusche, B. Hannaford and G. Hirzinger, *Time Domain Passivity
 //! Control with Reference Energy Following*, IEEE Trans. Control Systems Technology 13(5), 2005): the energy in the
-//! coupling's springs is known and set aside, so that what a deep spring holds does not hide what a vibration makes.
-//! The six freedoms are one port of one energy, as in C. Preusche, G. Hirzinger, J.-H. Ryu and B. Hannaford, *Time
-//! Domain Passivity Control for 6 Degrees of Freedom Haptic Displays*, IROS 2003: the damping is shared among them as
-//! the device's own is, and a freedom that rests gets none.
+//! coupling's springs is known and set aside, so that the energy of a deep spring does not hide that of a vibration.
+//! The six degrees of freedom are one port of one energy, as in C. Preusche, G. Hirzinger, J.-H. Ryu and B. Hannaford,
+//! *Time Domain Passivity Control for 6 Degrees of Freedom Haptic Displays*, IROS 2003: the damping is shared among
+//! them like the device's own, and a resting one gets none.
 //!
-//! The policy: the books count what was taken from the hand for good (a *surplus*), or given without having been taken
-//! (a *deficit*). A surplus leaks away, so that old losses do not pay for new gains. A deficit stays while something is
-//! touched, is forgiven quickly in the air, so that air does not feel thick, and is never larger than what the springs
-//! hold at full force. The damping is bounded, so that its force goes to zero with the velocity: no chatter at rest.
+//! The policy: the balance counts energy taken from the hand for good (a *surplus*), or given without having been taken
+//! (a *deficit*). A surplus decays, so that old losses do not pay for new gains. A deficit stays during contact, decays
+//! quickly in the air, so that air does not feel thick, and never exceeds the energy of the springs at full force. The
+//! damping is bounded, so that its force goes to zero with the velocity: no chatter at rest.
 
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::geometry::vectors::{dot, scaled};

@@ -1,10 +1,10 @@
 //! The proxy (god-object): the tool as it would be if it could not enter the mock-up.
 //!
-//! After M. Ortega, S. Redon and S. Coquillart (*A six degree-of-freedom god-object method for haptic display of rigid bodies with
-//! surface properties*, 2007): the pose nearest to the device's that no contact forbids, reached by a free motion. Where it differs:
-//! contacts are planes that do not depend on the triangulation, taken where the proxy is, with the points that carry them; and each
-//! motion is cast, so that the proxy is never in collision by the exact test. What stops a cast though no plane forbade it becomes a
-//! row of its own, and is asked again while it is near.
+//! After M. Ortega, S. Redon and S. Coquillart (*A six degree-of-freedom god-object method for haptic display of rigid
+//! bodies with surface properties*, 2007): the pose nearest to the device's that no contact forbids, reached by a free
+//! motion. Differences: contacts are planes that do not depend on the triangulation, taken at the proxy, with the
+//! points that carry them; and each motion is cast, so that the proxy is never in collision by the exact test. An
+//! impact that no plane forbade becomes a row of its own, and is checked again while it is near.
 
 use std::sync::Arc;
 

@@ -1,8 +1,9 @@
-//! One tick of the servo side: the pose nearest to the device's by the newest constraints, and the force of the coupling to it.
+//! One tick of the servo side: the pose nearest to the device's within the newest constraints, and the force of the
+//! coupling to it.
 //!
-//! Between two sets the proxy moves by the rows of the newest one, and no farther than that is good for: all that has no row is at least
-//! its margin off, so a tool of which no point moves farther cannot get there. Beyond, the proxy is held at the bound, and the coupling
-//! drags. Allocates nothing, and takes no lock.
+//! Between two sets the proxy moves by the rows of the newest one, and no farther than its bound: everything without a
+//! row is at least the margin away, so a tool of which no point moves farther cannot get there. At the bound the proxy
+//! is held, and the coupling drags. Allocates nothing, and takes no lock.
 
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::{Point, Pose};

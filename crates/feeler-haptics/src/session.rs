@@ -1,4 +1,5 @@
-//! A session: proxy, servo and clock in one thread, deterministic. What threads do beside each other is done here one after the other.
+//! A session: proxy, servo and clock in one thread, deterministic. It does in sequence what a run does in parallel
+//! threads.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
-//! What a run took: how late the ticks were, how long they and the searches for contacts took, how old constraints were.
+//! Statistics of a run: lateness and duration of ticks, duration of searches for contacts, age of constraints.
 //!
-//! Each thread counts into histograms of its own, of fixed size, so that counting never allocates; a copy of them goes through a triple
-//! buffer now and then.
+//! Each thread counts into its own histograms, of fixed size, so that counting never allocates; a copy of them goes
+//! through a triple buffer from time to time.
 
 use hdrhistogram::Histogram;
 

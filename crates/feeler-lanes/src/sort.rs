@@ -1,5 +1,6 @@
-//! Lists of numbers put in order, each once, in lanes: quicksort that packs chosen lanes (after B. Bramas, *A novel hybrid
-//! quicksort algorithm vectorized using AVX-512 on Intel Skylake*, 2017), and small lists by counting instead of a network.
+//! Sorts lists of numbers and removes repetitions, in lanes: quicksort that packs chosen lanes (after B. Bramas, *A
+//! novel hybrid quicksort algorithm vectorized using AVX-512 on Intel Skylake*, 2017), and small lists by counting
+//! instead of a network.
 
 use crate::simd::{Checked, Kernel, Simd, FEW, WIDE_LANES};
 

@@ -1,4 +1,4 @@
-//! Who stopped the tool: counted, with the pose of the try that got farthest.
+//! The parts that stopped the tool: counted, with the pose of the best attempt.
 
 use std::collections::BTreeMap;
 

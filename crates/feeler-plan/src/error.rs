@@ -1,4 +1,4 @@
-//! What can be wrong with what a caller passes in.
+//! Errors in a caller's arguments.
 
 /// What is wrong, where, and what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

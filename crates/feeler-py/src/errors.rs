@@ -1,4 +1,4 @@
-//! Core errors become the exceptions of `feeler.errors`, here and nowhere else.
+//! Converts core errors to the exceptions of `feeler.errors`, here and nowhere else.
 
 use feeler_core::Error;
 use pyo3::prelude::*;

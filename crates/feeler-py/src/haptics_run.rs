@@ -1,5 +1,5 @@
-//! `feeler._core.HapticsRun`: a session that runs with a device, in threads that enter the interpreter only for a device that is an
-//! object of Python.
+//! `feeler._core.HapticsRun`: a session running with a device, in threads that enter the interpreter only for a device
+//! written in Python.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -1,7 +1,7 @@
-//! Large arrays lie in huge pages, where the system has them for the asking.
+//! Puts large arrays into huge pages, if the system grants them on request.
 //!
-//! A query reads a few hundred cache lines here and there in an index of a hundred megabytes. In pages of 4 KiB nearly each of
-//! them lies in a page whose place must be looked up in memory first, in pages of 2 MiB hardly any.
+//! A query reads a few hundred scattered cache lines in an index of a hundred megabytes. In pages of 4 KiB nearly each
+//! of them is in a page whose address must first be looked up in memory, in pages of 2 MiB hardly any.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 

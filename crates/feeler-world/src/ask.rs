@@ -1,4 +1,4 @@
-//! Queries of all bodies at once: parts and triangles in the answers have their numbers in the mock-up, wherever they lie.
+//! Queries of all bodies at once: parts and triangles in the answers have their mock-up indices, wherever they lie.
 
 use std::sync::Arc;
 

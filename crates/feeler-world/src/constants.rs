@@ -1,4 +1,4 @@
-//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+//! Every limit and tolerance of this crate: its unit, the reason for its value, and the effect of a change.
 
 // What may touch.
 

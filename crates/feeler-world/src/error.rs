@@ -1,4 +1,4 @@
-//! What can be wrong with what is taken, put down and put back.
+//! Errors when parts are gripped, put down and put back.
 
 /// What is wrong, where, and what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

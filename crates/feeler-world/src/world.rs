@@ -1,7 +1,7 @@
-//! What is held and what stands around it: the mock-up, the tool, a part that is gripped, and parts that were put down elsewhere.
+//! The state of a manipulation: the mock-up, the tool, a gripped part, and parts put down elsewhere.
 //!
-//! A gripped part leaves the scene and joins the tool without a rebuild. What the tool meets whenever the world changes is a seat: see
-//! [`Surroundings`].
+//! A gripped part leaves the scene and joins the tool without a rebuild. Contacts of the tool when the world changes
+//! are seats: see [`Surroundings`].
 
 use std::sync::Arc;
 

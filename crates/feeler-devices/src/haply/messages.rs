@@ -1,4 +1,5 @@
-//! The service's messages, as much of them as is needed: states in, commands out. `make test-haply` holds both to the types of the maker's crate.
+//! The messages of the service, as far as needed: states in, commands out. `make test-haply` checks both with the types
+//! of the maker's crate.
 
 use feeler_core::Point;
 use feeler_haptics::twist::Twist;

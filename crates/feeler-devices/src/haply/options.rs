@@ -1,4 +1,4 @@
-//! Which Inverse3, and how it is driven.
+//! Which Inverse3 to open, and its settings.
 
 use crate::constants::INVERSE_SERVICE;
 

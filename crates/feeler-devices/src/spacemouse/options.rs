@@ -1,4 +1,4 @@
-//! How the cap moves the pose, and what a SpaceMouse is with that.
+//! How the cap moves the pose, and the resulting properties of a SpaceMouse.
 
 use std::path::PathBuf;
 

@@ -1,5 +1,5 @@
-//! What spacenavd says on its socket: events of eight 32-bit numbers in the machine's byte order (protocol 0), and from version 1.0 on
-//! also a version of the protocol, agreed on by four bytes, and answers to requests (protocol 1).
+//! The protocol of spacenavd's socket: events of eight 32-bit numbers in the machine's byte order (protocol 0), and
+//! from version 1.0 on also a protocol version, agreed on by four bytes, and answers to requests (protocol 1).
 
 use crate::constants::{LARGEST_COUNTS, LARGEST_EVENT};
 

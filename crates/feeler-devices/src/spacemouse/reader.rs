@@ -1,4 +1,4 @@
-//! The thread that listens to the daemon, connects again when it is gone, and keeps what the cap is at now.
+//! The thread that listens to the daemon, reconnects when it is gone, and keeps the cap's present state.
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;

@@ -1,5 +1,5 @@
-//! 3D Systems' OpenHaptics HD API (`libHD`, headers `HD/hdDevice.h`, `hdScheduler.h`, `hdDefines.h`, version 3): millimetres, newtons,
-//! milliseconds for nothing; x to the right, y up, z towards the hand's owner. Errors pile up until they are asked for.
+//! 3D Systems' OpenHaptics HD API (`libHD`, headers `HD/hdDevice.h`, `hdScheduler.h`, `hdDefines.h`, version 3):
+//! millimetres, newtons; x to the right, y up, z towards the user. Errors accumulate until they are read.
 
 use std::ffi::{c_char, c_int, c_uint, c_ulong, c_ushort, c_void, CString};
 use std::panic::{catch_unwind, AssertUnwindSafe};

@@ -1,7 +1,7 @@
-//! Libraries of makers of devices, loaded while the program runs: who has no such device needs none of them.
+//! Libraries of device makers, loaded at run time: without such a device none of them is needed.
 //!
-//! All `unsafe` of this crate is here. A library is what its maker's documentation says, or not: that the file under that name has
-//! functions with these names is checked, what they do with their arguments cannot be.
+//! All `unsafe` of this crate is here. The code relies on the maker's documentation: it checks that the file has
+//! functions with these names, but it cannot check what they do with their arguments.
 
 pub(crate) mod dhd_calls;
 pub(crate) mod hd_calls;

@@ -1,4 +1,4 @@
-//! A device with something wrong with it for a while: to see what becomes of the force.
+//! A device with a temporary fault, to test the reaction of the force.
 
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::Pose;

@@ -1,4 +1,4 @@
-//! Devices: what a hand holds. One trait for all, whatever they sense and drive.
+//! Devices held by a hand: one trait for all, whatever they sense and actuate.
 
 pub mod faulty;
 pub mod hand;

@@ -1,8 +1,7 @@
-//! A device that drives nothing: somebody sets where it is to be, at any rate, and it goes there smoothly.
+//! A device without actuators: another program sets its target, at any rate, and it follows smoothly.
 //!
-//! Each freedom is a critically damped second-order system, whose exact solution is taken between two targets: however
-//! seldom targets come and however unevenly it is read, pose and twist are continuous, and never overshoot a target
-//! that rests.
+//! Each degree of freedom is a critically damped second-order system, solved exactly between two targets: however rare
+//! the targets and uneven the reads, pose and twist are continuous, and never overshoot a resting target.
 
 use feeler_core::constants::SMALL_ANGLE;
 use feeler_core::geometry::twist::{pose_of, product, rotation_of, rotation_vector, transposed, Twist, Wrench};

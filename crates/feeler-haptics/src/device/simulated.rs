@@ -1,8 +1,8 @@
-//! A device that is not there: mass, friction, encoders, delays and a hand, in simulated time.
+//! A simulated device: mass, friction, encoders, delays and a hand, in simulated time.
 //!
-//! Its physics goes on in steps of 50 us up to the time that [`read`](Device::read) or [`write`](Device::write) is
-//! told, so that the same calls give the same motion, bit for bit. Handle and hand are one rigid mass and one rigid
-//! inertia, the same in all directions and about all axes. Gravity is balanced.
+//! Its physics advances in steps of 50 us up to the time passed to [`read`](Device::read) or [`write`](Device::write),
+//! so that the same calls give the same motion, bit for bit. Handle and hand are one rigid mass and one rigid inertia,
+//! the same in all directions and about all axes. Gravity is balanced.
 
 use feeler_core::geometry::twist::{displaced, displacement, pose_of, rotation_of, rotation_vector, Twist, Wrench};
 use feeler_core::geometry::vectors::{along, length, scaled};

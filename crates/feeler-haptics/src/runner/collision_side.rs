@@ -1,4 +1,5 @@
-//! The collision side: the newest target, the proxy, its contacts, handed over. Without a thread or a clock of its own.
+//! The collision side: takes the newest target, moves the proxy, and passes on its contacts. It has no thread or clock
+//! of its own.
 
 use std::sync::mpsc::SyncSender;
 use std::sync::Arc;

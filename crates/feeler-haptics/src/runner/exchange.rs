@@ -1,4 +1,4 @@
-//! What the threads hand each other, each through a triple buffer: nobody waits for anybody, and everybody has the newest.
+//! The exchange between the threads, through triple buffers: nobody waits, and everybody has the newest data.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;

@@ -1,15 +1,17 @@
-//! A session that runs: a servo thread and a collision thread, which hand each other the newest and never wait for each other.
+//! A running session: a servo thread and a collision thread, which exchange their newest results and never wait for
+//! each other.
 //!
-//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the force. No lock,
-//!   no allocation.
-//! - **Collision thread**: the newest target, the proxy to there, its contacts. What changes the scene (a start, a grip) is done
-//!   between two ticks; meanwhile the servo thread goes on with what it has.
-//! - **Picture**: takes a [`View`] when it wants to; nobody waits for it.
+//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the
+//!   force. No lock, no allocation.
+//! - **Collision thread**: moves the proxy to the newest target and finds its contacts. Changes of the scene (a start,
+//!   a grip) happen between two ticks; meanwhile the servo thread continues with its data.
+//! - **Picture**: takes a [`View`] at any time; nobody waits for it.
 //!
-//! What happens when one stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag, and
-//! lets the force go when they are older than half a second. A servo thread that stalls leaves the force to the device's own watchdog,
-//! and begins anew from zero. A device that fails, is silent or tells what cannot be gets no force, and is asked again each tick.
-//! A thread that panics, and a device that is broken, end the run; the force is let go first.
+//! If one thread stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag,
+//! and releases the force when they are older than half a second. A stalled servo thread leaves the force to the
+//! device's own watchdog, and restarts from zero. A device that fails, is silent or reports invalid values gets no
+//! force, and is read again each tick. A panic in a thread, and a broken device, end the run; the force is released
+//! first.
 
 mod collision_side;
 mod exchange;

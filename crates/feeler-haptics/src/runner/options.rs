@@ -1,4 +1,4 @@
-//! How a session is to run.
+//! The options of a run.
 
 use std::fmt;
 use std::sync::Arc;

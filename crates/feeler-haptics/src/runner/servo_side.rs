@@ -1,5 +1,5 @@
-//! The servo side: device, mapping, the newest constraints, force. Without a thread or a clock of its own; takes no lock, and
-//! allocates nothing unless the device fails.
+//! The servo side: device, mapping, the newest constraints, force. It has no thread or clock of its own, takes no lock,
+//! and allocates nothing unless the device fails.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{length, scaled, sub};

@@ -1,4 +1,4 @@
-//! What happened in each tick of a run, through a queue of fixed length that the servo side never waits for.
+//! The ticks of a run, sent through a queue of fixed length for which the servo side never waits.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;

@@ -1,4 +1,4 @@
-//! What kernels are written in: lanes, and the steps that each level takes on them.
+//! The vocabulary of kernels: lanes, and the operations that each level has on them.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};

@@ -1,4 +1,4 @@
-//! What AVX2 and AVX-512 have in common.
+//! Code shared by AVX2 and AVX-512.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};

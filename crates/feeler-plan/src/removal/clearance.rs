@@ -1,4 +1,4 @@
-//! A way farther off what it passes.
+//! Moves a path farther away from its surroundings.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Along which directions a part may come straight out: what its contacts, its own shape and its neighbours' shapes suggest.
+//! Directions in which a part may come straight out: from its contacts, its own shape and its neighbours' shapes.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{Point, Tool};

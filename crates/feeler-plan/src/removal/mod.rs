@@ -1,8 +1,8 @@
 //! How a part comes out of a mock-up.
 //!
-//! Straight ways first, along directions that the contacts and the shapes suggest; then pushes as a person tries them, and random trees.
-//! What is given was verified; where nothing is found it says what was in the way. That there is none is said only of parts that are shown
-//! to be held by their neighbours.
+//! Straight paths first, along directions that the contacts and the shapes suggest; then pushes as a person would try
+//! them, and random trees. Every returned path is verified; if none is found, the answer lists the blocking parts. Only
+//! parts that are proven to be held by their neighbours are reported as having no path.
 
 mod clearance;
 mod directions;

@@ -1,5 +1,6 @@
-//! Pushes as a person tries them, breadth first: along the contacts, the part's own axes and the bores, as far as it goes; turns about
-//! axes and along threads; and wherever a push came along, whether something is free there across it.
+//! Pushes as a person would try them, breadth first: along the contacts, the part's own axes and the bores, as far as
+//! possible; turns about axes and along threads; and at each point that a push reached, whether a direction across it
+//! is free.
 //!
 //! After Y. Tian, J. Xu and others, *Assemble them all: physics-based planning for generalizable assembly by disassembly* (2022), who find
 //! such pushes by physics; here each is a cast. Poses that differ little are one.

@@ -1,4 +1,4 @@
-//! A way made shorter, with fewer turns, and farther off what it passes.
+//! Makes a path shorter, with fewer turns, and farther away from its surroundings.
 
 use feeler_core::geometry::twist::{pose_of, times};
 use feeler_core::geometry::vectors::sub;

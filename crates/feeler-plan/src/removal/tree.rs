@@ -1,8 +1,8 @@
-//! A random tree of poses that a part can reach, grown until one of them is out.
+//! A random tree of reachable poses of a part, grown until one of them is out.
 //!
-//! After rapidly exploring random trees (S. LaValle, 1998): a pose far away is drawn, and the nearest node moves towards it. Motions
-//! are cast, so they are as long as they are free, and where one is stopped it slides on: the rest of the motion is what the contacts
-//! leave of it. There is no goal but being out; from new nodes straight ways out are tried.
+//! After rapidly exploring random trees (S. LaValle, 1998): a random distant pose is drawn, and the nearest node moves
+//! towards it. Motions are cast, so they go as far as they are free, and a stopped one slides on: the rest of the
+//! motion is projected onto the contacts. There is no goal but being out; straight paths out are tried from new nodes.
 
 use std::sync::Arc;
 

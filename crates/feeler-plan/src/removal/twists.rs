@@ -1,4 +1,4 @@
-//! What the contacts leave free: turns about the axes of bores and hinges, and the screws of threads.
+//! Motions that the contacts leave free: rotations about the axes of bores and hinges, and the screws of threads.
 
 use feeler_core::geometry::twist::Twist;
 use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub, unit};

@@ -1,4 +1,4 @@
-//! Whether a way is free, leg by leg, with the same allowances and finer steps.
+//! Verifies a path, leg by leg, with the same allowances and finer steps.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

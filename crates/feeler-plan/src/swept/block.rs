@@ -1,4 +1,4 @@
-//! One block: values at its nodes, what of them is inside the tool, and the surface between.
+//! One block: values at its nodes, which of them are inside the tool, and the surface between.
 
 use feeler_contacts::ToolSolid;
 use feeler_core::geometry::vectors::{add, cross, dot, scaled, sub};

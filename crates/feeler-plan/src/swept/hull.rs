@@ -1,7 +1,7 @@
 //! The distance of a point to the convex hull of six others: the algorithm of E. Gilbert, D. Johnson and S. Keerthi (1988).
 //!
 //! Each step has a point of the hull, which bounds the distance from above, and a plane before the hull, which bounds it from below.
-//! Callers say what they need to know, so that a few steps are enough.
+//! Callers pass the required accuracy, so that a few steps are enough.
 
 use feeler_core::geometry::vectors::{along, cross, dot, scaled, sub};
 use feeler_core::{Aabb, Point};

@@ -1,4 +1,4 @@
-//! The whole: steps, grid, search, surface.
+//! The whole computation: steps, grid, search, surface.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Mutex;

@@ -1,4 +1,4 @@
-//! The seats that have not parted yet, and the queries of each body that follow from them.
+//! The seats that have not separated yet, and the queries of each body that follow from them.
 
 use std::sync::Arc;
 
