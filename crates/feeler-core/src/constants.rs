@@ -108,13 +108,13 @@ pub(crate) const TOOL_NORMAL_ROUNDING: f32 = 1.0 / 1_048_576.0;
 
 // --- Distances of triangles ---
 
-/// What a distance of two triangles may be off by, in unit roundoffs of the largest difference of their coordinates: about a
-/// dozen roundings on the way to each witness point, as many for the other, and a factor of four to spare. Searches look that
-/// much farther than they are asked.
+/// The largest error of a distance of two triangles, in unit roundoffs of the largest difference of their coordinates:
+/// about a dozen roundings on the way to each witness point, and a factor of four to spare. Searches look that much
+/// farther than requested.
 pub const DISTANCE_ROUNDOFFS: f64 = 128.0;
 
-/// What the common point of two triangles that meet may be off both, likewise. Worst where slivers that are nearly in one plane
-/// cross: how far float64 can tell where.
+/// The largest error of the common point of two colliding triangles, likewise. It is worst where slivers that are
+/// nearly in one plane cross, which float64 cannot locate better.
 pub const MEETING_ROUNDOFFS: f64 = 8_388_608.0;
 
 /// Square of the sine below which two directions count as near parallel, or a face as a sliver (no unit). What is narrower takes

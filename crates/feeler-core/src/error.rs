@@ -1,6 +1,7 @@
 //! Errors in a caller's arguments. Every message says what is wrong, where, and what to do.
 
-/// What is wrong with what a caller passed in, or why a query stopped. Its message says what, where and what to do.
+/// An error in a caller's arguments, or the reason why a query stopped. Its message says what is wrong, where, and what
+/// to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

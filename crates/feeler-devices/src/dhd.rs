@@ -38,8 +38,8 @@ pub struct Dhd {
 }
 
 impl Dhd {
-    /// Loads the library, opens the first device that is free, and waits for its first pose. Errors where there is no library or no
-    /// device, with what to do.
+    /// Loads the library, opens the first free device, and waits for its first pose. Errors with advice if there is no
+    /// library or no device.
     pub fn open(options: &DhdOptions) -> Result<Dhd, DeviceError> {
         let open = OpenDhd::open(options.library.as_deref())?;
         let model = open.model();

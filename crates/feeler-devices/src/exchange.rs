@@ -82,7 +82,7 @@ impl ServoEnd {
         &self.info
     }
 
-    /// Waits for the first measurement, for opening a device. Errors with what the thread told instead, or when it told nothing.
+    /// Waits for the first measurement, for opening a device. Errors: the thread's error, or none within the time.
     pub fn wait_for_first(&mut self) -> Result<(), DeviceError> {
         let started = Instant::now();
         loop {

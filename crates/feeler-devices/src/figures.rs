@@ -28,11 +28,11 @@ pub struct Figures {
     pub friction_n: f64,
     /// Half the edges of the workspace, axes of a device (x right, y away, z up), metres.
     pub workspace: Point,
-    /// Smallest step of position that it tells, metres.
+    /// Smallest step of the measured position, metres.
     pub resolution_m: f64,
-    /// Smallest step of rotation that it tells, radians.
+    /// Smallest step of the measured rotation, radians.
     pub rotational_resolution_rad: f64,
-    /// How often it tells a pose and takes a force, hertz.
+    /// Rate of poses and forces, hertz.
     pub rate_hz: f64,
     /// Where the figures are from.
     pub sources: &'static str,

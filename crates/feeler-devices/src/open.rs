@@ -20,7 +20,7 @@ pub struct Options {
     pub openhaptics: OpenHapticsOptions,
 }
 
-/// Names that [`open`] knows, with what each is for.
+/// Names of drivers for [`open`], each with its devices.
 pub const DRIVERS: [(&str, &str); 4] = [
     ("spacemouse", "a SpaceMouse, through spacenavd"),
     ("haply", "Haply Inverse3 with or without a VerseGrip, through the Inverse Service"),

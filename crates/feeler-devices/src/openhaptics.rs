@@ -45,8 +45,8 @@ pub struct OpenHaptics {
 }
 
 impl OpenHaptics {
-    /// Loads the library, initialises the device, and waits for its first pose. Errors where there is no library or no device, with what
-    /// to do.
+    /// Loads the library, initialises the device, and waits for its first pose. Errors with advice if there is no
+    /// library or no device.
     pub fn open(options: &OpenHapticsOptions) -> Result<OpenHaptics, DeviceError> {
         let open = Arc::new(OpenHd::open(options.library.as_deref(), options.device.as_deref())?);
         let (info, centre) = info(options, &open);

@@ -90,9 +90,9 @@ impl Coupling {
         Ok(())
     }
 
-    /// The stiffest coupling that is of use on a device and that it holds at its own rate, with the tool's centre at
-    /// its handle: full force at 2 mm or 0.05 rad, less where [`limited`](Self::limited) says so. A fifth of that where neither
-    /// damping nor largest stiffness is known.
+    /// The stiffest useful coupling that a device can hold at its own rate, with the tool's centre at its handle: full
+    /// force at 2 mm or 0.05 rad, less if [`limited`](Self::limited) requires it. A fifth of that if neither damping
+    /// nor largest stiffness is known.
     pub fn for_device(info: &DeviceInfo) -> Coupling {
         let limits = &info.limits;
         let share = |damping: f64, stiffness: f64| if damping == 0.0 && stiffness == 0.0 { UNKNOWN_SHARE } else { 1.0 };
@@ -115,9 +115,9 @@ impl Coupling {
     /// The wrench on the hand, world axes, the torque at the tool frame's origin at the device's pose.
     ///
     /// `device`, `proxy`: both `world_from_tool`. `device_twist`, `proxy_twist`: each at its own tool frame's origin,
-    /// world axes. `centre`: where the springs act, tool frame. The spring of translation pulls at most with
-    /// `max_force_n` and that of rotation with `max_torque_nm`, at the centre; the dampers come on top, and the arm
-    /// from the centre to the origin adds to the torque: what is sent to a device goes through
+    /// world axes. `centre`: the springs' point of action, tool frame. The spring of translation pulls at most with
+    /// `max_force_n` and that of rotation with `max_torque_nm`, at the centre; the dampers add to that, and the arm
+    /// from the centre to the origin adds to the torque: forces for a device go through
     /// [`ForceLoop`](crate::ForceLoop). At half a turn between the two the torque changes its sign.
     pub fn wrench(
         &self,

@@ -36,24 +36,25 @@ pub struct ForceInput {
     pub in_doubt: bool,
 }
 
-/// The force's way, once a tick. Its wrench is world axes, the torque at the tool frame's origin at the device's pose.
+/// The force pipeline, once a tick. Its wrench has world axes, the torque at the tool frame's origin at the device's
+/// pose.
 ///
-/// - [`Coupling::wrench`], without torque where the device drives none.
-/// - Saturation: force and torque are scaled by one factor, so that the wrench keeps its line of action, until both are
-///   within the bounds. The bounds are the lesser ones of coupling and device, and grow from nothing in 0.2 s at the
-///   start and after letting go.
-/// - [`Passivity`]: over what was really sent, the device's delay counted. Its damping and the virtual damper together
-///   stay below the device's own damping, and what would go over the bounds is left out.
-/// - Rate: where ticks are clearly longer than those that the coupling is limited for, its stiffness is that much less, as Colgate's
-///   bound is.
-/// - Slew: the length of the change of force, and of torque, is bounded.
-/// - Watchdog: zero at once where the input is in doubt, not finite, `dt` is not between 0.01 and 50 ms, or the device
-///   has jumped (50 m/s, 1000 rad/s). Coming back goes through bounds and slew.
+/// - [`Coupling::wrench`], without torque if the device has no torque actuators.
+/// - Saturation: one factor scales force and torque, so that the wrench keeps its line of action, until both are within
+///   the bounds. The bounds are the lesser ones of coupling and device, and grow from nothing in 0.2 s at the start and
+///   after each release.
+/// - [`Passivity`]: over the wrench really sent, with the device's delay. Its damping and the virtual damper together
+///   stay below the device's own damping, and any excess over the bounds is dropped.
+/// - Rate: if ticks are clearly longer than those that the coupling is limited for, its stiffness is reduced like
+///   Colgate's bound.
+/// - Slew: limits the change of force, and of torque.
+/// - Watchdog: zero at once if the input is in doubt, not finite, `dt` is not between 0.01 and 50 ms, or the device has
+///   jumped (50 m/s, 1000 rad/s). The return goes through bounds and slew.
 ///
-/// Where torque is not driven, turning the tool about the handle changes the force at no cost, and a closed motion with
-/// turns in it can gain energy (F. Barbagli and K. Salisbury, *The Effect of Sensor/Actuator Asymmetries in Haptic
-/// Interfaces*, HAPTICS 2003). The bounds hold there as everywhere; that no motion gains energy is promised for
-/// translations, and for devices that drive all they sense.
+/// Without torque actuators, turning the tool about the handle changes the force at no cost, and a closed motion with
+/// rotations can gain energy (F. Barbagli and K. Salisbury, *The Effect of Sensor/Actuator Asymmetries in Haptic
+/// Interfaces*, HAPTICS 2003). The bounds hold there as everywhere; that no motion gains energy is guaranteed for
+/// translations, and for devices that actuate everything they sense.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceLoop {
     coupling: Coupling,
@@ -168,7 +169,7 @@ impl ForceLoop {
         self.passivity.surplus_j()
     }
 
-    /// The wrench on the hand for the coming tick. Never above the bounds; [`Wrench::ZERO`] where anything is in doubt.
+    /// The wrench on the hand for the coming tick. Never above the bounds; [`Wrench::ZERO`] if anything is in doubt.
     pub fn step(&mut self, input: &ForceInput) -> Wrench {
         match self.answer(input) {
             Some((wrench, shaded)) => {

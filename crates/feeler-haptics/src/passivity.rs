@@ -44,7 +44,7 @@ impl Passivity {
         }
     }
 
-    /// Other bounds, as of [`new`](Self::new), with the same books.
+    /// Other bounds, as of [`new`](Self::new), with the same energy balance.
     pub fn bound(&mut self, damping_n_s_per_m: f64, rotational_damping_nm_s_per_rad: f64, largest_deficit_j: f64) {
         let surplus = self.surplus.max(-largest_deficit_j);
         *self = Passivity {
@@ -66,9 +66,10 @@ impl Passivity {
         self.surplus = (surplus * kept).max(-self.largest_deficit);
     }
 
-    /// Sets aside a little of what a turned force (see [`Shading`](crate::Shading)) gave in a tick beside its potential, and
-    /// gives what of that is to be [observed](Self::observe): curved surfaces are known to second order, and each facet that is
-    /// crossed gives and takes what they are off by. `taken_j`: for good, joules. `credit_j`: how much it may have given, not negative.
+    /// Sets aside a little of the energy that a turned force (see [`Shading`](crate::Shading)) gave in a tick beyond
+    /// its potential, and returns the rest to [observe](Self::observe): curved surfaces are known to second order, and
+    /// each crossed facet gives and takes the error of that. `taken_j`: for good, joules. `credit_j`: the most it may
+    /// have given, not negative.
     pub fn lend(&mut self, taken_j: f64, credit_j: f64) -> f64 {
         let lent = self.lent + taken_j;
         self.lent = lent.clamp(-credit_j, 0.0);
@@ -89,7 +90,7 @@ impl Passivity {
         Wrench { force: scaled(&twist.linear, -by * linear), torque: scaled(&twist.angular, -by * angular) }
     }
 
-    /// What was taken from the hand for good, joules; negative: given to it.
+    /// Energy taken from the hand for good, joules; negative: given to it.
     pub fn surplus_j(&self) -> f64 {
         self.surplus
     }

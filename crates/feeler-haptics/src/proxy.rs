@@ -28,7 +28,7 @@ use crate::error::{Error, Result};
 /// How the proxy is kept off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProxyOptions {
-    /// What is nearer than this is a contact, metres.
+    /// Surfaces nearer than this are contacts, metres.
     pub margin: f64,
     /// How far the proxy stays off, metres; less where the clearance is less than twice as much.
     pub skin: f64,
@@ -47,8 +47,8 @@ impl Default for ProxyOptions {
 }
 
 impl ProxyOptions {
-    /// With the pull of a coupling: as far as its springs stretch before they are at their bounds. A spring that pulls not at all, or is
-    /// not bounded, leaves what there is.
+    /// With the pull of a coupling: as far as its springs stretch before they reach their bounds. A spring without
+    /// pull, or without a bound, changes nothing.
     pub fn with_pull_of(mut self, coupling: &Coupling) -> ProxyOptions {
         let full = |most: f64, stiffness: f64, else_is: f64| {
             let stretch = most / stiffness;
@@ -78,7 +78,7 @@ impl ProxyOptions {
     }
 }
 
-/// What one tick of the collision side did.
+/// The actions of one tick of the collision side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Advance {
     /// Motions tried.
@@ -112,9 +112,9 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// A proxy where its surroundings start: what it meets there is a seat. Errors: options out of range.
+    /// A proxy at the start of its surroundings; its contacts there are seats. Errors: options out of range.
     ///
-    /// `metric`: what nearest means; mostly that of the tool.
+    /// `metric`: of poses; usually the tool's.
     pub fn new(around: &Surroundings, metric: Metric, options: ProxyOptions) -> Result<Proxy> {
         options.check()?;
         let start = around.start();
@@ -162,8 +162,8 @@ impl Proxy {
         self.options = options;
     }
 
-    /// What there is and what moves has changed where it is: a part was gripped or let go. What nearest means stays, so that the proxy
-    /// does not move by it.
+    /// The surroundings and the moving body have changed in place: a part was gripped or released. The metric stays, so
+    /// that the proxy does not move because of it.
     pub fn set_world(&mut self, around: &Surroundings) -> Result<()> {
         let pose = self.set.taken_at;
         self.blockers.clear();
@@ -175,7 +175,7 @@ impl Proxy {
         Ok(())
     }
 
-    /// What it has not parted from yet.
+    /// The seats that have not separated yet.
     pub fn seated(&self) -> &Arc<Seated> {
         &self.seated
     }

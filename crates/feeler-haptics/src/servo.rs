@@ -22,7 +22,7 @@ use crate::velocity::VelocityEstimate;
 pub struct ServoInput {
     /// Where the device wants the tool, `world_from_tool`.
     pub device: Pose,
-    /// How fast, at the device frame's origin, where it tells; else it is found from the poses.
+    /// Velocity at the device frame's origin, if reported; else it is computed from the poses.
     pub device_twist: Option<Twist>,
     /// Seconds on the caller's clock.
     pub now: f64,
@@ -55,7 +55,7 @@ pub struct ServoOutput {
     pub proxy: Pose,
     /// Age of the constraints, seconds.
     pub age: f64,
-    /// What holds the proxy.
+    /// The state of the proxy.
     pub mode: Mode,
 }
 
@@ -71,7 +71,8 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: where the springs act, tool frame.
+    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: the springs' point of action,
+    /// tool frame.
     pub fn new(
         coupling: Coupling,
         driven: Freedoms,
@@ -93,7 +94,7 @@ impl Servo {
         self.force.coupling()
     }
 
-    /// Another rate from the next tick on, and what the device holds at it, as of [`ForceLoop::set_rate`].
+    /// Another rate from the next tick on, with the device's limits at it, as of [`ForceLoop::set_rate`].
     pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
         self.force.set_rate(limits, rate_hz)
     }

@@ -49,7 +49,8 @@ impl Default for SessionOptions {
 }
 
 impl SessionOptions {
-    /// What the device holds, or a device that just holds the coupling at ticks of `dt` seconds: its damping is what Colgate's bound asks.
+    /// The device's limits, or those of a device that just holds the coupling at ticks of `dt` seconds: with the
+    /// damping of Colgate's bound.
     pub fn limits(&self, dt: f64) -> DeviceLimits {
         let Coupling { stiffness_n_per_m, damping_n_s_per_m, .. } = self.coupling;
         let Coupling { rotational_stiffness_nm_per_rad, rotational_damping_nm_s_per_rad, .. } = self.coupling;
@@ -86,10 +87,10 @@ pub enum Start {
     Seated(Seating),
 }
 
-/// What the tool meets where a session begins. It may slide along that and part from it, and goes no deeper.
+/// The contacts at the start of a session. The tool may slide along them and separate, but not move deeper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seating {
-    /// Pairs of parts, each with how it meets; the parts' numbers are those of the mock-up.
+    /// Seats, as pairs of parts with their kind; part numbers are the mock-up's.
     pub seats: Vec<Seat>,
     /// The shortest translation found that frees the tool, where it is sunk in something: of the body that it is deepest in.
     pub way_out: Option<Penetration>,
@@ -104,7 +105,7 @@ pub struct Step {
     pub wrench: Wrench,
     /// Age of the constraints, seconds.
     pub age: f64,
-    /// What holds the proxy.
+    /// The state of the proxy.
     pub mode: Mode,
 }
 
@@ -207,8 +208,8 @@ impl Session {
         Ok(deepest)
     }
 
-    /// One step of `dt` seconds with the device at a pose (`world_from_tool`), or `None` where it told nothing that can be: then the
-    /// force is let go, and the proxy stays.
+    /// One step of `dt` seconds with the device at a pose (`world_from_tool`), or `None` if it reported an invalid one:
+    /// then the force is released, and the proxy stays.
     ///
     /// Errors: the session is not started, and `dt` out of range.
     pub fn step(&mut self, device: Option<&Pose>, dt: f64) -> Result<Step> {
@@ -339,11 +340,11 @@ impl Session {
         self.forget_servo();
     }
 
-    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone, but for parts
-    /// that lay elsewhere when the session was made, which lie there again. The proxy stays where it is: what it meets there now is a
-    /// seat.
+    /// Replaces the scene: held parts and parts put down belong to the old one and are gone, except those that lay
+    /// elsewhere when the session was made, which lie there again. The proxy stays where it is; its contacts there are
+    /// seats.
     ///
-    /// Errors where a part that lies elsewhere is none of the new mock-up: the scene is the present one then.
+    /// Errors if a part that lies elsewhere does not exist in the new mock-up: the scene then stays the present one.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> Result<Start> {
         self.world = World::new(scene, self.world.own_tool().clone(), &self.put_down)?;
         let Some(pose) = self.pose().copied() else { return Ok(Start::Free) };
@@ -362,7 +363,7 @@ impl Session {
         proxy.or(self.last_device.as_ref()).filter(|_| self.is_started)
     }
 
-    /// What nearest means for the tool.
+    /// The metric of poses for the tool.
     pub fn metric(&self) -> Metric {
         self.metric
     }
@@ -408,21 +409,21 @@ impl Session {
         self.hand_over()
     }
 
-    /// Lets go of what is held where it is: parts of the scene again.
+    /// Releases the held parts where they are, as parts of the scene.
     pub fn put_down(&mut self) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         self.world.put_down(&pose)?;
         self.hand_over()
     }
 
-    /// Lets go of what is held, which is back in its place in the mock-up. Errors where the tool is in it.
+    /// Releases the held parts, which return to their place in the mock-up. Errors if the tool is in it.
     pub fn put_back(&mut self) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         self.world.put_back(&pose)?;
         self.hand_over()
     }
 
-    /// Whether the tool, at a pose, meets anything but what it is seated on, exactly.
+    /// Whether the tool, at a pose, collides with anything but its seats, exactly.
     pub fn is_colliding(&self, pose: &Pose) -> bool {
         let around = self.world.around();
         match &self.proxy {
@@ -437,7 +438,7 @@ impl Session {
         self.proxy.as_ref().map_or(Vec::new(), |proxy| proxy.seated().of(seats))
     }
 
-    /// What is held and what stands around.
+    /// The held parts and the surroundings.
     pub fn world(&self) -> &World {
         &self.world
     }

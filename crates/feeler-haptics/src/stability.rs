@@ -39,15 +39,15 @@ pub enum Bound {
 /// A number of a coupling that a device does not hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limitation {
-    /// What was asked for, in the number's own unit.
+    /// The requested value, in the number's own unit.
     pub wanted: f64,
-    /// What is left.
+    /// The reduced value.
     pub allowed: f64,
     /// Why.
     pub by: Bound,
 }
 
-/// What [`Coupling::limited`] took away; `None` where nothing.
+/// Reductions by [`Coupling::limited`]; `None` if there are none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limitations {
     /// Of `stiffness_n_per_m`.
@@ -70,8 +70,8 @@ impl Limitations {
         *self == Limitations::default()
     }
 
-    /// A sentence for each number that was taken away from: what is left, what was asked for, and why. `info`: of the device, as the
-    /// coupling was limited to it; `rate_hz`: of the loop.
+    /// A sentence for each reduced number: the reduced value, the requested one, and the reason. `info`: of the device,
+    /// as the coupling was limited to it; `rate_hz`: of the loop.
     ///
     /// ```
     /// use feeler_haptics::{device::simulated::SimulatedOptions, Coupling};
@@ -175,8 +175,8 @@ impl Least {
 }
 
 impl Coupling {
-    /// What a device holds of this coupling at a rate (hertz; the device's own where that is lower), with the tool's
-    /// centre at the handle; and what was taken away. See [`limited_at`](Self::limited_at).
+    /// The coupling as limited to a device at a rate (hertz; the device's own if that is lower), with the tool's centre
+    /// at the handle; and the reductions. See [`limited_at`](Self::limited_at).
     pub fn limited(&self, info: &DeviceInfo, rate_hz: f64) -> (Coupling, Limitations) {
         self.limited_at(info, rate_hz, 0.0)
     }

@@ -27,7 +27,7 @@ pub struct VelocityEstimate {
 }
 
 impl VelocityEstimate {
-    /// `resolution_m`, `resolution_rad`: the steps in which the device tells its pose, or how far noise takes it.
+    /// `resolution_m`, `resolution_rad`: the steps of the device's reported pose, or its noise.
     pub fn new(resolution_m: f64, resolution_rad: f64) -> VelocityEstimate {
         VelocityEstimate {
             resolution_m,

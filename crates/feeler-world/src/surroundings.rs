@@ -42,9 +42,10 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of a tool at its start, among bodies without it. Tool parts from `own_parts` on are what grips, and may meet nothing there.
+    /// The surroundings of a tool at its start, among bodies without it. Tool parts from `own_parts` on are grippers,
+    /// and may touch nothing there.
     ///
-    /// Errors: what grips meets something at the start; where `goes_on` says so, a request to stop.
+    /// Errors: a gripper in contact at the start; a request to stop, by `goes_on`.
     pub fn new(
         environment: Environment,
         tool: Arc<Tool>,
@@ -74,7 +75,7 @@ impl Surroundings {
         Ok(around)
     }
 
-    /// Of a tool at a pose: all that it meets there is a seat.
+    /// The surroundings of a tool at a pose: all contacts there are seats.
     pub fn around(bodies: Vec<Body>, tool: Arc<Tool>, start: &Pose) -> Result<Surroundings> {
         let (parts, allowed) = (tool.parts() as u32, Allowed { start: true, ..Allowed::default() });
         Surroundings::new(Environment { bodies }, tool, parts, start, (&allowed, 0.0), &|| true)
@@ -108,12 +109,12 @@ impl Surroundings {
         }
     }
 
-    /// What moves.
+    /// The moving tool.
     pub fn tool(&self) -> &Arc<Tool> {
         &self.tool
     }
 
-    /// What it may meet.
+    /// Its surroundings.
     pub fn environment(&self) -> &Environment {
         &self.environment
     }
@@ -128,7 +129,7 @@ impl Surroundings {
         self.size
     }
 
-    /// How far it stays off what is not seated, metres.
+    /// The distance that it keeps from everything but seats, metres.
     pub fn clearance(&self) -> f64 {
         self.clearance
     }
@@ -143,7 +144,7 @@ impl Surroundings {
         &self.bounds
     }
 
-    /// Pairs `[tool part, part]` that meet at the start though nothing allows it.
+    /// Pairs `[tool part, part]` in contact at the start that are not allowed.
     pub fn refused(&self) -> &[[u32; 2]] {
         &self.refused
     }
@@ -246,7 +247,8 @@ impl Surroundings {
         Ok(least)
     }
 
-    /// What may not collide: by body, the scene that is asked and what moves in it; all that is not seated, and the eroded parts.
+    /// The queries that must be free: by body, the scene and the moving tool in it; everything but seats, and the
+    /// eroded parts.
     pub fn asked<'a>(&'a self, seated: &'a Seated) -> impl Iterator<Item = (usize, &'a Scene, &'a Tool)> {
         seated.bodies.iter().enumerate().flat_map(|(body, asked)| {
             let smaller = asked.smaller.iter().map(|part| (&part.solver, &part.tool));

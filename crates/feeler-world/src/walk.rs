@@ -14,9 +14,9 @@ use crate::surroundings::Surroundings;
 /// How closely a motion is looked at.
 #[derive(Clone, Copy)]
 pub struct Care<'a> {
-    /// Along these directions (units, world) the tool is probably off what is near: casts take less time.
+    /// Along these directions (units, world) the tool is probably free of near surfaces, which makes casts faster.
     pub beside: &'a [Point],
-    /// Of casts of what is not seated, metres.
+    /// Of casts without seats, metres.
     pub tolerance: f64,
     /// How often seated pairs are measured, in times of the steps of a search.
     pub finer: f64,
@@ -43,9 +43,9 @@ pub struct Walk {
     pub pose: Pose,
     /// The share of the motion until there.
     pub fraction: f64,
-    /// What is still seated there.
+    /// The remaining seats there.
     pub seated: Arc<Seated>,
-    /// What ends it; `None` where all of it is free.
+    /// The end; `None` if all of it is free.
     pub stop: Option<Stop>,
     /// Casts made.
     pub casts: u64,
@@ -60,7 +60,7 @@ pub struct Span {
     pub motion: Motion,
 }
 
-/// What ends a motion.
+/// The end of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {
     /// Of the mock-up.
@@ -89,7 +89,7 @@ impl Surroundings {
         self.walk_along(seated, &Motion::new(&self.tool, between.0, between.1), care, &mut |_| ())
     }
 
-    /// The same along any motion of the tool; each share of it is told to `span`.
+    /// The same along any motion of the tool; `span` receives each share of it.
     pub fn walk_along(
         &self,
         seated: &Arc<Seated>,
@@ -244,7 +244,7 @@ impl Surroundings {
         Ok(None)
     }
 
-    /// What is still seated at a pose; `None`: all that was.
+    /// The remaining seats at a pose; `None`: all of them.
     pub fn left_at(&self, seated: &Seated, pose: &Pose) -> Result<Option<Arc<Seated>>> {
         let within = TOUCH.max(self.clearance);
         let mut holds = seated.holds.clone();
@@ -267,8 +267,8 @@ impl Surroundings {
         Ok((holds != seated.holds).then(|| self.seated(holds)))
     }
 
-    /// The least distance along a span between parts that do not meet where they are seated, or `least` if that is less, metres; see [`least_distance`].
-    /// `goes_on` as in [`Care`].
+    /// The least distance along a span between parts that do not collide as seats, or `least` if that is less, metres;
+    /// see [`least_distance`]. `goes_on` as in [`Care`].
     pub fn least_distance(&self, span: &Span, least: f64, goes_on: &dyn Fn() -> bool) -> Result<f64> {
         let of_body =
             |least, asked: &SeatedBody| least_distance(&asked.apart, &self.tool, &span.motion, least, goes_on);

@@ -23,7 +23,7 @@ pub struct Grip {
     pub tool_part: u32,
 }
 
-/// A tool, the parts that it grips, and what stands around: the mock-up, and parts that were put down elsewhere.
+/// A tool, its gripped parts, and the surroundings: the mock-up, and parts put down elsewhere.
 #[derive(Debug)]
 pub struct World {
     scene: Arc<Scene>,
@@ -45,7 +45,7 @@ impl World {
         Ok(World { scene, solver, own_tool: tool, around, grips: Vec::new(), out })
     }
 
-    /// What moves: the tool, with the parts that it holds.
+    /// The moving body: the tool, with its gripped parts.
     pub fn tool(&self) -> &Arc<Tool> {
         self.around.tool()
     }
@@ -55,7 +55,7 @@ impl World {
         &self.own_tool
     }
 
-    /// What it may meet, and what it is seated on.
+    /// Its surroundings and seats.
     pub fn around(&self) -> &Surroundings {
         &self.around
     }
@@ -74,15 +74,16 @@ impl World {
         &self.around.environment().bodies
     }
 
-    /// The tool is at a pose, by no motion: what it meets there is a seat.
+    /// Puts the tool at a pose, without a motion: its contacts there are seats.
     pub fn move_to(&mut self, pose: &Pose) -> Result<()> {
         self.around = Surroundings::around(self.bodies().to_vec(), self.tool().clone(), pose)?;
         Ok(())
     }
 
-    /// Takes parts: out of the mock-up, or from where they were put down. The tool is at a pose.
+    /// Grips parts: from the mock-up, or from where they were put down. The tool is at a pose.
     ///
-    /// Errors: something is held already, no part or one twice, or there is no such part to take; nothing has changed then.
+    /// Errors: a part is already held, no part is given or one twice, or a part does not exist; nothing has changed
+    /// then.
     pub fn take(&mut self, parts: &[u32], pose: &Pose) -> Result<()> {
         if let Some(grip) = self.grips.first() {
             return Err(Error::HoldsAlready { part: grip.part });
@@ -110,7 +111,7 @@ impl World {
         Ok(())
     }
 
-    /// Puts what is held down where it is: parts of the scene again, in their new places.
+    /// Puts the held parts down where they are, as parts of the scene in their new places.
     pub fn put_down(&mut self, pose: &Pose) -> Result<()> {
         if self.grips.is_empty() {
             return Err(Error::HoldsNothing);
@@ -131,8 +132,8 @@ impl World {
         Ok(())
     }
 
-    /// Puts what is held back where it was in the mock-up, wherever it is. Errors where the tool is in its place, or the scene never had
-    /// it.
+    /// Returns the held parts to their place in the mock-up. Errors if the tool is in that place, or if the scene never
+    /// had them.
     pub fn put_back(&mut self, pose: &Pose) -> Result<()> {
         if self.grips.is_empty() {
             return Err(Error::HoldsNothing);

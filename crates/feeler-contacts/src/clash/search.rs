@@ -33,7 +33,7 @@ impl Relation {
     }
 }
 
-/// A search in steps, each of which may be stopped; what was found until then can be told.
+/// A search in steps, each of which may be stopped; the results so far stay available.
 #[derive(Debug)]
 pub struct ClashSearch<'a> {
     solver: &'a ContactSolver,
@@ -56,24 +56,24 @@ pub struct ClashSearch<'a> {
 
 const STAGE: &str = "measuring depths";
 
-/// How many pairs were found, by what they are.
+/// The numbers of pairs found, by relation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ClashCounts {
     /// Pairs that cross.
     pub crossing: usize,
-    /// Pairs that meet and do not cross.
+    /// Pairs that collide and do not cross.
     pub touching: usize,
-    /// Pairs of which one holds the other and nothing meets.
+    /// Pairs of which one contains the other without a collision.
     pub held: usize,
     /// Pairs with the same triangles.
     pub duplicates: usize,
-    /// Pairs that are near and do not meet.
+    /// Pairs that are near and do not collide.
     pub near: usize,
 }
 
 impl<'a> ClashSearch<'a> {
-    /// Of the parts that are there. Errors: as of building blocks, where the scene has none.
+    /// A search among the present parts. Errors: those of building blocks, if the scene has none.
     pub fn new(solver: &'a ContactSolver, limits: &PairLimits) -> Result<ClashSearch<'a>> {
         let scene = solver.scene();
         let meeting = Meeting { pairs: Vec::new(), examples: Vec::new(), touches: Vec::new(), is_complete: true };
@@ -98,7 +98,7 @@ impl<'a> ClashSearch<'a> {
         self.solver.scene()
     }
 
-    /// Finds what each pair of parts is, but for those that only come near; false where it was stopped.
+    /// Finds the relation of each pair of parts, except those that are only near; false if it was stopped.
     pub fn find_verdicts(&mut self, progress: Progress<'_>) -> bool {
         let (index, limits) = (self.scene().index(), &self.limits);
         self.sets = same_parts(self.scene().mockup(), |part| index.selection().has_part(part));
@@ -138,7 +138,7 @@ impl<'a> ClashSearch<'a> {
         self.is_complete
     }
 
-    /// Measures how near the pairs are that do not meet; false where it was stopped.
+    /// Measures the distances of pairs that do not collide; false if it was stopped.
     pub fn find_gaps(&mut self, progress: Progress<'_>) -> bool {
         if self.limits.largest_reach() > 0.0 {
             let known: Vec<[u32; 2]> = self.related.keys().copied().collect();
@@ -149,12 +149,12 @@ impl<'a> ClashSearch<'a> {
         self.is_complete
     }
 
-    /// Whether nothing was stopped so far.
+    /// Whether no step was stopped so far.
     pub fn is_complete(&self) -> bool {
         self.is_complete
     }
 
-    /// What was found so far.
+    /// The counts so far.
     pub fn counts(&self) -> ClashCounts {
         let mut counts = ClashCounts { near: self.gaps.len(), ..ClashCounts::default() };
         for related in self.related.values() {
@@ -168,8 +168,8 @@ impl<'a> ClashSearch<'a> {
         counts
     }
 
-    /// Measures the pairs that meet, and tells of all that were found, in order of parts. Where it is stopped, pairs that were not
-    /// measured by then have NaN for a depth.
+    /// Measures the colliding pairs, and returns all pairs found, in order of parts. If it is stopped, pairs not
+    /// measured by then have NaN as depth.
     pub fn measure(&mut self, progress: Progress<'_>) -> Result<Vec<Clash>> {
         let is_stopped = !progress(0.0, STAGE);
         let adjacency = (!is_stopped).then(|| self.scene().mockup().adjacency());

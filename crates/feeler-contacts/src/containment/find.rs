@@ -18,7 +18,7 @@ use super::tool_solid::ToolSolid;
 use crate::context::QueryContext;
 use crate::surface::Surface;
 
-/// What is inside what; pairs of a tool's and a mock-up's part, sorted, each once.
+/// Bodies inside others; pairs of a tool part and a mock-up part, sorted, each once.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Containment {
@@ -26,8 +26,8 @@ pub struct Containment {
     pub containing: Vec<[u32; 2]>,
     /// `[tool part, part]`: the tool's part holds one of the mock-up part's connected surfaces at least.
     pub contained: Vec<[u32; 2]>,
-    /// Parts of which it cannot be told: open ones, with a corner of the tool in their box, or with a corner in the box of a tool
-    /// that is open.
+    /// Parts that cannot be decided: open ones with a corner of the tool in their box, or with a corner in the box of
+    /// an open tool.
     pub unknown: Vec<u32>,
 }
 

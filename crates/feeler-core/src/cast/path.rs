@@ -11,7 +11,7 @@ use crate::scratch_pool::ScratchPool;
 use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
 
-/// What a path meets; [`hits`](Self::hits) is empty where it is free.
+/// The impacts on a path; [`hits`](Self::hits) is empty if it is free.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct PathCheck {

@@ -67,7 +67,7 @@ const CUTS_IN_CONTACT: u32 = 2;
 /// Pairs that are followed until it is asked whether to go on: some milliseconds at most.
 const PAIRS_BETWEEN: usize = 256;
 
-/// What a cast is asked for.
+/// The options of a cast.
 #[derive(Clone, Copy)]
 pub struct How<'a> {
     /// Metres.

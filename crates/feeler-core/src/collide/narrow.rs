@@ -13,8 +13,7 @@ use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
 use crate::tool::moving_tool::Tool;
 use feeler_lanes::{prefetch_at, Arithmetic, Kernel, Simd, LANES, WIDE_LANES};
 
-/// Which filters stand before the triangle test. Neither changes the answer; they can be switched off to measure what they
-/// bring.
+/// The filters before the triangle test. Neither changes the answer; they can be switched off to measure their effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Filters {
     /// Pairs met again (in another voxel, or by another piece) are skipped.

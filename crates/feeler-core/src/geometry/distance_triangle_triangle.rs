@@ -18,20 +18,21 @@ use crate::geometry::vectors::{along, cross, dot, sub};
 /// Where two triangles are closest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closest {
-    /// Metres; 0 if and only if the triangles meet.
+    /// Metres; 0 if and only if the triangles collide.
     pub distance: f64,
     /// The point on the first triangle, metres.
     pub on_p: Point,
-    /// The point on the second; where they meet, the same point.
+    /// The point on the second; the same point if they collide.
     pub on_q: Point,
 }
 
-/// Where two triangles are closest. Corners must be finite, and at most 1e100 in size (a few times that at a pose).
+/// The closest points of two triangles. Corners must be finite, and at most 1e100 in size (a few times that at a pose).
 ///
-/// With L the largest difference of two of the corners' coordinates along one axis, the distance is right within
-/// 1.4e-14 L, and so is each point's distance from its triangle, beside rounding its coordinates to float64; where they meet, the
-/// common point is within 1e-9 L of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of
-/// the two may have lost its area (a segment, a point), as a tool's triangle can at a pose.
+/// With L the largest difference of two of the corners' coordinates along one axis, the error of the distance is at
+/// most 1.4e-14 L, and so is each point's distance from its triangle, beside rounding its coordinates to float64; if
+/// they collide, the common point is within 1e-9 L of both. The distance is 0 if and only if the triangles collide,
+/// which is decided exactly. One of the two may be degenerate (a segment, a point), as a tool's triangle can be at a
+/// pose.
 ///
 /// ```
 /// use feeler_core::closest_triangle_triangle;

@@ -12,7 +12,7 @@
 use crate::geometry::bounds::Triangle;
 use crate::geometry::predicates::{is_collinear, Sign, Signs};
 
-/// How two triangles meet.
+/// How two triangles collide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum PairKind {

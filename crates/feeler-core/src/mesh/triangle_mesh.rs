@@ -62,7 +62,7 @@ impl Mesh {
         &self.faces
     }
 
-    /// What is wrong with the mesh.
+    /// The defects of the mesh.
     pub fn defects(&self) -> &Defects {
         &self.defects
     }

@@ -22,7 +22,7 @@ pub struct HalfSpace {
     pub offset: f64,
 }
 
-/// Where a ray first meets the mock-up.
+/// The first hit of a ray on the mock-up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
     /// From the ray's origin, metres.

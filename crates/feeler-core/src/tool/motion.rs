@@ -208,7 +208,7 @@ impl Motion {
         unit(&self.velocity).filter(|_| self.angle * self.reach <= self.rounding)
     }
 
-    /// What is left of it from a time on. Errors as [`screw`](Self::screw).
+    /// The rest of the motion from a time on. Errors as [`screw`](Self::screw).
     pub fn rest(&self, tool: &Tool, time: f64) -> Result<Motion> {
         let here = self.at(time);
         match &self.screw {
@@ -402,7 +402,7 @@ pub struct Chord {
 pub(crate) struct Limits {
     /// Largest acceleration, metres for the whole time squared, in a direction across the axis.
     pub acceleration: f64,
-    /// By how much a point's velocity may differ from what [`Motion::velocity`] says.
+    /// The largest error of [`Motion::velocity`] at a point.
     pub stray_velocity: f64,
     /// By how much a computed corner may be off its place on the way, metres per axis.
     pub rounding: f64,

@@ -106,7 +106,7 @@ struct Buttons {
 /// What the grip tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
-    /// Of the grip (w, x, y, z), as told.
+    /// Of the grip (w, x, y, z), as received.
     pub quaternion: Option<[f64; 4]>,
     /// A bit each, from `a` on.
     pub buttons: u32,
@@ -126,7 +126,8 @@ impl State {
         self.inverse3.iter().map(|device| device.device_id.as_str()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The grip with an id, or the first that tells a rotation: custom ones first, which the service may list as wireless ones as well.
+    /// The grip with an id, or the first one with a rotation: custom ones first, which the service may list as wireless
+    /// ones as well.
     pub fn grip(&self, id: Option<&str>) -> Option<Held> {
         let grip = self.custom_verse_grip.iter().chain(&self.wireless_verse_grip).chain(&self.verse_grip).find(
             |grip| match id {
@@ -154,7 +155,7 @@ impl Inverse3 {
         self.state.cursor_velocity.map(|velocity| Twist { linear: velocity.point(), angular: [0.0; 3] })
     }
 
-    /// The preset that the service says it uses.
+    /// The preset in use by the service.
     pub fn preset(&self) -> Option<&str> {
         self.config.as_ref()?.preset.as_deref()
     }
@@ -165,7 +166,7 @@ impl Inverse3 {
         kind.is_some_and(|kind| kind == "minverse" || kind == 6)
     }
 
-    /// Whether it says that it is not calibrated.
+    /// Whether it reports that it is not calibrated.
     pub fn is_uncalibrated(&self) -> bool {
         self.status.calibrated == Some(false)
     }

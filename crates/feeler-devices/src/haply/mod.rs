@@ -31,7 +31,8 @@ pub struct Haply {
 }
 
 impl Haply {
-    /// Connects to the service and waits for the first pose, at most 3 s. Errors where there is no service or no device, with what to do.
+    /// Connects to the service and waits for the first pose, at most 3 s. Errors with advice if there is no service or
+    /// no device.
     pub fn open(options: &HaplyOptions) -> Result<Haply, DeviceError> {
         let mut servo = service::start(options)?;
         servo.wait_for_first()?;

@@ -37,7 +37,7 @@ pub struct SpaceMouse {
 }
 
 impl SpaceMouse {
-    /// Connects to the daemon. Errors where there is none, with what to do.
+    /// Connects to the daemon. Errors with advice if there is none.
     #[cfg(unix)]
     pub fn open(options: &SpaceMouseOptions) -> Result<SpaceMouse, DeviceError> {
         options.check()?;

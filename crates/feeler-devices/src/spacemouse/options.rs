@@ -15,9 +15,10 @@ pub struct SpaceMouseOptions {
     pub speed_m_per_s: f64,
     /// Rate of turning at full deflection, radians a second.
     pub turn_rad_per_s: f64,
-    /// Counts that the daemon tells at full deflection.
+    /// Counts from the daemon at full deflection.
     pub full_deflection_counts: f64,
-    /// Part of full deflection that counts as rest, from 0 to below 1, beside the daemon's own dead zone. What is beyond it begins at 0.
+    /// Part of full deflection that counts as rest, from 0 to below 1, beside the daemon's own dead zone. Motion beyond
+    /// it begins at 0.
     pub dead_zone: f64,
     /// How far from its beginning the pose may go along each axis, metres.
     pub reach_m: f64,

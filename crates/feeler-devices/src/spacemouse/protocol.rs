@@ -74,7 +74,7 @@ pub(super) struct Parser {
 }
 
 impl Parser {
-    /// Takes bytes and hands on each whole message. Errors at the first that cannot be; what follows it is out of step.
+    /// Takes bytes and passes on each whole message. Errors at the first invalid one; later bytes are out of step.
     pub fn push(&mut self, bytes: &[u8], mut on: impl FnMut(Message)) -> Result<(), Nonsense> {
         self.bytes.extend_from_slice(bytes);
         let mut at = 0;

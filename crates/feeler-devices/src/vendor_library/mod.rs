@@ -20,7 +20,7 @@ pub(crate) struct Wanted {
     pub device: &'static str,
     /// Names of the file on this system, the most likely first.
     pub names: &'static [&'static str],
-    /// What to install.
+    /// Software to install.
     pub what_to_do: &'static str,
 }
 

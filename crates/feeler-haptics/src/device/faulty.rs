@@ -6,7 +6,7 @@ use feeler_core::Pose;
 use super::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
 
-/// What is wrong.
+/// The kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
     /// Its velocity is not a number.

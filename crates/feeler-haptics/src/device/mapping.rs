@@ -33,7 +33,7 @@ use crate::saturation::{added_within, saturated};
 pub struct Mapped {
     /// Where the hand wants the tool.
     pub world_from_tool: Pose,
-    /// How fast, at the tool frame's origin, world axes; where the device tells it. Zero while clutched.
+    /// Velocity at the tool frame's origin, world axes, if the device reports one. Zero while clutched.
     pub twist: Option<Twist>,
     /// The clutch is held.
     pub is_clutched: bool,
@@ -171,7 +171,7 @@ impl Mapping {
         })
     }
 
-    /// Re-indexes, so that the tool is at a pose with the handle where it was told last; the way a clutch does it.
+    /// Re-indexes, so that the tool is at a pose with the handle at its last reported place; the clutch does the same.
     pub fn set_tool(&mut self, world_from_tool: &Pose) {
         let turned = product(&self.world_from_device, self.handle.rotation());
         self.handle_from_tool = product(&transposed(&turned), world_from_tool.rotation());
@@ -182,7 +182,8 @@ impl Mapping {
         }
     }
 
-    /// Re-indexes where the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) takes it in 10 ms.
+    /// Re-indexes if the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) moves it in 10
+    /// ms.
     pub fn keep_near(&mut self, proxy: &Pose, twist: &Twist) -> Result<()> {
         let ahead = displacement(proxy, &self.tool()?, &[0.0; 3]);
         let share = |ahead: &Point, speed: &Point| (LEAD_S * length(speed) / length(ahead)).min(1.0);
@@ -196,9 +197,9 @@ impl Mapping {
         Ok(())
     }
 
-    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, of a wrench at the
-    /// tool frame's origin, world axes. The soft wall is in it, and nothing else while the clutch is held. What is not
-    /// finite is zero.
+    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, from a wrench at the
+    /// tool frame's origin, world axes. It includes the soft wall, and nothing else while the clutch is pressed. Values
+    /// that are not finite become zero.
     pub fn wrench_on_hand(&self, wrench: &Wrench) -> Wrench {
         self.wrench_with_wall(wrench, &self.wall())
     }

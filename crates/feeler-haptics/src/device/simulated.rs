@@ -17,15 +17,15 @@ use crate::error::{Error, Result};
 /// What a simulated device is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedOptions {
-    /// What it says of itself. Its damping, friction, resolution, bounds and freedoms are what is simulated; `rate_hz`
-    /// is for others to know: it tells and takes as often as it is asked. Its `delay_s` is set to what the two ways
-    /// below add up to.
+    /// The reported properties. Its damping, friction, resolution, limits and degrees of freedom are simulated;
+    /// `rate_hz` is only informative: it reports and accepts at any rate. Its `delay_s` is set to the sum of the two
+    /// delays below.
     pub info: DeviceInfo,
     /// Effective mass of the handle, kilograms.
     pub mass_kg: f64,
     /// Effective inertia of the handle, kilogram square metres.
     pub inertia_kg_m2: f64,
-    /// How old a pose is when it is told, seconds.
+    /// Age of a pose when it is reported, seconds.
     pub pose_delay_s: f64,
     /// How long a wrench takes until it acts, seconds.
     pub force_delay_s: f64,

@@ -28,7 +28,7 @@ pub struct Steering {
     wishes: Input<Wish>,
 }
 
-/// A mouse at rest where it is, and what steers it.
+/// A mouse at rest at a pose, and its steering.
 pub fn steered(mouse: Mouse, at: Pose) -> (Steered, Steering) {
     let wish = Wish { pose: at, buttons: 0 };
     let (input, output) = triple_buffer(&wish);

@@ -81,8 +81,8 @@ impl CollisionSide {
         !self.is_settled || self.targets.updated()
     }
 
-    /// One tick: moves the proxy towards the newest target, finds the contacts there, and hands them over. What fails is counted, and
-    /// the last set stays: it grows old, and the servo side lets go.
+    /// One tick: moves the proxy towards the newest target, finds the contacts there, and passes them on. Failures are
+    /// counted, and the last set stays: it grows old, and the servo side releases the force.
     pub fn tick(&mut self, now: f64) {
         let target = *self.targets.read();
         let is_of_now = target.number > 0 && target.start == self.start;

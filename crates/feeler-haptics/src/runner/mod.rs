@@ -48,7 +48,7 @@ pub use options::{MappingOptions, RunnerOptions, ThreadKind};
 pub use servo_side::ServoSide;
 pub use trace::TraceTick;
 
-/// A run that did not begin: why, and what it was to begin with.
+/// A run that did not begin: the reason, and its inputs.
 pub struct Refused {
     /// Why.
     pub error: Error,
@@ -74,7 +74,7 @@ pub struct Stopped {
     pub collision_error: Option<Error>,
 }
 
-/// What can be seen of a run by a third thread.
+/// The view of a run for a third thread.
 pub struct Watch {
     views: Output<View>,
     servo: Output<ServoRecord>,
@@ -109,7 +109,7 @@ pub struct Sides {
     pub collision: CollisionSide,
     /// What the servo thread does.
     pub servo: ServoSide,
-    /// What others see.
+    /// The view for others.
     pub watch: Watch,
 }
 
@@ -243,7 +243,7 @@ impl Runner {
         !self.is_over.load(Ordering::Acquire)
     }
 
-    /// What can be seen of the run.
+    /// The view of the run.
     pub fn watch(&mut self) -> &mut Watch {
         &mut self.watch
     }
@@ -258,8 +258,9 @@ impl Runner {
         &self.limitations
     }
 
-    /// The same, a sentence for each number: what is left, what was asked for, and why; also where the servo runs clearly slower than it
-    /// was to, and its stiffness is that much less. Numbers are of the tool's world, as the coupling's are.
+    /// The same, a sentence for each number: the reduced value, the requested one, and the reason; also if the servo
+    /// runs clearly slower than requested, which reduces its stiffness. Numbers are in the tool's world, like the
+    /// coupling's.
     pub fn limitations_in_words(&mut self) -> Vec<String> {
         let mut said = self.limitations.in_words(&self.info, self.rate_hz);
         let Statistics { ticks, servo_hz, .. } = self.watch.statistics();

@@ -39,7 +39,7 @@ impl Default for MappingOptions {
 /// Called by each thread before its first tick.
 pub type OnThreadStart = Arc<dyn Fn(ThreadKind) + Send + Sync>;
 
-/// Calls what it is given, once.
+/// Calls its argument, once.
 pub type AroundWork = Arc<dyn Fn(&mut (dyn FnMut() + Send)) + Send + Sync>;
 
 /// How a session is to run.

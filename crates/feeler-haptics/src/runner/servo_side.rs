@@ -67,7 +67,7 @@ impl Border {
 pub(super) struct Setting {
     pub mapping: Mapping,
     pub is_absolute: bool,
-    /// As the device holds it, and what was taken away for that.
+    /// As limited to the device.
     pub coupling: Coupling,
     pub limitations: Limitations,
     /// Where its springs act, tool frame.

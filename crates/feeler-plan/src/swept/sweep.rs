@@ -30,17 +30,17 @@ pub struct Swept {
     pub faces: Vec<[u32; 3]>,
 }
 
-/// A closed mesh that contains everything a tool sweeps on its way from pose to pose, [`feeler_core::Motion`] between them, and of
-/// which nothing is farther than `error` (metres) from that.
+/// A closed mesh that contains the swept volume of a tool that moves from pose to pose, by [`feeler_core::Motion`], and
+/// exceeds it by at most `error` (metres).
 ///
-/// What a closed surface of the tool has inside is swept, too; a hollow that nothing sweeps stays. The same on any number of threads:
-/// of the current rayon pool. `memory`: most bytes that it may take.
+/// The inside of closed surfaces of the tool is swept, too; a hollow that the tool never enters stays. The result does
+/// not depend on the number of threads, those of the current rayon pool. `memory`: the most bytes it may take.
 ///
 /// # Errors
 ///
-/// [`Error::EmptyPath`] for no pose, [`Error::SweptError`] for an error that is no positive length, [`Error::SweptTooFine`] for one that
-/// is too small for the memory, the grid's numbers or float64, before the most of the work, and [`Error::Cancelled`] where `progress`
-/// said so.
+/// [`Error::EmptyPath`] for no pose, [`Error::SweptError`] for an error that is not a positive length,
+/// [`Error::SweptTooFine`] for one that is too small for the memory, the grid's numbers or float64, before most of the
+/// work, and [`Error::Cancelled`] if `progress` requested it.
 pub fn swept(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Progress<'_>) -> Result<Swept> {
     if !(error > 0.0 && error.is_finite()) {
         return Err(Error::SweptError { value: error });

@@ -20,10 +20,10 @@ use crate::constants::TOUCH;
 use crate::error::{Error, Result};
 use crate::surfaces::Surfaces;
 
-/// What may meet.
+/// The allowed contacts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Allowed {
-    /// Pairs that meet at the start may, until they part, no deeper than then.
+    /// Pairs in contact at the start, until they separate, no deeper than then.
     pub start: bool,
     /// Every pair may be this deep in each other, metres.
     pub overlap: f64,
@@ -45,7 +45,7 @@ pub enum SeatKind {
 }
 
 impl SeatKind {
-    /// Whether they meet.
+    /// Whether they collide.
     pub fn meets(self) -> bool {
         self != SeatKind::Near
     }
@@ -60,11 +60,12 @@ pub struct Seat {
     pub part: u32,
     /// How it is at the start.
     pub kind: SeatKind,
-    /// How deep it is, metres: by how much the tool's part has to be smaller to be free, of what is sunk the deepest contact plane.
+    /// Its depth, metres: by how much the tool's part must shrink to be free; for a sunk part the deepest contact
+    /// plane.
     pub depth: f64,
 }
 
-/// The pairs of one body that are together at the start, sorted; and those that meet there though nothing allows it.
+/// The seats of one body at the start, sorted; and the contacts there that are not allowed.
 #[derive(Debug, Default)]
 pub struct Start {
     pub seats: Vec<Seat>,
@@ -74,7 +75,7 @@ pub struct Start {
     pub regions: Option<Regions>,
 }
 
-/// The pairs of surfaces of seats that may meet.
+/// The pairs of surfaces of seats that may collide.
 #[derive(Debug)]
 pub struct Regions {
     tool: Surfaces,
@@ -125,10 +126,10 @@ impl Regions {
     }
 }
 
-/// Finds the seats of one body at `start`. `solver` and `scene` leave out the parts that are always allowed. Tool parts from `own_parts` on
-/// are grippers.
+/// Finds the seats of one body at `start`. `solver` and `scene` exclude the parts that are always allowed. Tool parts
+/// from `own_parts` on are grippers.
 ///
-/// Errors: a gripper in contact; where `goes_on` says so, a request to stop.
+/// Errors: a gripper in contact; a request to stop, by `goes_on`.
 pub fn find_seats(
     (solver, scene): (&ContactSolver, &Scene),
     tool: &Tool,
