@@ -1,4 +1,4 @@
-// What leaves the page: pictures, and the files that jobs of the server write.
+// Exports: pictures, and the files that jobs of the server write.
 
 import type { Camera } from "../link/protocol";
 import type { Workbench } from "./workbench";

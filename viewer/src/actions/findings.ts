@@ -1,4 +1,4 @@
-// The findings by command: opening a file of them, stepping to the next, looking at one.
+// Commands for findings: open a file, step to the next, show one.
 
 import type { Finding } from "../link/protocol";
 import { add, centre, diagonal, isEmpty, scale, type Vec3 } from "../math/vectors";

@@ -1,4 +1,4 @@
-// Measuring by clicks: how many picks a measure takes, what is under the pointer, and the command at the end.
+// Measuring by clicks: the picks of a measure, the point under the pointer, and the final command.
 
 import type { Commands, MeasureType, Snapped } from "../link/protocol";
 import { add, distance, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
@@ -75,7 +75,7 @@ export async function clickMeasure(wb: Workbench, at: Point): Promise<void> {
   try {
     const snapped = await snapAt(wb, at);
     if (snapped) await takePick(wb, pickOf(snapped));
-    else wb.say("Nothing there to measure");
+    else wb.say("Nothing to measure there");
   } catch (error) {
     wb.tell(error);
   }
@@ -145,7 +145,7 @@ const seenAt = (part: number, point: Vec3): Seen => ({
 /** The exact point that a pixel sees, drawn to a corner or an edge that is near it in the picture. */
 async function snapAt(wb: Workbench, at: Point): Promise<Seen | null> {
   const { camera } = wb.stage;
-  if ((wb.document?.explode ?? 0) > 0) throw new Error("Parts are drawn apart: put the mock-up together to measure it");
+  if ((wb.document?.explode ?? 0) > 0) throw new Error("The view is exploded: put the mock-up together to measure it");
   const picked = wb.stage.pick(at.x, at.y);
   if (!picked) return null;
   if (!wb.link) return picked.held ? null : seenAt(picked.part, picked.point);

@@ -1,4 +1,4 @@
-// Sections by command: through what is selected, across the axis that the view looks along.
+// Commands for sections: through the selection, across the axis nearest to the line of sight.
 
 import type { CommandRequest, Section } from "../link/protocol";
 import { centre, dot, isEmpty, type Vec3 } from "../math/vectors";

@@ -1,4 +1,4 @@
-// The workbench: what commands, pointers and panels act on. It knows the store, the stage, the hand and the link.
+// The workbench, on which commands, pointers and panels act: it joins the store, the stage, the hand and the link.
 
 import { type Job, type Link, LinkError } from "../link/link";
 import type { CommandRequest, Document, Jobs, Questions } from "../link/protocol";
@@ -213,4 +213,5 @@ export class Workbench {
   }
 }
 
-const readOnly = (name: string): LinkError => new LinkError("this page only reads", name, "Open it by `feeler view`");
+const readOnly = (name: string): LinkError =>
+  new LinkError("this page is read-only", name, "Open the mock-up by `feeler view`");

@@ -130,7 +130,7 @@ function poseOf(wb: Workbench, state: State | null): Pose | null {
 
 function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<number>): Promise<Pose> {
   const { hand } = wb;
-  if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page only reads"));
+  if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page is read-only"));
   if (pose.length !== 16) return Promise.reject(new RangeError("a pose has 16 numbers, row by row"));
   return new Promise((resolve, reject) => {
     let standing: ReturnType<typeof setTimeout> | undefined;

@@ -1,5 +1,5 @@
-// What this machine draws: how fast the camera and the tool move, and what single steps cost. All of it is the real
-// page at work; afterwards it stands as before.
+// Drawing speed of this machine: frames per second while the camera and the tool move, and the cost of single steps. It
+// measures the real page, and restores its state afterwards.
 
 import type { Workbench } from "../actions/workbench";
 import { movedBy, type Pose } from "../math/matrix";

@@ -1,4 +1,4 @@
-// Sound, touch and devices in their places: what the engine says goes to ear and hand, what devices do goes to the tool.
+// Connects sound, rumble and devices: the engine's contacts become sound and rumble, device motion moves the tool.
 
 import { computed, effect } from "@preact/signals";
 import { runCommand } from "../actions/commands";

@@ -1,4 +1,4 @@
-// The marks of the picture: contact planes, force, clearance lines and measures, with their figures in the unit chosen.
+// The marks of the picture: contact planes, force, clearance lines and measures, with their values in the chosen unit.
 
 import type { State } from "../link/protocol";
 import { position } from "../math/matrix";

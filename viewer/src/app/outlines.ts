@@ -1,4 +1,4 @@
-// The exact outlines of the cuts, as the engine finds them, beside the picture.
+// The exact outlines of the cuts, requested from the engine.
 
 import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";

@@ -1,4 +1,4 @@
-// One byte a part: how it is drawn, by the document and by what the engine touches. Pure.
+// One byte per part: how it is drawn, by the document and the engine's contacts. Pure.
 
 import type { Document, State } from "../link/protocol";
 import { PartState } from "../scene/stage";

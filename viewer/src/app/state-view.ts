@@ -1,5 +1,5 @@
-// What the engine says, shown: the tool and its ghost, what is lit and marked; more slowly the figures of panels, and
-// more slowly still the words of the live region.
+// Shows the engine's state: the tool and its ghost, highlights and marks; at a lower rate the numbers in panels, and at a
+// still lower one the words of the live region.
 
 import type { Workbench } from "../actions/workbench";
 import type { State } from "../link/protocol";

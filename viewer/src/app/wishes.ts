@@ -1,4 +1,4 @@
-// The hand's wishes on their way to the engine: one a frame at most, and how long until the picture of the answer.
+// Sends the hand's wishes to the engine, at most one per frame, and measures the time until the answer is drawn.
 
 import type { Workbench } from "../actions/workbench";
 import type { State } from "../link/protocol";

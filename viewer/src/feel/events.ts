@@ -1,6 +1,6 @@
-// From the engine's states and impacts to what is heard and felt: numbers, without a clock or a device.
+// From the engine's states and impacts to sound and rumble: numbers, without a clock or a device.
 //
-// States and impacts are told as they arrive; `step`, once a frame, says what came of them. Sound and rumble play it.
+// States and impacts are passed in as they arrive; `step`, once a frame, returns the result, which sound and rumble play.
 
 import { carry, invert, multiply } from "../math/matrix";
 import { dot, length, scale, subtract, type Vec3 } from "../math/vectors";

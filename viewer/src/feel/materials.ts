@@ -1,4 +1,4 @@
-// What parts are made of, as far as ear and finger tell it apart.
+// Materials of parts, as far as they sound and feel different.
 
 import type { Material } from "../link/protocol";
 

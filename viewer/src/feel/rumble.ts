@@ -1,4 +1,4 @@
-// What contacts feel like in gamepads and VR controllers.
+// Rumble of contacts in gamepads and VR controllers.
 //
 // Two motors: a strong, slow one and a weak, fast one. An impact is a burst that dies away, on the strong motor for large
 // parts and on the weak one for small ones; force is a hum on the strong motor, sliding one on the weak motor.

@@ -1,4 +1,4 @@
-// Handles of the cuts: an arrow at each, along its normal, by which it is dragged. Laid out and hit in the picture's
+// Handles of the cuts: an arrow at each, along its normal, to drag it. Laid out and hit in the picture's
 // pixels; drawn as elements over it.
 
 import { add, type Box, centre, dot, isEmpty, type Point, scale, type Vec3 } from "../math/vectors";

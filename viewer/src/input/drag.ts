@@ -1,4 +1,4 @@
-// Where a pointer drags the hand: in the view plane, along an axis, or about one. Pixels in, poses out.
+// Dragging the hand by the pointer: in the view plane, along an axis, or about one. Pixels in, poses out.
 
 import { movedBy, type Pose, turnedAbout } from "../math/matrix";
 import { add, dot, normalize, type Point, scale, subtract, type Vec3 } from "../math/vectors";

@@ -1,4 +1,4 @@
-// The gizmo: arrows to move and rings to turn what the hand holds. Laid out, hit and drawn in the picture's pixels.
+// The gizmo: arrows to move and rings to turn the hand. Laid out, hit and drawn in the picture's pixels.
 
 import { axis, IDENTITY, type Pose } from "../math/matrix";
 import { add, cross, dot, normalize, type Point, perpendicular, scale, subtract, type Vec3 } from "../math/vectors";

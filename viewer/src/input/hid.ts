@@ -1,4 +1,4 @@
-// Input reports of HID devices, read by the device's own descriptor: where each usage lies, its size and its range.
+// Input reports of HID devices, read by the device's own descriptor: the place, size and range of each usage.
 
 /** One item of a report, as WebHID gives it; offsets follow from the order. */
 export interface HidReportItem {

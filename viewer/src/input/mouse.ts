@@ -1,4 +1,4 @@
-// The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles say which buttons do it.
+// The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles assign the buttons.
 
 import { clickMeasure, hoverMeasure } from "../actions/measures";
 import { draftSection, settleSection } from "../actions/sections";

@@ -1,4 +1,4 @@
-// Devices that say how fast (gamepad, SpaceMouse): deflections become increments in the view's frame, frame by frame.
+// Rate devices (gamepad, SpaceMouse): deflections become increments in the view's frame, frame by frame.
 
 import type { Source } from "../link/protocol";
 import { scale, type Vec3 } from "../math/vectors";

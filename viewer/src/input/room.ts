@@ -1,4 +1,4 @@
-// The mock-up in the room of a VR session: where it stands, how large, and what the thumbs do to it. Numbers only.
+// The mock-up in the room of a VR session: its place, its scale, and the effect of the thumbsticks. Numbers only.
 //
 // The room's frame is WebXR's: metres, y up, the floor at 0. A placement takes the world into the room by a turn, a
 // shift and one scale for all axes, so that a rigid pose of a controller stays a rigid pose in the world.

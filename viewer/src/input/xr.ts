@@ -1,7 +1,7 @@
-// VR by WebXR: the tool in the hand that holds the controller, the mock-up on a table or at its size.
+// VR by WebXR: the tool in the hand that holds the controller, the mock-up on a table or at full size.
 //
-//     trigger           grip while it is pressed: what the tool touches, or what the ray meets
-//     squeeze           the tool stays while the hand goes elsewhere; the other hand's: the tool changes hands
+//     trigger           grip while pressed: the touched parts, or the part that the ray hits
+//     squeeze           the tool stays while the hand moves; the other hand's: the tool changes hands
 //     thumbstick        tool's hand: turn, rise and sink; the other hand: walk
 //     thumbstick press  the tool comes to the hand
 //     A or X   contact mode      B or Y   undo

@@ -1,4 +1,4 @@
-// Which findings of a clash check are shown, and in which order they are stepped through. Pure.
+// The visible findings of a clash check, and their order. Pure.
 
 import type { Finding, FindingGroup, FindingStatus, Findings } from "../link/protocol";
 

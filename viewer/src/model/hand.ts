@@ -1,4 +1,4 @@
-// The hand: where it wishes the tool to be. Every device moves it; the engine answers where the tool can go.
+// The hand: the wished pose of the tool. Every device moves it; the engine answers with the pose that contact allows.
 //
 // A device either gives a whole pose (`move`) or an increment in a frame (`nudge`). A wish is sent at most once a
 // frame (`take`). `put` ends a movement: once the engine has answered the last wish and the tool stands, the pose that

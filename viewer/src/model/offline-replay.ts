@@ -1,4 +1,4 @@
-// The sequence replayed in a page without a server: where the parts of a line are along the way that was recorded.
+// Replays the sequence in a page without a server: the places of a line's parts along its recorded way.
 
 import type { Document, SequenceLine } from "../link/protocol";
 import { IDENTITY, invert, multiply, orthonormal, type Pose, position } from "../math/matrix";

@@ -1,4 +1,4 @@
-// What only the page knows of itself: how it stands with the server, and what is open in it.
+// The page's own state: its connection to the server, and its open dialogs and panels.
 
 import type { Point, Vec3 } from "../math/vectors";
 

@@ -1,4 +1,4 @@
-// The parts as a tree: their paths, cut at the slashes. Plain data; the component draws the rows that can be seen.
+// The parts as a tree: their paths, cut at the slashes. Plain data; the component draws the visible rows.
 
 export interface PartNode {
   readonly name: string;

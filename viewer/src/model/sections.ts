@@ -1,4 +1,4 @@
-// Sections as figures: along which axis, in which range, which are drawn. Pure.
+// Sections as numbers: their axis, their range, which are drawn. Pure.
 
 import type { Section } from "../link/protocol";
 import type { Vec3 } from "../math/vectors";

@@ -1,4 +1,4 @@
-// What the page knows, as signals: the server's document, the newest state, and what only this page decides.
+// The page's data as signals: the server's document, the newest state, and the page's own state.
 
 import { computed, signal } from "@preact/signals";
 import type { Document, Manifest, MeasureType, State } from "../link/protocol";

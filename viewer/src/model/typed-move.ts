@@ -1,4 +1,4 @@
-// Moving the tool by the keyboard: G or R, an axis, a figure, Enter. Pure: keys in, a pose out.
+// Moving the tool by the keyboard: G or R, an axis, a number, Enter. Pure: keys in, a pose out.
 
 import { axis as axisOf, IDENTITY, movedBy, type Pose, turnedAbout } from "../math/matrix";
 import { parseAngle, parseLength, type Unit } from "../math/units";

@@ -1,4 +1,4 @@
-// Pictures averaged: drawn a part of a pixel apart, their mean has smooth edges.
+// Averages pictures drawn a fraction of a pixel apart, which smooths edges.
 
 import {
   DepthTexture,

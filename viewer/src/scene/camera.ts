@@ -1,6 +1,6 @@
-// The camera: where the eye is and what it looks at. Plain numbers, no GL.
+// The camera: eye and target. Plain numbers, no GL.
 //
-// World metres and radians. The picture's height sees the angle `fov`. Every change raises `moved`, which the stage
+// World metres and radians. `fov` is the angle over the picture's height. Every change raises `moved`, which the stage
 // clears once it has drawn.
 
 import type { Camera, UpAxis } from "../link/protocol";

@@ -1,4 +1,4 @@
-// A picture copied as it is: ten times cheaper than a pass over its pixels where the device is the processor.
+// Copies a picture: with a software renderer ten times cheaper than a pass over its pixels.
 
 import type { WebGLRenderer, WebGLRenderTarget } from "three";
 

@@ -1,4 +1,4 @@
-// What the device is busy with: a fence behind the last draw of pieces says when it is done, and so what it took.
+// The device's workload: a fence after the last draw of pieces shows when it is done, and so its duration.
 
 import type { WebGLRenderer } from "three";
 

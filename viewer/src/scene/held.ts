@@ -1,4 +1,4 @@
-// What the hand holds: solid where the engine has it, a ghost where the hand wishes it.
+// The mesh in the hand: solid at the engine's pose, a ghost at the wished one.
 
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
 import type { HeldManifest } from "../link/protocol";

@@ -1,7 +1,7 @@
 // The kept layer: the mock-up drawn once into colour, part id and depth, and kept while nothing of it changes.
 //
 // Raw: colour (premultiplied), id (part + 1, 0 for nothing, the highest bit for the fill of a section) and depth. Shown:
-// the raw picture with its edges, over the background; averaged with redraws a part of a pixel aside while it stands.
+// the raw picture with its edges, over the background; averaged with redraws a fraction of a pixel aside while the camera rests.
 
 import {
   CustomBlending,

@@ -1,4 +1,4 @@
-// The figures by the marks: elements over the canvas, placed so that none covers another.
+// The labels of marks: elements over the canvas, placed so that none covers another.
 
 import type { Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";

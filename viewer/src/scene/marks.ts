@@ -1,4 +1,4 @@
-// What is drawn besides the shapes: contact planes, forces, clearances, measures, the snap marker, the figures by them.
+// Marks: contact planes, forces, clearances, measures, the snap marker, and their labels.
 
 import { type IUniform, Scene } from "three";
 import { add, cross, distance, length, normalize, perpendicular, scale, type Vec3 } from "../math/vectors";

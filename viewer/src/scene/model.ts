@@ -1,4 +1,4 @@
-// The mock-up as it is drawn: its pieces, the states and places of its parts, the planes that cut it.
+// The drawn mock-up: its pieces, the states and places of its parts, the planes that cut it.
 
 import type { Material, PerspectiveCamera } from "three";
 import type { Manifest } from "../link/protocol";

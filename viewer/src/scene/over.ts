@@ -1,5 +1,5 @@
-// What lies over the mock-up: lines of sections, what the hand holds, what meets, marks with their figures, and what other
-// modules draw.
+// Everything drawn over the mock-up: lines of sections, the hand, colliding triangles, marks with their labels, and the
+// drawings of other modules.
 
 import { type Group, type PerspectiveCamera, Scene, type WebGLRenderer } from "three";
 import { isSame } from "../math/same";

@@ -1,4 +1,4 @@
-// The colours of the parts as a texture: as the mock-up states them, toned down so that everything else still reads over them.
+// The colours of the parts as a texture: as in the mock-up, toned down so that highlights stay visible.
 
 import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from "three";
 

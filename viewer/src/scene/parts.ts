@@ -1,4 +1,4 @@
-// What is known of each part while it is drawn: one byte of state, its colour, and where it was moved to. All are textures.
+// Drawing data of each part: one byte of state, its colour, and its place. All are textures.
 
 import {
   DataTexture,

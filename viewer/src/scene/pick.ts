@@ -1,4 +1,4 @@
-// What is under a pixel: the kept layer's id and distance, and the held mesh drawn into that one pixel.
+// Picks at a pixel: the kept layer's id and distance, and the held mesh drawn into that one pixel.
 
 import {
   DepthTexture,

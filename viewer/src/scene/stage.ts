@@ -1,7 +1,7 @@
 // The stage: all GL of the page behind one class.
 //
 // A frame redraws the mock-up only when the camera, a part or a section changed; else it shows the kept layer and draws
-// what moves over it. While nothing at all changes, the edges are smoothed, a little a frame.
+// moving objects over it. While nothing changes, the edges are smoothed, a little each frame.
 
 import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";

@@ -1,4 +1,4 @@
-// Which rows of a long list are in the page: rows of one height, so that it is arithmetic.
+// The visible rows of a long list: all rows have one height, so they follow by arithmetic.
 
 export interface Window {
   readonly first: number;
