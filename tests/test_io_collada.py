@@ -206,7 +206,7 @@ def test_unit_and_up_axis(tmp_path, asset, unit, metres, up):
     mockup = load_mockup(path)
     assert np.array_equal(soup(mockup), SOUP * metres) and mockup.report.source.unit == unit
     assert read_collada(path).up == up
-    assert ("'UPWARDS' is none of COLLADA" in notes(mockup)) == ("UPWARDS" in asset)
+    assert ("'UPWARDS' is unknown in COLLADA" in notes(mockup)) == ("UPWARDS" in asset)
 
 
 @pytest.mark.parametrize("metres", ["0,0254", "0", "-1", "nan", "inf", "inch"])

@@ -124,7 +124,7 @@ def test_empty_file(tmp_path, name):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes here")
 def test_pipe_does_not_hang(tmp_path):
     os.mkfifo(tmp_path / "a.stl")
-    refuse(tmp_path / "a.stl", "no regular file")
+    refuse(tmp_path / "a.stl", "not a regular file")
     with pytest.raises(LoadError):
         load_mockup("/dev/zero")
 

@@ -205,7 +205,7 @@ def test_every_message_is_tried_here() -> None:
         ('{"kind":"ack","seq":null}', "Ack.seq: is None: a whole number"),
         ('{"kind":"ack","seq":9007199254740993}', r"beyond 2\^53"),
         ('{"kind":"ack","seq":' + "9" * 5000 + "}", "digits|beyond 2\\^53"),
-        ('{"kind":"ack","seq":NaN}', "NaN is no number of JSON"),
+        ('{"kind":"ack","seq":NaN}', "NaN is not a JSON number"),
         ('{"kind":"command","id":1,"name":"a","args":[]}', "Command.args: is a JSON list"),
         ('{"kind":"command","id":1,"name":"a","args":{"b":1e999}}', "no finite number"),
         ('{"kind":"command","id":1,"name":"a","args":{"b":[-Infinity]}}', "no number of JSON"),

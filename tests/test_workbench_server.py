@@ -570,7 +570,7 @@ def test_a_state_that_cannot_be_told_is_left_out(
         page.next(protocol.Notice)
         session.show(FakeSnapshot(2))
         assert page.next(protocol.State).seq == 2
-    assert "a state that cannot be told" in caplog.text
+    assert "a state could not be sent" in caplog.text
 
 
 def test_an_event_that_cannot_be_told_is_left_out(

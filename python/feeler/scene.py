@@ -109,7 +109,7 @@ class Scene(_core.Scene):
             level = _real("hashing", hashing)
             if 0.0 <= level <= 0.99 and (
                 storage == "hashed" or level == 0.0
-            ):  # the core says what is wrong with others
+            ):  # the core checks others
                 voxel_size = _calibrated_size(mockup, tool, storage, level, memory_limit)
         start = time.perf_counter()
         self = super().__new__(

@@ -103,7 +103,7 @@ impl ContactQuery<'_> {
         self.contacts_within(near_margin, tool, pose, margin, reference)
     }
 
-    /// The same, where the margin for what is near depends on the number of deep planes; `None`: without.
+    /// The same, with the margin for near surfaces by the number of deep planes; `None`: without near surfaces.
     pub fn contacts_within(
         &self,
         near_margin: impl Fn(usize) -> Option<f64>,
@@ -115,7 +115,7 @@ impl ContactQuery<'_> {
         self.contacts_showing(near_margin, tool, pose, margin, reference, &mut |_| {})
     }
 
-    /// The same, showing the pairs of triangles that meet.
+    /// The same, with the colliding pairs of triangles.
     pub fn contacts_showing(
         &self,
         near_margin: impl Fn(usize) -> Option<f64>,

@@ -286,8 +286,8 @@ pub(crate) const SEARCHED_SHARE: f64 = 0.999;
 
 // --- Surfaces ---
 
-/// How wide the triangle is that stands for a way, as a share of the way's length (no unit): by far more than rounding. Wider ones
-/// meet more that the way itself does not.
+/// Width of the triangle that represents a way, as a share of the way's length (no unit): far above rounding. Wider
+/// ones collide with more that the way itself does not touch.
 pub const NEEDLE_WIDTH: f64 = 0.01;
 
 /// How much longer a ray is than the line to the border of the box that it leaves, as a share of the box: it ends clearly outside.
@@ -345,8 +345,8 @@ pub(crate) const COORDINATE_ROUNDING: f64 = 1e-12;
 /// bodies.
 pub const BODY_HOLLOW: f64 = 0.02;
 
-/// Cosine of the turn between neighbouring smooth regions of an open surface up to which they are of one body: 30 degrees. What is
-/// rolled stays one, what is bent over an edge does not.
+/// Cosine of the turn between neighbouring smooth regions of an open surface up to which they are of one body: 30
+/// degrees. Rolled sheets stay one body, sheets bent over an edge do not.
 pub const OPEN_TURN: f64 = 0.866;
 
 /// Cosine of the angle between the normals of two regions from which on both stand for a body's planes: 8 degrees. Less lets a body

@@ -401,7 +401,7 @@ impl Scene {
     /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
-    /// // Three turns down a thread of 0.1 m a turn: the plate, 0.25 m below, is met in the third.
+    /// // Three turns down a thread of 0.1 m a turn: it hits the plate, 0.25 m below, in the third.
     /// let screw = Screw::new(&[0.0, 0.0, 1.0], &[0.3, -0.3, 0.0], -3.0 * std::f64::consts::TAU, 0.1)?;
     /// let motion = Motion::screw(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, &screw)?;
     /// let hit = scene.cast_along(&tool, &motion, 1e-6, Touching::Ends)?.expect("the plate is in the way");

@@ -88,7 +88,7 @@ fn pressed() -> Result<f64, Box<dyn Error>> {
     Ok(force)
 }
 
-/// Presses it, and says what it feels.
+/// Presses it, and prints the forces.
 pub fn main() {
     let force = pressed().expect("the rail is pressed into the plate");
     println!("12 mm into the plate at 500 N/m: {force:.2} N");

@@ -16,14 +16,14 @@ pub enum Error {
     /// A wish to a run that has ended.
     #[error("the run has ended: start another")]
     Ended,
-    /// A thread of a run died by a fault in this program. The force was let go first.
-    #[error("the {thread} thread of the run failed, and the force was let go: start another session, and report this")]
+    /// A thread of a run died by a fault in this program. The force was released first.
+    #[error("the {thread} thread of the run failed, and the force was released: start a new session, and report this")]
     Panicked {
         /// Which: `servo` or `collision`.
         thread: &'static str,
     },
-    /// The driver of the device failed and does not go on, which ended the run. The force was let go first.
-    #[error("{why}; the force was let go and the run ended: mend the driver, and run again")]
+    /// The driver of the device failed and does not go on, which ended the run. The force was released first.
+    #[error("{why}; the force was released and the run ended: fix the driver, and run again")]
     Device {
         /// Of which device, and what it failed of.
         why: String,

@@ -18,7 +18,7 @@ pub struct Blocker {
     pub pose: Pose,
 }
 
-/// What was tried, and by whom it was stopped.
+/// The attempts, and the parts that stopped them.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     /// Casts made.
@@ -44,7 +44,7 @@ impl Tally {
         }
     }
 
-    /// Adds what another counted.
+    /// Adds the counts of another.
     pub fn add(&mut self, other: &Tally) {
         self.casts += other.casts;
         for theirs in other.stops.values() {

@@ -1,6 +1,6 @@
 //! Errors in a caller's arguments.
 
-/// What is wrong, where, and what to do.
+/// The problem, its place, and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

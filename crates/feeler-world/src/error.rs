@@ -8,7 +8,7 @@ pub enum Error {
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
     /// What grips the part is not free where it starts.
-    #[error("the tool's part {tool_part} meets part {part} where it starts: start it where it is free, or allow that part by name")]
+    #[error("the tool's part {tool_part} collides with part {part} at the start: start it where it is free, or allow that part by name")]
     GripMeets {
         /// Of the tool.
         tool_part: u32,

@@ -203,7 +203,7 @@ def way_from(
     allowed = _Allowed.of(allow, mockup)
     moving = own if tool is None else _gripped(own, tool, start, (lies, where), rest, allowed)
     if tool is None and start is not None:
-        raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
+        raise OptionError("start is the tool's pose, but there is no tool: give a tool, or leave out start")
     options: dict[str, Any] = {
         "own_parts": own.part_count,
         "allow_start": allowed.start,
@@ -332,7 +332,8 @@ def _gripped(
     if met:
         names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
         raise PoseError(
-            f"{where}: the tool {tool.name!r} meets {names} there: put it where it is free, or allow these by name"
+            f"{where}: the tool {tool.name!r} collides with {names} there: put it where it is free, or allow these parts "
+            "by name"
         )
     return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
 

@@ -14,8 +14,8 @@ const MOST_TRIANGLES: usize = 1 << 14;
 /// How often points nearer to the triangle are tried.
 const TRIES: usize = 5;
 
-/// Whether a triangle of a surface has points on both sides of one of the faces of a part, each farther from the part than `least`
-/// (metres; `rounding` is what coordinates may be off by), with that face as the nearest of all.
+/// Whether a triangle of a surface has points on both sides of one of the faces of a part, each farther from the part
+/// than `least` (metres; `rounding`: the largest error of coordinates), with that face as the nearest of all.
 pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32, [least, rounding]: [f64; 2]) -> bool {
     let (mesh, faces) = (solids.mockup().mesh(), solids.faces(part));
     if faces.len() > MOST_TRIANGLES {

@@ -83,7 +83,7 @@ impl<'a> AxisSearch<'a> {
         }
     }
 
-    /// Makes an axis the best if it is. Whether it is blocked is asked last: that costs most.
+    /// Makes an axis the best one if it is. Whether it is blocked is tested last, because that costs most.
     pub fn offer(&mut self, tried: &TriedAxis) -> bool {
         if let Some(best) = &self.best {
             let (depth, least) = (tried.depth(), best.depth());

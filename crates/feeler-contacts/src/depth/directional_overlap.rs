@@ -65,8 +65,9 @@ impl DirectionalOverlap {
         }
     }
 
-    /// The greatest overlap of facets of tool and mock-up along an axis, metres, with the mock-up's point there; the first that
-    /// is `enough`. Negative infinity where none is more than `least`. `None` where these are too many triangles to tell.
+    /// The greatest overlap of facets of tool and mock-up along an axis, metres, with the mock-up's point there; the
+    /// first that is `enough`. Negative infinity if none exceeds `least`. `None` if there are too many triangles to
+    /// decide.
     pub fn greatest(
         &mut self,
         context: &QueryContext<'_>,

@@ -26,7 +26,7 @@ pub(crate) struct FaceDepth {
 }
 
 impl FaceDepth {
-    /// Metres; less than any where there is no axis.
+    /// Metres; less than any depth if there is no axis.
     pub fn depth(&self) -> f64 {
         self.axis.map_or(f64::NEG_INFINITY, |f| f.depth())
     }

@@ -144,7 +144,7 @@ impl BodyPair<'_> {
         depth.overlap == Overlap::Filled
     }
 
-    /// Replaces a depth by the overlap where that is less; where it is no more than `least` (metres), by that bound.
+    /// Replaces a depth by the overlap if that is less; if it is at most `least` (metres), by that bound.
     pub fn measure(&self, context: &QueryContext<'_>, depth: &mut Depth, least: f64, scratch: &mut DepthScratch) {
         self.is_filled(context, depth, scratch);
         match depth.overlap {

@@ -14,7 +14,7 @@ use feeler_core::geometry::vectors::{along, dot, length, scaled, sub, unit};
 /// A region without a plane, to be searched again with a side assumed.
 #[derive(Debug)]
 pub(crate) struct Piercing {
-    /// The pairs of triangles that meet there, sorted.
+    /// The colliding pairs of triangles there, sorted.
     pub pairs: Vec<[u32; 2]>,
     /// Unit, to the side that the tool is taken to have come from.
     pub axis: Point,

@@ -37,9 +37,9 @@ pub struct Penetration {
     pub translation: Point,
     /// Its length, metres.
     pub depth: f64,
-    /// What it is.
+    /// Its kind.
     pub kind: PenetrationKind,
-    /// The contact planes at the pose, with those of what is near unless deep ones fill the answer.
+    /// The contact planes at the pose, with those of near surfaces unless deep ones fill the answer.
     pub contacts: Contacts,
 }
 

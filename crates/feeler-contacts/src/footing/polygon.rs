@@ -153,7 +153,7 @@ pub(crate) struct Cutter {
 }
 
 impl Cutter {
-    /// Appends to `out` what of a convex polygon is within half-planes.
+    /// Appends to `out` the part of a convex polygon within half-planes.
     pub fn cut_to(&mut self, feet: &[Foot], within: &[([f64; 2], f64)], out: &mut Vec<Foot>) {
         let Cutter { left, before } = self;
         left.clear();

@@ -15,7 +15,7 @@ const ABOVE: f64 = 1.0 + 1e-6;
 /// Corners of a sample.
 const SAMPLE: usize = 32;
 
-/// What is closest to a point.
+/// The closest point of a body to a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Closest {
     /// Metres.
@@ -72,7 +72,7 @@ impl Body {
         }
     }
 
-    /// What is added to points that are relative to it to have them in the world.
+    /// The origin of its points, in the world.
     pub fn origin(&self) -> &Point {
         &self.origin
     }
@@ -82,7 +82,7 @@ impl Body {
         &self.bounds
     }
 
-    /// What rounding may move points by that are computed near it, metres.
+    /// The largest rounding error of points computed near it, metres.
     pub fn rounding(&self) -> f64 {
         self.rounding
     }

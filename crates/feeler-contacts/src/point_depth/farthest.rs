@@ -32,7 +32,7 @@ pub enum Counted {
     All,
 }
 
-/// What is asked of the distance.
+/// The question about the distance.
 #[derive(Debug, Clone, Copy)]
 pub enum Asked {
     /// The distance itself, within the error of depths.
@@ -46,7 +46,7 @@ pub enum Asked {
 pub struct Farthest {
     /// It is no less, metres.
     pub lower: f64,
-    /// It is no more, metres; infinite where it was only asked whether it is more than something, and it is.
+    /// It is no more, metres; infinite if the question was only whether it exceeds a limit, and it does.
     pub upper: f64,
     /// In which direction that is.
     pub direction: usize,

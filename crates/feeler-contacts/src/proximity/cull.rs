@@ -73,7 +73,7 @@ impl Triangles {
 
 /// What is asked of each pair, besides planes.
 pub(crate) struct NearQuery<'a> {
-    /// Pairs that meet, sorted.
+    /// Colliding pairs, sorted.
     pub meeting: &'a [[u32; 2]],
     /// Triangles of tool and mock-up that are wholly inside the other, sorted.
     pub inside: &'a [Vec<u32>; 2],
@@ -127,8 +127,8 @@ impl Cull {
         (self.corners(Surface::Tool, near.numbers[0]), self.corners(Surface::Mockup, near.numbers[1]))
     }
 
-    /// Puts into `out` the candidates (of one part) that no plane separates, that are not surely farther than the margin, that do not
-    /// meet, and of which no triangle is wholly behind or inside the other.
+    /// Puts into `out` the candidates (of one part) that no plane separates, that are not surely farther than the
+    /// margin, that do not collide, and of which no triangle is wholly behind or inside the other.
     pub fn cull(
         &mut self,
         context: &QueryContext<'_>,
@@ -314,8 +314,8 @@ impl Cull {
         }
     }
 
-    /// Whether neither of the nearest points of a pair is behind the other's triangle, where that is of a closed surface: what is
-    /// inside a solid is near its surface, but not kept off by it.
+    /// Whether neither of the nearest points of a pair is behind the other's triangle, if that is of a closed surface:
+    /// points inside a solid are near its surface, but not stopped by it.
     pub fn is_in_front(&mut self, context: &QueryContext<'_>, near: &Near, gap: &Gap) -> bool {
         let to_tool = sub(&gap.on_tool, &gap.on_mockup);
         let [of_tool, of_mockup] =

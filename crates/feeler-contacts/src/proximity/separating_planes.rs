@@ -244,8 +244,8 @@ impl<'a> PlaneSearch<'a> {
         PlaneSearch { context, margin, scratch }
     }
 
-    /// Adds the planes of one part's candidates to those that `out` has of it. The pairs in `meeting` (sorted) meet, the triangles in
-    /// `inside` (of tool and mock-up, sorted) are wholly inside the other.
+    /// Adds the planes of one part's candidates to those that `out` has of it. The pairs in `meeting` (sorted) collide,
+    /// the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
     pub fn push_planes(
         &mut self,
         candidates: &[Candidate],
@@ -319,7 +319,7 @@ impl<'a> PlaneSearch<'a> {
         self.scratch.near = near;
     }
 
-    /// After [`push_planes`](Self::push_planes): what each of the planes it found separates.
+    /// After [`push_planes`](Self::push_planes): the pairs that each new plane separates.
     pub fn each_separated(&mut self, planes: &[ContactPlane], mut emit: impl FnMut(&ContactPlane, &Separated<'_>)) {
         let tolerance = SEPARATION_SLACK * self.margin;
         let NearScratch { cull, separated, .. } = &mut *self.scratch;

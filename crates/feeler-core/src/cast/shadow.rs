@@ -24,7 +24,7 @@ const MOST_BISECTIONS: u32 = 8;
 
 type Flat = [f64; 2];
 
-/// On what shadows fall.
+/// The surface on which shadows fall.
 #[derive(Debug, Clone, Copy)]
 pub struct Screen {
     steady: Steady,
@@ -207,8 +207,8 @@ impl Screen {
         shadow
     }
 
-    /// Offers the pairs of shadows, `of_tool` and `of_mockup`, that may meet: their numbers; it answers whether to go on. At most so many
-    /// tests of boxes are made. Whether all was offered.
+    /// Offers the pairs of shadows, `of_tool` and `of_mockup`, that may overlap, by number; the callback returns
+    /// whether to go on. Makes at most that many tests of boxes. Returns whether all pairs were offered.
     pub fn meeting(
         &self,
         of_tool: &Shadows,

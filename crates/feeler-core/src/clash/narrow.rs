@@ -67,7 +67,8 @@ pub(crate) struct MeetingNarrow<'a> {
     pub decided: &'a [[u32; 2]],
     pub lanes: Checked,
     pub scratch: &'a mut NarrowScratch,
-    /// Parts that meet, as far as this share of the search found out, and two of their triangles that do so, that of the lesser part first.
+    /// Colliding parts found by this share of the search, and two of their colliding triangles, that of the lesser part
+    /// first.
     pub found: Vec<([u32; 2], Meets, [u32; 2])>,
     /// Pairs of triangles that touch, of parts of which none was known to cross.
     pub touches: Vec<Touch>,

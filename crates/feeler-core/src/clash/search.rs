@@ -21,7 +21,7 @@ pub struct SelfIndex<'a> {
     parts: BlockParts,
 }
 
-/// What shares of a search found, and whether it went to its end.
+/// The results of the shares of a search, and whether it was completed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found<T> {
     /// In order.

@@ -17,7 +17,7 @@ use crate::constants::NONE;
 use crate::geometry::bounds::{Aabb, Point};
 use crate::index::mockup_index::Index;
 
-/// What two parts do to each other that meet and do not cross.
+/// The relation of two parts that collide and do not cross.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touching {
     /// They are outside each other.

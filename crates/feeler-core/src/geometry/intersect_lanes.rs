@@ -29,17 +29,17 @@ use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::pose::Pose;
 use feeler_lanes::{Arithmetic, CacheLine, Kernel, Level, LineLanes, Simd, LANES};
 
-/// What was proven of pairs, one bit each; in neither: in doubt.
+/// The proven results of pairs, one bit each; a pair in neither is undecided.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Verdict {
     /// They share no point.
     pub apart: u16,
-    /// They meet, [`Crossing`](crate::PairKind::Crossing).
+    /// Colliding pairs, [`Crossing`](crate::PairKind::Crossing).
     pub crossing: u16,
 }
 
-/// What can be proven of up to 16 pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs given
-/// are zero.
+/// Proves results of up to 16 pairs with an instruction set (the best one if the CPU lacks it). Bits beyond the given
+/// pairs are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
     prove_at(lanes, &Pose::IDENTITY, LEAST_ENTRY, pairs)
 }

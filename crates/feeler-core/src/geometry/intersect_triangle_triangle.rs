@@ -40,7 +40,7 @@ pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKin
     intersect_with(&mut Signs::default(), p, q)
 }
 
-/// The same, counting in `signs` how often float64 arithmetic could not tell.
+/// The same; counts in `signs` how often float64 arithmetic could not decide.
 #[inline]
 pub fn intersect_with(signs: &mut Signs, p: &Triangle, q: &Triangle) -> Option<PairKind> {
     // The side of each corner of q with respect to the plane of p, and the other way round.

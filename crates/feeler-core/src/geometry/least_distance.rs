@@ -2,10 +2,10 @@
 //!
 //! In six coordinates of one scale (see [`Metric`](crate::tool::metric::Metric)) the proxy's motion is the one nearest
 //! to the device's that no contact row forbids: Gauss's principle of least constraint. Solved by the dual active-set
-//! method of D. Goldfarb and A. Idnani
-//! (*A numerically stable dual method for solving strictly convex quadratic programs*, 1983) with the identity for the Hessian: rows
-//! that are violated join the active ones one after the other, and leave where their multiplier would turn negative. The active rows
-//! are kept as an orthonormal basis, made anew at each change: six coordinates have at most six of them.
+//! method of D. Goldfarb and A. Idnani (*A numerically stable dual method for solving strictly convex quadratic
+//! programs*, 1983) with the identity for the Hessian: violated rows join the active ones one after the other, and leave
+//! if their multiplier would turn negative. The active rows are kept as an orthonormal basis, made anew at each change:
+//! six coordinates have at most six of them.
 
 use crate::constants::{LEAST_SINE, MOST_QP_STEPS, QP_SLACK};
 

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// Refuses what would need more than `limit` bytes.
+/// Refuses structures that would need more than `limit` bytes.
 pub fn check_memory(what: &'static str, needed: f64, limit: u64) -> Result<()> {
     if needed <= limit as f64 {
         return Ok(());

@@ -10,8 +10,8 @@ use crate::index::grid::VoxelRange;
 const VOXELS_TOO_MANY: f64 = 8.0;
 
 impl ListedMesh<'_> {
-    /// Offers, for each tool triangle, the entries of every voxel that the box around its way meets, where the boxes of the two
-    /// meet. See [`Store::offer_swept`](super::Store::offer_swept).
+    /// Offers, for each tool triangle, the entries of every voxel that the box around its motion overlaps, if the boxes
+    /// of the two overlap. See [`Store::offer_swept`](super::Store::offer_swept).
     pub fn offer_swept(&self, sweep: &Sweep<'_>, seen: &mut PairSet, offer: Offer<'_>) -> bool {
         if sweep.may_give_up && self.is_too_much(sweep) {
             return false;

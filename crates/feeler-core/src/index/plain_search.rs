@@ -24,7 +24,7 @@ pub trait Cells {
     fn open(&self, cell: Self::Cell, selection: &Selection, visit: &mut dyn FnMut(Item<Self::Cell>, Aabb));
 }
 
-/// What lies below a node.
+/// The content of a node.
 #[derive(Debug, Clone, Copy)]
 pub enum Item<C> {
     /// A node.

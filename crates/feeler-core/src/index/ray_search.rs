@@ -19,9 +19,9 @@ pub(crate) struct RayPath<'a> {
     pub origin: Point,
     /// Not zero.
     pub direction: Point,
-    /// Where what is of interest begins, rounded down; shares of the direction.
+    /// Start of the relevant range, rounded down; shares of the direction.
     pub from: f64,
-    /// What is asked for. A hint: what is not may be offered all the same.
+    /// The selection. A hint: others may be offered all the same.
     pub selection: &'a Selection,
     /// The instruction set.
     pub lanes: Checked,

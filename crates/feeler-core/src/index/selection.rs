@@ -234,7 +234,7 @@ impl Selection {
             && self.presence.as_ref().is_none_or(|presence| is_set(&presence.triangles, triangle))
     }
 
-    /// Whether a pair of a tool's and a mock-up's part is asked for, or some surfaces of the two are.
+    /// Whether a pair of a tool part and a mock-up part is selected, or some surfaces of the two are.
     #[inline]
     pub fn wants_parts(&self, tool_part: u32, part: u32) -> bool {
         self.has_part(part) && self.ignored.as_ref().is_none_or(|ignored| !ignored.contains(tool_part, part))

@@ -79,8 +79,8 @@ pub fn order<E: Entry>(entries: &mut [E], fan_out: usize) {
     }
 }
 
-/// The places of a leaf's entries, at most `N`, in order along the longest side of the box around their middles: its halves are
-/// apart then, and what is near to something lies in few registers.
+/// The places of a leaf's entries, at most `N`, in order along the longest side of the box around their middles: this
+/// separates its halves, and near entries lie in few registers.
 ///
 /// Counts for each entry how many come before it: no branch depends on them.
 #[inline(always)]

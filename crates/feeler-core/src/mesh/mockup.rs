@@ -71,7 +71,7 @@ impl Mockup {
         &self.part_of_face
     }
 
-    /// Asks for what [`part_of_face`](Self::part_of_face) will read.
+    /// Prefetches the data of [`part_of_face`](Self::part_of_face).
     #[inline]
     #[doc(hidden)]
     pub fn prefetch_part(&self, face: u32) {

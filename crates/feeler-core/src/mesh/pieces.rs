@@ -44,7 +44,7 @@ fn cut_long_triangle(t: &Triangle, size: f64, emit: &mut impl FnMut(&Piece)) {
     }
 }
 
-/// What cutting a triangle begins with: one piece, or two.
+/// The start of cutting a triangle: one piece, or two.
 pub fn first_cut(t: &Triangle, size: f64) -> (Piece, Option<Piece>) {
     let [shortest, middle, apex] = shortest_side_first(t);
     let (base, height) = base_and_height(t);

@@ -51,7 +51,7 @@ pub fn meet(ray: &Ray, triangle: &Triangle, span: &Span) -> Option<Meeting> {
     span.has(&mut place, || ratio(ray, triangle)).then_some(Meeting { place, facing })
 }
 
-/// Where a line meets a triangle's plane, for a triangle it is not in.
+/// The place where a line intersects the plane of a triangle that it does not lie in.
 pub fn ratio(ray: &Ray, triangle: &Triangle) -> Ratio {
     let [d, corners] = whole(ray, triangle);
     let [a, b, c] = [0, 3, 6].map(|i| &corners[i..i + 3]);

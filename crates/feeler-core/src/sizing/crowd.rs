@@ -9,7 +9,7 @@ const CELLS: f64 = 131_072.0;
 /// Most points along an edge of a triangle larger than a cell.
 const SPREAD: f64 = 6.0;
 
-/// A triangle of the mock-up and what is asked of it more than once.
+/// A triangle of the mock-up with its repeatedly used measures.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured {
     pub corners: Triangle,
@@ -87,10 +87,10 @@ impl Crowd {
         Some(cell)
     }
 
-    /// How many triangles one of this area and outline meets there, turned anyhow, on average.
+    /// The average number of triangles that one of this area and outline collides with there, in any orientation.
     ///
-    /// The common points of two triangles are a segment; each of its ends is where an edge of one goes through the other. A
-    /// segment of length `l` meets surfaces of area `a` in a volume `a l / 2` times.
+    /// The common points of two triangles are a segment; each of its ends is where an edge of one goes through the
+    /// other. A segment of length `l` intersects surfaces of area `a` in a volume `a l / 2` times.
     pub fn met(&self, at: &Point, area: f64, outline: f64) -> f64 {
         self.cell(at).map_or(0.0, |cell| {
             let [areas, outlines] = self.density[cell].map(f64::from);

@@ -27,8 +27,8 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// Of a tool, as a shell of even thickness. Open surfaces have one as well as closed ones. What has none about an axis, as a
-    /// straight wire, gets a little, so that it does not spin freely.
+    /// The metric of a tool, as a shell of even thickness. Open surfaces have one as well as closed ones. A tool
+    /// without inertia about an axis, such as a straight wire, gets a little, so that it does not spin freely.
     pub fn new(tool: &Tool) -> Metric {
         let mesh = tool.mesh();
         let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);

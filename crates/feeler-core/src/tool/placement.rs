@@ -259,7 +259,7 @@ impl Placement {
         Along { axes, at, slack }
     }
 
-    /// `margin` (metres) covers what is uncertain about the tool's coordinates at the pose in float64.
+    /// `margin` (metres) covers the uncertainty of the tool's coordinates at the pose in float64.
     ///
     /// The rest of the margin is float32's. With m the sum of a row's absolute entries and t the translation, a coordinate is
     /// `sum of three products + t`, at most m + t as tool units are at most 1: one rounding each of entry, coordinate, product

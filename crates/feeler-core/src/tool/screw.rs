@@ -10,8 +10,7 @@ use crate::geometry::twist::{product, times, turn};
 use crate::geometry::vectors::{dot, scaled, sub, unit};
 
 /// A rotation about an axis in the world with an advance along it, as of a bolt or a door (J. Rossignac and J. Kim,
-/// *Computing and
-/// visualizing pose-interpolating 3D motions*, 2001).
+/// *Computing and visualizing pose-interpolating 3D motions*, 2001).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screw {
     axis: Point,

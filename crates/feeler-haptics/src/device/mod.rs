@@ -158,7 +158,7 @@ pub enum DeviceError {
         why: String,
     },
     /// It told something that cannot be.
-    #[error("{device} told what cannot be: {what}")]
+    #[error("{device} reported an invalid value: {what}")]
     Nonsense {
         /// Which.
         device: String,
@@ -172,18 +172,18 @@ pub enum DeviceError {
 /// Neither [`read`](Self::read) nor [`write`](Self::write) may wait: a servo loop of 1 kHz and more calls them. A
 /// driver that has to wait for a socket does so in a thread of its own, and keeps the newest data.
 pub trait Device: Send {
-    /// What it is.
+    /// Its properties.
     fn info(&self) -> &DeviceInfo;
 
-    /// The newest state. `now`: seconds on the caller's clock. Errors when the device is lost, or told what cannot be;
-    /// the caller then takes the force away.
+    /// The newest state. `now`: seconds on the caller's clock. Errors if the device is lost, or reported an invalid value;
+    /// the caller then removes the force.
     fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError>;
 
-    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. What the device does not drive is
-    /// left out.
+    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. Components without an actuator are
+    /// ignored.
     fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError>;
 
-    /// Lets go of the force, whatever else fails. Called when a session ends; also by dropping the device.
+    /// Releases the force, whatever else fails. Called when a session ends; also by dropping the device.
     fn release(&mut self);
 
     /// Whether the hand sets a velocity and the pose is its sum. The tool then stays near the proxy, so that it comes back at once.

@@ -12,7 +12,7 @@ use super::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms
 use crate::constants::{MOUSE_FREQUENCIES, MOUSE_FREQUENCY};
 use crate::error::{Error, Result};
 
-/// See the [module](self). Whoever has targets from another thread hands them over before a read.
+/// See the [module](self). If targets come from another thread, set them before a read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mouse {
     info: DeviceInfo,

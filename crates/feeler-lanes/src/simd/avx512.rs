@@ -6,7 +6,7 @@ use super::arithmetic::{close_up, Arithmetic, ByteBoxes, CacheLine, Kernel, Line
 use super::avx2;
 use super::x86::{is_apart, least_sides, numbers, One};
 
-/// Whether the CPU has what [`Avx512`] uses.
+/// Whether the CPU has the features of [`Avx512`].
 pub fn is_there() -> bool {
     avx2::is_there()
         && is_x86_feature_detected!("avx512f")
@@ -18,7 +18,7 @@ pub fn is_there() -> bool {
 /// Runs a kernel with AVX-512.
 ///
 /// # Safety
-/// The CPU must have what [`is_there`] asks for; the other features came before AVX2.
+/// The CPU must have the features of [`is_there`]; the other features came before AVX2.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub unsafe fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx512(()))

@@ -20,7 +20,7 @@ use crate::constants::{HELD_WITHIN, LEAST_HELD_WITHIN, MOST_HELD_PAIRS, MOST_WID
 use crate::error::Result;
 use crate::linear_program::least_cost;
 
-/// What holds a part.
+/// The parts that hold a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Held {
     /// The parts that hold it, by number.

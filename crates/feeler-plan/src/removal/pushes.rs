@@ -44,7 +44,7 @@ pub struct Pushes<'a> {
     others: Vec<Point>,
     /// Done so far, in collisions.
     work: u64,
-    /// What was tried.
+    /// The attempts.
     pub tally: Tally,
     /// The motions of a way out.
     pub way: Option<Vec<Motion>>,
@@ -169,13 +169,13 @@ impl<'a> Pushes<'a> {
         directions.0
     }
 
-    /// Whether trees wait, which had so many rounds: what a person would find is found soon.
+    /// Whether trees wait, after that many rounds: paths that a person would find are found soon.
     pub fn are_alone(&self, tree_rounds: u32) -> bool {
         let waits = if tree_rounds < FIRST_TREE_ROUNDS { FIRST_PUSHES } else { YOUNG };
         self.level == 1.0 && self.work < waits && !self.tasks.is_empty()
     }
 
-    /// Tries on for as much work as so many casts, until a way is found, nothing is left to try, or for as long as there is time.
+    /// Continues for the work of that many casts, until a path is found, nothing is left to try, or time runs out.
     pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.work + WORK_OF_A_CAST * casts;
         while self.way.is_none() && self.work < until && (self.has_time)() {

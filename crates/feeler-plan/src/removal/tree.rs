@@ -44,7 +44,7 @@ pub struct Tree<'a> {
     nodes: Vec<Node>,
     /// How often it began anew, and once more.
     lives: u64,
-    /// What was tried.
+    /// The attempts.
     pub tally: Tally,
     /// Where the legs of a way out end.
     pub way: Option<Vec<Pose>>,
@@ -87,7 +87,7 @@ impl<'a> Tree<'a> {
         tree
     }
 
-    /// Grows by so many casts, until a way is found, or for as long as there is time.
+    /// Grows by that many casts, until a path is found or time runs out.
     pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.tally.casts + casts;
         while self.way.is_none() && self.tally.casts < until && (self.has_time)() {

@@ -20,7 +20,7 @@ pub struct Axis {
     pub pitch: f64,
 }
 
-/// What the contacts at a pose tell: their normals, and the screws that they leave free.
+/// The contacts at a pose: their normals, and the screws that they leave free.
 #[derive(Debug, Clone, Default)]
 pub struct Footholds {
     /// Units, world.

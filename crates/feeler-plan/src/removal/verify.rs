@@ -72,8 +72,9 @@ pub fn is_free(
     Ok(true)
 }
 
-/// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, the fewest that are
-/// verified as free; where they turn more than once around, so many that no point is off by more than [`SAME_PLACE_M`], as each is a cast.
+/// The same path as poses, with motions of [`Motion::new`] between them: screws are cut into the fewest pieces that are
+/// verified as free; if they turn more than once around, into enough pieces that no point is off by more than
+/// [`SAME_PLACE_M`], as each is a cast.
 pub fn as_poses(
     around: &Surroundings,
     legs: &[Leg],

@@ -9,13 +9,13 @@ use super::hull::{Hull, Plane, Until};
 use super::steps::Steps;
 use crate::constants::{BLOCK, DISTANCE_TOLERANCE, HULL_SHARE, LEVEL, LONGEST_EDGE, SPACING};
 
-/// Where nodes are, and what their values mean. Metres.
+/// The places of nodes, and the meaning of their values. Metres.
 pub struct Grid {
     /// Its lowest node, from the steps' origin.
     pub corner: Point,
     pub spacing: f64,
     level: f64,
-    /// Values beyond are not told apart: no cell that the surface passes has one.
+    /// Larger values are not distinguished: no cell on the surface has one.
     pub far: f64,
     /// Of distances.
     pub tolerance: f64,

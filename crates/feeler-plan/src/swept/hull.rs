@@ -28,7 +28,7 @@ pub struct Bounds {
     pub lower: f64,
     /// Never below it.
     pub upper: f64,
-    /// What tells points far from the hull.
+    /// A plane that shows that points are far from the hull.
     pub plane: Plane,
 }
 
@@ -72,7 +72,7 @@ impl Hull {
         Hull { corners: by_axis, bounds }
     }
 
-    /// Whether a point is within some metres; where that cannot be told of one at just that distance: no.
+    /// Whether a point is within some metres; false if it cannot be decided at just that distance.
     pub fn is_within(&self, p: &Point, within: f64) -> bool {
         self.distance(p, &Until { enough: within, little: within, tolerance: 0.0 }).upper <= within
     }

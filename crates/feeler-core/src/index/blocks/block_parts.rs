@@ -37,7 +37,7 @@ pub struct BlockParts {
 }
 
 impl BlockParts {
-    /// Of the parts for which `is_asked` says so.
+    /// For the parts with `is_asked`.
     pub fn new(blocks: &Blocks, mockup: &Mockup, is_asked: impl Fn(u32) -> bool + Sync) -> BlockParts {
         let chunks: Vec<(Vec<u32>, Vec<PartPieces>)> = (0..blocks.pieces.len())
             .step_by(BLOCKS_A_TASK)

@@ -305,7 +305,8 @@ impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
     }
 }
 
-/// Appends which of a tool entry's children, at their places, meet the own box of each node; returns which meet any.
+/// Appends the tool entry's children that overlap the own box of each node, at their places; returns the nodes with
+/// any.
 pub struct Children<'a> {
     pub placed: &'a LaneBoxes,
     pub used: u16,

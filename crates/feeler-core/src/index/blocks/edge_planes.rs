@@ -10,7 +10,8 @@ use feeler_lanes::{greatest4, load3, Arithmetic, Lane32, Simd, LANES, TINY};
 
 use super::pieces::HalfBlock;
 
-/// The planes and outlines of sixteen pieces: what lies beside the plane, or beyond a side of the outline, is apart from a piece.
+/// The planes and outlines of sixteen pieces: a box beside the plane, or beyond a side of the outline, is apart from a
+/// piece.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub struct Outlines {
@@ -57,7 +58,7 @@ impl Outlines {
     pub const ZERO: Outlines =
         Outlines { near: [0.0; LANES], far: [0.0; LANES], sides: [[[0.0; LANES]; 5]; 3], along: [0; 2] };
 
-    /// Of pieces whose normals are made. `slack` is what coordinates may be off, per axis, for planes and for boxes.
+    /// For pieces with known normals. `slack`: the largest error of coordinates, per axis, for planes and for boxes.
     #[inline(always)]
     pub fn make<S: Simd>(&mut self, s: S, pieces: &PlacedPieces, of_corners: &[f32; 3], of_boxes: f32) {
         let n = load3(s, &pieces.normals);

@@ -205,14 +205,14 @@ impl Blocks {
     }
 }
 
-/// What stays the same during a search, and the limit.
+/// The constants of a search, and its limit.
 pub struct Search<'a, W> {
     pub blocks: &'a Blocks,
     pub at: NearTool<'a>,
     pub placement: Placement,
     /// The square of the largest distance of interest, frame units, rounded up.
     pub limit: f32,
-    /// From tool to mock-up where they were found closest so far: along it, most pairs farther apart show it.
+    /// From tool to mock-up at the closest pair so far: along it, most pairs farther apart are separated.
     pub direction: [f32; 3],
     pub dividers: Vec<Dividers>,
     pub wanted: &'a mut W,

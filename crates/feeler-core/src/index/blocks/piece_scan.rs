@@ -98,7 +98,7 @@ const NUMBERS: [[u32; LANES]; LANES] = {
     numbers
 };
 
-/// A group's clusters, of which those `needed` are placed, and blocks with what may meet them.
+/// A group's clusters, of which those `needed` are placed, and blocks with their possible partners.
 pub struct Rows<'a, N> {
     pub lanes: Checked,
     pub blocks: &'a Blocks,

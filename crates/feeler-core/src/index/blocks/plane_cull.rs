@@ -6,12 +6,12 @@ use super::pieces::{HalfBlock, PackedPieces};
 use crate::tool::placement::{BoxLanes, Placement};
 use feeler_lanes::{load3, Kernel, Simd, LANES};
 
-/// Clusters of a group that meet pieces of a block by their boxes.
+/// Clusters of a group that overlap pieces of a block by their boxes.
 pub struct Beside<'a> {
     pub node: &'a Node,
     pub packed: &'a PackedPieces,
     pub placement: &'a Placement,
-    /// The boxes of the group's clusters, and for each which pieces it meets.
+    /// The boxes of the group's clusters, and the pieces that each overlaps.
     pub boxes: &'a BoxLanes,
     pub hits: &'a [u32; LANES],
     /// How far coordinates may be off.

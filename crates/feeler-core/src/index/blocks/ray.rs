@@ -27,7 +27,7 @@ struct FrameRay {
 }
 
 impl Blocks {
-    /// Hands `wanted` every triangle that the ray may meet within its limit, nearest boxes first.
+    /// Calls `wanted` with every triangle that the ray may hit within its limit, nearest boxes first.
     pub fn search_ray<W: RaySink>(&self, mesh: &Mesh, path: &RayPath<'_>, scratch: &mut RayScratch, wanted: &mut W) {
         let (scale, bounds) = (self.frame.scale, mesh.bounds());
         let per_share = any_length(&path.direction) * scale;

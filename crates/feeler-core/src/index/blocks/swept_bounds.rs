@@ -17,7 +17,7 @@ pub struct SweptPlacement {
     pub slack: f32,
 }
 
-/// What up to 16 pieces sweep.
+/// The swept bounds of up to 16 pieces.
 pub struct SweptPieces {
     ends: [PlacedPieces; 2],
     /// Boxes around the ways of the pieces.
@@ -35,7 +35,7 @@ impl SweptPlacement {
         SweptPlacement { ends, slack }
     }
 
-    /// What pieces sweep.
+    /// Computes the swept bounds of pieces.
     #[inline(always)]
     pub fn place_pieces<S: Simd>(&self, s: S, pieces: &PieceLanes, out: &mut SweptPieces) {
         self.ends[0].place_pieces(s, pieces, &mut out.ends[0]);

@@ -21,7 +21,7 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// What hangs together across edges.
+    /// The connected surfaces across edges.
     pub fn new(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Surfaces {
         let (mut first, mut of, mut next) = (Vec::new(), vec![NONE; neighbours.len()], Vec::new());
         for t in mesh.queried() {
