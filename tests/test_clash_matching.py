@@ -346,7 +346,7 @@ def test_damaged_shapes(tmp_path: Path, name: str, value: object) -> None:
     with pytest.raises(LoadError, match=r"shapes\[1\] is not a shape of a part: "):
         feeler.load_clashes(tmp_path / "before.json")
     (tmp_path / "before.json").write_text(json.dumps({**data, "shapes": 3}))
-    with pytest.raises(LoadError, match='"shapes" is no list'):
+    with pytest.raises(LoadError, match='"shapes" is not a list'):
         feeler.load_clashes(tmp_path / "before.json")
 
 

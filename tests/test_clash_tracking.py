@@ -233,7 +233,7 @@ def test_wrong_statuses(mockup: feeler.Mockup) -> None:
         found.set_status(found.ids[0], "resolved")
     with pytest.raises(OptionError, match="there is no clash 'nonsense'"):
         found.set_status("nonsense", "active")
-    with pytest.raises(OptionError, match="by and note are texts"):
+    with pytest.raises(OptionError, match="by and note must be text"):
         found.set_status(found.ids[0], "active", by=7)  # type: ignore[arg-type]
     assert found[0].status == "new"
 
@@ -321,8 +321,8 @@ def test_other_files(tmp_path: Path, saved: Path) -> None:
             r"clashes\[0\] is not a finding: it is not an object",
         ),
         ('{"format": "feeler clash", "version": 1, "clashes": [{"a": "x", "b": "y"}]}', "it has no 'rule'"),
-        ("[" * 100_000, "no JSON"),
-        ("\x00", "no JSON"),
+        ("[" * 100_000, "not JSON"),
+        ("\x00", "not JSON"),
     ]:
         (tmp_path / "odd.json").write_text(content)
         with pytest.raises(LoadError, match=message):

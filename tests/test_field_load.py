@@ -280,7 +280,7 @@ def test_commands_tell_of_up_axes_and_doubts(up_files):
         assert result.exit_code == 1, result.output  # they share a vertex
         return result
 
-    warning = "feeler: warning: the mock-up has z up and the tool y; if both should stand alike, pass --up z\n"
+    warning = "feeler: warning: the mock-up has z up and the tool y; to turn both the same way, pass --up z\n"
     assert run().stderr == warning
     assert run("--up", "z").stderr == ""
     assert run("--unit", "km").stderr.startswith("feeler: warning: mock-up: 3,000 m long: if the file is in milli")

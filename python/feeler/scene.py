@@ -107,9 +107,7 @@ class Scene(_core.Scene):
         _check_progress(progress)
         if voxel_size is None and tool is not None and storage in ("dense", "hashed"):
             level = _real("hashing", hashing)
-            if 0.0 <= level <= 0.99 and (
-                storage == "hashed" or level == 0.0
-            ):  # the core checks others
+            if 0.0 <= level <= 0.99 and (storage == "hashed" or level == 0.0):  # the core checks others
                 voxel_size = _calibrated_size(mockup, tool, storage, level, memory_limit)
         start = time.perf_counter()
         self = super().__new__(

@@ -332,8 +332,8 @@ def _gripped(
     if met:
         names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
         raise PoseError(
-            f"{where}: the tool {tool.name!r} collides with {names} there: put it where it is free, or allow these parts "
-            "by name"
+            f"{where}: the tool {tool.name!r} collides with {names} there: put it where it is free, or allow "
+            "these parts by name"
         )
     return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
 

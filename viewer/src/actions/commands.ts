@@ -488,7 +488,7 @@ export const shownKey = (key: string | undefined): string =>
     .replace("PageUp", "Page up")
     .replace("PageDown", "Page down");
 
-/** A button's tooltip: what it does, and the key. */
+/** A button's tooltip: its action, and the key. */
 export function hint(id: string): string {
   const { title, keys } = commandOf(id);
   return keys[0] ? `${title} (${shownKey(keys[0])})` : title;

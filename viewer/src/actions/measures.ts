@@ -20,13 +20,13 @@ export const MEASURE_TITLES: Readonly<Record<MeasureType, string>> = {
   parts: "Part to part",
 };
 
-/** What is under a pixel, as far as measuring asks. */
+/** The pick under a pixel, as measuring needs it. */
 type Seen = Pick<Snapped, "point" | "type" | "part" | "triangle" | "corners">;
 
 /** How near in the picture a corner or an edge draws the point to it. */
 const SNAP_PX = 10;
 
-/** Begins a measure, or ends measuring where the same one is under way. */
+/** Begins a measure, or ends measuring if the same one is active. */
 export function startMeasuring(wb: Workbench, type: MeasureType): void {
   const { measuring, panel } = wb.store;
   if (measuring.peek()?.type === type) {
@@ -53,7 +53,7 @@ export function stopMeasuring(wb: Workbench): void {
 
 let is_asking = false;
 
-/** Shows what a click would take; one question at a time, so that a slow answer holds nothing up. */
+/** Shows the pick of a click; one question at a time, so that a slow answer delays nothing. */
 export function hoverMeasure(wb: Workbench, at: Point): void {
   if (!wb.store.measuring.peek() || is_asking) return;
   is_asking = true;
@@ -70,7 +70,7 @@ export function hoverMeasure(wb: Workbench, at: Point): void {
     });
 }
 
-/** Takes what is under the pointer; the last pick makes the measure. */
+/** Takes the pick under the pointer; the last pick makes the measure. */
 export async function clickMeasure(wb: Workbench, at: Point): Promise<void> {
   try {
     const snapped = await snapAt(wb, at);

@@ -36,7 +36,7 @@ export interface FeelerApi {
   readonly document: Document | null;
   readonly state: State | null;
   readonly stats: PageStats;
-  /** From where the picture is seen. */
+  /** The camera of the picture. */
   readonly camera: Camera;
   /** Where a world point lies in the picture: CSS pixels from its upper left corner; null: behind the eye. */
   pixel(point: Vec3): [number, number] | null;
@@ -50,7 +50,7 @@ export interface FeelerApi {
 
 /** The tool stands in mode glide when its pose has not changed for so long. */
 const STANDS_MS = 120;
-/** An answer that does not come is told, not waited for without end. */
+/** A missing answer becomes an error instead of an endless wait. */
 const ANSWER_MS = 10_000;
 /** How long camera and tool move for `benchmark`. */
 const BENCHMARK_S = 4;

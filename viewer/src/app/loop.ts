@@ -88,7 +88,7 @@ export class Loop {
     this.request();
   }
 
-  /** The states of the parts but for what is touched and near, which follows the engine. */
+  /** The states of the parts except touched and near, which follow the engine. */
   setPartStates(states: Uint8Array): void {
     this.view.setPartStates(states);
     this.request();

@@ -31,7 +31,7 @@ function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "
   const texts: string[] = [];
   for (let k = 0; k < state.clearance.length; k += 7) {
     const value = state.clearance[k] ?? 0;
-    // What touches is lit: a figure for it would only cover the contact.
+    // Touched parts are highlighted: a label would only cover the contact.
     texts.push(value > 0 ? formatLength(value, unit) : "");
   }
   const { distance } = state;

@@ -17,7 +17,7 @@ export function partStates(
   return states;
 }
 
-/** The same with what the tool touches and is near. */
+/** The same with touched and near parts. */
 export function withLit(base: Uint8Array, state: State | null): Uint8Array {
   const states = base.slice();
   if (state) {

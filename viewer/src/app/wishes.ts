@@ -42,7 +42,7 @@ export class Wishes {
     for (const seq of this.sent_ms.keys()) if (seq <= state.pose_seq) this.sent_ms.delete(seq);
   }
 
-  /** No answer will come to what was sent. */
+  /** Sent wishes will get no answer. */
   forget(): void {
     this.sent_ms.clear();
   }

@@ -150,7 +150,7 @@ export class Feel {
     });
   }
 
-  /** What is heard and felt since the step before; once a frame. */
+  /** The contacts since the previous step; once a frame. */
   step(now_ms: number): Felt {
     const impacts = this.impacts;
     this.impacts = [];
@@ -167,7 +167,7 @@ export class Feel {
     return { impacts, releases, slide, press_n: this.press_n };
   }
 
-  /** Nothing is touched any more, and no part is told as released: the link is down, or another mock-up is open. */
+  /** Clears all contacts without release events: the link is down, or another mock-up is open. */
   reset(): void {
     this.pose = null;
     this.heard_ms = Number.NEGATIVE_INFINITY;

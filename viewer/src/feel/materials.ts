@@ -29,7 +29,7 @@ const WORDS: readonly (readonly [Material, RegExp])[] = [
   ["aluminium", /alumin|\balu\b|\balsi|\ben aw\b|magnesium/],
 ];
 
-/** The material that a name means; steel where the name is absent or unknown. */
+/** The material of a name; steel if the name is absent or unknown. */
 export function materialOf(name: string | null): Material {
   const lower = (name ?? "").toLowerCase();
   return WORDS.find(([, pattern]) => pattern.test(lower))?.[0] ?? "steel";

@@ -287,7 +287,7 @@ export class Sound {
     return this.context.state === "running";
   }
 
-  /** Plays what was felt; once a frame. */
+  /** Plays the contacts; once a frame. */
   play(felt: Felt): void {
     if (!this.context || !this.master || !this.isReady) return;
     this.slide?.set(slideSound(felt.slide));

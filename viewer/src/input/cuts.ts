@@ -22,7 +22,7 @@ const ARROW_PX = 34;
 const LEAST_PX = 12;
 const REACH_PX = 11;
 
-/** The middle of what a cut shows of `box`, the other cuts obeyed; beside the box, the point on the cut nearest to it. */
+/** The middle of `box` in a cut, clipped by the other cuts; beside the box, the point on the cut nearest to it. */
 export function cutCenter(cut: SectionPlane, others: readonly SectionPlane[], box: Box): Vec3 {
   const left = clipBox(box, others);
   const polygon = isEmpty(left) ? [] : planeInBox(cut, left);

@@ -13,7 +13,7 @@ export interface HidInputReport {
   readonly data: DataView;
 }
 
-/** What is used of WebHID's `HIDDevice`. */
+/** The used members of WebHID's `HIDDevice`. */
 export interface HidDevice {
   readonly productName: string;
   readonly vendorId: number;
@@ -32,7 +32,7 @@ export interface HidFilter {
   readonly usage?: number;
 }
 
-/** What is used of `navigator.hid`. */
+/** The used members of `navigator.hid`. */
 export interface Hid {
   getDevices(): Promise<HidDevice[]>;
   requestDevice(options: { filters: HidFilter[] }): Promise<HidDevice[]>;

@@ -88,7 +88,7 @@ export class OfflineCommands {
     return changed(document, name, args);
   }
 
-  /** The same parts again bring back what was seen before. */
+  /** The same parts again restore the previous visibility. */
   private isolate(document: Document, parts: readonly number[]): Document {
     const isAgain = this.isolated?.join() === parts.join();
     if (!this.isolated) this.hidden_before = document.hidden;

@@ -11,7 +11,7 @@ export interface Notice {
   readonly text: string;
 }
 
-/** What is on the right. */
+/** The panels on the right. */
 export type Panel = "pose" | "sections" | "measures" | "sequence" | "findings";
 export const PANELS: readonly Panel[] = ["pose", "sections", "measures", "sequence", "findings"];
 

@@ -12,7 +12,7 @@ export interface TypedMove {
   /** 0, 1 or 2; null: the view plane, or the view direction for a turn. */
   readonly axis: 0 | 1 | 2 | null;
   readonly frame: "world" | "tool";
-  /** What was typed so far. */
+  /** The typed text so far. */
   readonly text: string;
 }
 

@@ -38,7 +38,7 @@ export class Average {
     this.samples = 0;
   }
 
-  /** Adds what is in `once`. */
+  /** Adds the content of `once`. */
   add(): void {
     this.samples++;
     const uniforms = this.#pass.material.uniforms as { picture: { value: Texture | null }; share: { value: number } };

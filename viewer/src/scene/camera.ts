@@ -97,7 +97,7 @@ export class CameraRig {
     this.moved = true;
   }
 
-  /** Brings the eye to `factor` times its distance from `at` (below 1: nearer); `at` stays where it is in the picture. */
+  /** Brings the eye to `factor` times its distance from `at` (below 1: nearer); `at` keeps its place in the picture. */
   dolly(factor: number, at: Vec3 = this.target): void {
     const reach = distance(this.position, at) * factor;
     if (!Number.isFinite(reach) || reach < LEAST_DISTANCE) return;

@@ -10,7 +10,7 @@ import { tintFragment } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
 
 export class Composer {
-  /** What is lit is to be tinted anew. */
+  /** The highlights must be tinted anew. */
   isLitNew = true;
   readonly #renderer: WebGLRenderer;
   readonly #eye: PerspectiveCamera;

@@ -65,7 +65,7 @@ export class Held {
     return this.#pose;
   }
 
-  /** Whether the wish is drawn: there is something to hold, and it is not where the hand is. */
+  /** Whether the wish is drawn: the hand is not empty, and the wish differs from its pose. */
   get isGhostShown(): boolean {
     const wish = this.#wish;
     return (

@@ -12,7 +12,7 @@ export interface Anchor {
   rank: number;
 }
 
-/** A figure in the picture, CSS pixels: where it points, and how large it is. */
+/** A label in the picture, CSS pixels: its anchor, and its size. */
 export interface Figure {
   x: number;
   y: number;

@@ -50,7 +50,7 @@ export class Probe {
     define(this.#pass.material, "SECTIONS", count);
   }
 
-  /** What is at the pixel (`x`, `y`) of a picture of `width` x `height`, from its lower left corner; null for nothing. */
+  /** The pick at the pixel (`x`, `y`) of a picture of `width` x `height`, from its lower left corner; null for nothing. */
   at(
     x: number,
     y: number,

@@ -180,7 +180,7 @@ const MODE_TITLES = {
 
 const NO_TOOL = "";
 
-/** What is taken in hand. */
+/** The content of the hand. */
 function ToolChoice() {
   const wb = useWorkbench();
   const { store } = wb;
@@ -215,7 +215,7 @@ function EmptyHand() {
   );
 }
 
-/** What touches, by name, and how much. */
+/** The touched parts by name, and the force. */
 function ContactReport() {
   const { store } = useWorkbench();
   const state = store.state.value;

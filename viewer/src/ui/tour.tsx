@@ -6,7 +6,7 @@ import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 
 interface Step {
-  /** What it is about, as a selector; the card stands beside it. */
+  /** Its subject, as a selector; the card stands beside it. */
   readonly at: string;
   readonly title: string;
   readonly text: string;

@@ -18,7 +18,7 @@ export function visibleRows(scroll_top: number, height: number, row_height: numb
   return { first: Math.max(0, top - spare), end: Math.min(count, top + shown + spare) };
 }
 
-/** Where to scroll so that `row` is in sight: `scroll_top` itself where it is. */
+/** The scroll position that makes `row` visible: `scroll_top` itself if it already is. */
 export function scrollTo(row: number, scroll_top: number, height: number, row_height: number): number {
   const top = row * row_height;
   if (top < scroll_top) return top;

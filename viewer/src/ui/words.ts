@@ -3,7 +3,7 @@
 import type { Measure, State } from "../link/protocol";
 import { formatAngle, formatLength, type Unit } from "../math/units";
 
-/** At most so many part names are read out. */
+/** The most part names that are read out. */
 const MOST_NAMES = 3;
 
 /** "1 contact", "4 contacts". */
