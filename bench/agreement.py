@@ -66,9 +66,9 @@ def compare(
     verdicts: Verdicts | None = None,
     most: int = MOST_JUDGED,
 ) -> Agreement:
-    """Hold the pairs of all poses side by side, and have the differences judged.
+    """Compares the pairs of all poses and has the differences judged.
 
-    `verdicts` keeps what was judged: peers tend to err at the same places.
+    `verdicts` keeps the judgements: peers tend to err at the same places.
     """
     agreement, verdicts = Agreement(), {} if verdicts is None else verdicts
     ours_only: list[tuple[int, int, int]] = []

@@ -281,7 +281,7 @@ def depth_table(cells: tuple[int, ...]) -> str:
 
 
 def nominal(scene: feeler.Scene, count: int) -> Iterator[tuple[str, feeler.Tool, Floats]]:
-    """The sample tools by name, with nominal poses; what the first contacts of each find out is known."""
+    """The sample tools by name, with nominal poses; the first contacts of each, which fill the caches, are done."""
     for name in ("torque", "wrench", "square", "hand"):
         tool = feeler.sample_tool(name)
         poses = feeler.sample_poses(scene, tool, "nominal", count)
@@ -329,7 +329,7 @@ def time_table(triangles: int, count: int) -> str:
 
 
 def way_table(triangles: int, count: int) -> str:
-    """What `penetration` finds on nominal poses of the engine, and what it takes, one core."""
+    """Results and times of `penetration` at nominal poses of the engine, one core."""
     scene = feeler.Scene(feeler.sample("engine", triangles=triangles), threads=1)
     lines = [
         "| tool | bound | estimate | length of a bound, mm: median | p90 | ms: median | p99 |",

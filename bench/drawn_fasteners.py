@@ -489,7 +489,7 @@ OTHERS = [
 
 
 def drawn(shape: str, seed: int) -> tuple[Drawn, feeler.Mockup, Floats]:
-    """One shape of a seed: what it is, a mock-up of it without a name, and where its frame lies in that, metres."""
+    """One shape of a seed: its truth, a mock-up of it without a name, and the pose of its frame in that, metres."""
     rng = np.random.default_rng([seed, *shape.encode()])
     made: Drawn = getattr(Draughtsman(rng), shape)()
     mesh = made.solid.to_mesh64()
@@ -537,7 +537,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--show", help="print what is wrong with this shape, or all")
+    parser.add_argument("--show", help="print the faults of this shape, or of all")
     given = parser.parse_args()
     for shape in FASTENERS + OTHERS:
         faults: list[tuple[int, str]] = []

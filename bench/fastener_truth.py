@@ -68,7 +68,7 @@ def without_names(mockup: feeler.Mockup) -> feeler.Mockup:
 
 
 def scores(found: feeler.Fasteners, truth: dict[str, Truth], paths: list[str]) -> tuple[float, float]:
-    """Recall and precision; right is what is at the right place and points the right way."""
+    """Recall and precision; a fastener found is right if its place and direction are."""
     right = 0
     for row in found:
         known = truth.get(paths[row.part])

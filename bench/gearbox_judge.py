@@ -402,9 +402,9 @@ class Ways:
     def superfluous(self, step: Step) -> list[str]:
         """Parts in `after` that need not be removed: with them in place the step and its tools collide with nothing.
 
-        A way that is free by less than a chord is not free. Parts that come out together are left in together. What
-        another need takes out anyway counts as needed, and so does what has a fit with the parts of the step: they hold
-        it, or it would hang in the air.
+        A way that is free by less than a chord is not free. Parts that come out together are left in together. A part
+        that another need takes out anyway counts as needed, and so does one that has a fit with the parts of the step:
+        they hold it, or it would hang in the air.
         """
         units = {path: other.parts for other in self.truth.steps if other.removes for path in other.parts}
         fasteners = [f for f in self.truth.fasteners if f.path in step.parts]
@@ -434,7 +434,7 @@ class Ways:
         return float(least)
 
     def stopped(self, fastener: Fastener, step: Step) -> bool:
-        """Whether the tool of a fastener does not turn as far as the truth says, after what a step needs is out."""
+        """Whether the tool of a fastener turns less far than the truth says, after the needs of a step are out."""
         return self.turns(fastener, step) < fastener.swing_rad
 
     def turns(self, fastener: Fastener, step: Step | None = None) -> float:
@@ -586,10 +586,10 @@ def changed(faulty: Drawn, clean: Drawn) -> set[str]:
 
 
 def wrong_steps(seed: int, plants: Iterable[tuple[str, ...]] = PLANTS) -> list[str]:
-    """What steps and swings say of planted faults and is not so; as messages.
+    """Wrong statements of steps and swings about planted faults, as messages.
 
-    A step that says that a fault blocks it is blocked, or needs one that is; all others are free of what the faults add
-    or change. Tools turn as far as the fasteners say, and not in full where they say 0.
+    A step that says that a fault blocks it is blocked, or needs one that is; all others are free of the parts that the
+    faults add or change. Tools turn as far as the fasteners say, and not in full where they say 0.
     """
     clean, out = eased(seed), []
     for names in plants:

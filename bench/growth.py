@@ -33,7 +33,7 @@ EMPTIED_BYTES = 256 << 20  # more than the caches of most machines
 def least_times(
     scenes: list[feeler.Scene], tool: feeler.Tool, poses: list[Floats], rounds: int
 ) -> list[tuple[Floats, Floats]]:
-    """For each scene the least microseconds of each pose, after the caches were emptied, and asked again at once."""
+    """For each scene the least microseconds of each pose, with emptied caches, and repeated at once."""
     junk = np.zeros(EMPTIED_BYTES // 8)
     least = [(np.full(len(own), np.inf), np.full(len(own), np.inf)) for own in poses]
     for _ in range(rounds):

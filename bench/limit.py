@@ -95,7 +95,7 @@ class Needed:
     """What one query has to do at least."""
 
     scattered: int  # lines here and there: corners of the mock-up's triangles that were found
-    in_row: int  # lines in one go: clusters placed, and what is packed side by side
+    in_row: int  # lines in one go: clusters placed, and data packed side by side
     instructions: float
     answer: float  # of these, what every pair found needs in any design
 
@@ -129,7 +129,7 @@ def _lines(library: ctypes.CDLL, size: int, huge: int) -> tuple[float, float, fl
     counts = (RANDOM, CHAINED, max(lines, RANDOM))
     functions = (library.limit_random, library.limit_chained, library.limit_sequential)
     try:
-        # The same places again and again: they are what the caches may hold.
+        # The same places again and again: the caches may hold them.
         random, chained, sequential = (
             _best(functools.partial(function, buffer, lines, count, 0)) / count
             for function, count in zip(functions, counts, strict=True)
@@ -238,7 +238,7 @@ def _memory(core: Machine, one: Needed, size: int) -> float:
 
 
 def _again(engine: engines.FeelerEngine, pose: engines.Floats) -> float:
-    """Microseconds of a query asked just before: the caches hold what it needs."""
+    """Microseconds of a query repeated at once: the caches hold its data."""
     call = engine.aim("collide", pose)
     call()
     return measure.clock_once(call)[0]
@@ -294,7 +294,7 @@ def main(arguments: list[str] | None = None) -> int:
         if table:
             print(f"\n{table.markdown()}")
     if load and load[0] > BUSY:
-        print(f"The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little.")
+        print(f"The machine was busy (load {load[0]:.1f}): the measured times are too long rather than too short.")
     if reasons and not options.out:
         print(elsewhere(reasons))
     print(f"Written: {keep(rows, origin, options.out, reasons)}")

@@ -107,7 +107,7 @@ def measured(
 def ended(
     result: Result, options: argparse.Namespace, name: str, page: str, record: Path, goals: Sequence[Goal]
 ) -> int:
-    """Writes what a run found, and into the record if asked to; judges it: the exit status."""
+    """Writes the results of a run, on request into the record; judges them: the exit status."""
     for path in written(result, options.out, name, page):
         print(f"Written: {path}")
     if options.record:

@@ -18,7 +18,7 @@ import numpy as np
 import feeler
 
 MESHES = {".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp", ".dae"}
-TOOL_FOLDERS = ("tools*", "hand*")  # what is in these is a tool; the rest is a mock-up
+TOOL_FOLDERS = ("tools*", "hand*")  # files in these are tools; the rest are mock-ups
 
 # Numbers without a unit are taken as millimetres; a mock-up that is then smaller than this is blown up to one metre.
 LEAST_SIZE_M = 0.1

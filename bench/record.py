@@ -39,7 +39,7 @@ COLUMNS = (*GROUP, "engine", "version", *ORIGIN, *NUMBERS)
 WHOLE = {"size", "cores", "triangles", "parts", "tool_triangles", "poses", "rounds", "bytes", "growth_bytes"}
 WHOLE |= {"peak_bytes", "agreed", "peer_wrong", "feeler_wrong", "unjudged"}
 
-# The order of rows in a file; what is not named here comes after, by its name.
+# The order of rows in a file; rows not named here come after, by name.
 ORDER: dict[str, tuple[str, ...]] = {
     "what": ("cell", "build", "fine", "worst", "batch", "call", "growth", "limit", "level"),
     "tool": ("torque", "wrench", "square", "hand", "hand-fine"),
@@ -62,14 +62,14 @@ def elsewhere(reasons: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where and on what a run measures, found at its start."""
+    """The machine and the commit that a run measures, found at its start."""
 
     machine: str
     cores: int
     date: str
     commit: str
     release: str
-    changed: bool  # the working tree differs from the commit in what is measured
+    changed: bool  # the working tree differs from the commit in measured files
     profile: str | None
 
     @classmethod

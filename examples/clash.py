@@ -26,7 +26,7 @@ else:
 
 
 def checked() -> feeler.Clashes:
-    """All pairs, measured; then what the fits allow."""
+    """All pairs, measured; then judged by the fits."""
     return feeler.clash(mockup, clearance=0.0, rules={"rule": [pipes]}).with_rules({"rule": [pipes, *fits]})
 
 

@@ -20,7 +20,7 @@ def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray,
 
 
 # A case that is open above, with a pump and a filter in it without play, a lid on top, and a latch across the lid.
-# Binary fractions of a metre: what is flush is flush to the last bit.
+# Binary fractions of a metre: flush faces are flush to the last bit.
 shapes = {
     "case/bottom": box((-0.25, -0.125, -0.0625), (0.25, 0.125, 0)),
     "case/left": box((-0.25, -0.125, 0), (-0.1875, 0.125, 0.25)),

@@ -487,7 +487,7 @@ export interface Jobs {
     ("old", "new", "words"),
     [
         ('is_on": bool', 'is_on": set[int]', "set.int. has no TypeScript"),
-        (" -> Outline", "", "does not say what it answers"),
+        (" -> Outline", "", "does not name its answer"),
         ("ray, WHAT", "ray, ()", "is no table"),
     ],
 )

@@ -83,7 +83,7 @@ PICTURES: dict[str, Callable[[Path], None]] = {"tubes": draw_tubes, "pump": draw
 
 
 def main() -> None:
-    """Draw what is asked for."""
+    """Draws the chosen pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", choices=[*PICTURES, []], help="default: all")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "removal")

@@ -419,7 +419,7 @@ class Crate:
         return None
 
     def arrows(self) -> Arrows:
-        """From each file to those that define what it uses, with the names and the line of each."""
+        """From each file to those whose names it uses, with the names and the line of each."""
         found: Arrows = {}
         for module in self.modules():
             if module.is_test:
@@ -431,7 +431,7 @@ class Crate:
         return found
 
     def uses(self, module: Module) -> Iterator[tuple[int, Module | Item]]:
-        """(line, what is used) in one module."""
+        """(line, name used) in one module."""
         used_through = {mention.path[0] for mention in module.mentions if len(mention.path) > 1}
         for found, blocks in [*((found, ()) for found in module.imports), *module.inner_imports]:
             target = self.resolve(module, found.path, blocks)

@@ -48,7 +48,7 @@ class Whole:
 
 
 class Checker(Protocol):
-    """A tool that can be asked for clashes. How it is set up: the head of its module."""
+    """A program that checks for clashes. How it is set up: the head of its module."""
 
     name: str
     version: str
@@ -84,7 +84,7 @@ class FeelerChecker:
 
 
 def whole(mockup: feeler.Mockup, repeats: int, threads: int | None, volume: bool = False) -> Whole:
-    """The same on so many threads; with the time of the volumes, once, if these are asked for."""
+    """The same on `threads` threads; with `volume`, also the time of the volumes, once."""
     indexed, scene = least(lambda: feeler.Scene(mockup, threads=threads), repeats)
     runs = [feeler.clash(mockup, CLEARANCE_M, scene=scene, threads=threads) for _ in range(repeats)]
     if volume:
@@ -113,7 +113,7 @@ def ordered(a: int, b: int) -> tuple[int, int]:
 
 
 def least(work: Callable[[], Any], repeats: int) -> tuple[float, Any]:
-    """The least seconds of several, and what the last gave."""
+    """The least seconds of several calls, and the result of the last."""
     times = []
     result = None
     for _ in range(repeats):

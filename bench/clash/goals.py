@@ -22,7 +22,7 @@ JUDGED_PAIRS = 20_000
 
 
 def scorecard(result: Result) -> list[Goal]:
-    """Every goal of what was run."""
+    """The goals of the experiments that ran."""
     goals: list[Goal] = []
     if "cases" in result:
         goals.append(_verdicts(result["cases"]))

@@ -36,7 +36,7 @@ def asked(checkers: Sequence[Checker], is_quick: bool) -> Result:
 
 
 def _row(answer: Answer) -> list[Any]:
-    """As the record has it: seven digits say what is right."""
+    """As the record has it: seven digits are enough."""
     figure = None if answer.figure is None else float(f"{answer.figure:.7g}")
     return [answer.verdict, figure, *([] if answer.kind is None else [answer.kind])]
 
@@ -47,7 +47,7 @@ def answer_of(row: Sequence[Any]) -> Answer:
 
 
 def is_verdict_right(case: Result, checker: str, answer: Answer) -> bool:
-    """Whether a checker tells what the two parts of a case do, as far as it has words for it."""
+    """Whether a checker classifies the two parts of a case correctly, as far as it has words for it."""
     is_shared = checker != "feeler" and case["verdict"] in SHARED and answer.verdict == "clash"
     return is_shared or answer.verdict == case["verdict"]
 

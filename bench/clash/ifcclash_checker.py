@@ -115,7 +115,7 @@ class _Checked:
 
 
 class _Listening:
-    """A tree that notes what is put into it."""
+    """A tree that notes the shapes put into it."""
 
     def __init__(self, tree: Any, elements: list[Any]) -> None:
         self._tree, self._elements = tree, elements

@@ -60,7 +60,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
-    """All that is asked for, as plain data: each experiment by name, with where it comes from."""
+    """Runs the chosen experiments; plain data: each by name, with its origin."""
     there, absent = peers(options.peers)
     for name, reason in absent.items():
         print(f"{name} is left out: {reason}", file=sys.stderr)

@@ -32,7 +32,7 @@ MOST_FLOODED = 8_000_000  # voxels
 
 
 class VoxelGrid:
-    """A mesh as voxels: its surface, and what it encloses. Kept as sorted numbers of the voxels that hold anything.
+    """A mesh as voxels: surface and interior. Kept as sorted numbers of the voxels that hold anything.
 
     What is enclosed is looked for in grids of up to `MOST_FLOODED` voxels; a larger one has its surface alone.
     """
@@ -125,7 +125,7 @@ def shell_of(tool: feeler.Tool, size: float) -> tuple[Floats, Floats]:
     _, which = np.unique(index, axis=0, return_inverse=True)
     which = which.ravel()
     count = np.bincount(which).astype(np.float64)
-    # on the surface itself: the mean of what was sampled in the voxel, so that a flat face stays flat
+    # on the surface itself: the mean of the samples in the voxel, so that a flat face stays flat
     place = np.stack([np.bincount(which, points[:, k]) for k in range(3)], axis=1) / count[:, None]
     inwards = np.stack([np.bincount(which, normals[owner, k]) for k in range(3)], axis=1)
     length = np.sqrt((inwards**2).sum(axis=1))

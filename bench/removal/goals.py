@@ -19,7 +19,7 @@ ACCESS_S = 5.0
 
 
 def scorecard(result: Result) -> list[Goal]:
-    """Every goal of what was run."""
+    """The goals of the experiments that ran."""
     goals: list[Goal] = []
     if "puzzles" in result:
         goals += _puzzles(result["puzzles"])

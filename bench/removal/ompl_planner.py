@@ -19,7 +19,7 @@ import feeler
 from .planners import Answer, Problem
 
 ROOM = 4.0
-"""The space for the part's middle: a cube of so many times the size of everything."""
+"""The space for the part's middle: a cube this many times as large as the whole mock-up."""
 
 
 class OmplPlanner:

@@ -63,7 +63,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
-    """All that is asked for, as plain data: each experiment by name, with where it comes from."""
+    """Runs the chosen experiments; plain data: each by name, with its origin."""
     there, absent = planners.peers() if options.peers == "OMPL" else ([], {})
     for name, reason in absent.items():
         print(f"{name} is left out: {reason}", file=sys.stderr)

@@ -16,7 +16,7 @@ Result = dict[str, Any]
 
 
 def solved(peers: Sequence[Planner], seeds: int, peer_seeds: int, seconds: float) -> Result:
-    """Every puzzle by everyone, on one core; every try ends after so many seconds."""
+    """Every puzzle by every planner, on one core; every try has a limit in seconds."""
     rows = []
     with host.on_core(host.last_core()):
         for puzzle in PUZZLES:

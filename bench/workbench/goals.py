@@ -30,7 +30,7 @@ SOAK_BYTES = 10_000_000
 
 
 def scorecard(found: Mapping[str, Any]) -> list[Goal]:
-    """Every goal of what was run: `found` has, by mock-up, experiments by name; and "bundle"."""
+    """The goals of the experiments that ran: `found` has, by mock-up, experiments by name; and "bundle"."""
     goals: list[Goal] = []
     for mockup, experiments in found["mockups"].items():
         for name, result in experiments.items():

@@ -20,7 +20,7 @@ from ..meshes import Floats, Mesh, mockup_of, tool_of, turned_mesh
 from ..poses import placed, pose, random_turn, rotation_vector
 
 SPEEDS_M_PER_S = (0.1, 1.0, 3.0)
-BEYOND_M = 0.04  # how far the device goes past what it hits
+BEYOND_M = 0.04  # how far the device goes past the obstacle
 SPIN_RAD_PER_S = 20.0  # at most
 SLANT_RAD = np.radians(50.0)  # at most, from straight on
 DRAG_TICKS = 40

@@ -166,7 +166,7 @@ def _holed_annulus(
     n = len(outer)
     per = n // count
     r_inner = float(np.hypot(*points[inner[0], :2]))
-    sees = np.arccos(min(1.0, r_inner / pitch)) * 0.85  # seen from the hole, the inner circle hides what is beyond
+    sees = np.arccos(min(1.0, r_inner / pitch)) * 0.85  # seen from the hole, the inner circle hides the far side
     needs = 1.25 * np.arcsin(np.hypot(*(hole[0, :2] - [pitch, 0.0])) / pitch)
     width = per
     while width > 2 and (width - 2) * np.pi / n >= needs and width * np.pi / n > max(sees, needs * 1.3):

@@ -192,7 +192,7 @@ class Assembly:
         self.parts[path] = Part(path, make, args, place, material)
         return path
 
-    # --- what is true of them ---------------------------------------------------------------------------------------
+    # --- the truth about them ---------------------------------------------------------------------------------------
 
     def fit(self, a: str, b: str, kind: str, play: float, radius: float = 0.0, chords: float = 0.0) -> None:
         """Names a fit. `radius`: of the hole, whose chords take from the play; `chords`: what else they take.
@@ -228,7 +228,7 @@ class Assembly:
     ) -> None:
         """Names a step of taking apart: what comes out, how, and after what (paths or patterns).
 
-        `rigid=False`: what has to be bent to come out. `removes=False`: what is only loosened.
+        `rigid=False`: the parts must be bent to come out. `removes=False`: they are only loosened.
         """
         moved = [parts] if isinstance(parts, str) else list(parts)
         self.steps.append(Step(moved, list(legs), list(after), door_open, rigid, removes))
@@ -331,7 +331,7 @@ class Assembly:
             if fastener.path == path:
                 fastener.swing = min(fastener.swing, most)
 
-    # --- what is made of them ---------------------------------------------------------------------------------------
+    # --- the results ------------------------------------------------------------------------------------------------
 
     def solid(self, part: Part) -> Solid:
         """The solid of a part in its own frame; parts of one shape share it."""

@@ -84,7 +84,7 @@ class Workshop:
         """A bolt with its washer through a stack of parts into a tapped hole of `into`.
 
         `seat`: z outwards, where the washer lies. `grip`: thickness of the stack; `deep`: of the tapped hole.
-        Returns the paths of what was added.
+        Returns the paths of the parts added.
         """
         asm, m = self.asm, METRIC[size]
         thick = m.thick if washer else 0.0
