@@ -55,7 +55,7 @@ pub const SAME_DIRECTION: f64 = 0.978;
 /// mock-up. Smaller: normals may flicker between poses.
 pub const SHALLOWER: f64 = 1e-6;
 
-// Contours: segments, sides of vertices, and what is enclosed.
+// Contours: segments, sides of vertices, and enclosed regions.
 
 /// Sine of the angle between two triangles up to which they lie in one plane: rounding then decides where their common line is, and
 /// they share a polygon. Larger: thin wedges share a polygon where they share a segment.

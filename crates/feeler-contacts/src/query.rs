@@ -48,7 +48,7 @@ struct PartContacts<'a> {
     part: u32,
     /// The pairs of triangles that meet.
     pairs: &'a [[u32; 2]],
-    /// Triangles of tool and mock-up that are wholly inside the other; sorted before they are asked for.
+    /// Triangles of tool and mock-up that are wholly inside the other; sorted before use.
     inside: [Vec<u32>; 2],
     planes: Vec<ContactPlane>,
 }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-// --- Limits of what is accepted ---
+// --- Limits of accepted input ---
 
 /// Largest coordinate (metres) of a triangle that is queried, and of a pose's translation.
 ///
@@ -40,7 +40,7 @@ pub(crate) const DEFECT_IDS_KEPT: usize = 100;
 /// Stands for no triangle, and for no entry of any other list, where a number is kept: no list is so long.
 pub const NONE: u32 = u32::MAX;
 
-// --- Float64, and what lies next to its limits ---
+// --- Float64 and its limits ---
 
 /// Half the distance from 1 to the next float64: the largest relative error of one rounded operation.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
@@ -48,7 +48,7 @@ pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// The same of float32.
 pub(crate) const UNIT_ROUNDOFF_F32: f32 = f32::EPSILON / 2.0;
 
-/// The smallest float64 above 0: what a distance too small for float64 counts as, so that only meeting gives 0.
+/// The smallest float64 above 0: the value of a distance too small for float64, so that only meeting gives 0.
 pub(crate) const SMALLEST: f64 = f64::from_bits(1);
 
 /// Squares of lengths (square metres) that neither overflow nor lose digits, and whose products do not. Others are scaled first:
@@ -199,7 +199,7 @@ pub(crate) const HALF_STEP: f32 = 0.51;
 /// What a side of a box in float32 may be off by, frame units: 2^-23, coordinates are at most 1 and were rounded once; twice that.
 pub(crate) const SIDE_ROUNDING: f64 = 1.0 / 8_388_608.0;
 
-// --- The search for what is near, in float32 lanes ---
+// --- The search for near triangles, in float32 lanes ---
 
 /// Margin of a placement (frame units) beyond which float32 tells too little, at some 64 times the mock-up's size: the plain search
 /// takes over.
@@ -226,7 +226,7 @@ pub(crate) const LEAST_AXIS_SQUARE: f32 = 1e-28;
 /// and places closer than that are compared exactly. Less makes more rays slow.
 pub(crate) const TIME_SURE: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// By how much the end of what is of interest along a ray is rounded up, as a share of it: 2^-36, far above the former.
+/// By how much the end of the searched part of a ray is rounded up, as a share of it: 2^-36, far above the former.
 pub(crate) const RAY_LIMIT_ROUNDING: f64 = 1.0 / (1u64 << 36) as f64;
 
 /// What the sides of boxes, seen from a ray's origin, may be off by in float64, in unit roundoffs of the largest coordinate in play:
@@ -246,7 +246,7 @@ pub(crate) const LEAST_SLOPE: f32 = 1e-20;
 
 // --- Motion and casts ---
 
-/// Share of the way in which what a matrix has beyond a rotation fades out. A turn by the angle `a` changes an entry of
+/// Share of the path in which a matrix's deviation from a rotation fades out. A turn by the angle `a` changes an entry of
 /// `R R^T - I` by at most `6e-6 a`, and the shortest way turns by at most 3.15 in all: fading in 1/32 takes away more.
 pub(crate) const FADE: f64 = 1.0 / 32.0;
 

@@ -19,7 +19,7 @@ pub const RELEASE_WAIT: Duration = Duration::from_millis(500);
 /// How long `open` waits for the first pose.
 pub const FIRST_POSE_WAIT: Duration = Duration::from_secs(3);
 
-/// Pause between two looks at what a thread has done, while opening and releasing.
+/// Pause between two looks at the state of a thread, while opening and releasing.
 pub const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
 /// Rounds of a driver's thread between a motion of the handle and the force that answers it, beyond the servo's own tick: half a round
@@ -33,7 +33,7 @@ pub const USUAL_HZ: f64 = 1000.0;
 /// Largest distance of a handle from its origin that is believed, metres. No device reaches a tenth of that.
 pub const LARGEST_REACH_M: f64 = 10.0;
 
-/// Largest plausible speed of a handle, metres a second: ten times what an arm can do.
+/// Largest plausible speed of a handle, metres a second: ten times that of an arm.
 pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
 
 /// Largest rate of turning that is believed, radians a second.

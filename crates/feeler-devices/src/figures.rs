@@ -262,7 +262,7 @@ mod tests {
             assert!(info.limits.check().is_ok() && !figures.sources.is_empty());
             let asked = Coupling { stiffness_n_per_m: 1e5, ..Coupling::for_device(&info) };
             let at = |rate_hz| asked.limited(&info, rate_hz).0.stiffness_n_per_m;
-            // Less than what is published, by the reserve, at its own rate; and never more.
+            // Less than the published value, by the reserve, at its own rate; and never more.
             assert!(
                 (at(info.limits.rate_hz) / (0.64 * figures.stiffness_n_per_m) - 1.0).abs() < 1e-9,
                 "{}",

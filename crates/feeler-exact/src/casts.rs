@@ -47,7 +47,7 @@ pub struct Tally {
     pub late: u64,
     /// Impacts at which the pair is farther apart than the tolerance.
     pub early: u64,
-    /// Some of what is wrong, in words.
+    /// Some of the errors, in words.
     pub faults: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ impl Tally {
     }
 }
 
-/// At least so many casts, each looked at at so many times before its impact; the same for the same seed, on any number of threads.
+/// At least `casts` casts, each checked at `samples` times before its impact; the same for the same seed, on any number of threads.
 pub fn run(casts: u64, seed: u64, samples: u32) -> Tally {
     (0..casts.div_ceil(PER_SCENE))
         .into_par_iter()

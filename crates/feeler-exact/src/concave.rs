@@ -46,7 +46,7 @@ pub struct Known {
     pub depth: i64,
 }
 
-/// A mock-up, a tool where it is pressed into it, and what is true of the two.
+/// A mock-up, a tool pressed into it, and the truth about the two.
 #[derive(Debug, Clone)]
 pub struct Contact {
     /// The solids of the mock-up, each a part.
@@ -120,7 +120,7 @@ fn press(r: &mut Random) -> i64 {
     }
 }
 
-/// The presses of faces of which no more than so many are to be deep.
+/// The presses of faces of which at most `most` are to be deep.
 fn presses<const N: usize>(r: &mut Random, most: usize) -> [i64; N] {
     let mut all = [0; N].map(|_| press(r));
     while all.iter().filter(|depth| **depth > 0).count() > most {
@@ -423,7 +423,7 @@ mod tests {
                 assert!(contact.planes.iter().all(overlaps), "{what}");
                 let is_deep = contact.planes.iter().any(|known| known.depth > 0);
                 assert_eq!(is_deep, !contact.obstacles(0).is_free(&[0; 3]), "{what}");
-                // Along every axis as far as the deepest asks is far enough, where not both ways are asked for.
+                // Along every axis as far as the deepest asks is far enough, where not both directions are wanted.
                 let asked = |axis: usize, sense: i64| {
                     let of = contact.planes.iter().filter(|known| (known.axis, known.sense) == (axis, sense));
                     of.map(|known| known.depth).max().unwrap_or(0).max(0)

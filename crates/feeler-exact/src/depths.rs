@@ -51,7 +51,7 @@ impl Figures for DepthsFound {
 type Tally = crate::tally::Tally<DepthsFound>;
 
 /// So many pairs of each of some families (all where none is named), from a number on; pair `i` depends on the seed and `i` alone.
-/// `progress` is told what is done.
+/// `progress` is called as pairs finish.
 ///
 /// Errors: a family that there is not.
 pub fn run(

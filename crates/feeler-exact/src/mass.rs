@@ -165,7 +165,7 @@ const UNIT: u64 = 500;
 const SCENE: u64 = 1000;
 /// Units between two looks at the count.
 const WAVE: u64 = 64;
-/// Of each unit so many first and second triangles also make a scene, all against all.
+/// Of each unit this many first and second triangles also make a scene, all against all.
 const SOUP: usize = 16;
 
 fn run_unit(generator: &Generator, seed: u64, index: u64, wanted: u64) -> Tally {

@@ -5,7 +5,7 @@ use crate::blocks::{Block, Solid, Spot, Surface};
 use crate::random::Random;
 use crate::spots::LARGEST;
 
-/// Units of what the shapes are made of: they can be cut in halves as often, and moved by as little.
+/// Units of the coordinates of the shapes: they can be cut in halves as often, and moved by as little.
 const FINE: i64 = 4;
 
 /// A kind of pair.

@@ -18,7 +18,7 @@ pub const MOST_ROWS: usize = 256;
 /// Programs in a row for one pose, each linear at the last one's: two for turns of a degree, the third for rounding.
 pub const SOLVER_ROUNDS: usize = 4;
 
-/// Share of the skin below which a round's motion is the last: what the next would mend is its square.
+/// Share of the skin below which a round's motion is the last: the next one's gain would be its square.
 pub const SOLVER_STILL_SHARE: f64 = 0.02;
 
 // The proxy.
@@ -54,7 +54,7 @@ pub const MOST_LIFT: f64 = 10.0;
 /// Share of the skin by which a motion must lead nearer to the device for another to follow in the same tick.
 pub const STUCK_SHARE: f64 = 0.1;
 
-/// Share of what the last motion of a tick led nearer below which the next is left for the next tick. Larger: quicker ticks, and a peg
+/// Share of the last motion's approach in a tick below which the next motion is left for the next tick. Larger: quicker ticks, and a peg
 /// that feels its way into a tight hole takes more of them.
 pub const REST_SHARE: f64 = 0.05;
 
@@ -122,7 +122,7 @@ pub const FULL_TORQUE_AT_RAD: f64 = 0.05;
 /// Share of a preset's stiffness where neither damping nor largest stiffness of the device is known. More feels harder, and may hum.
 pub const UNKNOWN_SHARE: f64 = 0.2;
 /// Time (seconds) in which a preset's force may go from nothing to the device's largest. Below a few milliseconds it
-/// limits nothing that a hand can do against a spring; above ten, a hard contact begins softly, and the lag makes work
+/// limits no motion of a hand against a spring; above ten, a hard contact begins softly, and the lag makes work
 /// for the passivity controller.
 pub const FULL_FORCE_IN_S: f64 = 0.004;
 
@@ -134,7 +134,7 @@ pub const FULL_FORCE_IN_S: f64 = 0.004;
 pub const HELD_SHARE: f64 = 0.8;
 /// Share of it that the virtual damper may take of that: each newton second a metre of damping takes stiffness away.
 pub const VIRTUAL_DAMPING_SHARE: f64 = 0.2;
-/// Largest share of what the device holds in rotation that is left to the spring of translation, where the tool's
+/// Largest share of the device's limit in rotation that is left to the spring of translation, where the tool's
 /// centre is away from the handle: it turns the handle by its arm. More makes long tools stiffer in translation and
 /// softer in rotation.
 pub const ARM_SHARE: f64 = 0.5;

@@ -16,7 +16,7 @@ use crate::device::DeviceInfo;
 use crate::error::{Error, Result};
 
 /// How the hand is held to the tool. The default suits a desktop device of 8 N at 1 kHz;
-/// [`for_device`](Self::for_device) suits another, and [`limited`](Self::limited) cuts any coupling to what a device
+/// [`for_device`](Self::for_device) suits another, and [`limited`](Self::limited) limits any coupling to what a device
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
@@ -227,7 +227,7 @@ mod tests {
     }
 
     proptest! {
-        /// Virtual work: the power on the hand and on the proxy is what the springs lose, also where they pull with all
+        /// Virtual work: the power on the hand and on the proxy is the loss of the springs, also where they pull with all
         /// they may.
         #[test]
         fn power_is_minus_the_rate_of_the_energy(

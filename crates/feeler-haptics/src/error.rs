@@ -25,7 +25,7 @@ pub enum Error {
     /// The driver of the device failed and does not go on, which ended the run. The force was released first.
     #[error("{why}; the force was released and the run ended: fix the driver, and run again")]
     Device {
-        /// Of which device, and what it failed of.
+        /// The device, and the reason.
         why: String,
     },
     /// The system gave no thread.

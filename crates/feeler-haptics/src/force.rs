@@ -107,7 +107,7 @@ impl ForceLoop {
         Ok(made)
     }
 
-    /// Another rate from the next tick on, and what the device holds at it. The force and the books go on. Errors as
+    /// Sets the rate from the next tick on, with the device's limits at it. The force and the energy account go on. Errors as
     /// those of [`new`](Self::new).
     pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
         if !is_tick(1.0 / rate_hz) {
@@ -142,7 +142,7 @@ impl ForceLoop {
         Ok(())
     }
 
-    /// What the controller may damp with beside the coupling's own damper, and what the springs hold at most.
+    /// The controller's damping beside the coupling's own damper, and the springs' largest energy.
     fn bound_damping(&mut self) {
         let (to, driven) = (&self.coupling, &self.driven);
         let held = |is: bool, own: f64, damper: f64| if is { (CONTROLLER_SHARE * own - damper).max(0.0) } else { 0.0 };

@@ -132,7 +132,7 @@ mod tests {
         books.observe(4e-5, 0.0, TICK, false);
         assert!(books.surplus_j() > 0.0);
         assert_eq!(books.damping(&motion, 1.0, 0.0, TICK), Wrench::ZERO);
-        // What the spring has now is not lost, and what it gives back is not gained.
+        // The energy in the spring is not lost, and the energy that it gives back is not gained.
         books.reset();
         books.observe(1.0, 1.0, TICK, false);
         books.observe(-1.0, -1.0, TICK, false);

@@ -101,7 +101,7 @@ pub struct Proxy {
     normals: Vec<Point>,
     set: ConstraintSet,
     solver: Solver,
-    /// How far a motion may lead, metres: less after one that was stopped by what it knew of.
+    /// How far a motion may lead, metres: less after one that a known constraint stopped.
     trust: f64,
     skin: f64,
     /// The longest of its last motions, metres a tick.
@@ -480,7 +480,7 @@ impl Proxy {
         if *skin >= least && lift(least / CLEARANCE_SHARE).is_finite() {
             return least;
         }
-        // Bisection of the logarithm; what there is at the pose fits.
+        // Bisection of the logarithm; the clearance at the pose fits.
         let (mut low, mut high) = (set.least_gap().max(LEAST_CAST_TOLERANCE), *skin / CLEARANCE_SHARE);
         for _ in 0..SKIN_HALVINGS {
             let middle = (low * high).sqrt();

@@ -42,7 +42,7 @@ pub enum Mode {
     Contact,
     /// The constraints are not good for more: it moves on with the next set.
     Bound,
-    /// The force is let go: the device told nothing that can be, or the constraints are too old.
+    /// The force is let go: the device's reading is not plausible, or the constraints are too old.
     Doubt,
 }
 

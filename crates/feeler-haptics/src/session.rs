@@ -124,7 +124,7 @@ pub struct Session {
     world: World,
     /// What lies elsewhere from the beginning.
     put_down: Vec<PutDown>,
-    /// What nearest means by the tool's own inertia, and what it does mean.
+    /// The metric of "nearest" by the tool's own inertia, and the one in use.
     inertia: Metric,
     metric: Metric,
     proxy: Option<Proxy>,

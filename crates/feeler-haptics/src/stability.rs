@@ -198,10 +198,10 @@ impl Coupling {
 
         let inside = HELD_SHARE * known(limits.damping_n_s_per_m);
         let turning = HELD_SHARE * known(limits.rotational_damping_nm_s_per_rad);
-        // What the arm's spring would use up of the rotation at full stiffness, and what is set apart for it.
+        // The arm's spring's use of the rotation's limit at full stiffness, and the share set apart for it.
         let are_known = inside.is_finite() && turning.is_finite();
         let lever = if info.driven.translation && are_known { arm * arm * inside } else { 0.0 };
-        // Of the rotation's friction too, as much as holds what the translation's does.
+        // Of the rotation's friction too, as much as holds like the translation's.
         let rubbing = if limits.rotational_friction_nm > 0.0 {
             arm * limits.friction_n / limits.rotational_friction_nm
         } else {
@@ -413,7 +413,7 @@ mod tests {
         );
         assert_eq!(taken.rotational_stiffness.map(|l| l.by), Some(Bound::NotDriven));
         assert!(to.stiffness_n_per_m > 0.0);
-        // An arm turns nothing that is driven.
+        // Without a driven rotation an arm changes nothing.
         assert_eq!(wanted().limited_at(&info, 1000.0, 0.3), (to, taken));
         let mut unknown = info.clone();
         unknown.limits.friction_n = f64::NAN;

@@ -7,7 +7,7 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
-    /// From what stands around: what grips the part is not free where it starts.
+    /// From the surroundings: the gripping tool is not free where it starts.
     #[error(transparent)]
     World(feeler_world::Error),
     /// A number that cannot be.

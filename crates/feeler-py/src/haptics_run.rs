@@ -174,7 +174,7 @@ impl HapticsRun {
                 return Err(error);
             }
         };
-        // Before the threads begin: what is there then is what they need.
+        // Before the threads begin: the memory in use then is the memory that they need.
         let memory = is_realtime.then(lock_memory);
         match py.detach(|| Runner::start(taken, own, machine_clock(), &options)) {
             Ok(runner) => Ok(HapticsRun {

@@ -40,7 +40,7 @@ fn advised(place: *mut u8, size: usize) -> *mut u8 {
     const SMALL: usize = 4 << 10;
     if size >= HUGE && !place.is_null() {
         let skipped = place.align_offset(SMALL);
-        // SAFETY: inside what was just allocated, and what it holds is not changed.
+        // SAFETY: inside the memory just allocated, whose content is not changed.
         unsafe { libc::madvise(place.add(skipped).cast(), (size - skipped) / SMALL * SMALL, libc::MADV_HUGEPAGE) };
     }
     place

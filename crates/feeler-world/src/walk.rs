@@ -148,7 +148,7 @@ impl Surroundings {
                 }
             }
         }
-        // From when on what is not seated meets it, which an overlap allows.
+        // From when on an unseated neighbour meets it, which an overlap allows.
         let mut meets: Option<f64> = None;
         for (number, asked) in seated.bodies.iter().enumerate() {
             let scene = asked.ordinary.scene();
@@ -192,7 +192,7 @@ impl Surroundings {
                 }
                 last = time;
                 if meets.is_some_and(|meets| meets < time) && !self.is_colliding(seated, &pose) {
-                    // Off what it met: from here on it is cast again.
+                    // Off the part that it met: from here on it is cast again.
                     return Ok(Part { fraction: time, end: End::Parted(seated.clone()) });
                 }
                 if let Some(left) = self.left_at(seated, &pose)? {
@@ -275,7 +275,7 @@ impl Surroundings {
         span.seated.bodies.iter().try_fold(least, of_body)
     }
 
-    /// Where on a motion, before `end`, what is not seated comes nearer than the clearance; the last time at which it was not.
+    /// Where on a motion, before `end`, an unseated neighbour comes nearer than the clearance; the last time at which it was not.
     ///
     /// From a time at which the least distance is known nothing comes nearer than the clearance before the tool has moved by the rest:
     /// conservative advancement.

@@ -354,7 +354,7 @@ impl<'a> ClashSearch<'a> {
             kind,
             translation: if verdict == Verdict::Contact { [0.0; 3] } else { way.translation },
             gap: way.gap,
-            // Of what meets nothing these are where it is closest.
+            // Of parts that meet nothing these are the closest places.
             points: depth.points.filter(|_| way.gap == 0.0).unwrap_or(way.points),
             triangles: way.triangles.min(u32::MAX as usize) as u32,
             bounds: way.bounds,

@@ -29,7 +29,7 @@ pub enum Relation {
 pub struct Related {
     pub parts: [u32; 2],
     pub relation: Relation,
-    /// `None`: both are open, and what the contact planes say is to decide.
+    /// `None`: both are open, and the contact planes decide.
     pub verdict: Option<Verdict>,
 }
 

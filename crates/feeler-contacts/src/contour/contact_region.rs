@@ -1,6 +1,6 @@
 //! Contact regions: connected intersection contours of the tool and one part, with the triangles that they enclose.
 //!
-//! A contour bounds the overlap of two surfaces. Neither it nor what it encloses depends on how finely the surfaces are
+//! A contour bounds the overlap of two surfaces. Neither it nor the region inside depends on how finely the surfaces are
 //! triangulated: tool triangles behind the part's surface and the part's triangles inside the tool, flood filled from the contour
 //! over shared edges.
 

@@ -81,7 +81,7 @@ pub(crate) struct LineOffsets {
     height: Wide,
 }
 
-/// The nearest segments of the three corners of a face, and what they tell, one bit a corner.
+/// The nearest segments of the three corners of a face, and the sides that they imply, one bit a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NearestSegments {
     /// [`NONE`] where there is none.
@@ -157,7 +157,7 @@ impl Kernel for MeasureOffsets<'_> {
     }
 }
 
-/// Finds, for each face of one surface, the segments that tell the sides of its corners, and what they tell.
+/// Finds, for each face of one surface, the segments that decide the sides of its corners, and these sides.
 struct FindNearest<'a> {
     regions: &'a ContactRegions,
     surface: Surface,

@@ -33,7 +33,7 @@ impl<'a> AxisSearch<'a> {
     /// The depth at and above which an axis cannot be the best; infinite where there is none yet.
     pub fn limit(&self) -> f64 {
         match self.best {
-            // At least twice the noise: below it axes are ranked by what the surfaces face.
+            // At least twice the noise: below it axes are ranked by the directions that the surfaces face.
             Some(best) => {
                 let least = best.depth();
                 (least - SHALLOWER * least.abs() - self.noise).max(2.0 * self.noise) + self.noise

@@ -168,7 +168,7 @@ mod tests {
             }
             assert!(!OwnPlane::Face(&FaceDepth { axis: None, ..face }).is_facing_as(&other(0.0)));
         }
-        // Of what is walled in a body must be shared.
+        // Walled-in regions must share a body.
         for (bodies, is_facing) in [([3, 0], true), ([0, 4], true), ([4, 3], false)] {
             assert_eq!(OwnPlane::WalledIn(bodies).is_facing_as(&own), is_facing, "{bodies:?}");
         }

@@ -38,7 +38,7 @@ pub(crate) fn probe_axes(scene: &Scene, tool: &Tool, pose: &Pose, axes: &[Point]
     let (mut length, mut direction) = loop {
         let mut shortest: Option<(f64, Point)> = None;
         for d in axes {
-            // Only lengths that would be clearly shorter than the best are asked.
+            // Only lengths that would be clearly shorter than the best are tried.
             let most = shortest.map_or(reach, |(length, _)| (1.0 - PROBE_OTHER_SHORTER) * length);
             if most > least && is_free(d, most) {
                 shortest = Some((bisect(d, before, most), *d));

@@ -88,7 +88,7 @@ impl Frame<'_> {
         };
         let mut sides = [Vec::new(), Vec::new()];
         for (i, surface) in [&lower, &upper].into_iter().enumerate() {
-            // A body that ends at the plane is asked as a whole; of others what is over the other's outline.
+            // A body that ends at the plane is taken as a whole; of others the part over the other's outline.
             let is_whole = ends(&whole[i], levels[i]);
             let over = || surface.over(&half_planes(&across_hull(&whole[1 - i]), wider));
             sides[i] =
@@ -178,7 +178,7 @@ impl Carrier<'_> {
         while let Some(t) = next.pop() {
             let feet = (self.corners)(t).map(|p| (self.foot)(&p));
             let inside = cut_to(&feet, within);
-            // Where nothing of a triangle is within, its neighbours are asked all the same as long as few were.
+            // Where nothing of a triangle is within, its neighbours are tested all the same as long as few were.
             if !inside.is_empty() || seen.len() < FOOTING_FEW_ASKED {
                 let beside = self.adjacency.neighbours[t as usize].into_iter().filter(|n| *n != NONE);
                 next.extend(beside.filter(|n| is_own(*n) && seen.len() < FOOTING_MOST_ASKED && seen.insert(*n)));
@@ -189,7 +189,7 @@ impl Carrier<'_> {
     }
 }
 
-/// The rectangle around what carries, along the direction in which that rises most: two of its corners are as low as what is lowest.
+/// The rectangle around the carrying points, along the direction in which they rise most: two of its corners are as low as the lowest.
 fn rectangle(feet: &[Foot]) -> Vec<Foot> {
     let mean = |of: &dyn Fn(&Foot) -> f64| feet.iter().map(of).sum::<f64>() / feet.len() as f64;
     let (x, y, h) = (mean(&|f| f.at[0]), mean(&|f| f.at[1]), mean(&|f| f.height));
@@ -214,7 +214,7 @@ fn rectangle(feet: &[Foot]) -> Vec<Foot> {
     vec![corner(low, left), corner(high, left), corner(high, right), corner(low, right)]
 }
 
-/// Lowers a footing until nothing that carries is below it.
+/// Lowers a footing until no carrying point is below it.
 fn settle(feet: &mut [Foot], common: &[Foot], carried: &[Foot]) {
     let inside = |p: &Foot| half_planes(common, 0.0).iter().all(|(n, limit)| n[0] * p.at[0] + n[1] * p.at[1] <= *limit);
     let low = common.iter().chain(carried.iter().filter(|p| common.len() > 2 && inside(p)));

@@ -65,7 +65,7 @@ pub struct Manifolds {
     pub margin: f64,
 }
 
-/// The manifold of a plane, given what it separates; `size` is the tool's length, metres.
+/// The manifold of a plane, given the surfaces that it separates; `size` is the tool's length, metres.
 pub(crate) fn manifold(
     lanes: Checked,
     plane: &ContactPlane,

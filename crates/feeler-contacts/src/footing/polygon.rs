@@ -207,7 +207,7 @@ pub(crate) fn half_planes(feet: &[Foot], wider: f64) -> Vec<([f64; 2], f64)> {
     }
 }
 
-/// Leaves out what is next to a neighbour, or in line with both: nearer than a share of the whole, and than a length.
+/// Leaves out corners next to a neighbour, or in line with both: nearer than a share of the whole, and than a length.
 pub(crate) fn merge(feet: &mut Vec<Foot>, least: f64) {
     let apart = |p: &Foot, q: &Foot| (p.at[0] - q.at[0]).hypot(p.at[1] - q.at[1]);
     let size = feet.iter().flat_map(|p| feet.iter().map(move |q| apart(p, q))).fold(0.0, f64::max);

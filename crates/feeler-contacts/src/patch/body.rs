@@ -268,7 +268,7 @@ impl Bodies {
     }
 }
 
-/// Number of edges that so many facets can have: their pairs.
+/// Most edges between `facets` facets: the number of their pairs.
 pub(crate) fn edge_count(facets: usize) -> usize {
     facets * facets.saturating_sub(1) / 2
 }

@@ -135,7 +135,7 @@ impl Patches {
         self.finish(context.lanes);
     }
 
-    /// Adds what the contour leaves of the triangles it crosses: the ends of their segments, and the corners inside the
+    /// Adds the rests of the triangles that the contour crosses: the ends of their segments, and the corners inside the
     /// other.
     fn push_contour_faces(&mut self, regions: &ContactRegions, region: usize, surface: Surface) {
         let face_of = |c: &u32| regions.segments[*c as usize].faces[surface];

@@ -57,7 +57,7 @@ impl Kept {
         let mut oldest: Vec<(u64, u32, usize)> =
             self.of_part.iter().map(|(part, (body, when))| (*when, *part, body.len())).collect();
         oldest.sort_unstable();
-        // By half, so that this is seldom; what was asked for last stays.
+        // By half, so that this is seldom; the body used last stays.
         let enough = (MOST_KEPT_TRIANGLES / 2).max(2 * largest);
         oldest.pop();
         for (_, part, triangles) in oldest {

@@ -9,7 +9,7 @@ use feeler_core::{Aabb, Point, Triangle};
 use super::tree::Tree;
 use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS};
 
-/// A little more than 1: above the rounding of heights over planes. It is no bound of distances, only of what is looked at.
+/// A little more than 1: above the rounding of heights over planes. It bounds no distance, only the search.
 const ABOVE: f64 = 1.0 + 1e-6;
 
 /// Corners of a sample.

@@ -113,7 +113,7 @@ struct Search<'a, const N: usize> {
     lower: f64,
     /// The direction, and the points in its order.
     points: Option<(usize, [Point; 2])>,
-    /// The largest bound of what was left out.
+    /// The largest bound of the boxes left out.
     left_out: f64,
     heap: BinaryHeap<Entry>,
     corners: [CornerCache; N],

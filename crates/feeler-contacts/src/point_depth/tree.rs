@@ -15,10 +15,10 @@ const NOTHING: u32 = u32::MAX;
 /// Share by which squares of distances in float32 are less than they are computed, so that they are bounds.
 const BELOW: f32 = 1.0 - 1e-6;
 
-/// More than nodes of any path from the root, times the boxes that wait at each: a median halves what is below.
+/// More than nodes of any path from the root, times the boxes that wait at each: a median halves the triangles below.
 const MOST_WAITING: usize = 128;
 
-/// Four boxes, an axis after the other, and what is in each.
+/// Four boxes, an axis after the other, and the content of each.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 struct Node {

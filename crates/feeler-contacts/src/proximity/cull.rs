@@ -46,7 +46,7 @@ struct Triangles {
     plane_bits: Vec<u64>,
     /// Outward normals, zero where the surface is open, and the triangles' heights along them; computed when first needed.
     outward: Vec<Option<(Point, f64)>>,
-    /// As `plane_bits`, of the planes that [`Cull::separate`] was told of.
+    /// As `plane_bits`, of the planes passed to [`Cull::separate`].
     separated: Vec<u64>,
 }
 
@@ -71,7 +71,7 @@ impl Triangles {
     }
 }
 
-/// What is asked of each pair, besides planes.
+/// The tests of each pair, besides planes.
 pub(crate) struct NearQuery<'a> {
     /// Colliding pairs, sorted.
     pub meeting: &'a [[u32; 2]],
@@ -96,7 +96,7 @@ pub(crate) struct Cull {
     meeting: Vec<Meeting>,
     /// Pairs that may meet.
     maybe_meeting: Vec<Near>,
-    /// How many planes [`Cull::separate`] was told of.
+    /// How many planes were passed to [`Cull::separate`].
     separators: u32,
 }
 

@@ -176,7 +176,7 @@ impl<'a> View<'a> {
     fn is_clear(&self, n: &Point, span: f64) -> bool {
         let (heights, rates, acceleration) = self.heights(&self.facing(n));
         let bend = 0.5 * acceleration * span * span;
-        // The bound curves downwards, so what is above zero at both ends is above it between them. Written so that NaN is not.
+        // The bound curves downwards, so a bound above zero at both ends is above it between them. Written so that NaN is not.
         (0..3).all(|i| heights[i] > 0.0 && heights[i] + rates[i] * span > bend * (1.0 + TIME_ROUNDING))
     }
 

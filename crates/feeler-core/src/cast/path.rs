@@ -23,7 +23,7 @@ pub struct PathCheck {
 
 /// One cast for each motion, in parallel on the current rayon pool.
 ///
-/// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
+/// Every segment is looked at, also those after an impact. `progress` is called after each wave of segments. Errors: as
 /// `cast`, and a request to stop.
 pub(crate) fn check_path(
     index: &Index,

@@ -102,7 +102,7 @@ impl Screen {
         }
     }
 
-    /// Of a triangle in the axes of the screen, the last of them the screw's; halved so many times at most.
+    /// Of a triangle in the axes of the screen, the last of them the screw's; halved at most `halvings` times.
     fn cast_turned(
         &self,
         number: u32,

@@ -45,7 +45,7 @@ pub enum PartNumbers {
 }
 
 impl PartNumbers {
-    /// None yet, with room for `vertices`, of a mesh with so many parts.
+    /// Empty, with room for `vertices`, of a mesh with `parts` parts.
     pub(super) fn with_capacity(parts: usize, vertices: usize) -> PartNumbers {
         if parts > usize::from(u16::MAX) {
             PartNumbers::Long(Vec::with_capacity(vertices))

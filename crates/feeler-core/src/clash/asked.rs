@@ -154,7 +154,7 @@ pub fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Pairs of parts with what is known of them, by key; for results that were found by several tasks.
+/// Pairs of parts with their findings, by key; for results that several tasks found.
 pub(crate) fn merged<T: Copy>(
     found: impl Iterator<Item = ([u32; 2], T)>,
     merge: impl Fn(T, T) -> T,

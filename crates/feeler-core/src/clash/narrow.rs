@@ -197,7 +197,7 @@ struct Test<'a> {
     doubt: &'a mut [u16; PLACES / LANES],
 }
 
-/// Triangles whose corners are asked for ahead of their test.
+/// Triangles whose corners are prefetched ahead of their test.
 const TRIANGLES_AHEAD: usize = 2 * LANES;
 
 impl Kernel for Test<'_> {
@@ -208,7 +208,7 @@ impl Kernel for Test<'_> {
         let Test { mesh, lines, firsts, seconds, given, crossing, doubt } = self;
         let (faces, vertices) = (mesh.faces(), mesh.vertices());
         let part = s.part();
-        // Nothing is moved, so no place is rounded, and the smallest entries count as what they are.
+        // Nothing is moved, so no place is rounded, and the smallest entries count exactly.
         let (least, seen) = (part.splat(LEAST_ENTRY), Seen::at(&Pose::IDENTITY));
         let wide = 2 * S::Part::WIDE;
         for m in &seconds[..given.min(TRIANGLES_AHEAD)] {

@@ -69,7 +69,7 @@ const BATCH: usize = 128;
 /// The same where the first pair found ends the query.
 const FIRST_BATCH: usize = 16;
 
-/// Places for candidate pairs: a batch, and what one more step may add.
+/// Places for candidate pairs: a batch, and the most that one more step adds.
 const PENDING_PLACES: usize = BATCH + 2 * LANES;
 
 /// Candidate pairs that wait for their test.
@@ -90,7 +90,7 @@ pub(crate) struct Pending {
     is_repeating: bool,
 }
 
-/// Repeats are looked for as long as one pair in so many is one: a look costs about a fifteenth of a test.
+/// Repeats are looked for as long as at least one pair in this many is one: a look costs about a fifteenth of a test.
 const MANY_REPEATS: usize = 16;
 
 /// Few: they are forgotten before each query.
@@ -281,7 +281,7 @@ impl Narrow<'_> {
         let Pending { slots, mockup_triangles, count, asked, asked_count, crossing, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
-        // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
+        // Corners are prefetched before they are used, so that their cache misses overlap: the mock-up's as the test goes.
         let lines = self.at.tool.lines();
         let asked = &asked[..std::mem::take(asked_count).min(PENDING_PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(lines, *slot as usize));
@@ -321,7 +321,7 @@ impl Narrow<'_> {
     }
 }
 
-/// Triangles whose corners are asked for before the first pair is looked at; those of the rest as the pairs go: more than a
+/// Triangles whose corners are prefetched before the first pair is looked at; those of the rest as the pairs go: more than a
 /// dozen lines at once do not come sooner.
 const CORNERS_AHEAD: usize = 24;
 

@@ -15,7 +15,7 @@ use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::predicates::{Sign, Signs};
 use crate::mesh::topology::adjacency::Adjacency;
 
-/// A triangle of either surface, with what is known of its surroundings.
+/// A triangle of either surface, with its known surroundings.
 struct Face<'a> {
     corners: Triangle,
     /// 1 or -1 where its surface bounds a solid: times the normal by the winding it is the outward one. 0 for a sheet.

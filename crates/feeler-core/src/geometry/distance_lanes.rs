@@ -347,7 +347,7 @@ fn on_face<S: Simd>(s: S, side: &Side<S>, point: &Vector<S::F64>) -> Option<(Vec
     Some((along::<S>(&along::<S>(a, x, u), y, v), chosen))
 }
 
-/// The weights of `u` and `v`, whose product is `n`, in what is left to a point.
+/// The weights of `u` and `v`, whose product is `n`, in the rest to a point.
 #[inline(always)]
 fn weights<S: Simd>(
     left: &Vector<S::F64>,

@@ -89,7 +89,7 @@ pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest
 pub(crate) fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
     let mut squared = 0.0;
     for a in 0..3 {
-        // Each difference is rounded once, and so is what it is made of: leave a little.
+        // Each difference is rounded once, and so are its operands: leave a little.
         let gap = (q.lower[a] - p.upper[a]).max(p.lower[a] - q.upper[a]).max(0.0);
         squared += gap * gap;
     }
@@ -159,7 +159,7 @@ impl Side {
         let [a, _, _] = &self.corners;
         let (u, v) = (self.edges[0], [-self.edges[2][0], -self.edges[2][1], -self.edges[2][2]]);
         let is_sliver = nn * self.inverse[0] * self.inverse[2] < NARROW;
-        // Weights of u and v, corrected from what is left between point and foot until the slimmest slivers have it right.
+        // Weights of u and v, corrected by the rest between point and foot until the slimmest slivers have it right.
         let (mut s, mut t) = (0.0, 0.0);
         let mut foot = *a;
         for step in 0..4 {

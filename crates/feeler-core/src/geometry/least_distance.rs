@@ -68,7 +68,7 @@ impl ActiveSet {
     /// What of a normal is across all active ones, and its coefficients in them.
     fn split(&self, normal: &Six) -> (Six, Six) {
         let (mut across, mut inner) = (*normal, [0.0; DIMENSIONS]);
-        // Twice, so that what is left is across to the last digit.
+        // Twice, so that the rest is across to the last digit.
         for _ in 0..2 {
             for k in 0..self.count {
                 let part = dot(&self.basis[k], &across);
@@ -76,7 +76,7 @@ impl ActiveSet {
                 add_to(&mut across, -part, &self.basis[k]);
             }
         }
-        // Back substitution: the normal is the sum of the active ones times these, plus what is across.
+        // Back substitution: the normal is the sum of the active ones times these, plus the part across.
         let mut coefficients = [0.0; DIMENSIONS];
         for j in (0..self.count).rev() {
             let rest: f64 = (j + 1..self.count).map(|i| self.triangle[i][j] * coefficients[i]).sum();
@@ -204,7 +204,7 @@ mod tests {
         prop::array::uniform6(-most..most)
     }
 
-    /// Karush, Kuhn, Tucker: what makes a point the nearest, whoever found it.
+    /// Karush, Kuhn, Tucker: the conditions that make a point the nearest, however it was found.
     fn assert_is_nearest(target: &Six, rows: &[HalfSpace], found: &Nearest) -> Result<(), TestCaseError> {
         for row in rows {
             prop_assert!(dot(&row.normal, &found.point) >= row.offset - 1e-9, "{row:?} {found:?}");

@@ -89,7 +89,7 @@ impl VoxelGrid {
     #[inline]
     fn address(&self, p: &Point) -> [u32; 3] {
         std::array::from_fn(|a| {
-            // A cast from float saturates, so what lies before the grid gets 0.
+            // A cast from float saturates, so places before the grid get 0.
             (((p[a] - self.origin[a]) * self.per_metre) as u32).min(self.counts[a] - 1)
         })
     }

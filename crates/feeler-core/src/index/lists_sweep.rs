@@ -6,7 +6,7 @@ use super::sink::{Offer, Sweep};
 use crate::geometry::bounds::{Aabb, Triangle};
 use crate::index::grid::VoxelRange;
 
-/// A window costs too much when it looks up so many times the voxels that the tool meets standing still.
+/// A window costs too much when it looks up more than this many times the voxels that the tool meets standing still.
 const VOXELS_TOO_MANY: f64 = 8.0;
 
 impl ListedMesh<'_> {

@@ -19,8 +19,8 @@ pub trait Cells {
     /// The node around everything.
     fn root(&self) -> Self::Cell;
 
-    /// Calls `visit` with what lies directly below a node and a box (world, metres) around it. Every triangle that reaches into
-    /// the node is below it, at least with the share that does; what is not there may be left out.
+    /// Calls `visit` with each child of a node and a box (world, metres) around it. Every triangle that reaches into
+    /// the node is below it, at least with the share that does; triangles that the selection leaves out may be missing.
     fn open(&self, cell: Self::Cell, selection: &Selection, visit: &mut dyn FnMut(Item<Self::Cell>, Aabb));
 }
 

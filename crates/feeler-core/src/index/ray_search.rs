@@ -68,7 +68,7 @@ impl Slabs<'_> {
         Slabs { path, margin: RAY_ROUNDOFFS * UNIT_ROUNDOFF * size }
     }
 
-    /// Where the ray enters a box, within what is of interest; `None` where it surely does not.
+    /// Where the ray enters a box, within its searched part; `None` where it surely does not.
     fn enter(&self, b: &Aabb, limit: f64) -> Option<f64> {
         let RayPath { origin, direction, from, .. } = self.path;
         let (mut enters, mut leaves) = (*from, limit);

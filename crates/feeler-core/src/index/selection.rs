@@ -240,7 +240,7 @@ impl Selection {
         self.has_part(part) && self.ignored.as_ref().is_none_or(|ignored| !ignored.contains(tool_part, part))
     }
 
-    /// Whether a pair of triangles is asked for: the tool's by slot.
+    /// Whether a pair of triangles is wanted: the tool's by slot.
     #[inline(always)]
     pub(crate) fn wants(&self, tool: &Tool, mockup: &Mockup, slot: u32, triangle: u32) -> bool {
         if !self.has(triangle) {

@@ -161,7 +161,7 @@ pub(crate) trait RaySink {
 
 /// Takes pairs of triangles of different parts of one mock-up that may meet.
 pub(crate) trait SelfSink {
-    /// Whether a pair of parts (any order) is asked for, still.
+    /// Whether a pair of parts (any order) is still wanted.
     fn wants(&mut self, part: u32, other: u32) -> bool;
 
     /// Says that a block's pieces come next: their numbers mean others now.

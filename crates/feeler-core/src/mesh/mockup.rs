@@ -110,7 +110,7 @@ impl Mockup {
         self.outlines.of(&self.mesh, self.adjacency(), triangle)
     }
 
-    /// Bytes held by what was found of how the triangles hang together; `None` before anybody asked.
+    /// Bytes of the connectivity of the triangles; `None` before its first use.
     pub(crate) fn topology_memory(&self) -> Option<usize> {
         self.adjacency.get().map(Adjacency::memory)
     }

@@ -112,7 +112,7 @@ fn whole(ray: &Ray, triangle: &Triangle) -> [Vec<BigInt>; 2] {
     [w[..3].to_vec(), corners]
 }
 
-/// [`meet`] of a ray in the triangle's plane: what the line has in common with it is a point or a segment.
+/// [`meet`] of a ray in the triangle's plane: the line and the triangle share a point or a segment.
 #[cold]
 fn meet_in_plane(ray: &Ray, triangle: &Triangle, span: &Span) -> Option<Meeting> {
     let [d, corners] = whole(ray, triangle);

@@ -77,7 +77,7 @@ impl Crowd {
     fn cell(&self, p: &Point) -> Option<usize> {
         let mut cell = 0;
         for a in 0..3 {
-            // Below the origin and NaN are 0 as integers; both are told apart first.
+            // Below the origin and NaN are 0 as integers; both are sorted out first.
             let x = (p[a] - self.origin[a]) * self.over;
             if !(x >= 0.0 && x < self.cells[a] as f64) {
                 return None;
@@ -106,7 +106,7 @@ impl Crowd {
     }
 }
 
-/// Points along an edge of so many cells.
+/// Points along an edge of `cells` cells.
 fn steps(cells: f64) -> usize {
     cells.ceil().clamp(1.0, SPREAD) as usize
 }

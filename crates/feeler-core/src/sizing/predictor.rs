@@ -130,7 +130,7 @@ impl Predictor {
             }
         }
         if time == f64::INFINITY {
-            // Nothing fits up to here. The store's own check says what is too much.
+            // Nothing fits up to here. The store's own check reports the error.
             return size(most);
         }
         let (before, after) = (seconds(best - 1), seconds(best + 1));

@@ -122,7 +122,7 @@ impl ToolUnit {
         ((x - self.centre[axis]) / self.metres) as f32
     }
 
-    /// A box in the tool's frame, metres, around what was rounded to these sides: tool units are at most 1, so a rounding is at
+    /// A box in the tool's frame, metres, around a box rounded to these sides: tool units are at most 1, so a rounding is at
     /// most 2^-24 of them.
     fn to_metres(self, sides: impl Fn(usize) -> (f32, f32)) -> Aabb {
         let rounding = 2f64.powi(-22);

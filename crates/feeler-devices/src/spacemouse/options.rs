@@ -9,7 +9,7 @@ use crate::constants::{FULL_DEFLECTION_COUNTS, SPACEMOUSE, SPACEMOUSE_HZ};
 /// How the cap moves the pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceMouseOptions {
-    /// The daemon's socket. `None`: what the environment variable `SPNAV_SOCKET` says, else `/var/run/spnav.sock`.
+    /// The daemon's socket. `None`: that of the environment variable `SPNAV_SOCKET`, else `/var/run/spnav.sock`.
     pub socket: Option<PathBuf>,
     /// Speed at full deflection, metres a second.
     pub speed_m_per_s: f64,

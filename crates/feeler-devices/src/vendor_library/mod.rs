@@ -44,7 +44,7 @@ impl Wanted {
         };
         let mut tried = vec![];
         for file in files {
-            // SAFETY: loading runs the initialisers of the file. It is the maker's library by its name, or what the user named.
+            // SAFETY: loading runs the initialisers of the file. It is the maker's library by its name, or the file that the user named.
             match unsafe { Library::new(&file) } {
                 Ok(library) => return Ok(Loaded { library: ManuallyDrop::new(library), file, wanted: *self }),
                 Err(error) => tried.push(format!("{} ({error})", file.display())),

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 pub enum Fault {
     /// Its velocity is not a number.
     NotANumber,
-    /// It says that what it told cannot be.
+    /// It reports that its reading cannot be right.
     Nonsense,
     /// It does not answer.
     Lost,

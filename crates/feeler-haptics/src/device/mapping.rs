@@ -116,7 +116,7 @@ impl Mapping {
         })
     }
 
-    /// What the device is, as felt in the tool's world: what a coupling there is to be limited to.
+    /// The device's limits, as felt in the tool's world: a coupling there is limited to them.
     pub fn info_in_world(&self) -> DeviceInfo {
         let s = self.scale;
         let mut info = self.info.clone();
@@ -221,7 +221,7 @@ impl Mapping {
         added_within(&felt, &wall, limits.force_n, limits.torque_nm)
     }
 
-    /// The handle's pose as it was told last, `device_from_handle`.
+    /// The handle's pose as reported last, `device_from_handle`.
     pub(crate) fn handle(&self) -> &Pose {
         &self.handle
     }

@@ -101,7 +101,7 @@ impl DeviceLimits {
 /// What a device is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeviceInfo {
-    /// Maker and model, or what the device says of itself.
+    /// Maker and model, or the device's own name for itself.
     pub name: String,
     /// Told by it.
     pub sensed: Freedoms,

@@ -89,7 +89,7 @@ impl Mouse {
         self.time = Some(until);
         let from = sub(self.pose.translation(), self.target.translation());
         let (place, velocity) = settled(&from, &self.twist.linear, self.frequency, dt);
-        // In rotation the same, on the rotation vector from the target; its rate and the angular velocity are told
+        // In rotation the same, on the rotation vector from the target; its rate and the angular velocity are reported
         // apart.
         let from = rotation_vector(&product(self.pose.rotation(), &transposed(self.target.rotation())));
         let rate = rate_of_vector(&from, &self.twist.angular);

@@ -53,7 +53,7 @@ pub struct SimulatedDevice {
     /// What was written and does not act yet: when it will (seconds since the start), and what. The oldest first.
     commands: Vec<(f64, Wrench)>,
     acting: Wrench,
-    /// The step of the pose that was told last.
+    /// The step of the pose reported last.
     told: u64,
 }
 
@@ -252,7 +252,7 @@ impl Device for SimulatedDevice {
         self.advance(now);
         let age = self.options.pose_delay_s + self.jitter();
         let back = (age / INNER_STEP_S).round() as u64;
-        // Never older than what was told before.
+        // Never older than the pose reported before.
         self.told = self.steps.saturating_sub(back).max(self.told);
         let start = self.start.unwrap_or(0.0);
         Ok(DeviceState {

@@ -7,7 +7,7 @@ use triple_buffer::{triple_buffer, Input, Output};
 use super::mouse::Mouse;
 use super::{Device, DeviceError, DeviceInfo, DeviceState};
 
-/// What is asked of it.
+/// The pose and the buttons requested.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wish {
     pose: Pose,

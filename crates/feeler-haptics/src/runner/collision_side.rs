@@ -20,7 +20,7 @@ pub(super) enum Answer {
     Started(Start),
 }
 
-/// What is asked of the collision side, done between two ticks.
+/// Requests to the collision side, carried out between two ticks.
 pub(super) enum Wish {
     Start(Pose),
     Take(Vec<u32>),

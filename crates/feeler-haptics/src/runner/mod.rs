@@ -103,7 +103,7 @@ impl Watch {
     }
 }
 
-/// Both sides of a session, connected, without threads: who wants to may drive them by hand.
+/// Both sides of a session, connected, without threads: the caller drives them.
 pub struct Sides {
     /// What the collision thread does.
     pub collision: CollisionSide,
@@ -226,7 +226,7 @@ impl Runner {
                 return Err(Box::new(Refused { error, session, device: servo.into_device() }));
             }
         };
-        // Until both have done what is to be done at their start, or one has gone by it.
+        // Until both threads are set up, or one has ended.
         for _ in 0..2 {
             let _ = has_begun.recv();
         }
@@ -248,7 +248,7 @@ impl Runner {
         &mut self.watch
     }
 
-    /// The coupling in use: what the device holds of the session's.
+    /// The coupling in use: the session's, limited to the device.
     pub fn coupling(&self) -> &Coupling {
         &self.coupling
     }

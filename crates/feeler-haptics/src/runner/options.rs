@@ -71,7 +71,7 @@ impl Default for RunnerOptions {
 }
 
 impl RunnerOptions {
-    /// Errors where a rate is out of its range; what the mapping may be depends on the device.
+    /// Errors where a rate is out of its range; the range of the mapping depends on the device.
     pub fn check(&self) -> Result<()> {
         if !(50.0..=1e5).contains(&self.rate_hz) {
             return Err(Error::Option { what: "rate_hz", value: self.rate_hz, range: "between 50 and 100000 Hz" });

@@ -127,7 +127,7 @@ pub trait Arithmetic: Copy {
     type F32: Copy + Add<Output = Self::F32> + Sub<Output = Self::F32> + Mul<Output = Self::F32>;
     /// Half as many lanes of float64.
     type F64: Copy + Add<Output = Self::F64> + Sub<Output = Self::F64> + Mul<Output = Self::F64>;
-    /// A choice per float32 lane; `|` chooses what either does, `^` what one does and the other does not.
+    /// A choice per float32 lane; `|` chooses the lanes of either, `^` those of exactly one.
     type M32: Copy + BitOr<Output = Self::M32> + BitXor<Output = Self::M32>;
     /// A choice per float64 lane.
     type M64: Copy;

@@ -238,7 +238,7 @@ type Way = (Verified, Vec<Pose>);
 type Found = (Method, Way);
 
 /// A way with shortcuts, or as it is where there is no time for them; and the casts made. `None` where it is not free by finer steps.
-/// Shortcuts that are blocked say nothing of what is in the way out.
+/// Blocked shortcuts say nothing about parts in the way out.
 fn short_way(
     surroundings: &Surroundings,
     legs: Vec<Leg>,

@@ -61,7 +61,7 @@ struct Node {
     depth: u32,
     /// Along which it is pushed from here, units, world.
     directions: Vec<Point>,
-    /// Contact normals there: along these it is probably off what is near.
+    /// Contact normals there: along these it probably leaves its neighbours.
     normals: Vec<Point>,
 }
 
@@ -79,7 +79,7 @@ enum What {
     /// To look around.
     Look,
     Pull(Point),
-    /// By so many radians.
+    /// By this, radians.
     Turn(Axis, f64),
     /// Along a motion that is free.
     Scan(Box<Motion>),
@@ -230,7 +230,7 @@ impl<'a> Pushes<'a> {
         self.add(self.nodes.len() - 1, LOOK, What::Look);
     }
 
-    /// Finds what there is to try at a node.
+    /// Finds the pushes to try at a node.
     fn look(&mut self, at: usize) -> Result<()> {
         let around = self.around;
         let pose = self.nodes[at].pose;
@@ -240,7 +240,7 @@ impl<'a> Pushes<'a> {
         }
         let Footholds { normals, axes } = footholds(around, &pose, DIRECTION_MARGIN * around.size())?;
         let mut directions = Distinct(self.first.clone());
-        // As it is turned here, and as it was at the start: what is around it is mostly along these.
+        // As it is turned here, and as it was at the start: its neighbours are mostly along these.
         let turn = length(&displacement(around.start(), &pose, around.middle()).angular);
         let here = if turn > LITTLE_TURN { &pose } else { around.start() };
         for at in [here, around.start()] {
@@ -424,7 +424,7 @@ impl<'a> Pushes<'a> {
         Ok(())
     }
 
-    /// The middle of what a pose may move along an axis, at most a quarter of the pitch to each side.
+    /// The middle of a pose's free play along an axis, at most a quarter of the pitch to each side.
     fn middle_of_play(&mut self, seated: &Arc<Seated>, pose: &Pose, axis: &Axis) -> Result<Pose> {
         let far = 0.25 * axis.pitch.abs();
         let mut play = [0.0; 2];
@@ -454,7 +454,7 @@ impl<'a> Pushes<'a> {
         self.scan = Some(Scan { node, motion, samples, at: 0, directions, free });
     }
 
-    /// The next sample of a scan, or what the scan found.
+    /// The next sample of a scan, or the scan's result.
     fn go_on(&mut self, mut scan: Scan) -> Result<()> {
         if scan.at == scan.samples {
             return self.openings(&scan);

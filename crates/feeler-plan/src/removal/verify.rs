@@ -59,7 +59,7 @@ pub fn is_free(
     tally: &mut Tally,
 ) -> Result<bool> {
     let mut seated = around.seated_at_start();
-    // Without seats nothing depends on what was before.
+    // Without seats nothing depends on the earlier motion.
     let first = if around.has_seats() { 0 } else { from };
     for motion in &Motion::of_legs(around.tool(), around.start(), way)?[first..] {
         let walk = around.walk_along(&seated, motion, Care::search(&[], has_time), &mut |_| ())?;
@@ -105,7 +105,7 @@ pub fn as_poses(
     Ok(None)
 }
 
-/// The ends of the pieces of a motion: one, or of a screw so many for a quarter of a turn.
+/// The ends of the pieces of a motion: one, or for a screw `pieces` a quarter of a turn.
 fn cut(motion: &Motion, pieces: usize) -> Vec<Pose> {
     let quarters = match motion.leg() {
         Leg::To(_) => 0.0,

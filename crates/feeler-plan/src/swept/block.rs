@@ -61,7 +61,7 @@ pub struct Solid<'a> {
 
 /// Working memory.
 pub struct Scratch {
-    /// Hulls near the block and what is taken off distances to them, those first that are nearest its middle.
+    /// Hulls near the block and the amounts taken off distances to them, those first that are nearest its middle.
     hulls: Vec<(Hull, f64)>,
     order: Vec<(f64, u32)>,
     values: [f64; NODE_COUNT],
@@ -211,7 +211,7 @@ impl Field<'_> {
 
     /// Counts nodes outside as swept where they are inside the tool: of those that hang together, one is asked.
     fn fill(&self, at: [u32; 3], solid: &Solid<'_>, scratch: &mut Scratch) {
-        // What is inside the mesh need not be asked, nor what was seen.
+        // Nodes inside the mesh need no test, nor do those seen.
         let Scratch { values, next, is_inside: is_seen, .. } = scratch;
         for first in 0..NODE_COUNT {
             if is_seen[first] {

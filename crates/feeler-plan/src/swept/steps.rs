@@ -181,7 +181,7 @@ fn halves_of(triangle: &Triangle, error: f64) -> Option<[Triangle; 2]> {
     Some([[a, middle, c], [middle, b, c]])
 }
 
-/// Of poses and coordinates that are not exact enough: `within` so many metres.
+/// Of poses and coordinates that are not exact enough: only to `within` metres.
 fn too_exact(within: f64, error: f64) -> Error {
     let needed = format!(
         "coordinates that are exact, and poses that are rigid, within {:.1e} m, where these are within {within:.1e} m",

@@ -65,7 +65,7 @@ pub fn swept(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Pro
     Ok(Swept { vertices, faces })
 }
 
-/// Steps, and where the surface may be: what an error needs is known by then.
+/// Steps, and where the surface may be: by then the cost of an error is known.
 struct Plan {
     steps: Steps,
     grid: Grid,

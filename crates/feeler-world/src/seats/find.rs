@@ -111,7 +111,7 @@ impl Regions {
             let is_own = |[t, m]: &&[u32; 2]| [tool.part_of_face(*t), mockup.part_of_face(*m)] == parts;
             let numbers = |[t, m]: &[u32; 2]| Some([of_tool.numbers.of(*t)?, of_body.numbers.of(*m)?]);
             let pairs: BTreeSet<[u32; 2]> = met.iter().filter(is_own).filter_map(numbers).collect();
-            // Of what is sunk any surface may come to where it leaves.
+            // Any surface of a sunk part may come to where it leaves.
             let own = ours.iter().copied().filter(|t| tool.part_of_face(*t) == seat.tool_part);
             let sunk = if seat.kind == SeatKind::Sunk { of_tool.of(&own.collect::<Vec<u32>>()) } else { Vec::new() };
             for [t, m] in pairs {

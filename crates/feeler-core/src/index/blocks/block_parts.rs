@@ -10,12 +10,12 @@ use feeler_lanes::{prefetch, LANES};
 
 /// A node with pieces of several parts.
 pub(super) const MANY: u32 = u32::MAX;
-/// A node with nothing below it that is asked for.
+/// A node with no wanted part below it.
 pub(super) const NOTHING: u32 = u32::MAX - 1;
 
 /// Blocks that a task looks at.
 const BLOCKS_A_TASK: usize = 1024;
-/// Blocks that are asked for before they are looked at.
+/// Blocks that are prefetched before they are looked at.
 const TASK_BLOCKS_AHEAD: usize = 8;
 
 /// The pieces of one part in a block.

@@ -50,7 +50,7 @@ struct Waiting(Sorter);
 /// tests, so that there are more of them.
 const MOST_WAITING: usize = if cfg!(test) { 16 } else { 4096 };
 
-/// Arrivals before which the pieces of a block are asked for.
+/// Arrivals by which the pieces of a block are prefetched ahead.
 const ARRIVALS_AHEAD: usize = 12;
 
 impl Waiting {

@@ -126,7 +126,7 @@ impl Node {
     /// Which children's boxes overlap a box.
     #[inline(always)]
     pub fn overlapping<S: Simd>(&self, s: S, b: &Box4) -> u32 {
-        // What lies outside would be clamped onto the node's rim and seem to meet what is there.
+        // Boxes outside would be clamped onto the node's rim and seem to meet the boxes there.
         if s.is_apart([&self.boxes.origin, &self.upper], [&b.lower, &b.upper]) {
             return 0;
         }

@@ -162,7 +162,7 @@ impl<N: CandidateSink> Kernel for Rows<'_, N> {
 }
 
 impl<N: CandidateSink> Rows<'_, N> {
-    /// Finds which boxes meet, at the blocks, and asks for what the rest of these need.
+    /// Finds which boxes meet, at the blocks, and prefetches the data of the remaining stages.
     #[inline(always)]
     fn reach<S: Simd>(&mut self, s: S) {
         let Rows { blocks, clusters: tool, needed, nodes, masks, tight, placed, scratch, slack, narrow, .. } = self;
@@ -288,10 +288,10 @@ impl<N: CandidateSink> Rows<'_, N> {
     }
 }
 
-/// Runs that are asked for before they are come to. Not all at once: a core waits for a dozen lines or so at a time.
+/// Runs that are prefetched before their turn. Not all at once: a core waits for a dozen lines or so at a time.
 const RUNS_AHEAD: usize = 8;
 
-/// Asks for what a run needs, counted over all parts.
+/// Prefetches the data of a run, counted over all parts.
 #[inline(always)]
 fn ask<S: Simd>(blocks: &Blocks, runs: &[Vec<(u32, u32)>; MOST_PARTS], at: usize) {
     let mut place = at;

@@ -19,7 +19,7 @@ struct FrameRay {
     origin: [f32; 3],
     /// One over each entry of the unit direction.
     per_slope: [f32; 3],
-    /// Where what is of interest begins.
+    /// Where the searched part of the ray begins.
     from: f32,
     /// Frame units along the ray for each share of the direction given, and where its origin is.
     per_share: f64,
@@ -78,7 +78,7 @@ impl<W: RaySink> Along<'_, '_, W> {
     /// Where nothing is of interest any more.
     #[inline(always)]
     fn limit(&self) -> f32 {
-        // Far more than the rounding to float32 of what lies in the box, which is at most two units long.
+        // Far more than the rounding to float32 of places in the box, which is at most two units long.
         (self.wanted.limit() * self.ray.per_share - self.ray.start) as f32 + RAY_GROWTH
     }
 }
