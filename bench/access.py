@@ -1,11 +1,11 @@
-"""How many fasteners of the samples are found, and what access for a tool costs.
+"""How many fasteners of the samples are recognised, and how long an access check takes.
 
     python bench/access.py                        print the tables
     python bench/access.py --write                and put them into docs/access.md, between its markers
     python bench/access.py --quick                small samples
 
-Right is a fastener whose frame is on the top of its head (within 0.12 thread diameters) and points out of the joint
-(within a degree); the samples know where theirs are. Beside it the same without names.
+A result is right if its frame is on the top of the head (within 0.12 thread diameters) and points out of the joint
+(within a degree); the samples have the true frames. A second column shows the same without names.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ ASKED = [
     ("torque, at the head", "torque", "z", 0.0),
     ("hand, at the head", "hand", "z", 0.0),
 ]
-"""What is asked: tool, grip, lift in metres. In free space each of the casts goes all the way, which costs most."""
+"""The checks: tool, grip, lift in metres. In free space each cast goes all the way, which costs most."""
 
 
 def found_table(samples: list[tuple[str, int]]) -> str:

@@ -1,7 +1,7 @@
-"""Do the engines say the same? Where they differ, exact arithmetic says who is right (judge.py).
+"""Compares the answers of all engines. Where they differ, exact arithmetic decides (judge.py).
 
-Judging takes some 0.1 ms a pair, and there are peers that differ in many: at most `MOST_JUDGED` of a cell and peer are
-judged, spread evenly over poses and over both sides, and the others are counted as unjudged.
+Judging takes some 0.1 ms a pair, and some peers differ in many pairs: at most `MOST_JUDGED` per cell and peer are
+judged, spread evenly over poses and over both sides; the others are counted as unjudged.
 """
 
 from __future__ import annotations
@@ -66,9 +66,9 @@ def compare(
     verdicts: Verdicts | None = None,
     most: int = MOST_JUDGED,
 ) -> Agreement:
-    """Hold the pairs of all poses side by side, and have the differences judged.
+    """Compares the pairs of all poses and has the differences judged.
 
-    `verdicts` keeps what was judged: peers tend to err at the same places.
+    `verdicts` keeps the judgements: peers tend to err at the same places.
     """
     agreement, verdicts = Agreement(), {} if verdicts is None else verdicts
     ours_only: list[tuple[int, int, int]] = []

@@ -3,10 +3,10 @@
     python bench/casts.py                                    1.6M triangles, 100 poses, 20 mm, 0 and 10 degrees
     python bench/casts.py --triangles 400000 --poses 40 --no-parry
 
-From each near pose (among the parts, nothing collides) the tool's middle moves 20 mm in a random direction, and the
-tool turns about it. Per motion the least time of a few rounds counts, one core. parry is asked for its linear cast
-where nothing turns, else for its nonlinear one; a cast of it that takes longer than a second is done once, and a row
-whose casts of parry take longer than --patience goes on without it: its figures are then of the motions it came to.
+From each near pose (among the parts, without a collision) the tool's middle moves 20 mm in a random direction, and the
+tool turns about it. For each motion the least time of a few rounds counts, on one core. Without a rotation parry uses
+its linear cast, else its nonlinear one. A cast of parry that takes longer than a second runs once, and a row whose
+casts take longer than --patience is cut off: its figures are then of the motions done by that time.
 """
 
 from __future__ import annotations

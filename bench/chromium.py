@@ -1,4 +1,4 @@
-"""The Chromium that the bench, the tests and the documentation's pictures are made with, and how it draws."""
+"""The Chromium of the bench, the tests and the documentation's pictures, and its drawing options."""
 
 from __future__ import annotations
 

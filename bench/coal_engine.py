@@ -1,7 +1,7 @@
 """Coal (formerly hpp-fcl) as its documentation advises for speed, through its own Python binding.
 
-The model is a `BVHModelOBBRSS`; the pair of objects is bound once in a `ComputeCollision`; all contacts (or
-one) are asked for, none computed; no security margin; requests and result are re-used, emptied outside the clock.
+The model is a `BVHModelOBBRSS`; the pair of objects is bound once in a `ComputeCollision`; it returns all contacts (or
+one), without computing them; no security margin; requests and result are reused, and emptied outside the clock.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the command lines of the bench share: a parser whose help is the module's text, and values of options."""
+"""Shared parts of the bench's command lines: a parser whose help is the module's docstring, and option types."""
 
 from __future__ import annotations
 

@@ -1,14 +1,14 @@
-"""Depth of the same contact, cut into ever more triangles: feeler beside Coal and FCL; what `contacts` costs; and what
-`penetration` finds.
+"""Depth of the same contact at ever finer tessellation: feeler beside Coal and FCL; the cost of `contacts`; and the
+results of `penetration`.
 
     python bench/contacts.py                      print the tables
     python bench/contacts.py --write              and put them into docs/contacts-figures.md, between its markers
     python bench/contacts.py --quick              small meshes, a small engine
 
-Four contacts whose depth is known: a box, a ball and a rod pressed into a plate, and a gear tooth wedged in its slot.
-Both sides are cut into more and more triangles; the surfaces stay the same (the ball and the rod touch with a corner
-that every mesh of them has). feeler: the planes of `scene.contacts`. Coal and FCL: all contacts of the two meshes, with
-the `penetration_depth` that each reports; the largest of them is shown.
+Four contacts of known depth: a box, a ball and a rod pressed into a plate, and a gear tooth wedged in its slot. Both
+sides are cut into more and more triangles; the surfaces stay the same (the ball and the rod touch with a corner that is
+in all their meshes). feeler: the planes of `scene.contacts`. Coal and FCL: all contacts of the two meshes; the table
+has the largest `penetration_depth` that each reports.
 """
 
 from __future__ import annotations
@@ -281,7 +281,7 @@ def depth_table(cells: tuple[int, ...]) -> str:
 
 
 def nominal(scene: feeler.Scene, count: int) -> Iterator[tuple[str, feeler.Tool, Floats]]:
-    """The sample tools by name, with nominal poses; what the first contacts of each find out is known."""
+    """The sample tools by name, with nominal poses; the first contacts of each, which fill the caches, are done."""
     for name in ("torque", "wrench", "square", "hand"):
         tool = feeler.sample_tool(name)
         poses = feeler.sample_poses(scene, tool, "nominal", count)
@@ -329,7 +329,7 @@ def time_table(triangles: int, count: int) -> str:
 
 
 def way_table(triangles: int, count: int) -> str:
-    """What `penetration` finds on nominal poses of the engine, and what it takes, one core."""
+    """Results and times of `penetration` at nominal poses of the engine, one core."""
     scene = feeler.Scene(feeler.sample("engine", triangles=triangles), threads=1)
     lines = [
         "| tool | bound | estimate | length of a bound, mm: median | p90 | ms: median | p99 |",

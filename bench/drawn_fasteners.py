@@ -1,10 +1,9 @@
-"""Fasteners as other people's CAD draws them, and things that are none: random sizes, cuts, places and windings.
+"""Fasteners as modelled in various CAD styles, and other things: random sizes, cuts, places and windings.
 
     python bench/drawn_fasteners.py [--count 40] [--seed 0] [--show KIND]
 
-Prints, for each shape, how many of `count` are taken for fasteners without names, and how many answers are right: of
-the right kind, drive and size and at the right place, or none. Needs `manifold3d`, with
-whose solids feeler shares no code.
+Prints, for each shape, how many of `count` are recognised as fasteners without names, and how many answers are right:
+the right kind, drive, size and place, or none. Needs `manifold3d`, with whose solids feeler shares no code.
 """
 
 from __future__ import annotations
@@ -490,7 +489,7 @@ OTHERS = [
 
 
 def drawn(shape: str, seed: int) -> tuple[Drawn, feeler.Mockup, Floats]:
-    """One shape of a seed: what it is, a mock-up of it without a name, and where its frame lies in that, metres."""
+    """One shape of a seed: its truth, a mock-up of it without a name, and the pose of its frame in that, metres."""
     rng = np.random.default_rng([seed, *shape.encode()])
     made: Drawn = getattr(Draughtsman(rng), shape)()
     mesh = made.solid.to_mesh64()
@@ -538,7 +537,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--show", help="print what is wrong with this shape, or all")
+    parser.add_argument("--show", help="print the faults of this shape, or of all")
     given = parser.parse_args()
     for shape in FASTENERS + OTHERS:
         faults: list[tuple[int, str]] = []

@@ -1,7 +1,7 @@
-"""What the bench asks of an engine, and feeler's answer to it. A peer is one more class of this shape.
+"""The interface of the bench's engines, and feeler's implementation. A peer is one more class of this shape.
 
-An engine builds its index of a mock-up, takes a tool, and is aimed at a pose outside the clock: `aim` does what a user
-would do once per pose to get the numbers into the engine's types, and returns the bare call to be timed.
+An engine builds its index of a mock-up, takes a tool, and is aimed at a pose outside the clock: `aim` converts the pose
+to the engine's types, as a user does once per pose, and returns the bare call to time.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ KINDS_OF = {
     "contacts": ("nominal",),
     "cast": ("near",),
 }
-"""The queries, and the kinds of poses each is asked at."""
+"""The queries, and their kinds of poses."""
 AT_ONE_SIZE = ("contacts", "cast")
 QUERIES = tuple(KINDS_OF)
 ANY = ("collide", "is_colliding")  # of an engine that does not say
@@ -73,7 +73,7 @@ class Engine(Protocol):
         """Take a tool; return the seconds it took."""
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
-        """Make ready for a pose, unclocked; what is returned does the query when called: one of `QUERIES`.
+        """Prepares a query (one of `QUERIES`) at a pose, unclocked; the returned function runs it.
 
         For `cast` it is two poses, `(2, 4, 4)`: where the motion begins and ends.
         """
@@ -82,13 +82,13 @@ class Engine(Protocol):
         """`(k, 2)`: tool and mock-up triangles of the last `collide`, sorted and unique."""
 
     def answer(self, result: Any) -> bool:
-        """What the last `is_colliding` said."""
+        """The answer of the last `is_colliding`."""
 
     def stats(self, result: Any) -> dict[str, int]:
-        """What the last `collide` did, stage by stage; empty if the engine does not tell."""
+        """Counts of the last `collide`, stage by stage; empty if the engine has none."""
 
-    # One that can do more than collide has `queries`, and `value(result)`: what it said in one number, metres for
-    # `distance`, the share of the way that is free for `cast` (2 where nothing is hit), planes for `contacts`.
+    # An engine with more queries than collisions has `queries`, and `value(result)`: the answer as one number, metres
+    # for `distance`, the free share of the path for `cast` (2 where nothing is hit), planes for `contacts`.
 
 
 def able(among: Sequence[Engine], query: str) -> list[Engine]:
@@ -148,11 +148,11 @@ class FeelerEngine:
 
 
 def build_times(build: Callable[[], None], runs: int) -> tuple[float, int | None, int | None]:
-    """Best wall seconds of `runs` builds; how much the process grew in the first of them, and at most meanwhile.
+    """Best wall seconds of `runs` builds; growth of the process in the first of them, and its peak.
 
-    `build` first drops what it built before. A build that takes longer than `LONG` is not repeated. The growth is what
-    the operating system saw, allocator's leftovers included: a check of what an engine says of itself, no more. It is
-    known where /proc is.
+    `build` first drops its previous index. A build that takes longer than `LONG` is not repeated. The growth is that of
+    the process, the allocator's leftovers included: only a check of an engine's own figure. It is known where there
+    is a /proc.
     """
     best, growth, peak = float("inf"), None, None
     for run in range(runs):
@@ -190,6 +190,6 @@ def _resident(field: str) -> int | None:
 
 
 def _forget_peak() -> None:
-    """Let VmHWM start from what is in memory now."""
+    """Resets VmHWM to the memory in use now."""
     with contextlib.suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")

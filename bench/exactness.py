@@ -1,11 +1,11 @@
-"""Counts the contacts that libraries miss or invent where faces are flush, against exact arithmetic.
+"""Counts the contacts of flush faces that libraries miss or invent, compared with exact arithmetic.
 
     python bench/exactness.py                     print the table
     python bench/exactness.py --write             and put it into docs/exactness.md, between its markers
 
-Each case is a scene of CAD's everyday kind: a pin in a hole without clearance, a box standing on a plate, a part and
-its own copy. The truth is `judge.meets` (whole-number arithmetic, no code shared with any engine) over all pairs of
-triangles whose boxes meet; "missed" are true pairs not reported, "extra" reported pairs that do not meet.
+Each case is a common CAD situation: a pin in a hole without clearance, a box on a plate, a part and its own copy. The
+truth is `judge.meets` (whole-number arithmetic that shares no code with any engine) over all pairs of triangles with
+overlapping boxes; "missed" are true pairs not reported, "extra" are reported pairs that do not collide.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""feeler alone: batches on one and two cores, what the Python call costs, and a fine tool against its coarse twin."""
+"""feeler alone: batches on one and two cores, the cost of a Python call, and a fine tool against its coarse twin."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def batch(scene: feeler.Scene, tool: feeler.Tool, count: int, seed: int) -> dict
         for pose in many:
             scenes[1].collide(tool, pose)
         keep("calls", time.perf_counter() - start)
-        # They are short: more often, since whoever else is on the machine takes a share of one of two cores.
+        # They are short: more often, since other processes of the machine take a share of one of two cores.
         for threads, scene in [*scenes.items()] * BATCHES:
             start, cpu = time.perf_counter(), time.process_time()
             found = scene.collide_batch(tool, many)

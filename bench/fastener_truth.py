@@ -1,4 +1,4 @@
-"""What the sample mock-ups know of their fasteners, and how much of it `feeler.find_fasteners` finds."""
+"""The true fasteners of the sample mock-ups, and how many of them `feeler.find_fasteners` finds."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def without_names(mockup: feeler.Mockup) -> feeler.Mockup:
 
 
 def scores(found: feeler.Fasteners, truth: dict[str, Truth], paths: list[str]) -> tuple[float, float]:
-    """Recall and precision; right is what is at the right place and points the right way."""
+    """Recall and precision; a fastener found is right if its place and direction are."""
     right = 0
     for row in found:
         known = truth.get(paths[row.part])

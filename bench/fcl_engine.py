@@ -1,7 +1,7 @@
 """FCL through python-fcl: `BVHModel` (OBBRSS in that binding), all contacts, none computed.
 
-The pose is set on the tool's CollisionObject outside the clock. The binding makes a Python object of each contact
-inside the call: that is what its user pays.
+The pose is set on the tool's CollisionObject outside the clock. The binding makes a Python object for each contact
+inside the call, a cost that its users pay.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     make figures
 
-Shown is the newest release of each kind of machine; cells, funnel and builds are of the machine that was last measured
-as a whole.
+The page shows the newest release of each kind of machine; cells, funnel and builds are from the machine that was last
+measured completely.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PAGE = ROOT / "docs" / "figures.md"
 MARKERS = ("<!-- figures: make figures -->", "<!-- end of figures -->")
 NAMES = {"feeler": "feeler", "coal": "Coal", "fcl": "FCL", "embree": "Embree", "parry": "parry3d"}
 LEAST_WIDTH = 200  # in a narrower terminal lines fold, but no figure is cut off
-SHOWN = 1_600_000  # triangles asked; without such a mock-up, the largest
+SHOWN = 1_600_000  # triangles requested; without such a mock-up, the largest
 SHOWN_KIND = "nominal"  # poses in README.md
 
 # What `hit.stats` counts, in words.
@@ -72,7 +72,7 @@ def page(records: Sequence[Sequence[Row]]) -> str:
 
 
 def show(rows: Sequence[Row]) -> None:
-    """Print what a run found, as wide as it needs to be."""
+    """Prints the tables of a run, as wide as they need to be."""
     from rich.console import Console
     from rich.table import Table as RichTable
 
@@ -227,7 +227,7 @@ def growth(rows: Sequence[Row]) -> Table | None:
 
 
 def limit(rows: Sequence[Row]) -> Table | None:
-    """How far from what the machine can do."""
+    """Times as multiples of the machine's limit."""
     lines = []
     for row in _of(rows, "limit"):
         least = [f"{row[name]:.2f}" for name in ("memory_us", "lanes_us", "limit_us")]
@@ -258,7 +258,7 @@ def levels(rows: Sequence[Row]) -> Table | None:
 
 
 def readme(rows: Sequence[Row]) -> str:
-    """The table of one mock-up at nominal poses, and what it was measured with."""
+    """The table of one mock-up at nominal poses, and the setting of its measurement."""
     cells = _at_shown_size(_of(rows, "cell"))
     measured = [
         (feeler, peers)

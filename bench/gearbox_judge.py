@@ -1,5 +1,5 @@
-"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which plays
-are drawn, which ways are free and how far wrenches swing; distances of triangles say that no part touches itself.
+"""Checks the sample gearbox by other libraries: manifold3d finds parts that share volume, coal finds their distances,
+the modelled plays, the free paths and the wrench swings; distances of triangles show that no part touches itself.
 
 The tests use its functions.
 
@@ -37,15 +37,15 @@ manifold3d = import_module("manifold3d")  # an extra, without type information
 Floats = npt.NDArray[np.float64]
 
 GRID_M = 1e-6
-"""Vertices are rounded to half a micrometre: surfaces are no better known than this."""
+"""Vertices are rounded to half a micrometre: surfaces are not more accurate than this."""
 NOISE_M = 1e-9
-"""Depths are measured with double precision by two libraries: they are no better than this."""
+"""Two libraries measure depths in double precision: they are not more accurate than this."""
 LEAST_GAP_M = 2e-4
 SIZES = (40_000, 200_000)
 STEP_M = 2.5e-3
 """Between the poses at which a way is sampled."""
 EASE_MM = 0.12
-"""By how much holes are wider when ways are judged, so that facets and presses do not count."""
+"""By how much holes are widened when paths are checked, so that facets and presses do not count."""
 FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
 FINE_MM = 0.002
@@ -55,7 +55,8 @@ POINTS = 2000
 MOST = 20
 """Of the pairs of one kind and play that `main` measures: more takes longer, and they are drawn by the same lines."""
 LIFT_M = 0.7e-3
-"""How far parts that are flush are pulled apart, so that the play of their cylinders is the least gap: more than it."""
+"""How far flush parts are pulled apart, so that the play of their cylinders is the smallest gap: more than that
+play."""
 RULE_M = 5e-3
 """The clearance of pipes that the fault `too_near` breaks."""
 
@@ -401,9 +402,9 @@ class Ways:
     def superfluous(self, step: Step) -> list[str]:
         """Parts in `after` that need not be removed: with them in place the step and its tools collide with nothing.
 
-        A way that is free by less than a chord is not free. Parts that come out together are left in together. What
-        another need takes out anyway counts as needed, and so does what has a fit with the parts of the step: they hold
-        it, or it would hang in the air.
+        A way that is free by less than a chord is not free. Parts that come out together are left in together. A part
+        that another need takes out anyway counts as needed, and so does one that has a fit with the parts of the step:
+        they hold it, or it would hang in the air.
         """
         units = {path: other.parts for other in self.truth.steps if other.removes for path in other.parts}
         fasteners = [f for f in self.truth.fasteners if f.path in step.parts]
@@ -433,7 +434,7 @@ class Ways:
         return float(least)
 
     def stopped(self, fastener: Fastener, step: Step) -> bool:
-        """Whether the tool of a fastener does not turn as far as the truth says, after what a step needs is out."""
+        """Whether the tool of a fastener turns less far than the truth says, after the needs of a step are out."""
         return self.turns(fastener, step) < fastener.swing_rad
 
     def turns(self, fastener: Fastener, step: Step | None = None) -> float:
@@ -585,10 +586,10 @@ def changed(faulty: Drawn, clean: Drawn) -> set[str]:
 
 
 def wrong_steps(seed: int, plants: Iterable[tuple[str, ...]] = PLANTS) -> list[str]:
-    """What steps and swings say of planted faults and is not so; as messages.
+    """Wrong statements of steps and swings about planted faults, as messages.
 
-    A step that says that a fault blocks it is blocked, or needs one that is; all others are free of what the faults add
-    or change. Tools turn as far as the fasteners say, and not in full where they say 0.
+    A step that says that a fault blocks it is blocked, or needs one that is; all others are free of the parts that the
+    faults add or change. Tools turn as far as the fasteners say, and not in full where they say 0.
     """
     clean, out = eased(seed), []
     for names in plants:

@@ -1,4 +1,4 @@
-"""What is aimed at, and whether a record meets it. Goals are wishes: none of them decides the exit status."""
+"""The goals, and whether a record meets them. None of them affects the exit status."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def _builds(rows: Sequence[Row]) -> Iterable[Goal]:
         each = row["bytes"] / row["triangles"]
         met = each <= BYTES_PER_TRIANGLE
         yield Goal(f"bytes a triangle, {what}", f"at most {BYTES_PER_TRIANGLE:g}", f"{each:.1f}", met)
-        # Where the index is small beside what the process holds anyway, its peak cannot be told.
+        # Where the index is small beside the rest of the process, its peak cannot be measured.
         if row["peak_bytes"] and row["bytes"] > 50e6:
             # The engine counts the mock-up's arrays, which were there before: they are part of the peak as well.
             before = row["bytes"] - row["growth_bytes"]

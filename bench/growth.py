@@ -1,13 +1,13 @@
-"""How the median time of a nominal `collide` grows from a small engine to a large one, both asked in turns.
+"""How the median time of a nominal `collide` grows from a small engine to a large one, both measured in turns.
 
     python bench/growth.py                                100k and 6.4M triangles, into bench/records
     python bench/growth.py --sizes 100k,1.6M --tools torque --rounds 3 --out /tmp/records
 
-`bench/run.py` measures one size after the other, minutes apart, and has that from its record; a machine that others use
-may have changed in between. Here both mock-ups are there at once and passes over their poses take turns. Before each
-pass the caches are emptied, as other work would, and each pose is asked again at once, when all that it reads is in the
-first caches: what then grows is work, the rest is memory. Of each pose the least time of all rounds counts. What a pair
-found costs is the sum of all poses' times over the sum of their pairs, which few poses tell better than medians do.
+`bench/run.py` measures one size after the other, minutes apart; on a shared machine, conditions may have changed in
+between. Here both mock-ups are loaded at once, and passes over their poses take turns. Before each pass the caches are
+emptied, as other work would do, and each pose is repeated at once, when all its data is in the first caches: the growth
+of the second time is work, the rest is memory. For each pose the least time of all rounds counts. The cost of a found
+pair is the sum of all poses' times over the sum of their pairs, which is more stable for few poses than medians.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ EMPTIED_BYTES = 256 << 20  # more than the caches of most machines
 def least_times(
     scenes: list[feeler.Scene], tool: feeler.Tool, poses: list[Floats], rounds: int
 ) -> list[tuple[Floats, Floats]]:
-    """For each scene the least microseconds of each pose, after the caches were emptied, and asked again at once."""
+    """For each scene the least microseconds of each pose, with emptied caches, and repeated at once."""
     junk = np.zeros(EMPTIED_BYTES // 8)
     least = [(np.full(len(own), np.inf), np.full(len(own), np.inf)) for own in poses]
     for _ in range(rounds):

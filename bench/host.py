@@ -1,4 +1,4 @@
-"""Where and on what the bench runs: machine, system, commit, versions."""
+"""The environment of the bench: machine, system, commit, versions."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def now() -> str:
 def commit() -> dict[str, Any]:
     """The commit of the code under measurement, and whether the working tree differs from it.
 
-    Records and documents do not change what is measured.
+    Records and documents do not change the measurements.
     """
     revision = _git("rev-parse", "HEAD")
     unmeasured = (":(exclude)bench/records", ":(exclude)docs", ":(exclude)*.md")
@@ -84,7 +84,7 @@ def affinity() -> set[int] | None:
 
 
 def last_core() -> int | None:
-    """A core for what is measured: the last one, where there are several and the system can tell."""
+    """The core to measure on: the last one, where there are several and the system lists them."""
     cores = affinity()
     return max(cores) if cores is not None and len(cores) > 1 else None
 

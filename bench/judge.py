@@ -1,9 +1,9 @@
-"""What is true of two triangles: whether they meet and how, in whole numbers and written apart from every engine.
+"""The truth about two triangles: whether and how they collide, in whole numbers, independent of every engine.
 
 Every float64 is a whole number over a power of two, so one power of two turns the six corners of a pair into whole
-numbers, and Python's have no limit. A triangle is the set of points spanned by its three corners. The set that two
-triangles share is found by cutting one with the plane and the three sides of the other; what remains says whether they
-meet, and how.
+numbers, which are unlimited in Python. A triangle is the set of points spanned by its three corners. The intersection
+of two triangles is found by cutting one with the plane and the three sides of the other; it shows whether and how they
+collide.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""How far feeler is from what this machine can do: lines of memory read, operations in lanes done, one core.
+"""How far feeler is from the limits of this machine: memory lines read, lane operations done, one core.
 
 python bench/limit.py                    at 1.6M triangles, into bench/records
 python bench/limit.py --size 100k --tools hand --poses 20 --out /tmp/records
 
-First the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and nothing else.
-Then, for each tool and kind of poses, what must at least be done is counted, and priced with that. Everything counted
-is a lower bound, and memory and lanes are taken to overlap fully, so no program of this design can be faster on this
-machine than the limit; how near one could come is not said.
+First it measures the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and
+nothing else. Then, for each tool and kind of poses, it counts the least work of a query and multiplies it by these
+costs. Every count is a lower bound, and memory and lanes are assumed to overlap fully, so no program of this design can
+be faster on this machine than the limit; it is not known how near one could come.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Needed:
     """What one query has to do at least."""
 
     scattered: int  # lines here and there: corners of the mock-up's triangles that were found
-    in_row: int  # lines in one go: clusters placed, and what is packed side by side
+    in_row: int  # lines in one go: clusters placed, and data packed side by side
     instructions: float
     answer: float  # of these, what every pair found needs in any design
 
@@ -129,7 +129,7 @@ def _lines(library: ctypes.CDLL, size: int, huge: int) -> tuple[float, float, fl
     counts = (RANDOM, CHAINED, max(lines, RANDOM))
     functions = (library.limit_random, library.limit_chained, library.limit_sequential)
     try:
-        # The same places again and again: they are what the caches may hold.
+        # The same places again and again: the caches may hold them.
         random, chained, sequential = (
             _best(functools.partial(function, buffer, lines, count, 0)) / count
             for function, count in zip(functions, counts, strict=True)
@@ -238,7 +238,7 @@ def _memory(core: Machine, one: Needed, size: int) -> float:
 
 
 def _again(engine: engines.FeelerEngine, pose: engines.Floats) -> float:
-    """Microseconds of a query asked just before: the caches hold what it needs."""
+    """Microseconds of a query repeated at once: the caches hold its data."""
     call = engine.aim("collide", pose)
     call()
     return measure.clock_once(call)[0]
@@ -294,7 +294,7 @@ def main(arguments: list[str] | None = None) -> int:
         if table:
             print(f"\n{table.markdown()}")
     if load and load[0] > BUSY:
-        print(f"The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little.")
+        print(f"The machine was busy (load {load[0]:.1f}): the measured times are too long rather than too short.")
     if reasons and not options.out:
         print(elsewhere(reasons))
     print(f"Written: {keep(rows, origin, options.out, reasons)}")

@@ -1,9 +1,9 @@
-"""The clock: the same poses for every engine, pass by pass, and what the figures are made of.
+"""The measurement: the same poses for every engine, in passes, and the statistics.
 
-In each round each engine runs one whole pass over the poses of the cell, and which comes first changes from round to
-round: as in a user's loop, an engine's own index is what the caches hold. Of each pose the least time over the rounds
-is kept: the machine can only add to it. Median, p95 and worst are over poses. Further rounds are of feeler and of those
-peers of which one will be the best.
+In each round each engine runs one whole pass over the poses of the cell, in a changing order: as in a user's loop, an
+engine's own index fills the caches. For each pose the least time over the rounds is kept, because the machine can only
+add to it. Median, p95 and worst are over poses. Further rounds run for feeler and for those peers of which one will be
+the best.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Times:
 
 @dataclass
 class Findings:
-    """What an engine said at each pose, and what it did for it, from a pass outside the clock."""
+    """An engine's answers and counts at each pose, from a pass outside the clock."""
 
     pairs: list[Pairs] = field(default_factory=list)  # of collide
     answers: list[bool] = field(default_factory=list)  # of is_colliding
@@ -68,7 +68,7 @@ def spread(per_pose: Floats) -> dict[str, float]:
 
 
 def find_poses(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, seed: int = 0) -> Floats:
-    """Poses of a kind; where they are rare, fewer than asked. Raises `OptionError` when not even one is found."""
+    """Poses of a kind; where they are rare, fewer than requested. Raises `OptionError` when not even one is found."""
     with bar(f"finding {kind} poses") as progress:
         while True:
             try:
@@ -182,7 +182,7 @@ def _median_call(aim: Callable[[], Callable[[], Any]], calls: int) -> dict[str, 
 def ratios(ours: Times, theirs: Times) -> dict[str, dict[str, float]]:
     """How many times faster ours is: of the medians, of the p95s, of the worst, and the median of per-pose ratios.
 
-    Of as many rounds as both have: who was asked more often has had more quiet moments.
+    Of as many rounds as both have: an engine with more rounds has had more quiet moments.
     """
     table = {}
     rounds = min(len(ours.wall), len(theirs.wall))

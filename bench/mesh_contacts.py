@@ -1,4 +1,4 @@
-"""Where a mesh comes near itself: pairs of its triangles without a common corner, by distances in plain NumPy."""
+"""Near self-contacts of a mesh: pairs of its triangles without a common corner, by distances in plain NumPy."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     ):
         if getattr(options, name) is None:
             setattr(options, name, quick if options.quick else full)
-        # The rows of one record are measured alike; what is skipped has no rows.
+        # The rows of one record are measured alike; a skipped measurement has no rows.
         if getattr(options, name) not in (full, 0):
             options.short.append(f"--{name} is {getattr(options, name):,}, not {full:,}")
     if not options.most_rounds:

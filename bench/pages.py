@@ -1,7 +1,7 @@
-"""What the sections of the bench share: goals, Markdown tables, and pages whose tables are made from a record.
+"""Shared parts of the bench's sections: goals, Markdown tables, and pages with tables made from a record.
 
-A section (bench/feel, bench/workbench, bench/clash) keeps its record in bench/records. Its page has blocks, each
-between `<!-- SECTION: NAME -->` and `<!-- end of SECTION: NAME -->`; what stands in them is not edited by hand.
+A section (bench/feel, bench/workbench, bench/clash) keeps its record in bench/records. Its page has blocks between
+`<!-- SECTION: NAME -->` and `<!-- end of SECTION: NAME -->`, which are not edited by hand.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def measured(
 def ended(
     result: Result, options: argparse.Namespace, name: str, page: str, record: Path, goals: Sequence[Goal]
 ) -> int:
-    """Writes what a run found, and into the record if asked to; judges it: the exit status."""
+    """Writes the results of a run, on request into the record; judges them: the exit status."""
     for path in written(result, options.out, name, page):
         print(f"Written: {path}")
     if options.record:

@@ -1,7 +1,7 @@
 """parry3d, in its default f32; the Rust side is the crate in bench/parry.
 
-Lengths are given to it in millimetres: the tolerances of its GJK are absolute, and in metres it takes triangles a
-millimetre apart for touching. The time is the same.
+Lengths are passed in millimetres: the tolerances of its GJK are absolute, and in metres it takes triangles a millimetre
+apart for touching. The time is the same.
 """
 
 from __future__ import annotations

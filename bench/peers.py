@@ -1,4 +1,4 @@
-"""Which peers there are, and which of them can be measured on this machine."""
+"""The peers, and which of them can be measured on this machine."""
 
 from __future__ import annotations
 

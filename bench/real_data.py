@@ -4,9 +4,9 @@
     python bench/real_data.py ~/models --poses 100 --peers  another folder; Coal on the same poses
     python bench/real_data.py --only 'cylinder2*' --out /tmp/table.md
 
-Every file of the folder is loaded and its outcome told: what came out, or the error. Every mock-up of 10,000 triangles
-or more is indexed and collided with the tools. Models in folders called tools* or hand* are tools, all others mock-ups.
-The exit status is 1 if an error had no type of feeler's, or a pair judged in exact arithmetic was wrong.
+Every file of the folder is loaded, and its result or error is reported. Every mock-up of 10,000 triangles or more is
+indexed and collided with the tools. Models in folders called tools* or hand* are tools, all others mock-ups. The exit
+status is 1 if an error was not of feeler's types, or if a pair judged in exact arithmetic was wrong.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""The folder of real models: which files it holds, what packed ones unpack to, and what their sources say of size.
+"""The folder of real models: its files, the content of packed ones, and the sizes that their sources state.
 
-Nothing of it is in the repository: the models are other people's. Each folder's SOURCE.txt names origin and licence.
+None of them is in the repository: the models belong to others. Each folder's SOURCE.txt names origin and licence.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 import feeler
 
 MESHES = {".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp", ".dae"}
-TOOL_FOLDERS = ("tools*", "hand*")  # what is in these is a tool; the rest is a mock-up
+TOOL_FOLDERS = ("tools*", "hand*")  # files in these are tools; the rest are mock-ups
 
 # Numbers without a unit are taken as millimetres; a mock-up that is then smaller than this is blown up to one metre.
 LEAST_SIZE_M = 0.1

@@ -1,7 +1,7 @@
 """The record of the bench: one CSV per kind of machine and release, a row per cell and engine (bench/README.md).
 
-`read` and `keep` are the only reader and writer. A run replaces the rows of what it measured and leaves the others, so
-each row names its own commit and date.
+`read` and `keep` are the only reader and writer. A run replaces the rows that it measured and keeps the others, so each
+row has its own commit and date.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ COLUMNS = (*GROUP, "engine", "version", *ORIGIN, *NUMBERS)
 WHOLE = {"size", "cores", "triangles", "parts", "tool_triangles", "poses", "rounds", "bytes", "growth_bytes"}
 WHOLE |= {"peak_bytes", "agreed", "peer_wrong", "feeler_wrong", "unjudged"}
 
-# The order of rows in a file; what is not named here comes after, by its name.
+# The order of rows in a file; rows not named here come after, by name.
 ORDER: dict[str, tuple[str, ...]] = {
     "what": ("cell", "build", "fine", "worst", "batch", "call", "growth", "limit", "level"),
     "tool": ("torque", "wrench", "square", "hand", "hand-fine"),
@@ -62,14 +62,14 @@ def elsewhere(reasons: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where and on what a run measures, found at its start."""
+    """The machine and the commit that a run measures, found at its start."""
 
     machine: str
     cores: int
     date: str
     commit: str
     release: str
-    changed: bool  # the working tree differs from the commit in what is measured
+    changed: bool  # the working tree differs from the commit in measured files
     profile: str | None
 
     @classmethod

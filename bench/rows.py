@@ -1,4 +1,4 @@
-"""The rows of a run, as `record.py` keeps them, from what `run.py` found."""
+"""The rows of a run, in the form of `record.py`, from the results of `run.py`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from record import STAGES, Row
 
 
 def rows(found: dict[str, Any]) -> Iterator[Row]:
-    """A row per cell and engine, per build, and for each thing that is asked of feeler alone."""
+    """A row per cell and engine, per build, and per measurement of feeler alone."""
     versions = found["versions"]
     for cell in found["cells"]:
         for row in _cell(cell):

@@ -6,10 +6,10 @@
     python bench/run.py --no-peers --queries collide --poses 300 --worst 0 --batch 0 --out /tmp/records
 
 A cell is a mock-up size, a tool, a kind of poses and a query; a run replaces the rows of its cells in bench/records,
-and leaves the others. A run that is not like the others (short, of changes that are not committed, without a peer that
-the record has) goes into target/bench/records instead, and says why. How it is timed: bench/measure.py. How peers are
-set up: bench/*_engine.py. Pairs that only one engine finds are judged in exact arithmetic: bench/judge.py. There is no
-pass or fail in the times; the exit status is 1 only if feeler found a pair that is none, or missed one.
+and keeps the others. A run that is not comparable (short, with uncommitted changes, without a peer that the record has)
+goes into target/bench/records instead, and says why. Timing: bench/measure.py. Set-up of peers: bench/*_engine.py.
+Pairs that only one engine finds are judged in exact arithmetic: bench/judge.py. Times neither pass nor fail; the exit
+status is 1 only if feeler reported a false pair, or missed one.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ class Bench:
             self._alone(about, scene, nominal.keys())
 
     def _cells(self, about: dict[str, Any], scene: feeler.Scene, tool: feeler.Tool, kind: str) -> engines.Floats | None:
-        """The cells of one kind of poses: one for each query that is asked there."""
+        """The cells of one kind of poses: one for each query."""
         head = f"{about['triangles']:,} triangles, {about['tool']}, {kind}"
         queries = [query for query in self.options.queries if kind in engines.KINDS_OF[query]]
         if about["triangles_asked"] != self._one_size:
@@ -211,7 +211,7 @@ class Bench:
                 self.fine.append({**about, "tool": name, **row})
 
     def _alone(self, about: dict[str, Any], scene: feeler.Scene, names: Iterable[str]) -> None:
-        """What is asked of feeler alone, at one size, with tools that have nominal poses there."""
+        """Measurements of feeler alone, at one size, with tools that have nominal poses there."""
         for name in names:
             tool = self.options.tools[name]
             if self.options.batch and name in extras.BATCH_TOOLS:
@@ -227,7 +227,7 @@ class Bench:
                 self.worst.append({**about, "tool": name, "tool_triangles": tool.triangle_count, **row})
 
     def _say(self, what: str) -> None:
-        # Lines and no moving bar: its thread would share the core, and Python's lock, with what is measured.
+        # Lines and no moving bar: its thread would share the core, and Python's lock, with the measured code.
         print(f"[{time.perf_counter() - self._started:6.1f} s] {what}", file=sys.stderr, flush=True)
 
 

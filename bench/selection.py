@@ -1,7 +1,7 @@
-"""What queries cost in a scene without some parts, beside the whole one, and how long it takes to make.
+"""The cost of queries in a scene without some parts, relative to the whole scene, and the time to make it.
 
 Prints for each query the ratio of its time to that in the whole scene, as the median over poses of the best of a few
-rounds, and what the scenes without parts take to make. One thread; the sample engine and a wrench.
+rounds, and the time to make the scenes without parts. One thread; the sample engine and a wrench.
 """
 
 from __future__ import annotations

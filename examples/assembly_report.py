@@ -1,8 +1,8 @@
-"""A report of a way through an assembly: which part is hit, when, and by how much; with a picture and a GLB.
+"""A report of a path through an assembly: which part is hit, when, and how hard; with a picture and a GLB.
 
     python examples/assembly_report.py [MOCKUP_FILE TOOL_FILE]
 
-Without files it takes the built-in gearbox and torque wrench. Writes report.csv, report.png, report.glb.
+Without files it uses the built-in gearbox and torque wrench. Writes report.csv, report.png, report.glb.
 """
 
 import sys

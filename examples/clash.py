@@ -1,8 +1,8 @@
-"""A clash check of a whole assembly, with rules, followed from one version to the next; with a page to hand on.
+"""A clash check of a whole assembly, with rules, tracked from one version to the next; with a page to share.
 
     python examples/clash.py [MOCKUP_FILE]
 
-Without a file it takes the built-in gearbox with faults in it. Writes clashes.html, clashes.bcf and clashes.json.
+Without a file it uses the built-in gearbox with faults. Writes clashes.html, clashes.bcf and clashes.json.
 """
 
 import sys
@@ -26,7 +26,7 @@ else:
 
 
 def checked() -> feeler.Clashes:
-    """All pairs, measured; then what the fits allow."""
+    """All pairs, measured; then judged by the fits."""
     return feeler.clash(mockup, clearance=0.0, rules={"rule": [pipes]}).with_rules({"rule": [pipes, *fits]})
 
 

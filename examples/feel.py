@@ -1,4 +1,4 @@
-"""Feels a reach into an engine: where the device leads a hand, where the engine lets it be, and the force of that.
+"""Haptics of a reach into an engine: the pose of the device, the pose that contact allows, and the force.
 
 python examples/feel.py
 """

@@ -1,4 +1,4 @@
-"""Meshes from arrays of your own, and the three ways in which two triangles meet."""
+"""Meshes from your own arrays, and the three ways in which two triangles collide."""
 
 import numpy as np
 

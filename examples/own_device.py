@@ -1,6 +1,6 @@
-"""A device of one's own, in some thirty lines: a handle on a rail that tells its height and takes a force.
+"""Your own device in some thirty lines: a handle on a rail that reports its height and takes a force.
 
-Here a program moves the handle down onto a plate; `read` and `write` of yours talk to a motor controller.
+Here a program moves the handle down onto a plate; your `read` and `write` would talk to a motor controller.
 """
 
 import time

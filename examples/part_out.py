@@ -1,8 +1,8 @@
-"""Taking an assembly apart: which part can be drawn out along an axis, and once it is out, which one next?
+"""Disassembly: which part can be pulled out along an axis, and which one after that?
 
     python examples/part_out.py
 
-A part goes straight out if, on its way, it enters nothing that is still there: it may touch, and slide along its seat.
+A part goes straight out if it enters no remaining part on its way: it may touch, and slide along its seat.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray,
 
 
 # A case that is open above, with a pump and a filter in it without play, a lid on top, and a latch across the lid.
-# Binary fractions of a metre: what is flush is flush to the last bit.
+# Binary fractions of a metre: flush faces are flush to the last bit.
 shapes = {
     "case/bottom": box((-0.25, -0.125, -0.0625), (0.25, 0.125, 0)),
     "case/left": box((-0.25, -0.125, 0), (-0.1875, 0.125, 0.25)),

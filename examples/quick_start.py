@@ -1,4 +1,4 @@
-"""Quick start: a mock-up, a tool, a path, and what is hit on the way."""
+"""Quick start: a mock-up, a tool, a path, and the parts hit on the way."""
 
 import feeler
 

@@ -1,8 +1,8 @@
-"""Can a mount's retainer be taken off the gearbox, and what has to go first? Writes the way and a film of it.
+"""Can a mount's retainer be taken off the gearbox, and what must be removed first? Writes the path and a film of it.
 
     python examples/removal.py [MOCKUP_FILE PART]
 
-Without a file it takes the built-in gearbox.
+Without a file it uses the built-in gearbox.
 """
 
 import sys

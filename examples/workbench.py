@@ -1,4 +1,4 @@
-"""The workbench from a script: a wrench that stops, a pump that comes out, a picture; with --open to go on by hand.
+"""The workbench from a script: a wrench stopped by contact, a pump taken out, a picture; --open continues by hand.
 
 python examples/workbench.py [--open]
 """

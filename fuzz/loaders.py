@@ -1,13 +1,12 @@
-"""Coverage-guided fuzzing of the file loaders: any bytes give a mock-up or a `FeelerError`, never anything else.
+"""Coverage-guided fuzzing of the file loaders: any bytes must give a mock-up or a `FeelerError`, never anything else.
 
     python fuzz/loaders.py stl -max_total_time=1200  one format; further arguments go to libFuzzer
     python fuzz/loaders.py stl --smoke 200           that many random changes of each seed, without libFuzzer
     python fuzz/loaders.py --list
 
-Files are loaded alone, so what a format keeps in other files is not reached. STEP is converted in a child process, by a
-native library that cannot be traced: coverage guides only what is done before and after, some five files a second. The
-corpora grow in build/fuzz/FORMAT, from fuzz/seeds/FORMAT; input that breaks the rule is written to
-build/fuzz/crash-FORMAT-*.
+Files are loaded alone, so referenced files of a format are not covered. STEP is converted in a child process, by a
+native library without coverage: coverage guides only the steps before and after, some five files a second. The corpora
+grow in build/fuzz/FORMAT, from fuzz/seeds/FORMAT; input that breaks the rule is written to build/fuzz/crash-FORMAT-*.
 """
 
 from __future__ import annotations

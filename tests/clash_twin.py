@@ -73,7 +73,7 @@ def clash(
     try:
         for number, (a, b) in enumerate(pairs):
             if progress is not None and number % 8 == 0:
-                progress(number / len(pairs), "finding parts that meet")
+                progress(number / len(pairs), "finding colliding parts")
             classes = int(class_of_part[a]), int(class_of_part[b])
             near, touch = float(clearance[classes]), float(contact[classes])
             if near < 0 or (a, b) in left_out or _boxes_apart(bounds[a], bounds[b]) > max(near, touch):

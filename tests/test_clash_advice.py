@@ -38,7 +38,7 @@ def test_one_part_that_is_left_of_several(tmp_path: Path) -> None:
 
 def test_an_open_part_that_holds_another_is_named() -> None:
     (nothing, rim) = said({"case/housing": HOUSING, "pump": INSIDE})
-    assert nothing.startswith("no pair of parts meets, or is nearer than 2 mm. Pass a larger clearance")
+    assert nothing.startswith("no pair of parts collides, or is nearer than 2 mm. Pass a larger clearance")
     assert rim.startswith("1 part is not closed, so parts inside it are not found: housing. Export it as solid")
 
 
@@ -64,7 +64,7 @@ def test_a_closed_part_that_is_in_no_finding_is_not_called_open() -> None:
 
 def test_no_clearance_asks_for_one() -> None:
     assert said({"cube": CUBE, "far": FAR}, clearance=0.0) == [
-        "no pair of parts meets. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
+        "no pair of parts collides. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
     ]
 
 

@@ -168,7 +168,7 @@ def test_ctrl_c_leaves_what_was_found(engine: feeler.Scene) -> None:
 
         return clash(engine, progress=progress)
 
-    for stage in ("finding parts that meet", "measuring clearances", "measuring depths"):
+    for stage in ("finding colliding parts", "measuring clearances", "measuring depths"):
         stopped = stop_at(stage)
         assert stopped.is_partial
         pairs = {*verdicts(stopped)}

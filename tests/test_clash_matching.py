@@ -343,10 +343,10 @@ def test_damaged_shapes(tmp_path: Path, name: str, value: object) -> None:
     data = json.loads((tmp_path / "before.json").read_text())
     data["shapes"][1][name] = value
     (tmp_path / "before.json").write_text(json.dumps(data))
-    with pytest.raises(LoadError, match=r"shapes\[1\] is no shape of a part: "):
+    with pytest.raises(LoadError, match=r"shapes\[1\] is not a shape of a part: "):
         feeler.load_clashes(tmp_path / "before.json")
     (tmp_path / "before.json").write_text(json.dumps({**data, "shapes": 3}))
-    with pytest.raises(LoadError, match='"shapes" is no list'):
+    with pytest.raises(LoadError, match='"shapes" is not a list'):
         feeler.load_clashes(tmp_path / "before.json")
 
 

@@ -185,7 +185,7 @@ def test_names_that_are_not_there_are_told_with_near_ones(mockup: feeler.Mockup)
         ruled(mockup, Rule("x", "*", "*blot*"))
     with pytest.raises(OptionError, match=r"exclusion 'y', a: no path matches 're:walls/\.\*' as a whole"):
         left_out(mockup, Exclusion("y", "re:walls/.*"))
-    with pytest.raises(OptionError, match=r"'re:\(' is no regular expression"):
+    with pytest.raises(OptionError, match=r"'re:\(' is not a regular expression"):
         ruled(mockup, Rule("x", "re:("))
     assert left_out(mockup, Exclusion("y", "*blot*", optional=True)) == set()
     assert ruled(mockup, Rule("x", "*blot*", optional=True)).keys() == FOUND.keys()
@@ -278,12 +278,12 @@ def test_a_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
         ("others = false", 'others = "no"', "others is 'no': give true or false"),
         ("clearance =", "clearence =", "rule 1: there is no 'clearence': do you mean clearance"),
         ("[[rule]]", "[[rules]]", "there is no 'rules': do you mean rule"),
-        ("[[rule]]", "[rule]", r"rule is no list of tables: write \[\[rule\]\] above each"),
+        ("[[rule]]", "[rule]", r"rule is not a list of tables: write \[\[rule\]\] above each"),
         ('"critical"', '"crit"', "rule 1, rule 'walls against pins': severity is 'crit': do you mean critical"),
         ("0.005", "-0.005", "clearance is -0.005: give metres"),
         ('name = "copies"', "", "exclude 1: it has no name"),
         ("fasteners = true", "fasteners = 1", "exclude 3: fasteners is 1: give true or false"),
-        ("level = 3", "level = ", "is no TOML"),
+        ("level = 3", "level = ", "is not valid TOML"),
         ("same_assembly = 2", "same_assembly = 0", "give one of a, same_assembly and fasteners"),
         ('name = "walls against pins"', 'name = "default"', "the name of a rule is that of the pairs"),
     ],
@@ -306,7 +306,7 @@ def test_files_that_cannot_be_read(tmp_path: Path, mockup: feeler.Mockup) -> Non
     with pytest.raises(LoadError, match="cannot be read"):
         Rules.read(tmp_path)
     (tmp_path / "deep.toml").write_text("x = " + "[" * 100_000)
-    with pytest.raises(LoadError, match="is no TOML"):
+    with pytest.raises(LoadError, match="is not valid TOML"):
         Rules.read(tmp_path / "deep.toml")
 
 

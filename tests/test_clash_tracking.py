@@ -233,7 +233,7 @@ def test_wrong_statuses(mockup: feeler.Mockup) -> None:
         found.set_status(found.ids[0], "resolved")
     with pytest.raises(OptionError, match="there is no clash 'nonsense'"):
         found.set_status("nonsense", "active")
-    with pytest.raises(OptionError, match="by and note are texts"):
+    with pytest.raises(OptionError, match="by and note must be text"):
         found.set_status(found.ids[0], "active", by=7)  # type: ignore[arg-type]
     assert found[0].status == "new"
 
@@ -293,7 +293,7 @@ def test_a_truncated_file(saved: Path) -> None:
     text = saved.read_text()
     for share in (0.0, 0.1, 0.5, 0.9, 0.999):
         saved.write_text(text[: int(share * len(text))])
-        with pytest.raises(LoadError, match=r"last\.json: it is cut short, or no JSON"):
+        with pytest.raises(LoadError, match=r"last\.json: it is cut short, or not JSON"):
             feeler.load_clashes(saved)
 
 
@@ -313,13 +313,16 @@ def test_other_files(tmp_path: Path, saved: Path) -> None:
     with pytest.raises(LoadError, match="cannot be read"):
         feeler.load_clashes(tmp_path)
     for content, message in [
-        ("[1, 2]", "is no file of clashes"),
-        ('{"version": 1, "clashes": []}', "is no file of clashes"),
+        ("[1, 2]", "is not a file of clashes"),
+        ('{"version": 1, "clashes": []}', "is not a file of clashes"),
         ('{"format": "feeler clash", "version": 1}', 'holds no list "clashes"'),
-        ('{"format": "feeler clash", "version": 1, "clashes": [3]}', r"clashes\[0\] is no finding: it is no object"),
+        (
+            '{"format": "feeler clash", "version": 1, "clashes": [3]}',
+            r"clashes\[0\] is not a finding: it is not an object",
+        ),
         ('{"format": "feeler clash", "version": 1, "clashes": [{"a": "x", "b": "y"}]}', "it has no 'rule'"),
-        ("[" * 100_000, "no JSON"),
-        ("\x00", "no JSON"),
+        ("[" * 100_000, "not JSON"),
+        ("\x00", "not JSON"),
     ]:
         (tmp_path / "odd.json").write_text(content)
         with pytest.raises(LoadError, match=message):
@@ -355,7 +358,7 @@ def test_damaged_findings(saved: Path, name: str) -> None:
     data = json.loads(saved.read_text())
     data["clashes"][2][name] = DAMAGE[name]
     saved.write_text(json.dumps(data))
-    with pytest.raises(LoadError, match=r"clashes\[2\] is no finding: "):
+    with pytest.raises(LoadError, match=r"clashes\[2\] is not a finding: "):
         feeler.load_clashes(saved)
 
 

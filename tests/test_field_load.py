@@ -268,7 +268,7 @@ def test_one_up_axis_is_no_doubt(up_files):
 
 @pytest.mark.parametrize("up", ["", "w", "zz", 2, ["z"]])
 def test_up_that_is_no_axis(tmp_path, up):
-    with pytest.raises(OptionError, match=r"up=.* is no axis; use 'x', 'y' or 'z'"):
+    with pytest.raises(OptionError, match=r"up=.* is not an axis; use 'x', 'y' or 'z'"):
         load_mockup(save(tmp_path, "a.stl", stl_binary()), up=up)
 
 

@@ -117,7 +117,7 @@ def test_a_hand_that_holds_the_part_comes_along() -> None:
     assert scene.without("peg").check_path(held, found.path, touching="free").is_free
     low = np.eye(4)
     low[2, 3] = 0.045
-    with pytest.raises(feeler.PoseError, match="meets"):
+    with pytest.raises(feeler.PoseError, match="collides with"):
         feeler.insertion(scene, "peg", tool=hand, grip=low)
     with pytest.raises(feeler.OptionError, match="no tool"):
         feeler.insertion(scene, "peg", grip=grip)

@@ -128,7 +128,7 @@ def test_transforms_in_the_order_of_the_file(tmp_path, text, matrix):
         ("<translate>1,5 2 3</translate>", "<translate> should have 3 numbers"),
         ("<rotate>0 0 0 90</rotate>", "axis of length zero"),
         ("<matrix>1 2 3</matrix>", "<matrix> should have 16 numbers"),
-        (f"<matrix>{row(np.ones(16))}</matrix>", "no affine transform"),
+        (f"<matrix>{row(np.ones(16))}</matrix>", "not an affine transform"),
         ("<skew>95 0 1 0 1 0 0</skew>", "<skew> has an angle"),
         ("<skew>10 0 1 0 0 1 0</skew>", "two axes of one direction"),
         ("<lookat>1 1 1 1 1 1 0 0 1</lookat>", "length zero"),
@@ -206,7 +206,7 @@ def test_unit_and_up_axis(tmp_path, asset, unit, metres, up):
     mockup = load_mockup(path)
     assert np.array_equal(soup(mockup), SOUP * metres) and mockup.report.source.unit == unit
     assert read_collada(path).up == up
-    assert ("'UPWARDS' is none of COLLADA" in notes(mockup)) == ("UPWARDS" in asset)
+    assert ("'UPWARDS' is unknown in COLLADA" in notes(mockup)) == ("UPWARDS" in asset)
 
 
 @pytest.mark.parametrize("metres", ["0,0254", "0", "-1", "nan", "inf", "inch"])
@@ -346,7 +346,7 @@ def test_numbers_that_are_not_finite_are_kept(tmp_path):
         ("#g-s-a", "#nowhere", None),
         ('source="#g-v"', 'source="#nowhere"', "positions that are not in the file"),
         ('semantic="VERTEX"', 'semantic="NORMAL"', "no input for positions"),
-        ("<p>0", "<p>zero", "no whole number"),
+        ("<p>0", "<p>zero", "not a whole number"),
         ("</mesh>", "", "XML"),
         ('offset="0"', 'offset="-1"', "whole number"),
     ],

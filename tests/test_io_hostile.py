@@ -124,7 +124,7 @@ def test_empty_file(tmp_path, name):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes here")
 def test_pipe_does_not_hang(tmp_path):
     os.mkfifo(tmp_path / "a.stl")
-    refuse(tmp_path / "a.stl", "no regular file")
+    refuse(tmp_path / "a.stl", "not a regular file")
     with pytest.raises(LoadError):
         load_mockup("/dev/zero")
 
@@ -544,9 +544,9 @@ ITEM = '<item objectid="1"/>'
         (threemf_mesh(1), '<item objectid="9"/>', ("not defined",)),
         (threemf_mesh(1), "<item/>", ("objectid", "missing")),
         (threemf_mesh(1) * 2, ITEM, ("twice",)),
-        (threemf_mesh(1).replace('v1="0"', 'v1="a"'), ITEM, ("no number",)),
+        (threemf_mesh(1).replace('v1="0"', 'v1="a"'), ITEM, ("not a number",)),
         (threemf_mesh(1).replace('v1="0"', 'v1="9999999999999999999999"'), ITEM, ("number",)),
-        (threemf_mesh(1).replace('x="10.0"', 'x="ten"'), ITEM, ("no number",)),
+        (threemf_mesh(1).replace('x="10.0"', 'x="ten"'), ITEM, ("not a number",)),
         (threemf_mesh(1).replace('x="10.0"', ""), ITEM, ("'x'", "missing")),
         (threemf_mesh(1), '<item objectid="1" transform="1 2 3"/>', ("twelve numbers",)),
         (threemf_components(1, "a", [(1, "")]), ITEM, ("cycle",)),
@@ -580,8 +580,8 @@ def test_3mf_index_out_of_range_is_kept(tmp_path):
 
 
 def test_zip_that_is_no_3mf(tmp_path):
-    refuse(save(tmp_path, "a.3mf", zipped({"hello.txt": b"hello"})), "no 3MF")
-    refuse(save(tmp_path, "a.stl", zipped({"part.stl": stl_binary()})), "no 3MF")
+    refuse(save(tmp_path, "a.3mf", zipped({"hello.txt": b"hello"})), "not a 3MF file")
+    refuse(save(tmp_path, "a.stl", zipped({"part.stl": stl_binary()})), "not a 3MF file")
 
 
 def test_zip_bomb_is_not_opened(tmp_path):

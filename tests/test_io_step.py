@@ -203,7 +203,7 @@ def test_a_file_in_a_subfolder_may_name_one_above_it(tmp_path):
     (tmp_path / "loop.step").symlink_to("loop.step")
     assert find(Named(("loop.step",)), tmp_path, tmp_path).path is None
     save(tmp_path, "b.prt", "")
-    assert "no STEP file" in find(Named(("b.prt",)), tmp_path, tmp_path).why_not
+    assert "not a STEP file" in find(Named(("b.prt",)), tmp_path, tmp_path).why_not
 
 
 @needs_step

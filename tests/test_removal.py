@@ -156,11 +156,11 @@ def test_what_grips_moves_along(duct: feeler.Scene) -> None:
     both = feeler.Tool.assembly({"cube": feeler.Tool.of_parts(duct.mockup, "cube"), "handle": (handle, inside)})
     assert duct.without("cube").check_path(both, answer.poses).is_free
     inside[0, 3] = 0.058
-    with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' meets 'east'"):
+    with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' collides with 'east'"):
         feeler.removal(duct, "cube", tool=handle, start=inside)
     deep = np.eye(4)
     deep[:3, 3] = 0.02, 0.04, 0.0
-    with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' meets 'north'"):
+    with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' collides with 'north'"):
         feeler.removal(duct, "cube", tool=handle, start=deep)
 
 
@@ -212,7 +212,7 @@ def test_a_result_travels(found: feeler.Removal) -> None:
         ({"directions": [[0, 0]]}, feeler.OptionError, r"\(1, 2\)"),
         ({"directions": "up"}, feeler.OptionError, "cannot be read"),
         ({"tool": "hand"}, feeler.MeshError, "tool is a feeler.Tool"),
-        ({"start": np.eye(4)}, feeler.OptionError, "there is none"),
+        ({"start": np.eye(4)}, feeler.OptionError, "there is no tool"),
         ({"progress": 3}, feeler.OptionError, "progress is 3"),
     ],
 )

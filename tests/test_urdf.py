@@ -242,7 +242,7 @@ def test_options_are_checked(arm: Path, options: Any, message: str) -> None:
         (link("a", '<collision><geometry><mesh filename=""/></geometry></collision>'), "no filename"),
         (link("a", '<xacro:macro xmlns:xacro="x"/>'), "xacro robot.urdf"),
         (link("${prefix}a"), "this is xacro"),
-        (link("a") + "<", "no XML that can be read"),
+        (link("a") + "<", "the XML cannot be read"),
     ],
 )
 def test_robots_that_cannot_be(tmp_path: Path, body: str, message: str) -> None:

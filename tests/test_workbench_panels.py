@@ -219,7 +219,7 @@ def stepped_through(page: Any) -> None:
     page.locator(".finding[aria-current=true]", has_text="right").wait_for()
     page.locator(".finding[aria-current=true] select").select_option("reviewed")
     wait(page, "() => window.feeler.document.findings.status.r === 'reviewed'")
-    page.get_by_label("Hide what only touches").uncheck()
+    page.get_by_label("Hide contacts").uncheck()
     wait(page, "() => document.querySelectorAll('.finding').length === 3")
     # Next and previous go through what is shown.
     page.get_by_label("Filter findings").fill("reviewed")
@@ -283,7 +283,7 @@ def test_settings_of_sound_touch_and_devices(context: Any, stand: Path, cube: Pa
         wait(page, "() => window.feeler.document.material === 'rubber'")
         page.get_by_label("Rumble with the force").uncheck()
         page.get_by_label("Gamepad: rest of the sticks").fill("0.25")
-        page.get_by_text("At its size").click()
+        page.get_by_text("At full size").click()
         keep(page.screenshot(), "settings.png")
         page.reload()
         wait(page, "() => window.feeler && window.feeler.ready")
@@ -291,7 +291,7 @@ def test_settings_of_sound_touch_and_devices(context: Any, stand: Path, cube: Pa
         assert page.get_by_label("Rumble at each contact").is_checked()
         assert not page.get_by_label("Rumble with the force").is_checked()
         assert page.get_by_label("Gamepad: rest of the sticks").input_value() == "0.25"
-        assert page.get_by_label("At its size").is_checked()
+        assert page.get_by_label("At full size").is_checked()
         assert page.get_by_label("Mock-up sounds like").input_value() == "rubber"
 
 

@@ -205,10 +205,10 @@ def test_every_message_is_tried_here() -> None:
         ('{"kind":"ack","seq":null}', "Ack.seq: is None: a whole number"),
         ('{"kind":"ack","seq":9007199254740993}', r"beyond 2\^53"),
         ('{"kind":"ack","seq":' + "9" * 5000 + "}", "digits|beyond 2\\^53"),
-        ('{"kind":"ack","seq":NaN}', "NaN is no number of JSON"),
+        ('{"kind":"ack","seq":NaN}', "NaN is not a JSON number"),
         ('{"kind":"command","id":1,"name":"a","args":[]}', "Command.args: is a JSON list"),
-        ('{"kind":"command","id":1,"name":"a","args":{"b":1e999}}', "no finite number"),
-        ('{"kind":"command","id":1,"name":"a","args":{"b":[-Infinity]}}', "no number of JSON"),
+        ('{"kind":"command","id":1,"name":"a","args":{"b":1e999}}', "not a finite number"),
+        ('{"kind":"command","id":1,"name":"a","args":{"b":[-Infinity]}}', "not a JSON number"),
         ('{"kind":"command","id":1,"name":"a","args":{"b":"\\ud800"}}', "surrogate"),
         ('{"kind":"command","id":1,"name":"\\udfff","args":{}}', "surrogate"),
         ('{"kind":"command","id":1,"name":"a","args":{"\\ud800":1}}', "surrogate"),
@@ -487,7 +487,7 @@ export interface Jobs {
     ("old", "new", "words"),
     [
         ('is_on": bool', 'is_on": set[int]', "set.int. has no TypeScript"),
-        (" -> Outline", "", "does not say what it answers"),
+        (" -> Outline", "", "does not name its answer"),
         ("ray, WHAT", "ray, ()", "is no table"),
     ],
 )

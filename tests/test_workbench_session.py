@@ -489,7 +489,7 @@ def test_the_threads_answer_wishes_and_end() -> None:
         assert there.wait(WAIT_S)
         end()
         assert session.snapshot().blocked and session.snapshot().parts == [PLATE]
-        with pytest.raises(WorkbenchError, match="no pose"):
+        with pytest.raises(WorkbenchError, match="not a pose"):
             session.wish(np.zeros((4, 4)), 8, "mouse")
     session.close()
 
@@ -610,7 +610,7 @@ def test_view_from_a_script(tmp_path: Path) -> None:
         assert view.screenshot() == b"png of a page"
         with pytest.raises(OptionError, match="size"):
             view.screenshot(size=(0, 1))
-        with pytest.raises(WorkbenchError, match="no pose"):
+        with pytest.raises(WorkbenchError, match="not a pose"):
             view.pose = np.zeros((4, 4))
         with pytest.raises(WorkbenchError, match="no pose"):
             view.show_hit("a hit")
@@ -626,7 +626,7 @@ def test_view_refuses_what_it_cannot_show() -> None:
         feeler.view(stand(), stand())  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="glide"):
         feeler.view(stand(), mode="slide")
-    with pytest.raises(WorkbenchError, match="no pose"):
+    with pytest.raises(WorkbenchError, match="not a pose"):
         feeler.view(stand(), pose=np.zeros((4, 4)))
     with pytest.raises(AttributeError, match="views"):
         feeler.views  # noqa: B018

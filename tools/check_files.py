@@ -1,10 +1,10 @@
-"""Checks what a reader of the repository would stumble over, in every file git knows or would add.
+"""Checks all files that git knows or would add for common defects.
 
     python tools/check_files.py [ROOT]
 
 Sources over 800 lines, files too big for a clone, `unsafe` without a SAFETY comment, left-over markers, two constants
-of one name in a Rust crate, and anything that ties the repository to one machine: a package registry's address, an
-absolute path of somebody's disk.
+of one name in a Rust crate, and anything that ties the repository to one machine: the address of a package registry, an
+absolute path of a user's disk.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Checks who may know of whom: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python`, never back.
+"""Checks the layers: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python`, never back.
 
     python tools/check_layers.py [ROOT]              the check
     python tools/check_layers.py --graph [NAME]      which file imports which, and the circles: of a crate, bench, ...
@@ -40,7 +40,7 @@ CRATES = [
 # These two serve tests: shapes to test with, and the judge. Other crates may depend on them for tests alone.
 FOR_TESTS = {"feeler-shapes", "feeler-exact"}
 
-# No Python, clock, files, environment, network, processes, and nothing printed: whoever needs one passes it in.
+# No Python, clock, files, environment, network, processes, and nothing printed: the caller passes these in.
 PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-world", "feeler-plan", "feeler-haptics"}
 PURE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}
 PURE_MAY_NOT_MENTION = {
@@ -132,7 +132,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "walk": {"constants", "error", "environment", "ask", "seats", "surroundings"},
         # A tool that contact stops.
         "stop": {"constants", "error", "environment", "seats", "surroundings", "walk"},
-        # What is gripped, and what was put down.
+        # Parts gripped, and parts put down.
         "world": {"error", "environment", "surroundings"},
     },
     "feeler-plan": {
@@ -271,7 +271,7 @@ ROOMS: dict[str, set[str]] = {
     },
     "__main__": {"cli"},
 }
-# What the rooms of such a room may import of each other. Its `__init__.py` is its door, for all.
+# The inner rooms of a package, and those that each may import. All may import through its `__init__.py`.
 INNER_ROOMS: dict[str, dict[str, set[str]]] = {
     "workbench": {
         # The page's own files.
@@ -282,7 +282,7 @@ INNER_ROOMS: dict[str, dict[str, set[str]]] = {
         "engine": {"document"},
         # Document, engine, jobs and record together; knows of no socket.
         "session": {"document", "engine", "files"},
-        # Knows the session by what it needs of one.
+        # Knows the session through a protocol of its own.
         "net": {"document", "files"},
         # `feeler.view`.
         "scripting": {"document", "session", "net", "view_commands"},
@@ -298,7 +298,7 @@ OUTSIDE = {"bench", "tests", "tools", "examples", "docs"}
 
 
 def crate_violations(root: Path) -> Iterator[str]:
-    """Dependencies between the crates, and what the pure ones depend on."""
+    """Dependencies between the crates, and those of the pure ones."""
     for manifest in sorted(root.glob("crates/*/Cargo.toml")):
         where = manifest.relative_to(root).as_posix()
         data = tomllib.loads(manifest.read_text(encoding="utf-8"))

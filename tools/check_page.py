@@ -1,9 +1,9 @@
-"""Checks who may import whom in the page's source, `viewer/src`: types too, as they are what a reader has to follow.
+"""Checks the imports in the page's source, `viewer/src`, including types, because readers have to follow them too.
 
     python tools/check_page.py [ROOT]
 
-The rooms are the folders of `viewer/src`. A new one fails the check until it has its row in the table below, and a file
-beside the rooms is refused. No circle of imports is allowed, not even one of two files.
+The rooms are the folders of `viewer/src`. A new one fails the check until it has its row in the table below, and files
+beside the rooms are refused. No circle of imports is allowed, not even one of two files.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Writes the docstrings of python/feeler/_core*.pyi into crates/feeler-py/src, where `help()` gets them from.
+"""Writes the docstrings of python/feeler/_core*.pyi into crates/feeler-py/src, where `help()` finds them.
 
     python tools/docstrings.py              write them
-    python tools/docstrings.py --check      fail if what is written differs
+    python tools/docstrings.py --check      fail if the written text differs
 
 The stubs are the source. In Rust a docstring is the `///` lines above a `#[pyclass]`, a `#[pyfunction]`, a function of
 `#[pymethods]`, or a field of a class that shows its fields (`get_all`).
@@ -84,7 +84,7 @@ def with_docs(block: list[str], kind: str, owner: str, docs: dict[tuple[str, str
 
 
 def members(lines: list[str], owner: str, docs: dict[tuple[str, str], str], pattern: re.Pattern[str]) -> list[str]:
-    """The lines with docstrings before what is a member: at four spaces, after its attributes."""
+    """The lines with docstrings before each member: at four spaces, after its attributes."""
     out: list[str] = []
     head: list[str] = []
     for line in lines:

@@ -1,8 +1,8 @@
-"""Makes the pictures and the table of fits of docs/samples.md from the sample gearbox and its truth.
+"""Makes the pictures and the table of fits of docs/samples.md from the sample gearbox and its known facts.
 
     python tools/gearbox_docs.py [--check]
 
-`--check` writes nothing and fails where the table is out of date. Needs no display; takes a minute.
+`--check` writes nothing and fails if the table is out of date. Needs no display; takes a minute.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""Writes viewer/src/link/protocol.ts: what the page knows of the messages.
+"""Writes viewer/src/link/protocol.ts: the types of the messages for the page.
 
 The messages and the objects in them are those of python/feeler/workbench/document/protocol.py; the names, arguments and
 answers of commands, questions and jobs are the tables of document/commands.py and session/asking.py there.
 
     python tools/protocol_ts.py              write it
-    python tools/protocol_ts.py --check      fail if what is written differs
+    python tools/protocol_ts.py --check      fail if the written text differs
 
-Reads the source, not the module: it runs without NumPy, and the docstrings of fields are there.
+It reads the source instead of importing the module, so it runs without NumPy and sees the docstrings of fields.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ WRITTEN = ROOT / "viewer" / "src" / "link" / "protocol.ts"
 
 HEAD = """\
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
-// SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
+// SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks binary data.
 """
 RENAMED = {"Event": "ServerEvent", "DocumentFields": "Document"}
 """What has another name in the page: `Event` is a type of the browser."""
@@ -140,7 +140,7 @@ class Tables:
                 returns = self._functions[work].returns
                 if returns is not None:
                     return of(returns)
-        raise ShapeError(f"line {row.lineno}: {ast.unparse(row)} does not say what it answers")
+        raise ShapeError(f"line {row.lineno}: {ast.unparse(row)} does not name its answer")
 
     def _doc(self, row: ast.expr) -> str:
         match row:

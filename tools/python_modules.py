@@ -1,4 +1,4 @@
-"""Which Python file imports which: what `check_layers` asks of the package and of bench/."""
+"""The imports between Python files, for `check_layers`: of the package and of bench/."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Sources:
         return sorted([*self.root.rglob("*.py"), *stubs])
 
     def arrows(self, files: Collection[Path] | None = None) -> Arrows:
-        """From each file to those that define what it imports, with the names and the line of each.
+        """From each file to those whose names it imports, with the names and the line of each.
 
         Imports inside functions and for type checkers count as well: they are knowledge too. What a package's
         `__init__.py` takes from below itself does not: it is a door, and imports through it lead to the file behind.

@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/removal.md: ways out as a row of poses.
+"""Makes the pictures of docs/removal.md: removal paths as a row of poses.
 
     python tools/removal_pictures.py [NAME ...] [--out FOLDER]
 
@@ -83,7 +83,7 @@ PICTURES: dict[str, Callable[[Path], None]] = {"tubes": draw_tubes, "pump": draw
 
 
 def main() -> None:
-    """Draw what is asked for."""
+    """Draws the chosen pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", choices=[*PICTURES, []], help="default: all")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "removal")

@@ -1,8 +1,8 @@
-"""The files of a Rust crate and who imports whom, read from the text: no compiler, no build.
+"""The files of a Rust crate and their imports, read from the text: no compiler, no build.
 
-An arrow goes from a file to the file that *defines* a name it uses. Re-exports are looked through: they are the door of
-a room, and a door makes no arrow of its own. Code for tests (`#[cfg(test)]`, `#[test]`) makes none either. What has no
-path in the text stays unseen: methods, fields, and names that a macro puts together.
+An arrow goes from a file to the file that *defines* a name it uses. Re-exports are followed: they only open a room, and
+make no arrow of their own. Code for tests (`#[cfg(test)]`, `#[test]`) makes none either. Names without a path in the
+text remain unseen: methods, fields, and names built by macros.
 """
 
 from __future__ import annotations
@@ -419,7 +419,7 @@ class Crate:
         return None
 
     def arrows(self) -> Arrows:
-        """From each file to those that define what it uses, with the names and the line of each."""
+        """From each file to those whose names it uses, with the names and the line of each."""
         found: Arrows = {}
         for module in self.modules():
             if module.is_test:
@@ -431,7 +431,7 @@ class Crate:
         return found
 
     def uses(self, module: Module) -> Iterator[tuple[int, Module | Item]]:
-        """(line, what is used) in one module."""
+        """(line, name used) in one module."""
         used_through = {mention.path[0] for mention in module.mentions if len(mention.path) > 1}
         for found, blocks in [*((found, ()) for found in module.imports), *module.inner_imports]:
             target = self.resolve(module, found.path, blocks)

@@ -1,6 +1,6 @@
 """Puts the figures of the studies into docs/voxel-size-figures.md, and two plots into docs/voxel-size/.
 
-python tools/study_docs.py [STUDY_FOLDER]     feeler-study, as `make study` leaves it
+python tools/study_docs.py [STUDY_FOLDER]     feeler-study, the folder of `make study`
 """
 
 from __future__ import annotations

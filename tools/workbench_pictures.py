@@ -122,7 +122,7 @@ def contact(desk: Desk) -> None:
 
 
 def passing(desk: Desk) -> None:
-    """The same wrench where it does not fit, in mode pass: what it cuts."""
+    """The same wrench where it does not fit, in mode pass: the parts that it cuts."""
     desk.look(*AT_NUT)
     desk.command("set_mode", mode="pass")
     desk.move(desk.wrench_at_nut(0.004))

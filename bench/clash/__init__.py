@@ -1,1 +1,1 @@
-"""The bench of clash checks: pairs that they get wrong, and what a whole assembly takes; feeler and its peers."""
+"""The bench of clash checks: hard pairs, and times of whole assemblies; feeler and its peers."""

@@ -1,4 +1,4 @@
-"""The hard pairs of testdata/clash as meshes, and what is right of them: of boxes by rational arithmetic."""
+"""The hard pairs of testdata/clash as meshes, and their true results: for boxes by rational arithmetic."""
 
 from __future__ import annotations
 

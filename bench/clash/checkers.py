@@ -1,4 +1,4 @@
-"""What is asked of a clash checker; feeler; which peers there are, and which of them this machine has."""
+"""The interface of clash checkers, feeler's implementation, the list of peers, and which of them are installed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from feeler import Clashes, Verdict
 
 CLEARANCE_M = 0.002
 QUERIES = ("verdicts", "clearance", "depths")
-"""Of a whole mock-up: pairs that meet, those within `CLEARANCE_M`, and how deep those that clash are."""
+"""Of a whole mock-up: colliding pairs, those within `CLEARANCE_M`, and the depths of clashes."""
 
 Pairs = set[tuple[int, int]]
 Faces = npt.NDArray[np.int64]
@@ -48,7 +48,7 @@ class Whole:
 
 
 class Checker(Protocol):
-    """A tool that can be asked for clashes. How it is set up: the head of its module."""
+    """A program that checks for clashes. How it is set up: the head of its module."""
 
     name: str
     version: str
@@ -84,7 +84,7 @@ class FeelerChecker:
 
 
 def whole(mockup: feeler.Mockup, repeats: int, threads: int | None, volume: bool = False) -> Whole:
-    """The same on so many threads; with the time of the volumes, once, if these are asked for."""
+    """The same on `threads` threads; with `volume`, also the time of the volumes, once."""
     indexed, scene = least(lambda: feeler.Scene(mockup, threads=threads), repeats)
     runs = [feeler.clash(mockup, CLEARANCE_M, scene=scene, threads=threads) for _ in range(repeats)]
     if volume:
@@ -113,7 +113,7 @@ def ordered(a: int, b: int) -> tuple[int, int]:
 
 
 def least(work: Callable[[], Any], repeats: int) -> tuple[float, Any]:
-    """The least seconds of several, and what the last gave."""
+    """The least seconds of several calls, and the result of the last."""
     times = []
     result = None
     for _ in range(repeats):

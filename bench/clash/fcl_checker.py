@@ -1,8 +1,8 @@
 """FCL through python-fcl: a `BVHModel` for each part, all of them in FCL's own broad phase.
 
-A pair that meets is a contact where no contact of its triangles is deep, else a clash as deep as the deepest of them:
-FCL knows surfaces, and how far two triangles are in each other. Pairs come from a `DynamicAABBTreeCollisionManager`,
-whose callback asks `fcl.collide` or `fcl.distance` in Python.
+A colliding pair is a contact if none of its triangles' contacts is deep, else a clash as deep as the deepest of them:
+FCL knows only surfaces, and how deep two triangles overlap. Pairs come from a `DynamicAABBTreeCollisionManager`, whose
+callback runs `fcl.collide` or `fcl.distance` in Python.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Fills the tables of docs/clash.md from bench/records/clash.json. They are not edited by hand.
 
     python bench/clash/figures.py             write them
-    python bench/clash/figures.py --check     1 if the page is not what the record makes it
+    python bench/clash/figures.py --check     1 if the page does not match the record
 
 A block of the page stands between `<!-- clash: NAME -->` and `<!-- end of clash: NAME -->`, NAME one of the tables of
 bench/clash/tables.py.

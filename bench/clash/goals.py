@@ -1,4 +1,4 @@
-"""What is aimed at, and what a run makes of it. Times are goals too, but no run fails by its clock."""
+"""The goals, and whether a run meets them. There are goals for times too, but no run fails because of them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ ONE_CORE_S = {
     100_000: {"verdicts": 0.07},
     1_600_000: {"verdicts": 1.0, "clearance": 4.0, "depths": 5.0, "volumes": 10.0},
 }
-"""By triangles asked of the sample engine and stage: seconds on one core, after the index, each beside the others."""
+"""By size of the sample engine and stage: seconds on one core, after the index, side by side."""
 
 JUDGED_PAIRS = 20_000
-"""How many random pairs that meet a full run judges, at least."""
+"""The least number of random colliding pairs that a full run judges."""
 
 
 def scorecard(result: Result) -> list[Goal]:
-    """Every goal of what was run."""
+    """The goals of the experiments that ran."""
     goals: list[Goal] = []
     if "cases" in result:
         goals.append(_verdicts(result["cases"]))

@@ -1,4 +1,4 @@
-"""The pairs of testdata/clash, asked of each checker: as they are, 3,000 m off, and with boxes cut finer and finer."""
+"""The pairs of testdata/clash, checked by each checker: as they are, 3,000 m off, and with boxes cut ever finer."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Result = dict[str, Any]
 OFFSETS_M = (0.0, FAR_M)
 QUICK_CUTS = (1, 4)
 SHARED = ("contained", "duplicate")
-"""Verdicts that peers do not have: theirs is right if it says that the two share space."""
+"""Verdicts that peers do not have: theirs is right if it says that the two overlap."""
 WITHIN, WITHIN_M = 0.01, 1e-9
-"""How near a depth or gap has to be to be right: of itself, and metres."""
+"""The allowed error of a depth or gap: relative, and in metres."""
 
 
 def asked(checkers: Sequence[Checker], is_quick: bool) -> Result:
@@ -36,7 +36,7 @@ def asked(checkers: Sequence[Checker], is_quick: bool) -> Result:
 
 
 def _row(answer: Answer) -> list[Any]:
-    """As the record has it: seven digits say what is right."""
+    """As the record has it: seven digits are enough."""
     figure = None if answer.figure is None else float(f"{answer.figure:.7g}")
     return [answer.verdict, figure, *([] if answer.kind is None else [answer.kind])]
 
@@ -47,7 +47,7 @@ def answer_of(row: Sequence[Any]) -> Answer:
 
 
 def is_verdict_right(case: Result, checker: str, answer: Answer) -> bool:
-    """Whether a checker tells what the two parts of a case do, as far as it has words for it."""
+    """Whether a checker classifies the two parts of a case correctly, as far as it has words for it."""
     is_shared = checker != "feeler" and case["verdict"] in SHARED and answer.verdict == "clash"
     return is_shared or answer.verdict == case["verdict"]
 

@@ -1,9 +1,9 @@
 """ifcclash, through an IFC file: each part a proxy element with a triangulated face set, in metres, in place.
 
-All three modes are asked, without tolerance. A pair that `intersection`, or `collision` without touching, reports is a
-clash, as deep as `intersection` says, if it does; else one that `collision` reports with touching, or `clearance` at a
-distance of 0, is a contact; else one that `clearance` reports has that gap. What it triangulates and puts into its tree
-is kept from mode to mode.
+It runs in all three modes, without tolerance. A pair reported by `intersection`, or by `collision` without touching, is
+a clash with the depth from `intersection`, if there is one. A pair reported by `collision` with touching, or by
+`clearance` at a distance of 0, is a contact. A pair reported by `clearance` has that gap. Triangles and trees are kept
+between modes.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ class _Checked:
 
 
 class _Listening:
-    """A tree that notes what is put into it."""
+    """A tree that notes the shapes put into it."""
 
     def __init__(self, tree: Any, elements: list[Any]) -> None:
         self._tree, self._elements = tree, elements

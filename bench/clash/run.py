@@ -1,4 +1,4 @@
-"""Clash checks: the pairs that they get wrong, and what a whole assembly takes; feeler and its peers.
+"""Clash checks: hard pairs, and times of whole assemblies; feeler and its peers.
 
     python bench/clash/run.py                    everything; half an hour: one peer, and the judge
     python bench/clash/run.py --quick            the short form, two or three minutes
@@ -6,11 +6,11 @@
     python bench/clash/run.py --only judge       random pairs whose depth is known; a quarter of an hour
     python bench/clash/run.py --record           and into bench/records/clash.json, for docs/clash.md
 
-Written into the folder (target/clash): clash.json with all that was found, and tables.md. The exit status is 1 if a
-goal is missed (bench/clash/goals.py) that no clock decides: a verdict or a depth of feeler's. `--only`: cases (the
-pairs of testdata/clash), judge (random pairs whose depth is known), times (the sample engine; peers on the smallest
-size). A record keeps what a run leaves out. Peers are of `pip install "feeler[bench]"`; one that is not there is left
-out, and the tables say why. The judge needs manifold3d (`feeler[volume]`).
+Writes into a folder (target/clash): clash.json with all results, and tables.md. The exit status is 1 if a goal is
+missed (bench/clash/goals.py) that does not depend on time: a verdict or a depth of feeler's. `--only`: cases (the pairs
+of testdata/clash), judge (random pairs of known depth), times (the sample engine; peers on the smallest size). A record
+keeps the results that a run leaves out. Peers come from `pip install "feeler[bench]"`; a missing one is skipped, and
+the tables say why. The judge needs manifold3d (`feeler[volume]`).
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
-    """All that is asked for, as plain data: each experiment by name, with where it comes from."""
+    """Runs the chosen experiments; plain data: each by name, with its origin."""
     there, absent = peers(options.peers)
     for name, reason in absent.items():
         print(f"{name} is left out: {reason}", file=sys.stderr)

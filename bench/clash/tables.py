@@ -1,4 +1,4 @@
-"""The tables of a run, as Markdown: the hard pairs, each checker beside what is right, and times."""
+"""The tables of a run, as Markdown: the hard pairs, each checker beside the true result, and times."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ STABILITY_NOTE = "A depth may change by its error, and by 2 e more if each part 
 
 
 def tables(result: Result) -> dict[str, str]:
-    """All tables, by name; of what a record does not have, a line that says so."""
+    """All tables, by name; a line says so where the record lacks an experiment."""
     makers = {"cases": cases, "judge": judge, "times": times}
     return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
 
@@ -134,7 +134,7 @@ def judge(found: Result) -> str:
 
 
 def times(found: Result) -> str:
-    """What each stage takes, and what the peers find."""
+    """The time of each stage, and the findings of the peers."""
     peers: dict[str, Result] = found["sizes"][0]["peers"]
     lines = []
     for row in found["sizes"]:

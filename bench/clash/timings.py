@@ -1,4 +1,4 @@
-"""What a whole assembly takes: the sample engine, feeler on one core and on all, and peers on one."""
+"""Times of a whole assembly: the sample engine, feeler on one core and on all, and peers on one."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Parts of the sample engine that come out, and their way.
+"""Removable parts of the sample engine, and their paths.
 
-The blades of the samples overlap their disk, where real ones sit in slots: with the disk there they cannot move. So the
-blade comes out from between its neighbours with the disk and the ring that holds it left out (1.3 mm of play at 1.6
-million triangles). The cage of a bearing comes out with everything there: 1 mm of play on its shaft.
+The blades of the samples overlap their disk, where real ones sit in slots, so that they cannot move while the disk is
+there. The blade therefore comes out from between its neighbours without the disk and its retaining ring (1.3 mm of play
+at 1.6 million triangles). The cage of a bearing comes out with everything there: 1 mm of play on its shaft.
 """
 
 from __future__ import annotations

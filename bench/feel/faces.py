@@ -1,4 +1,4 @@
-"""What can be felt: feeler's session and the baselines behind one shape, and the coupling that the baselines share."""
+"""The common interface of feeler's session and the baselines, and the coupling that the baselines share."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class VirtualTool:
         device_velocity = (wanted - placed(self.middle[None], before)[0]) / dt
         device_spin = rotation_vector(device[:3, :3] @ before[:3, :3].T) / dt
         self._device = device.copy()
-        # what the hand feels is of now, before the tool moves on: the tool a tick ahead would pull the hand along
+        # the wrench is that before the tool moves on: a tool one tick ahead would pull the hand along
         reach, turn = wanted - self.centre, rotation_vector(device[:3, :3] @ self.pose[:3, :3].T)
         spring = c.stiffness_n_per_m * reach
         twist = c.rotational_stiffness_nm_per_rad * turn

@@ -1,4 +1,4 @@
-"""Whatever can be felt, by name."""
+"""All sessions and baselines, by name."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Fills the tables and plots of docs/haptics-figures.md from bench/records/feel.json. They are not edited by hand.
 
     python bench/feel/figures.py             write them
-    python bench/feel/figures.py --check     1 if the page is not what the record makes it
+    python bench/feel/figures.py --check     1 if the page does not match the record
 
 A block of the page stands between `<!-- feel: NAME -->` and `<!-- end of feel: NAME -->`, NAME one of the tables of
 bench/feel/tables.py. Plots go to docs/haptics/.

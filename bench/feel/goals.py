@@ -1,4 +1,4 @@
-"""What is aimed at, and what a run makes of it. Times are goals too, but no run fails by its clock."""
+"""The goals, and whether a run meets them. There are goals for times too, but no run fails because of them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pages import Goal
 MOST_SPREAD = 0.01  # of the force of one contact, over tessellations and frames
 MOST_JUMP = 0.02  # of the force vector, as a share of the force, a tick
 MOST_GAIN = 0.01  # of what went in: what may come out above it
-MOST_SWING_M = 2e-5  # of a device at rest; what a hand feels of a buzz begins at about a micrometre at 250 Hz
+MOST_SWING_M = 2e-5  # of a device at rest; a hand feels a buzz from about a micrometre at 250 Hz
 STILL_SINKING = 0.85  # a swing against that 0.4 s before: near its bound a device comes to rest slowly
 MOST_RELEASED = 1.05  # a force that holds for a tick gives some; of a hand that is late more, and no session knows it
 MOST_KICK = 0.01  # above the force before the release
@@ -24,7 +24,7 @@ Result = dict[str, Any]
 
 
 def scorecard(found: Result) -> list[Goal]:
-    """Every goal of what was run: `found` has experiments by name."""
+    """The goals of the experiments that ran: `found` has experiments by name."""
     goals: list[Goal] = []
     for name, judge in JUDGES.items():
         result = found.get(name)

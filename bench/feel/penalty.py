@@ -1,8 +1,8 @@
 """A baseline: penalty forces summed over colliding triangles, as scene graphs for haptics commonly do it.
 
-For each pair of triangles that meets, the tool's triangle is pushed out along the normal of the mock-up's, in
-proportion to how far its deepest corner lies behind that plane. No memory, no side but that of the normals: what lies
-behind a triangle by more than half the tool's size is no penetration of this one. Written to be plain, not fast.
+For each colliding pair of triangles, the tool's triangle is pushed out along the normal of the mock-up's, in proportion
+to the depth of its deepest corner behind that plane. There is no memory, and no side except that of the normals: a
+corner behind a triangle by more than half the tool's size does not penetrate this one. Written to be simple, not fast.
 """
 
 from __future__ import annotations

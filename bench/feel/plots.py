@@ -13,7 +13,7 @@ SIZE = (7.5, 3.6)
 
 
 def plots(result: Result, folder: Path) -> list[Path]:
-    """Draws what a run has data for, as PNG; the files written."""
+    """Draws as PNG every plot for which a run has data; returns the files written."""
     if find_spec("matplotlib") is None:
         return []
     import matplotlib

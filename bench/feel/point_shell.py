@@ -4,11 +4,12 @@ After W. A. McNeely, K. D. Puterbaugh and J. J. Troy, Six degree-of-freedom hapt
 SIGGRAPH 1999.
 
 The mock-up becomes a grid of voxels: free, surface, interior. The tool becomes points, one in the middle of each voxel
-of its own surface, with normals inwards. A point in a surface voxel (or inside) meets the plane through that voxel's
-middle across its own normal; the depth behind it gives the force (the paper's tangent-plane force). Of more than ten
-points in contact the stiffness is shared, as in the paper. As there, the surface that is felt is up to half a voxel off
-the true one, and a motion of more than half a voxel a tick may miss a thin thing. Not taken over: the layer of voxels
-about the surface that keeps the true surfaces apart, and the braking before a contact. Written to be plain, not fast.
+of its own surface, with normals inwards. A point in a surface voxel (or inside) touches the plane through that voxel's
+middle across its own normal; the depth behind it gives the force (the paper's tangent-plane force). With more than ten
+points in contact the stiffness is shared, as in the paper. As there, the felt surface is up to half a voxel off the
+true one, and a motion of more than half a voxel per tick can pass through a thin object. Not included: the layer of
+voxels around the surface that keeps the true surfaces apart, and the braking before a contact. Written to be simple,
+not fast.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ MOST_FLOODED = 8_000_000  # voxels
 
 
 class VoxelGrid:
-    """A mesh as voxels: its surface, and what it encloses. Kept as sorted numbers of the voxels that hold anything.
+    """A mesh as voxels: surface and interior. Kept as sorted numbers of the voxels that hold anything.
 
     What is enclosed is looked for in grids of up to `MOST_FLOODED` voxels; a larger one has its surface alone.
     """
@@ -124,7 +125,7 @@ def shell_of(tool: feeler.Tool, size: float) -> tuple[Floats, Floats]:
     _, which = np.unique(index, axis=0, return_inverse=True)
     which = which.ravel()
     count = np.bincount(which).astype(np.float64)
-    # on the surface itself: the mean of what was sampled in the voxel, so that a flat face stays flat
+    # on the surface itself: the mean of the samples in the voxel, so that a flat face stays flat
     place = np.stack([np.bincount(which, points[:, k]) for k in range(3)], axis=1) / count[:, None]
     inwards = np.stack([np.bincount(which, normals[owner, k]) for k in range(3)], axis=1)
     length = np.sqrt((inwards**2).sum(axis=1))

@@ -6,10 +6,10 @@
     python bench/feel/run.py --only engine --big     also at 11 million triangles
     python bench/feel/run.py --record                and into bench/records/feel.json, for docs/haptics-figures.md
 
-Written into the folder (target/feel): feel.json with all that was found, tables.md, and plots where matplotlib is. All
-but the times in the engine and in fits is decided on simulated time: the same arguments give the same numbers on any
-machine. The exit status is 1 if a goal is missed (bench/feel/goals.py) that no clock decides. Which baselines stand
-beside: --faces.
+Writes into a folder (target/feel): feel.json with all results, tables.md, and plots if matplotlib is installed. All
+results but the times in the engine and in fits are computed on simulated time: the same arguments give the same numbers
+on any machine. The exit status is 1 if a goal is missed (bench/feel/goals.py) that does not depend on time. --faces
+selects the baselines.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--only", type=listed(one_of("experiment", names)), default=names, help=", ".join(names))
     names = list(felt.makers())
     parser.add_argument(
-        "--faces", type=listed(one_of("face", names)), default=names, help=f"what is felt ({','.join(names)})"
+        "--faces", type=listed(one_of("face", names)), default=names, help=f"faces to measure ({','.join(names)})"
     )
     parser.add_argument(
         "--runs", type=int, help=f"at thin things ({RUNS:,}; of a baseline at most {MOST_BASELINE_RUNS})"
@@ -66,7 +66,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--big", action="store_true", help=f"the engine at {BIG_SIZE:,} triangles, too")
     parser.add_argument("--seed", type=int, default=0, help="of the runs at thin things (0)")
     parser.add_argument("--jobs", type=int, default=1, help="processes for the runs at thin things (1)")
-    parser.add_argument("--add", action="store_true", help="keep what the folder has of other faces and experiments")
+    parser.add_argument("--add", action="store_true", help="keep results of other faces and experiments")
     parser.add_argument("--record", action="store_true", help="also write bench/records/feel.json")
     options = parser.parse_args(arguments)
     options.runs = options.runs or (QUICK_RUNS if options.quick else RUNS)
@@ -163,7 +163,7 @@ EXPERIMENTS: dict[str, Callable[[str, argparse.Namespace], Result | None]] = {
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
-    """All that is asked for, as plain data."""
+    """Runs the chosen experiments; plain data."""
     found: dict[str, Result] = {}
     for face in options.faces:
         found[face] = {}
@@ -188,7 +188,7 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
 
 
 def added(before: Path, result: Result) -> Result:
-    """A run in parts: what the folder has of other faces and experiments, and this; the arguments of all."""
+    """Adds this run to the folder's results of other faces and experiments; with the arguments of all runs."""
     if not before.is_file():
         return result
     old = json.loads(before.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Mock-ups and tools to feel: things thin enough to be passed, and contacts of known force at any tessellation."""
+"""Mock-ups and tools for haptics: thin objects, and contacts of known force at any tessellation."""
 
 from __future__ import annotations
 

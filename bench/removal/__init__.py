@@ -1,1 +1,1 @@
-"""The bench of removal and access: how long ways out take, beside a library of planners."""
+"""The bench of removal and access: times to find removal paths, beside a library of planners."""

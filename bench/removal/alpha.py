@@ -1,8 +1,8 @@
 """Two tubes, each bent to an alpha, linked: after the alpha puzzle of B. Yamrom (a known test of motion planners).
 
-The geometry is our own: a loop of three quarters of a circle, and two straight prongs that cross over it a gap apart.
-As in the puzzle, the obstacle is stretched along z by a factor, which widens the gap that a tube of the robot has to
-pass. The robot's pose is the identity: its vertices are where it is linked.
+The geometry is our own: a loop of three quarters of a circle, and two straight prongs that cross over it with a gap. As
+in the puzzle, the obstacle is stretched along z by a factor, which widens the gap that a tube of the robot must pass.
+The identity is the robot's linked pose.
 """
 
 from __future__ import annotations

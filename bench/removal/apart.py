@@ -1,12 +1,12 @@
-"""Takes the sample gearbox apart by `feeler.removal_order`, one part after the other in what is left.
+"""Disassembles the sample gearbox by `feeler.removal_order`, one part after the other.
 
     python bench/removal/apart.py                  100,000 triangles, 10 minutes
     python bench/removal/apart.py 250000 --seconds 1200
     python bench/removal/apart.py --of gearbox/fuel_pump/body --of gearbox/starter/gasket
 
-Prints what each round took out, and at the end how many of the parts came out after all that the gearbox's truth wants
-gone before them. An order may differ from the truth and be right: each way was verified. `--of`: the orders of these
-parts instead, each in the whole gearbox, and how many of the parts that the truth takes out are among theirs.
+Prints the parts removed in each round, and at the end how many parts came out after all that the gearbox's known order
+requires before them. An order may differ from the known one and be right: each path was verified. `--of`: the orders of
+these parts instead, each in the whole gearbox, and how many parts of the known order are among theirs.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Random assemblies of cubes, of which it is known exactly which part blocks which along each axis.
+"""Random assemblies of cubes, with known blocking relations along each axis.
 
-An assembly is a grid of cubes, each of one part or empty. A part that moves along an axis is blocked by the parts that
-have a cube ahead of one of its own in the same row. Parts are painted one over the other: a bolt makes its hole. Meshes
-are smaller than their cubes by a play. Bolts have a round shank and a hexagon head within theirs.
+An assembly is a grid of cubes, each of one part or empty. A part that moves along an axis is blocked by the parts with
+a cube ahead of one of its own in the same row. Parts are painted over each other: a bolt makes its hole. Meshes are
+smaller than their cubes by a play. Bolts have a round shank and a hexagon head within theirs.
 """
 
 from __future__ import annotations

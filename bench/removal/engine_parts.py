@@ -1,4 +1,4 @@
-"""The sample engine: which of its parts come out, and how long it takes to know; and its bolts, with a wrench."""
+"""The sample engine: its removable parts, and the time to find out; and its bolts, with a wrench."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LEAST_S = 0.25
 
 
 def straight_ways(size: int, every: int) -> Result:
-    """Every so many-th part of an engine, all others in place, on one core: those that have a straight way."""
+    """Every `every`-th part of an engine, all others in place, on one core: those with a straight way."""
     mockup = feeler.sample("engine", size)
     scene = feeler.Scene(mockup, threads=1)
     print(f"{mockup.triangle_count:,} triangles: straight ways", file=sys.stderr)
@@ -63,7 +63,7 @@ def rate(size: int, count: int, seconds: float) -> Result:
 
 
 def access(size: int, count: int, angles: int) -> Result:
-    """So many bolts of an engine, a wrench at so many angles each, on one core."""
+    """Bolts of an engine, a wrench at several angles on each, on one core."""
     mockup = feeler.sample("engine", size)
     scene = feeler.Scene(mockup, threads=1)
     wrench = feeler.sample_tool("wrench")

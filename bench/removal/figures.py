@@ -1,7 +1,7 @@
 """Fills the tables of docs/removal.md from bench/records/removal.json. They are not edited by hand.
 
     python bench/removal/figures.py             write them
-    python bench/removal/figures.py --check     1 if the page is not what the record makes it
+    python bench/removal/figures.py --check     1 if the page does not match the record
 
 A block of the page stands between `<!-- removal: NAME -->` and `<!-- end of removal: NAME -->`, NAME one of the tables
 of bench/removal/tables.py.

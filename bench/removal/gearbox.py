@@ -1,11 +1,11 @@
-"""For how many disassembly steps of the sample gearbox `feeler.removal` finds a way, with what is before it taken out.
+"""For how many disassembly steps of the sample gearbox `feeler.removal` finds a path, after the preceding steps.
 
     python bench/removal/gearbox.py                        100,000 triangles, 2 s a step; some minutes
     python bench/removal/gearbox.py 250000 --seed 1
     python bench/removal/gearbox.py --overlap 0.0009        accept penetration up to so many metres
 
-Lists the steps that are not found, with what blocked them. Steps that bend a part, and loose ones, are left out. Of an
-open door all that turns with it is out. feeler's way may be another one than the truth's.
+Lists the steps without a path, with their blockers. Steps that bend a part, and steps that only loosen one, are left
+out. If a door is open, the parts that turn with it count as removed. feeler's path may differ from the known one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is aimed at, and what a run makes of it. Times are goals too, but no run fails by its clock."""
+"""The goals, and whether a run meets them. There are goals for times too, but no run fails because of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ACCESS_S = 5.0
 
 
 def scorecard(result: Result) -> list[Goal]:
-    """Every goal of what was run."""
+    """The goals of the experiments that ran."""
     goals: list[Goal] = []
     if "puzzles" in result:
         goals += _puzzles(result["puzzles"])

@@ -1,8 +1,8 @@
-"""OMPL (https://ompl.kavrakilab.org), its planners with feeler's exact test of a pose as their checker.
+"""OMPL (https://ompl.kavrakilab.org): its planners, with feeler's exact test of a pose as their state checker.
 
-A goal has to be given to them: the part anywhere well outside of the mock-up's box. Motions they check at steps, whose
-length is a share of the space's extent: a coarse step may pass through a wall that a fine one meets. Whether a way
-that was found is free, `check_path` says afterwards.
+They need a goal: the part anywhere well outside of the mock-up's box. They check motions at steps whose length is a
+share of the space's extent: a coarse step may pass through a wall that a fine one hits. `check_path` then verifies the
+path.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import feeler
 from .planners import Answer, Problem
 
 ROOM = 4.0
-"""The space for the part's middle: a cube of so many times the size of everything."""
+"""The space for the part's middle: a cube this many times as large as the whole mock-up."""
 
 
 class OmplPlanner:

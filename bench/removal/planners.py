@@ -1,4 +1,4 @@
-"""What is asked of a planner; feeler; which others there are."""
+"""The interface of planners, feeler's implementation, and the list of others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is to be taken out: linked tubes, pegs in tight holes, a box that nothing leads out of."""
+"""The puzzles: linked tubes, pegs in tight holes, a closed box without a way out."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOVING = "moving"
 PEG_RADIUS, PEG_LENGTH = 0.01, 0.04
 SIDES = 64
 TILT = (0.3, -0.5, 0.7)
-"""Radians about x, y and z: no way out lies along an axis of the world."""
+"""Radians about x, y and z: no way out is parallel to a world axis."""
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,14 @@
-"""Ways out: how long they take to find, and whether a wrench reaches a bolt; feeler, and the planners of OMPL.
+"""Removal paths: time to find them, and tool access to bolts; feeler, and the planners of OMPL.
 
     python bench/removal/run.py                  everything; some twenty minutes, most of them OMPL's
     python bench/removal/run.py --quick          the short form, about a minute
     python bench/removal/run.py --only puzzles --seeds 100 --peers none
     python bench/removal/run.py --record         and into bench/records/removal.json, for docs/removal.md
 
-Written into the folder (target/removal): removal.json with all that was found, and tables.md. The exit status is 1 if a
-goal is missed (bench/removal/goals.py) that no clock decides: a way that is not free. `--only`: puzzles (tubes that are
-linked, pegs in tight holes, a closed box), engine (the sample engine's parts and bolts). A record keeps what a run
-leaves out. OMPL is of `pip install "feeler[bench]"`; if it is not there it is left out, and the tables say why.
+Writes into a folder (target/removal): removal.json with all results, and tables.md. The exit status is 1 if a goal is
+missed (bench/removal/goals.py) that does not depend on time: a path that is not free. `--only`: puzzles (linked tubes,
+pegs in tight holes, a closed box), engine (the sample engine's parts and bolts). A record keeps the results that a run
+leaves out. OMPL comes from `pip install "feeler[bench]"`; if it is missing it is skipped, and the tables say why.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
-    """All that is asked for, as plain data: each experiment by name, with where it comes from."""
+    """Runs the chosen experiments; plain data: each by name, with its origin."""
     there, absent = planners.peers() if options.peers == "OMPL" else ([], {})
     for name, reason in absent.items():
         print(f"{name} is left out: {reason}", file=sys.stderr)

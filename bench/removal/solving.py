@@ -1,4 +1,4 @@
-"""The puzzles, by feeler and by OMPL: how often each finds a way, in what time, and whether what it found is free."""
+"""The puzzles, by feeler and by OMPL: how often each finds a path, in what time, and whether the path is free."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Result = dict[str, Any]
 
 
 def solved(peers: Sequence[Planner], seeds: int, peer_seeds: int, seconds: float) -> Result:
-    """Every puzzle by everyone, on one core; every try ends after so many seconds."""
+    """Every puzzle by every planner, on one core; every try has a limit in seconds."""
     rows = []
     with host.on_core(host.last_core()):
         for puzzle in PUZZLES:

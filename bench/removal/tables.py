@@ -16,7 +16,7 @@ NAMES = ("puzzles", "engine")
 
 
 def tables(result: Result) -> dict[str, str]:
-    """All tables, by name; of what a record does not have, a line that says so."""
+    """All tables, by name; a line says so where the record lacks an experiment."""
     makers = {"puzzles": puzzles, "engine": engine}
     return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
 

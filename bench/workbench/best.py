@@ -1,4 +1,4 @@
-"""Of several runs the best: a machine that does other things makes everything slower, and nothing faster."""
+"""The best of several runs: other work on the machine can only make results slower."""
 
 from __future__ import annotations
 

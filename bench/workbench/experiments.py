@@ -1,4 +1,4 @@
-"""What is measured, each experiment as a function that gives plain data. Lengths in metres, times as the names say."""
+"""The measurements, each experiment a function that returns plain data. Lengths in metres, times as in the names."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def page(browser: Any, mockup: str, move_s: float) -> Result:
         stand.opened(browser, program.url, *SMALL, script=_CUTTER) as opened,
     ):
         stand.ready(opened)
-        # Again, now that nothing has to be read or indexed: what is left is the page's own work.
+        # Again, now that nothing has to be read or indexed: only the page's own work is left.
         begun = stand.cpu_s(program)
         opened.reload()
         stand.ready(opened)
@@ -106,7 +106,7 @@ def page(browser: Any, mockup: str, move_s: float) -> Result:
 
 
 def contacts(opened: Any, contact: list[float], move_s: float) -> Result:
-    """The tool pressed into what it touches, and moved around there."""
+    """The tool pressed into the parts that it touches, and moved around there."""
     pressed = [*contact]
     pressed[11] -= PRESS_M
     opened.evaluate("pose => window.feeler.moveTo(pose)", pressed)

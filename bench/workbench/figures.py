@@ -1,7 +1,7 @@
 """Fills the figures of docs/workbench-figures.md from bench/records/workbench.json. They are not edited by hand.
 
     python bench/workbench/figures.py             write them
-    python bench/workbench/figures.py --check     1 if the page is not what the record makes it
+    python bench/workbench/figures.py --check     1 if the page does not match the record
 
 They stand between `<!-- workbench: figures -->` and `<!-- end of workbench: figures -->`; a page without the two has
 none.

@@ -1,4 +1,4 @@
-"""What is aimed at, and what a run makes of it. Times are goals too, but no run fails by its clock."""
+"""The goals, and whether a run meets them. There are goals for times too, but no run fails because of them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SOAK_BYTES = 10_000_000
 
 
 def scorecard(found: Mapping[str, Any]) -> list[Goal]:
-    """Every goal of what was run: `found` has, by mock-up, experiments by name; and "bundle"."""
+    """The goals of the experiments that ran: `found` has, by mock-up, experiments by name; and "bundle"."""
     goals: list[Goal] = []
     for mockup, experiments in found["mockups"].items():
         for name, result in experiments.items():

@@ -6,11 +6,11 @@
     python bench/workbench/run.py --only soak --soak 30
     python bench/workbench/run.py --record           into bench/records/workbench.json, for docs/workbench-figures.md
 
-Written into the folder (target/workbench): workbench.json with all that was found, and tables.md. The exit status is 1
-if a goal is missed (bench/workbench/goals.py) that no clock decides. Experiments: large and small (opening, camera,
-tool and single frames, a picture of 1280x720 and of 640x360), parts (hiding and filtering 10,000), page (memory,
-contact, stops, a cut, a lost context), engine (outlines, rays, one HTML file), soak (the tool moves on and on). Of what
-is repeated the best counts.
+Writes into a folder (target/workbench): workbench.json with all results, and tables.md. The exit status is 1 if a goal
+is missed (bench/workbench/goals.py) that does not depend on time. Experiments: large and small (opening, camera, tool
+and single frames, a picture of 1280x720 and of 640x360), parts (hiding and filtering 10,000), page (memory, contact,
+stops, a cut, a lost context), engine (outlines, rays, one HTML file), soak (continuous motion of the tool). Of repeated
+measurements the best counts.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--repeats", type=int, help=f"of large, small and parts ({REPEATS})")
     parser.add_argument("--soak", type=float, metavar="MINUTES", help=f"how long the tool moves ({SOAK_MINUTES:g})")
     parser.add_argument("--core", type=int, help="for the page; default: the last one")
-    parser.add_argument("--add", action="store_true", help="keep what the folder has of other mock-ups and experiments")
+    parser.add_argument("--add", action="store_true", help="keep results of other mock-ups and experiments")
     parser.add_argument("--record", action="store_true", help="also write bench/records/workbench.json")
     options = parser.parse_args(arguments)
     options.size = options.size or (QUICK_SIZE if options.quick else SIZE)
@@ -65,7 +65,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
-    """All that is asked for, as plain data. Raises `StandError` where there is no browser."""
+    """Runs the chosen experiments; plain data. Raises `StandError` where there is no browser."""
     before = host.load_average()
     with stand.browser(options.core) as browser:
         version = f"Chromium {browser.version}"
@@ -118,7 +118,7 @@ def _measured(
 
 
 def added(before: Path, result: Result) -> Result:
-    """A run in parts: what the folder has of other mock-ups and experiments, and this; the arguments of all."""
+    """Adds this run to the folder's results of other mock-ups and experiments; with the arguments of all runs."""
     if not before.is_file():
         return result
     old = json.loads(before.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""What is measured: `feeler view` as a program, and a headless Chromium with SwiftShader, all of it on one core."""
+"""The test stand: `feeler view` as a program, and a headless Chromium with SwiftShader, all on one core."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def browser(core: int | None) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def opened(started: Any, url: str, width: int, height: int, script: str | None = None) -> Iterator[Any]:
-    """A page whose picture has so many pixels, whatever stands around it. script: runs before the page's own."""
+    """A page whose picture has the given number of pixels. `script` runs before the page's own."""
     context = started.new_context(viewport={"width": width + 600, "height": height + 80}, reduced_motion="reduce")
     try:
         context.set_default_timeout(READY_MS)
@@ -149,7 +149,7 @@ def ready(page: Any) -> None:
 
 
 def heap_bytes(page: Any) -> int:
-    """What the page's script and its buffers hold, after what is garbage was collected."""
+    """Memory held by the page's script and its buffers after garbage collection."""
     session = page.context.new_cdp_session(page)
     try:
         session.send("HeapProfiler.collectGarbage")

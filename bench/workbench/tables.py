@@ -1,4 +1,4 @@
-"""The tables of a run, as Markdown: the scorecard, what the page draws, what it weighs and stands."""
+"""The tables of a run, as Markdown: the scorecard, the page's drawing rates, its weight and its robustness."""
 
 from __future__ import annotations
 

@@ -311,7 +311,7 @@ class Tool(_core.Tool):
         if name is None:
             name = names[0] if len(names) == 1 else f"{len(names)} parts"
         if not len(faces):
-            raise MeshError(f"{', '.join(paths[:3])}: there is no triangle in what is to be a tool")
+            raise MeshError(f"{', '.join(paths[:3])}: there are no triangles to make a tool of")
         source = mockup.source
         tool = cls(
             mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths, source=source

@@ -86,7 +86,7 @@ def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floa
     if len(bad):
         i = int(bad[0])
         raise PoseError(
-            f"{names[i]} is not rigid, nor nearly so: it deviates by {deviation[i]:.3g} (max_deviation is "
+            f"{names[i]} is not rigid: it deviates by {deviation[i]:.3g} (max_deviation is "
             f"{max_deviation:g}); give a rotation without scale, shear or mirror"
         )
     repaired = poses.copy()

@@ -108,7 +108,7 @@ test("the palette finds by words and by letters, beginnings first", () => {
 });
 
 test("hints and the tour name keys that exist", () => {
-  assert.equal(hint("hide"), "Hide, or show again (H)");
+  assert.equal(hint("hide"), "Hide, or show (H)");
   const known = new Set(COMMANDS.flatMap((command) => command.keys));
   for (const step of TOUR) for (const key of step.keys) assert.ok(known.has(key), `${step.title}: ${key}`);
 });

@@ -1,4 +1,4 @@
-"""Experiments on haptic forces, one a module. They return plain data and run on simulated time.
+"""Experiments on haptic forces, one per module. They return plain data and run on simulated time.
 
 `engine` and `tight` also measure time.
 """

@@ -1,7 +1,7 @@
-"""Does the session give more energy than it takes: closed motions, a hand that steps into a wall, one that lets go.
+"""Does the session produce energy? Closed motions, a hand that steps into a wall, one that releases.
 
-The device is held by a simulated hand (`hands.Hand`), whose mechanics run ten times a tick. A force holds for a tick,
-so the work of a tick is that force times what the device moves in it: what a real hand would get.
+A simulated hand (`hands.Hand`) holds the device; its mechanics run ten times a tick. A force holds for a tick, so the
+work of a tick is that force times the device's motion: the work that a real hand would feel.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def closed(make: Callable[..., Face], seed: int = 0) -> dict[str, Any]:
         scene = feeler.Scene(mockup_of(mockup), threads=1)
         face = make(scene, tool_of(tool), seed=seed)
         face.start(path[0])
-        # at rest before and after: what the damper holds back comes to its end
+        # at rest before and after: the energy in the damper comes out
         steps = [*path, *([path[-1]] * 100)]
         works, largest = [], 0.0
         step = face.step(steps[0])
@@ -85,7 +85,7 @@ def closed(make: Callable[..., Face], seed: int = 0) -> dict[str, Any]:
 def bound_n_per_m(delay_ticks: int, grip: hands.Grip | None = None) -> float:
     """The largest stiffness that a damped device can hold at 1 kHz, late by whole ticks.
 
-    From `b > K T / 2` (Colgate and Schenkel 1997) and what a delay adds, `K delay`; `b` is that of device and hand.
+    From `b > K T / 2` (Colgate and Schenkel 1997) and the delay's share, `K delay`; `b` is that of device and hand.
     """
     return (grip or hands.Grip()).damping_ns_per_m / (0.5 * TICK_S + delay_ticks * TICK_S)
 
@@ -98,8 +98,8 @@ def step_response(
 ) -> dict[str, Any]:
     """A hand that suddenly wants to be 5 mm inside a wall: does the device come to rest?
 
-    With the face's own coupling, and at `BOUND_SHARE` of what the device can hold (`stiffened`: options for that, or
-    None). `swing_m`: from top to bottom over the last ticks, `swing_before_m`: over as many before these.
+    With the face's own coupling, and at `BOUND_SHARE` of the device's bound (`stiffened`: options for that, or None).
+    `swing_m`: from top to bottom over the last ticks, `swing_before_m`: over as many before these.
     """
     rows = []
     for delay in delays_ticks:
@@ -130,9 +130,9 @@ def step_response(
 
 
 def release(make: Callable[..., Face], seed: int = 0, delays_ticks: Sequence[int] = (0, 1, 3)) -> dict[str, Any]:
-    """Held at depth, then let go: how it comes out.
+    """A device held at depth, then let go.
 
-    `stored_j`: what the hand put in until then; what the device gets out of it as it flies off must not be more.
+    `stored_j`: energy that the hand put in until then; the device must not fly off with more.
     """
     rows = []
     for depth in RELEASE_DEPTHS_M:

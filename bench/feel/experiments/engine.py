@@ -1,4 +1,4 @@
-"""How long a step takes in the sample engine, along a way of a hand in and out."""
+"""Duration of a step in the sample engine, along a hand's way in and out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pegs into holes by an unsure hand, and ways that are known: puzzles, a hexagon key, parts out of the engine."""
+"""Pegs into holes by an unsteady hand, and known paths: puzzles, a hexagon key, parts of the engine."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Runs against things too thin to be hit by chance: does the tool ever pass, is the proxy ever in collision?
+"""Motions against thin objects: does the tool ever pass through, is the proxy ever in collision?
 
-Each run throws a spinning tool at one thin thing, goes on well beyond it, and drags on there. Which tool, direction,
-spin and speed: by the number of the run. All is turned as a whole, so that nothing lies along an axis.
+Each run throws a spinning tool at one thin object, continues well beyond it, and drags on there. The number of the run
+selects tool, direction, spin and speed. Everything is rotated as a whole, so that nothing lies along an axis.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..meshes import Floats, Mesh, mockup_of, tool_of, turned_mesh
 from ..poses import placed, pose, random_turn, rotation_vector
 
 SPEEDS_M_PER_S = (0.1, 1.0, 3.0)
-BEYOND_M = 0.04  # how far the device goes past what it hits
+BEYOND_M = 0.04  # how far the device goes past the obstacle
 SPIN_RAD_PER_S = 20.0  # at most
 SLANT_RAD = np.radians(50.0)  # at most, from straight on
 DRAG_TICKS = 40

@@ -1,4 +1,4 @@
-"""How long a step takes in a tight fit, and a cast along a bore. Like `engine`, an experiment with a clock."""
+"""Duration of a step in a tight fit, and of a cast along a bore. Like `engine`, an experiment that depends on time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .engine import quantiles
 from .fitting import colliding
 
 STEPS = 1500
-SINK_M = 3e-5  # a tick: what the hand goes down a hole
+SINK_M = 3e-5  # a tick: the hand's step down a hole
 ABOVE_M = 0.002  # the peg's tip over the mouth, at the start
 ASIDE_M, TILT_RAD = 3e-4, 0.004  # how far the hand sways and leans: more than the play
 TURNS = 1.5  # of the bolt

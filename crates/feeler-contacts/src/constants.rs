@@ -1,4 +1,4 @@
-//! Every tolerance and limit of the contacts, with its unit, its reason, and what moves when it changes.
+//! Every tolerance and limit of the contacts, with its unit, its reason, and the effect of a change.
 
 use feeler_lanes::WIDE_LANES;
 
@@ -13,8 +13,8 @@ pub const FEW_DEEP: usize = 6;
 /// [`FEW_DEEP`] and this. More: slower where many planes are deep.
 pub const MANY_DEEP: usize = 12;
 
-/// Most near pairs of triangles: with more the margin is halved, and what is a little farther than the nearest has no planes. Two
-/// fine surfaces one in the other are all near, each triangle to thousands.
+/// Most near pairs of triangles: with more the margin is halved, and surfaces a little farther than the nearest get no
+/// planes. Two fine surfaces one in the other are all near, each triangle to thousands.
 pub const MANY_NEAR: usize = 1 << 20;
 
 /// Near pairs that are put in the order of their bounds at once. More: longer sorting, of pairs that are never measured; fewer: the rest
@@ -31,10 +31,11 @@ pub const FEW_FEET: usize = 24;
 /// Most halvings of the margin towards [`MANY_NEAR`]: down to a thousandth, after which all pairs are taken, however many.
 pub const MOST_MARGIN_HALVINGS: usize = 10;
 
-/// Least that halving leaves of the margin, as a multiple of the least distance, so that what is nearest keeps its planes.
+/// Least that halving leaves of the margin, as a multiple of the least distance, so that the nearest surfaces keep
+/// their planes.
 pub const LEAST_MARGIN_OVER_NEAREST: f64 = 1.05;
 
-/// Pairs that meet from which on triangles are looked for that lie on each other: that costs less than a tenth of the rest.
+/// Number of colliding pairs from which coinciding triangles are sought: that costs less than a tenth of the rest.
 pub const MANY_PAIRS: usize = 1 << 16;
 
 /// Most pairs of triangles after which a query's working memory is kept for the next, since it grows with them. Moves memory only.
@@ -54,14 +55,14 @@ pub const SAME_DIRECTION: f64 = 0.978;
 /// mock-up. Smaller: normals may flicker between poses.
 pub const SHALLOWER: f64 = 1e-6;
 
-// Contours: segments, sides of vertices, and what is enclosed.
+// Contours: segments, sides of vertices, and enclosed regions.
 
 /// Sine of the angle between two triangles up to which they lie in one plane: rounding then decides where their common line is, and
 /// they share a polygon. Larger: thin wedges share a polygon where they share a segment.
 pub const PARALLEL_SINE: f64 = 1e-9;
 
-/// One less the cosine of the angle between two triangles up to which their segment is flat and tells no side: 1.4e-6 radians.
-/// Larger: more vertices at grazing contours are on no side; smaller: rounding tells their side.
+/// One less the cosine of the angle between two triangles up to which their segment is flat and has no side: 1.4e-6
+/// radians. Larger: more vertices at grazing contours have no side; smaller: rounding decides it.
 pub const COPLANAR_COSINE: f64 = 1e-12;
 
 /// Most triangles that the search for the normal of a thin one visits. Fewer: in wider strips of slivers normals are noise.
@@ -72,8 +73,8 @@ pub const MOST_THIN_NEIGHBOURS: usize = 16;
 /// must be pierced more steeply.
 pub const CAME_THROUGH_SHARE: f64 = 0.5;
 
-/// Share of the displacement since the reference that must be along the normal of an open surface to tell its outside: 0.06 degrees
-/// off the surface. Below, the tool slid along it, and its centre of area tells.
+/// Share of the displacement since the reference that must be along the normal of an open surface to define its
+/// outside: 0.06 degrees off the surface. Below that the tool slid along it, and its centre of area decides.
 pub const SIDEWAYS_MOTION_SHARE: f64 = 1e-3;
 
 /// Sine of the angle by which the line between two contours on one triangle must lead behind the other surface to join them: six
@@ -84,8 +85,8 @@ pub const CONTOUR_LEAN: f64 = 0.1;
 /// contours on a large triangle may stay regions of their own.
 pub const MOST_SEGMENTS_COMPARED: usize = 256;
 
-/// Most enclosed triangles that a fill finds, of each surface and in one part. What lies farther counts for depth only by its nearer
-/// part. More: deep contacts of fine meshes take longer.
+/// Most enclosed triangles that a fill finds, of each surface and in one part. Triangles beyond count for depth only by
+/// the nearer part. More: deep contacts of fine meshes take longer.
 pub const MOST_FILLED: usize = 1 << 16;
 
 /// Share of its distance from a segment up to which a vertex is on the plane of the other face, or in line with the segment; and
@@ -105,14 +106,14 @@ pub const SAME_FOOT_SHARE: f64 = 1e-6;
 /// far above rounding.
 pub const PROBE_SHARE: f64 = 1e-3;
 
-/// Share of the longest side by which a solid's box is widened before what is outside it is outside the solid: above the rounding of
-/// placed corners. Larger: fills leak farther before they are dropped.
+/// Share of the longest side by which a solid's box is widened, so that points outside it are outside the solid: above
+/// the rounding of placed corners. Larger: fills leak farther before they are dropped.
 pub const ENCLOSURE_SLACK: f64 = 1e-9;
 
 // Proximity: planes between surfaces that are near and do not meet.
 
-/// Share of the margin by which a pair may violate a plane and still be separated by it. Larger: fewer planes, which are as much
-/// too far from what they stand for.
+/// Share of the margin by which a pair may violate a plane and still be separated by it. Larger: fewer planes, with a
+/// larger error of their distance.
 pub const SEPARATION_SLACK: f64 = 0.01;
 
 /// Sine of the angle whose cosine is [`SAME_DIRECTION`]: how far a surface may turn away from a plane that stands for it.
@@ -148,16 +149,16 @@ pub const SNAP_COSINE: f64 = 1e-10;
 pub const DIRECTION_NOISE: f64 = 1e-9;
 pub const COORDINATE_NOISE: f64 = 1e-13;
 
-/// Share of their distance by which the nearest point of a pair must be behind the other's triangle, and share of the margin by which
-/// all of a triangle must, to be behind it: then it is near the surface, but not kept off by it. Above rounding; larger: what is just
-/// inside a solid has planes.
+/// Share of their distance by which the nearest point of a pair must be behind the other's triangle, and share of the
+/// margin by which all of a triangle must, to be behind it: such a triangle is near the surface, but not stopped by it.
+/// Above rounding; larger: points just inside a solid get planes.
 pub const BEHIND_SHARE: f64 = 1e-3;
 
 // Patches and convex bodies.
 
 /// Most patches of one surface in a contact region, before patches that are not connected are split. Further smooth
 /// regions join the patch with the nearest normal. The half-space tests compare all patches with all: twice as many
-/// take four times as long; with fewer, finely curved surfaces are told apart less.
+/// take four times as long; with fewer, finely curved surfaces are resolved less.
 pub const MOST_PATCHES: usize = 256;
 
 /// Points of a patch up to which all of them are its corners; a patch with more is represented by its extreme points
@@ -251,7 +252,8 @@ pub const MOST_OVERLAP_PAIRS: usize = 1 << 22;
 /// Most times that a triangle is clipped against eight others for one overlap. Likewise.
 pub const MOST_OVERLAP_CLIPS: usize = 1 << 14;
 
-/// Share of the greatest overlap so far by which another must be more to be looked at. Overlaps are that much too small at most.
+/// Share of the greatest overlap so far by which another must exceed it to be evaluated. Overlaps are too small by at
+/// most that.
 pub const OVERLAP_GAIN: f64 = 1e-3;
 
 /// The same, as a share of an overlap that is enough: above rounding.
@@ -268,7 +270,7 @@ pub const FIRST_OVERLAP_SHARE: f64 = 0.75;
 
 // Escape: the translation that frees the tool.
 
-/// Share by which the translation is longer than the planes ask for, so that the tool ends off the surface and not on it.
+/// Share by which the translation exceeds the one of the planes, so that the tool ends off the surface and not on it.
 pub const ESCAPE_EXCESS: f64 = 1e-6;
 
 /// Share of the largest coordinate by which the tool ends off the surface at least: about ninety roundings, for those of a placed corner.
@@ -303,7 +305,7 @@ pub const LEAST_TRIPLE_DETERMINANT: f64 = 1e-6;
 /// Rounds of relaxation over planes that no translation satisfies. Moves an estimate only.
 pub const RELAXATION_ROUNDS: u32 = 64;
 
-/// First length probed along each axis, as a share of the longest, and by what each is longer than the one before. Finer: shorter
+/// First length probed along each axis, as a share of the longest, and the growth of each next one. Finer: shorter
 /// escapes are found before longer ones, and slower.
 pub const PROBE_FIRST_SHARE: f64 = 1.0 / 1024.0;
 pub const PROBE_GROWTH: f64 = 1.5;
@@ -327,20 +329,20 @@ pub const MOST_PROBE_TURNS: usize = 8;
 /// Share by which the length along a turned axis must be shorter: each costs several exact queries.
 pub const PROBE_TURNED_SHORTER: f64 = 0.02;
 
-/// Factor by which more of the nearest parts are asked for, until one of those wanted is among them. Moves time only.
+/// Growth of the number of nearest parts requested, until a wanted one is among them. Affects only time.
 pub const NEAREST_PARTS_GROWTH: usize = 8;
 
 // Footing: the points of the tool that carry a contact.
 
-/// Most points of a footing: three hold a plane, the fourth is what most parts have.
+/// Most points of a footing: three define a plane, the fourth fits most parts.
 pub const MOST_FOOTING: usize = 4;
 
 /// Most points of a contact manifold: a round face has as many around it that they stand out by a few per cent of its radius.
 /// More: rounder, and as much slower.
 pub const MOST_MANIFOLD_POINTS: usize = 12;
 
-/// The turn (radians) up to which holding a manifold's points holds the tool off: what a hand turns in a millisecond or two at most.
-/// More takes in what leans away from the plane, and holds the tool off what it could turn to.
+/// The turn (radians) up to which a manifold's points keep the tool off: the most that a hand turns in a millisecond or
+/// two. Larger: includes surfaces that lean away from the plane, and keeps the tool off surfaces it could turn to.
 pub const MANIFOLD_TURN: f64 = 0.004;
 
 /// Corners around which a polygon is cut into triangles to find the height over a place. More: nearer to the hull of its corners.
@@ -356,20 +358,20 @@ pub const JUST_BEYOND: f64 = 0.01;
 /// where all around is something, and then the nearest hold the tool.
 pub const MOST_MANIFOLDS: usize = 64;
 
-/// The turn (radians) up to which holding a footing off a plane holds the tool off: one degree, far more than a tool turns between two
-/// answers of a control loop. More makes footings of curved surfaces wider than what touches.
+/// The turn (radians) up to which a footing off a plane keeps the tool off: one degree, far more than a tool turns
+/// between two answers of a control loop. Larger: footings of curved surfaces are wider than the contact.
 pub const FOOTING_TURN: f64 = 0.017_453_292_519_943_295;
 
 /// Directions around the normal along which the lowest points are sought: between two of them a point of a round surface may be
 /// lower by 1 - cos(180 / 64 degrees) of its distance from the middle, an eighth of a per cent.
 pub const FOOTING_DIRECTIONS: usize = 64;
 
-/// Share of the tool's length by which a body may be beyond a plane and still end at it: rounding of what made the plane. More takes
-/// surfaces in each other's hollows for such that end at their plane.
+/// Share of the tool's length by which a body may be beyond a plane and still end at it: the rounding of the plane.
+/// Larger: takes surfaces in each other's hollows for surfaces that end at their plane.
 pub const FOOTING_OFF: f64 = 1e-6;
 
-/// Share of the tool's length by which what is carried is sought beyond the border of what carries, so that edges and corners of both
-/// meet.
+/// Share of the tool's length by which the carried area is sought beyond the border of the carrying one, so that edges
+/// and corners of both touch.
 pub const FOOTING_WIDER: f64 = 1e-6;
 
 /// Share of a footing's size up to which two of its points are one, and one in line with two others: well below the per cent that a
@@ -380,11 +382,11 @@ pub const FOOTING_MERGED: f64 = 2e-3;
 /// turn. A point that is lower pushes the tool away before it touches.
 pub const FOOTING_LOW: f64 = 1e-4;
 
-/// Triangles of a body that are asked where they are, whether or not what was found so far is over the other surface. Fewer lose
-/// what touches beside the triangle that the contact was found at.
+/// Triangles of a body that are evaluated always, even if the area found so far is not over the other surface. With
+/// fewer, contacts beside the triangle of the contact are lost.
 pub const FOOTING_FEW_ASKED: usize = 64;
 
-/// Most triangles of a body that are asked: beyond, what carries is taken for what was found by then. More takes longer.
+/// Most triangles of a body that are evaluated: beyond, the area found by then carries. More takes longer.
 pub const FOOTING_MOST_ASKED: usize = 1 << 14;
 
 // Parts of a mock-up against each other.
@@ -414,8 +416,8 @@ pub const MOST_PIECES: usize = 1 << 21;
 /// count as nothing.
 pub const BODY_ROUNDING: f64 = 1.0 / (1u64 << 50) as f64;
 
-/// What the rounding of its coordinates may move a surface by, in units of the last place of the largest: surfaces that are nearer to each
-/// other than that are on each other. At most half of what counts as contact.
+/// The most by which the rounding of its coordinates may move a surface, in units of the last place of the largest:
+/// surfaces nearer than that lie on each other. At most half of the distance that counts as contact.
 pub const SURFACE_ROUNDOFFS: f64 = 6.0;
 
 /// Share of its longest side below which the height of a triangle makes it a sliver, whose normal is left to rounding. Larger: distances

@@ -1,4 +1,4 @@
-//! The planes of an answer.
+//! The contact planes of an answer.
 
 use std::cmp::Ordering;
 
@@ -15,8 +15,8 @@ pub struct ContactPlane {
     pub point: Point,
     /// Unit, from the mock-up to the tool.
     pub normal: Point,
-    /// Distance of the tool from the plane along the normal, metres; negative: it is that deep behind. Where the two lie in each
-    /// other's hollows: what overlaps along the normal.
+    /// Distance of the tool from the plane along the normal, metres; negative: its depth behind it or, where both
+    /// surfaces are concave, their overlap along the normal.
     pub gap: f64,
     /// The part of the mock-up.
     pub part: u32,
@@ -39,10 +39,11 @@ pub struct ContactPlane {
 pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
-    /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
-    /// [`MANY_DEEP`](crate::MANY_DEEP) are deep, nor all of it beside more than [`FEW_DEEP`](crate::FEW_DEEP).
+    /// Number of planes left out beyond [`MOST_PLANES`], the least deep or farthest. Near surfaces are not searched if
+    /// [`MANY_DEEP`](crate::MANY_DEEP) planes are deep, and not completely if more than [`FEW_DEEP`](crate::FEW_DEEP)
+    /// are.
     pub omitted: usize,
-    /// Whether any triangles meet.
+    /// Whether any triangles collide.
     pub is_meeting: bool,
 }
 

@@ -1,4 +1,5 @@
-//! Triangles that lie on each other corner for corner: of a thousand on a thousand, a million pairs meet, and one says it all.
+//! Triangles that coincide with others, corner for corner: a thousand on a thousand make a million pairs, and one of
+//! them suffices.
 
 use std::collections::HashMap;
 

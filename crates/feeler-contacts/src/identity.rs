@@ -1,7 +1,8 @@
-//! The identity of contact planes: which plane of this pose is which of the last.
+//! The identity of contact planes: which plane of this pose corresponds to which of the last.
 //!
-//! A plane is between two surfaces, and a surface is a convex body of its mesh, found once (see
-//! [`convex_bodies`](feeler_core::mesh::topology)): neither its triangles nor the smooth regions that the tool slides over tell.
+//! A plane is between two surfaces, and a surface is a convex body of its mesh, computed once (see
+//! [`convex_bodies`](feeler_core::mesh::topology)). Triangles, and the smooth regions that the tool slides over, do not
+//! identify it.
 
 use feeler_core::geometry::vectors::dot;
 use feeler_core::Point;

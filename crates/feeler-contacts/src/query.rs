@@ -1,9 +1,9 @@
-//! The contact query: what meets, region by region and body by body, then what is near.
+//! The contact query: first collisions, region by region and body by body, then near surfaces.
 //!
-//! Triangles that meet do so along an intersection contour, which with what it encloses makes a contact region
-//! ([`crate::contour`]). Each of its two surfaces becomes patches and convex bodies ([`crate::patch`]), and two bodies have one
-//! least depth ([`crate::depth`]). What is near and does not meet has planes by distance ([`crate::proximity`]).
-//! `docs/contacts.md` says what the numbers mean and where that ends.
+//! Triangles collide along an intersection contour, which together with the area inside it makes a contact region
+//! ([`crate::contour`]). Each of its two surfaces becomes patches and convex bodies ([`crate::patch`]), and two bodies
+//! have one least depth ([`crate::depth`]). Near surfaces without a collision get planes by distance
+//! ([`crate::proximity`]). `docs/contacts.md` explains the numbers and their limits.
 
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;
@@ -48,7 +48,7 @@ struct PartContacts<'a> {
     part: u32,
     /// The pairs of triangles that meet.
     pairs: &'a [[u32; 2]],
-    /// Triangles of tool and mock-up that are wholly inside the other; sorted before they are asked for.
+    /// Triangles of tool and mock-up that are wholly inside the other; sorted before use.
     inside: [Vec<u32>; 2],
     planes: Vec<ContactPlane>,
 }
@@ -103,7 +103,7 @@ impl ContactQuery<'_> {
         self.contacts_within(near_margin, tool, pose, margin, reference)
     }
 
-    /// The same, where the margin for what is near depends on the number of deep planes; `None`: without.
+    /// The same, with the margin for near surfaces by the number of deep planes; `None`: without near surfaces.
     pub fn contacts_within(
         &self,
         near_margin: impl Fn(usize) -> Option<f64>,
@@ -115,7 +115,7 @@ impl ContactQuery<'_> {
         self.contacts_showing(near_margin, tool, pose, margin, reference, &mut |_| {})
     }
 
-    /// The same, showing the pairs of triangles that meet.
+    /// The same, with the colliding pairs of triangles.
     pub fn contacts_showing(
         &self,
         near_margin: impl Fn(usize) -> Option<f64>,

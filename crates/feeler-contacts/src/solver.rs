@@ -41,48 +41,50 @@ impl ContactSolver {
         &self.scene
     }
 
-    /// The contact planes of a tool at a pose: at most [`MOST_PLANES`](crate::MOST_PLANES), deepest first, for surfaces that meet and
-    /// for those nearer than `margin` (metres).
+    /// The contact planes of a tool at a pose: at most [`MOST_PLANES`](crate::MOST_PLANES), deepest first, for
+    /// colliding surfaces and for those nearer than `margin` (metres).
     ///
-    /// `reference` is a pose where the tool was free, the last one before this: it tells on which side of open surfaces the
-    /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
-    /// where the tool went right through.
+    /// `reference` is a pose where the tool was free, the last one before this: it decides on which side of open
+    /// surfaces the tool belongs. Without it the side of the tool's centre of area decides. Closed surfaces have an
+    /// inside and need it only if the tool went right through.
     ///
-    /// The margin shrinks linearly with the number of deep planes, from all of it at [`FEW_DEEP`](crate::FEW_DEEP) to nothing at
-    /// [`MANY_DEEP`](crate::MANY_DEEP); and it is halved while more than a million pairs of triangles are within it.
+    /// The margin shrinks linearly with the number of deep planes, from all of it at [`FEW_DEEP`](crate::FEW_DEEP) to
+    /// nothing at [`MANY_DEEP`](crate::MANY_DEEP); and it is halved while more than a million pairs of triangles are
+    /// within it.
     ///
-    /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
+    /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene
+    /// allows.
     pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
         self.query().contacts(tool, pose, margin, reference)
     }
 
-    /// The shortest translation found that frees the tool: the shortest over the contact planes of the pose, checked at the moved
-    /// pose, and sought again with the planes found there. Where that does not free the tool, translations along many directions are
-    /// tried, ever longer ones, up to the tool's size; and up to the size of both where the tool meets nothing since one of the two
-    /// is wholly inside the other.
+    /// The shortest translation found that frees the tool: the shortest over the contact planes of the pose, checked at
+    /// the moved pose, and improved with the planes found there. If that does not free the tool, translations along
+    /// many directions are tried, ever longer ones, up to the tool's size; and up to the size of both if one of the two
+    /// is wholly inside the other without a collision.
     ///
-    /// Surfaces nearer than `margin` (metres) count, so that the translation does not run into them. `reference` and errors as in
-    /// [`contacts`](Self::contacts).
+    /// Surfaces nearer than `margin` (metres) count, so that the translation does not run into them. `reference` and
+    /// errors as in [`contacts`](Self::contacts).
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
         penetration(&self.query(), tool, pose, margin, reference)
     }
 
-    /// What is inside what: parts of the mock-up that hold the tool, or one of its connected surfaces, though these do not cross them,
-    /// and parts that the tool holds. Closed surfaces have an inside, each wound as its own volume and its place within others say; of
-    /// open ones it is unknown. Exact but for the rounding of a point's turn into the tool's frame (of what the tool holds) and for
-    /// cracks, where most of three rays decide.
+    /// Containment: parts of the mock-up that contain the tool, or one of its connected surfaces, without crossing
+    /// them, and parts inside the tool. Closed surfaces have an inside, each wound by its own volume and its nesting;
+    /// for open ones it is unknown. Exact except for the rounding of a point's rotation into the tool's frame (for
+    /// parts inside the tool) and for cracks, where the majority of three rays decides.
     pub fn containment(&self, tool: &Tool, pose: &Pose) -> Containment {
         containment(&self.scene, tool, pose)
     }
 
-    /// How deep the tool is in each part that it meets or that holds it, or that it holds: the farthest that a point of one surface is inside
-    /// the other part. The deepest first, then by part. Trees of these parts are made when first needed, in time about linear in their
-    /// triangles, and kept.
+    /// The depth of the tool in each part that it collides with, or that contains it, or that it contains: how far the
+    /// deepest point of one surface lies inside the other part. The deepest first, then by part. Trees of these parts
+    /// are made on demand, in time about linear in their triangles, and kept.
     pub fn depths(&self, tool: &Tool, pose: &Pose) -> Vec<PartDepth> {
         depths(&self.scene, &self.bodies, tool, pose)
     }
 
-    /// Whether no triangles meet and nothing is inside anything.
+    /// Whether there is no collision and no containment.
     pub fn is_free(&self, tool: &Tool, pose: &Pose) -> bool {
         is_free_and_outside(&self.scene, tool, pose)
     }
@@ -94,9 +96,10 @@ impl ContactSolver {
         footing(&self.scene, tool, pose, plane)
     }
 
-    /// The contact manifolds of a free pose: the planes of all that is within `margin` (metres), as [`contacts`](Self::contacts) has
-    /// them, each with up to [`MOST_MANIFOLD_POINTS`](crate::MOST_MANIFOLD_POINTS) points of the tool that it carries. For control
-    /// loops: it asks nothing of what meets, and is the faster for it. Errors as `contacts`.
+    /// The contact manifolds of a free pose: the planes of all surfaces within `margin` (metres), as in
+    /// [`contacts`](Self::contacts), each with up to [`MOST_MANIFOLD_POINTS`](crate::MOST_MANIFOLD_POINTS) points of
+    /// the tool that carry it. For control loops: it does not look for collisions, and is faster for it. Errors as
+    /// `contacts`.
     pub fn manifolds(&self, tool: &Tool, pose: &Pose, margin: f64, out: &mut Manifolds) -> Result<()> {
         self.query().manifolds(tool, pose, margin, out)
     }

@@ -27,7 +27,8 @@ impl ContactTracker {
         self.last_free = pose;
     }
 
-    /// [`ContactSolver::contacts`] with the last free pose as reference; a pose at which nothing meets becomes the next.
+    /// [`ContactSolver::contacts`] with the last free pose as reference; a pose without a collision becomes the next
+    /// one.
     pub fn contacts(&mut self, solver: &ContactSolver, tool: &Tool, pose: &Pose, margin: f64) -> Result<Contacts> {
         let contacts = solver.contacts(tool, pose, margin, self.last_free.as_ref())?;
         if !contacts.is_meeting {

@@ -1,4 +1,4 @@
-//! The verdicts on pairs of parts, and how deep they are in each other, against what integers say of boxes.
+//! The verdicts and depths of pairs of parts, compared with integer arithmetic on boxes.
 
 use std::sync::Arc;
 

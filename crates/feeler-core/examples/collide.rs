@@ -1,4 +1,4 @@
-//! A hook is drawn out of a drum through its lid: is the way free, and if not, what does it hit?
+//! A hook is pulled out of a drum through its lid: is the way free, and if not, which part does it hit?
 //!
 //!     cargo run --release -p feeler-core --example collide
 

@@ -1,12 +1,12 @@
-//! Every limit, tolerance and rounding bound of the core, with its unit, its reason, and what moves when it changes.
+//! Every limit, tolerance and rounding bound of the core, with its unit, its reason, and the effect of a change.
 //!
-//! Answers are exact whatever these are, as long as a bound is not below what its reason says: a filter with a larger one lets
-//! more pairs through to the next, slower stage. Sizes that only cost time (of batches, samples, look-ahead) stand where they
-//! are used.
+//! Answers are exact for any values, as long as no bound is below the one that its reason gives: a filter with a larger
+//! one lets more pairs through to the next, slower stage. Sizes that only cost time (of batches, samples, look-ahead)
+//! stand where they are used.
 
 use std::ops::Range;
 
-// --- Limits of what is accepted ---
+// --- Limits of accepted input ---
 
 /// Largest coordinate (metres) of a triangle that is queried, and of a pose's translation.
 ///
@@ -40,7 +40,7 @@ pub(crate) const DEFECT_IDS_KEPT: usize = 100;
 /// Stands for no triangle, and for no entry of any other list, where a number is kept: no list is so long.
 pub const NONE: u32 = u32::MAX;
 
-// --- Float64, and what lies next to its limits ---
+// --- Float64 and its limits ---
 
 /// Half the distance from 1 to the next float64: the largest relative error of one rounded operation.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
@@ -48,7 +48,7 @@ pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// The same of float32.
 pub(crate) const UNIT_ROUNDOFF_F32: f32 = f32::EPSILON / 2.0;
 
-/// The smallest float64 above 0: what a distance too small for float64 counts as, so that only meeting gives 0.
+/// The smallest float64 above 0: the value of a distance too small for float64, so that only meeting gives 0.
 pub(crate) const SMALLEST: f64 = f64::from_bits(1);
 
 /// Squares of lengths (square metres) that neither overflow nor lose digits, and whose products do not. Others are scaled first:
@@ -108,13 +108,13 @@ pub(crate) const TOOL_NORMAL_ROUNDING: f32 = 1.0 / 1_048_576.0;
 
 // --- Distances of triangles ---
 
-/// What a distance of two triangles may be off by, in unit roundoffs of the largest difference of their coordinates: about a
-/// dozen roundings on the way to each witness point, as many for the other, and a factor of four to spare. Searches look that
-/// much farther than they are asked.
+/// The largest error of a distance of two triangles, in unit roundoffs of the largest difference of their coordinates:
+/// about a dozen roundings on the way to each witness point, and a factor of four to spare. Searches look that much
+/// farther than requested.
 pub const DISTANCE_ROUNDOFFS: f64 = 128.0;
 
-/// What the common point of two triangles that meet may be off both, likewise. Worst where slivers that are nearly in one plane
-/// cross: how far float64 can tell where.
+/// The largest error of the common point of two colliding triangles, likewise. It is worst where slivers that are
+/// nearly in one plane cross, which float64 cannot locate better.
 pub const MEETING_ROUNDOFFS: f64 = 8_388_608.0;
 
 /// Square of the sine below which two directions count as near parallel, or a face as a sliver (no unit). What is narrower takes
@@ -199,7 +199,7 @@ pub(crate) const HALF_STEP: f32 = 0.51;
 /// What a side of a box in float32 may be off by, frame units: 2^-23, coordinates are at most 1 and were rounded once; twice that.
 pub(crate) const SIDE_ROUNDING: f64 = 1.0 / 8_388_608.0;
 
-// --- The search for what is near, in float32 lanes ---
+// --- The search for near triangles, in float32 lanes ---
 
 /// Margin of a placement (frame units) beyond which float32 tells too little, at some 64 times the mock-up's size: the plain search
 /// takes over.
@@ -226,7 +226,7 @@ pub(crate) const LEAST_AXIS_SQUARE: f32 = 1e-28;
 /// and places closer than that are compared exactly. Less makes more rays slow.
 pub(crate) const TIME_SURE: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// By how much the end of what is of interest along a ray is rounded up, as a share of it: 2^-36, far above the former.
+/// By how much the end of the searched part of a ray is rounded up, as a share of it: 2^-36, far above the former.
 pub(crate) const RAY_LIMIT_ROUNDING: f64 = 1.0 / (1u64 << 36) as f64;
 
 /// What the sides of boxes, seen from a ray's origin, may be off by in float64, in unit roundoffs of the largest coordinate in play:
@@ -246,7 +246,7 @@ pub(crate) const LEAST_SLOPE: f32 = 1e-20;
 
 // --- Motion and casts ---
 
-/// Share of the way in which what a matrix has beyond a rotation fades out. A turn by the angle `a` changes an entry of
+/// Share of the path in which a matrix's deviation from a rotation fades out. A turn by the angle `a` changes an entry of
 /// `R R^T - I` by at most `6e-6 a`, and the shortest way turns by at most 3.15 in all: fading in 1/32 takes away more.
 pub(crate) const FADE: f64 = 1.0 / 32.0;
 
@@ -286,8 +286,8 @@ pub(crate) const SEARCHED_SHARE: f64 = 0.999;
 
 // --- Surfaces ---
 
-/// How wide the triangle is that stands for a way, as a share of the way's length (no unit): by far more than rounding. Wider ones
-/// meet more that the way itself does not.
+/// Width of the triangle that represents a way, as a share of the way's length (no unit): far above rounding. Wider
+/// ones collide with more that the way itself does not touch.
 pub const NEEDLE_WIDTH: f64 = 0.01;
 
 /// How much longer a ray is than the line to the border of the box that it leaves, as a share of the box: it ends clearly outside.
@@ -345,8 +345,8 @@ pub(crate) const COORDINATE_ROUNDING: f64 = 1e-12;
 /// bodies.
 pub const BODY_HOLLOW: f64 = 0.02;
 
-/// Cosine of the turn between neighbouring smooth regions of an open surface up to which they are of one body: 30 degrees. What is
-/// rolled stays one, what is bent over an edge does not.
+/// Cosine of the turn between neighbouring smooth regions of an open surface up to which they are of one body: 30
+/// degrees. Rolled sheets stay one body, sheets bent over an edge do not.
 pub const OPEN_TURN: f64 = 0.866;
 
 /// Cosine of the angle between the normals of two regions from which on both stand for a body's planes: 8 degrees. Less lets a body

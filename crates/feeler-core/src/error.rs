@@ -1,6 +1,7 @@
-//! What can be wrong with what a caller passes in. Every message says what, where and what to do.
+//! Errors in a caller's arguments. Every message names the error, its place and a remedy.
 
-/// What is wrong with what a caller passed in, or why a query stopped. Its message says what, where and what to do.
+/// An error in a caller's arguments, or the reason why a query stopped. Its message names the error, its place and a
+/// remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -40,7 +41,7 @@ pub enum Error {
         /// The length needed.
         expected: usize,
     },
-    /// A part that is asked for and is not there.
+    /// A requested part that does not exist.
     #[error("there is no part {part}: the mock-up has {parts} (0 to {last})", last = .parts - 1)]
     NoSuchPart {
         /// The part asked for.
@@ -217,7 +218,7 @@ pub enum Error {
     SweptTooFine {
         /// The error given, metres.
         error: f64,
-        /// What it would need, and what there is.
+        /// The memory needed, and the memory available.
         needed: String,
         /// An error that should fit, metres.
         least: f64,

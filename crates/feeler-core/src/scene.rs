@@ -1,4 +1,4 @@
-//! A mock-up with its index, and the queries on it: a facade, each query stands in its own room.
+//! A mock-up with its index, and the queries on it: a facade; each query has its own room.
 
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ pub struct SceneOptions<'a> {
     pub storage: Storage,
     /// The tool the voxel size is chosen for; any tool can be used with the scene.
     pub tool: Option<&'a Tool>,
-    /// Most bytes that building the index, or a query's result, may take; by default there is no limit.
+    /// The most bytes for building the index, and for a query's result; by default there is no limit.
     pub memory_limit: u64,
     /// Reports the progress of building, and may stop it.
     pub progress: Progress<'a>,
@@ -166,8 +166,8 @@ impl Scene {
         Ok(self.narrowed(|part| stays[part as usize]))
     }
 
-    /// The scene with some pairs of a tool's and a mock-up's part that are not asked, in place of those ignored so far; with parts
-    /// of a [tool](Tool::of_parts) by number.
+    /// The scene with ignored pairs of tool parts and mock-up parts, in place of those ignored so far; with parts of a
+    /// [tool](Tool::of_parts) by number.
     pub fn ignoring(&self, pairs: Arc<IgnoredPairs>) -> Scene {
         self.with(self.index.selection().ignoring(Some(pairs)))
     }
@@ -219,7 +219,7 @@ impl Scene {
         &self.index
     }
 
-    /// Every pair of triangles that meets, sorted by tool triangle, then mock-up triangle. Exact.
+    /// Every colliding pair of triangles, sorted by tool triangle, then mock-up triangle. Exact.
     ///
     /// ```
     /// # use feeler_core::*;
@@ -240,7 +240,7 @@ impl Scene {
         self.collide_filtered(tool, pose, Filters::default())
     }
 
-    /// Whether any two triangles meet; stops at the first pair.
+    /// Whether any two triangles collide; stops at the first pair.
     ///
     /// ```
     /// # use feeler_core::*;
@@ -250,7 +250,7 @@ impl Scene {
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
     /// assert!(!scene.is_colliding(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.001])?));
-    /// // Touching is meeting.
+    /// // Touching is a collision.
     /// assert!(scene.is_colliding(&tool, &Pose::IDENTITY));
     /// # Ok::<(), Error>(())
     /// ```
@@ -258,12 +258,12 @@ impl Scene {
         self.pools.collide.with(|scratch| collide::query::any_pair(&self.index, tool, pose, scratch)).is_some()
     }
 
-    /// Whether one body enters the other, rather than touching it: surfaces may lie on each other, slide along each other and be
-    /// seated without play. Stops at the first pair that crosses.
+    /// Whether one body enters the other instead of only touching it: surfaces may lie on each other, slide along each
+    /// other and be seated without play. Stops at the first pair that crosses.
     ///
-    /// Decided by the kinds of pairs; of coplanar pairs, and of triangles that touch from within, by exact sides, for which the
-    /// [adjacency](Self::memory) of both meshes is found once. Sheets have no inside: what touches them from both sides goes through.
-    /// Bodies that meet at corners of triangles of both alone are taken to touch.
+    /// The kinds of pairs decide; for coplanar pairs, and for triangles that touch from within, exact sides do, for
+    /// which the [adjacency](Self::memory) of both meshes is computed once. Sheets have no inside: a tool that touches
+    /// one from both sides goes through it. Bodies that share only corners of triangles of both count as touching.
     ///
     /// ```
     /// # use feeler_core::*;
@@ -305,7 +305,7 @@ impl Scene {
     }
 
     /// Every pair of triangles with a distance of at most `within` (metres), sorted by distance, then tool triangle, then
-    /// mock-up triangle. Pairs that meet have distance 0.
+    /// mock-up triangle. Colliding pairs have distance 0.
     ///
     /// Errors: `within` negative or NaN, and more pairs than the memory limit of the scene allows.
     pub fn near_pairs(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Gap>> {
@@ -316,8 +316,8 @@ impl Scene {
     /// The closest pair of triangles of each part with a distance of at most `within` (metres), sorted as
     /// [`near_pairs`](Self::near_pairs).
     ///
-    /// Of several pairs at the same distance, the one with the least ids; of several that meet, any. Errors: `within` negative
-    /// or NaN.
+    /// Of several pairs at the same distance, the one with the least ids; of several colliding ones, any. Errors:
+    /// `within` negative or NaN.
     ///
     /// ```
     /// # use feeler_core::*;
@@ -450,7 +450,7 @@ impl Scene {
     /// # let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
     /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
     /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
-    /// // Three turns down a thread of 0.1 m a turn: the plate, 0.25 m below, is met in the third.
+    /// // Three turns down a thread of 0.1 m a turn: it hits the plate, 0.25 m below, in the third.
     /// let screw = Screw::new(&[0.0, 0.0, 1.0], &[0.3, -0.3, 0.0], -3.0 * std::f64::consts::TAU, 0.1)?;
     /// let motion = Motion::screw(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, &screw)?;
     /// let hit = scene.cast_along(&tool, &motion, &CastOptions::default())?.expect("the plate is in the way");
@@ -511,12 +511,11 @@ impl Scene {
 
 /// What is looked at, without a tool.
 impl Scene {
-    /// The first triangle that a ray meets, `None` where it meets none within `max` (metres) and all `sections`.
+    /// The first triangle that a ray hits, `None` without a hit within `max` (metres) and all `sections`.
     ///
-    /// Whether a closed triangle is met is exact, and so is which comes first; of several at the same place, the one with the least
-    /// id. A ray that begins on a triangle meets it there; of one that lies in its plane, the first point is the first that both have
-    /// in common. The distance is right within 1e-12 of itself. Sections keep what is in all of them: the first point is the first
-    /// that is kept.
+    /// Whether a closed triangle is hit is exact, and so is which comes first; of several at the same place, the one
+    /// with the least id. A ray that begins on a triangle hits it there; a ray in a triangle's plane hits it at their
+    /// first common point. The relative error of the distance is 1e-12. Only points kept by all sections count.
     ///
     /// Errors: `max` negative or NaN, a direction or normal of zero, and numbers that are not finite or beyond 1e100 in size.
     ///
@@ -530,7 +529,7 @@ impl Scene {
     /// let hit = scene.ray(&ray, f64::INFINITY, &[])?.expect("the plate is there");
     /// assert_eq!((hit.triangle, hit.distance, hit.point), (0, 3.0, [0.5, -0.25, 0.0]));
     /// assert_eq!(hit.normal, [0.0, 0.0, 1.0]);
-    /// // What lies to the right of a plane is cut away.
+    /// // The section cuts away everything to the right of a plane.
     /// let section = HalfSpace { normal: [-1.0, 0.0, 0.0], offset: -0.4 };
     /// assert!(scene.ray(&ray, f64::INFINITY, &[section])?.is_none());
     /// # Ok::<(), Error>(())
@@ -544,14 +543,14 @@ impl Scene {
         rays::query::firsts(&self.index, &self.pools.rays, rays, max, sections)
     }
 
-    /// What the plane through `point` across `normal` cuts, as a segment of each triangle, sorted by triangle; in parallel on the
-    /// current rayon pool.
+    /// The cut of the plane through `point` across `normal`, one segment per triangle, sorted by triangle; in parallel
+    /// on the current rayon pool.
     ///
-    /// On which side corners are is exact. What lies exactly on the plane counts as behind it, so that outlines of closed surfaces are
-    /// closed: they are those of what is in front of the plane. A triangle in the plane gives nothing; where those next to it go on in
-    /// front of it, they give its border. What touches the plane from behind gives nothing. Segments of triangles that share an edge
-    /// share its point to the last bit, and run so that the body is on their left, seen from where the normal points to, where triangles
-    /// are wound outwards.
+    /// The side of each corner is exact. Corners on the plane count as behind it: the outline is that of the material
+    /// in front of the plane, and outlines of closed surfaces are closed. A triangle in the plane yields nothing; its
+    /// neighbours in front of the plane yield its border. Surfaces that touch the plane from behind yield nothing.
+    /// Segments of triangles that share an edge share its point exactly. Seen from the side that the normal points to,
+    /// they have the body on their left if triangles are wound outwards.
     ///
     /// Errors: a normal of zero, and numbers that are not finite or beyond 1e100 in size.
     ///
@@ -592,8 +591,8 @@ impl Scene {
         self.index.set_lanes(lanes);
     }
 
-    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads, "adjacency" what was found
-    /// of them when a query first needed it.
+    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads, "adjacency" the
+    /// connectivity computed when a query first needed it.
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
         let mockup = self.mockup();
         let mut structures = self.index.store().memory();
@@ -610,7 +609,7 @@ impl Scene {
         self.index.store().validate(self.mockup().mesh())
     }
 
-    /// [`collide`](Self::collide) with filters switched off, to measure what they bring. The answer is the same.
+    /// [`collide`](Self::collide) with filters switched off, to measure their effect. The answer is the same.
     pub fn collide_filtered(&self, tool: &Tool, pose: &Pose, filters: Filters) -> Collision {
         let mut collision = Collision::default();
         self.collide_into(tool, pose, filters, &mut collision);

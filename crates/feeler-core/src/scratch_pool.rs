@@ -1,4 +1,4 @@
-//! The working memory of past queries, for the next ones.
+//! The working memory of past queries, reused by the next ones.
 
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
@@ -8,11 +8,11 @@ use crossbeam_utils::atomic::AtomicCell;
 /// How often a lock that is held is looked at.
 const LOOKS: usize = 100;
 
-/// What the last query left, and what others left that ran at the same time. One after the other they find the former with one
-/// atomic instruction; a lock takes several.
+/// The working memory of the last query, and of others that ran at the same time. Sequential queries get the former
+/// with one atomic instruction; a lock takes several.
 ///
-/// Nobody waits for the lock, since in a forked process it may be held by a thread that is not there: whoever finds it held goes
-/// without, and works with new memory.
+/// Nobody waits for the lock, since in a forked process it may be held by a thread that does not exist there: a query
+/// that finds it locked works with new memory.
 pub struct ScratchPool<T> {
     last: AtomicCell<Option<Box<T>>>,
     others: Mutex<Vec<Box<T>>>,

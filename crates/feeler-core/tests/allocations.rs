@@ -1,4 +1,5 @@
-//! What is allocated: nothing by warm queries, what `memory()` says by an index, no more than the limit while building.
+//! Allocations: none by warm queries, those of an index as `memory()` reports them, and no more than the limit while
+//! building.
 
 mod common;
 

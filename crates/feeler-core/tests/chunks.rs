@@ -1,4 +1,4 @@
-//! Meshes packed for drawing: every queried triangle once, with its own corners, in pieces of the promised kind.
+//! Meshes packed for drawing: every queried triangle once, with its own corners, in pieces of the promised form.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! Rays against their plain twin, on every store; what is known of them; and what is refused.
+//! Rays against their plain twin, on every store; known properties; and refused arguments.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Casts that may touch: bodies slide, are drawn out of seats and lifted off; they end where one enters another.
+//! Casts with free touching: bodies slide, are pulled out of seats and lifted off; they end where one enters another.
 
 mod common;
 

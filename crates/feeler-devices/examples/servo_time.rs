@@ -1,7 +1,7 @@
-//! What a servo tick takes, in the thread's own time: `cargo run --release --example servo_time [TICKS]`.
+//! The CPU time of a servo tick: `cargo run --release --example servo_time [TICKS]`.
 //!
-//! A tool of the size of a hand among planes on all sides, each carried by four or eight points, and a device that moves all the time
-//! and presses against some of them: the most that a set holds, and harder than what a scene has.
+//! A hand-sized tool among planes on all sides, each carried by four or eight points, and a device that moves all the
+//! time and presses against some of them: the most that a set holds, and harder than any real scene.
 
 use feeler_core::geometry::twist::{pose_of, rotation_of};
 use feeler_core::tool::metric::Metric;

@@ -1,4 +1,4 @@
-//! Wrenches that a device may be given, and poses that a device may have told.
+//! Limits wrenches for a device, and checks the poses that a device reports.
 
 use feeler_core::geometry::twist;
 use feeler_core::geometry::twist::Matrix;
@@ -43,7 +43,7 @@ pub(crate) fn limit(own: f64, users: Option<f64>) -> f64 {
     users.filter(|x| *x >= 0.0).map_or(own, |x| x.min(own))
 }
 
-/// A pose from what a device told, metres; its rotation is set right where it is off by rounding. Errors where it cannot be.
+/// A pose from a device's reading, metres; its rotation is set right where it is off by rounding. Errors where it cannot be.
 pub(crate) fn told_pose(device: &str, rotation: &Matrix, position: &Point) -> Result<Pose, DeviceError> {
     let nonsense = |what: String| DeviceError::Nonsense { device: device.to_string(), what };
     if !position.iter().all(|x| x.abs() <= LARGEST_REACH_M) {
@@ -60,7 +60,7 @@ pub(crate) fn told_pose(device: &str, rotation: &Matrix, position: &Point) -> Re
     twist::pose_of(&rotation, position).map_err(|error| nonsense(error.to_string()))
 }
 
-/// A twist from what a device told, metres and radians a second. Errors where it cannot be.
+/// A twist from a device's reading, metres and radians a second. Errors where it cannot be.
 pub(crate) fn told_twist(device: &str, twist: Twist) -> Result<Twist, DeviceError> {
     let is_within = twist.linear.iter().all(|x| x.abs() <= LARGEST_SPEED_M_PER_S)
         && twist.angular.iter().all(|x| x.abs() <= LARGEST_TURN_RAD_PER_S);

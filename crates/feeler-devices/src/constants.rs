@@ -1,4 +1,4 @@
-//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+//! Every limit and tolerance of this crate: its unit, the reason for its value, and the effect of a change.
 
 use std::time::Duration;
 
@@ -8,17 +8,18 @@ use std::time::Duration;
 /// that still runs, and so short that a hand feels a knock and no push. Smaller lets go of the force in hiccups.
 pub const WATCHDOG: Duration = Duration::from_millis(50);
 
-/// How old the newest pose may be before the device counts as lost. The slowest device here tells a hundred poses in that time.
+/// How old the newest pose may be before the device counts as lost. The slowest device here sends a hundred poses in
+/// that time.
 pub const SILENCE: Duration = Duration::from_millis(100);
 
-/// How long `release` waits until the device's thread says that the force is off. Much more than a round of any of the threads; it
-/// bounds how long a session takes to end when a vendor's library hangs.
+/// How long `release` waits for the device's thread to confirm that the force is off. Much more than a round of any of
+/// the threads; it limits how long the end of a session takes when a vendor's library hangs.
 pub const RELEASE_WAIT: Duration = Duration::from_millis(500);
 
 /// How long `open` waits for the first pose.
 pub const FIRST_POSE_WAIT: Duration = Duration::from_secs(3);
 
-/// Pause between two looks at what a thread has done, while opening and releasing.
+/// Pause between two looks at the state of a thread, while opening and releasing.
 pub const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
 /// Rounds of a driver's thread between a motion of the handle and the force that answers it, beyond the servo's own tick: half a round
@@ -32,14 +33,14 @@ pub const USUAL_HZ: f64 = 1000.0;
 /// Largest distance of a handle from its origin that is believed, metres. No device reaches a tenth of that.
 pub const LARGEST_REACH_M: f64 = 10.0;
 
-/// Largest speed of a handle that is believed, metres a second: ten times what an arm can do.
+/// Largest plausible speed of a handle, metres a second: ten times that of an arm.
 pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
 
 /// Largest rate of turning that is believed, radians a second.
 pub const LARGEST_TURN_RAD_PER_S: f64 = 1e3;
 
-/// How far a rotation that a device tells may be from a rotation (sum of squares of R^T R - 1). Devices compute theirs in float32, with
-/// errors of 1e-6; what is further off is broken.
+/// How far a reported rotation may be from a rotation (sum of squares of R^T R - 1). Devices compute theirs in float32,
+/// with errors of 1e-6; larger errors mean a fault.
 pub const ROTATION_TOLERANCE: f64 = 1e-3;
 
 // SpaceMouse.
@@ -50,8 +51,8 @@ pub const SPACEMOUSE: &str = "SpaceMouse";
 /// Where the daemon of most distributions listens.
 pub const SPACENAVD_SOCKET: &str = "/var/run/spnav.sock";
 
-/// Counts of full deflection: what SpaceMouse devices tell at their stops (350 for those on USB, about 400 for serial ones), with the
-/// daemon's sensitivity of 1.
+/// Counts of full deflection: the values of SpaceMouse devices at their stops (350 for those on USB, about 400 for
+/// serial ones), with the daemon's sensitivity of 1.
 pub const FULL_DEFLECTION_COUNTS: f64 = 350.0;
 
 /// Counts beyond which a motion is not believed: full deflection with the daemon's sensitivity at a thousand.
@@ -69,13 +70,13 @@ pub const DAEMON_ANSWER_WAIT: Duration = Duration::from_millis(400);
 /// Pause before a lost daemon is tried again.
 pub const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
 
-/// Highest event number that the daemon may use some day. Higher ones tell that the bytes are out of step.
+/// Highest event number that the daemon may use in future. Higher ones mean that the bytes are out of step.
 pub const LARGEST_EVENT: i32 = 63;
 
 /// Buttons that fit the bits of a state.
 pub const BUTTON_BITS: u32 = 32;
 
-/// How often a SpaceMouse tells its cap, hertz (USB, 8 ms).
+/// Rate of events from a SpaceMouse, hertz (USB, 8 ms).
 pub const SPACEMOUSE_HZ: f64 = 125.0;
 
 // Haply.
@@ -98,7 +99,7 @@ pub const SERVICE_WAIT: Duration = Duration::from_millis(10);
 /// How long sending may block before the service counts as lost.
 pub const SEND_WAIT: Duration = Duration::from_millis(50);
 
-/// How long the service has to say that it took the preset, before poses are told without its word.
+/// How long the service has to confirm the preset before poses are reported without it.
 pub const PRESET_WAIT: Duration = Duration::from_millis(500);
 
 /// Pause between two requests for the full state, which has the preset.
@@ -121,5 +122,5 @@ pub const REALTIME_PRIORITY: u8 = 45;
 /// The same of threads that find contacts: below the servo's, so that it never waits for them, and above all that is ordinary.
 pub const COLLISION_PRIORITY: u8 = 40;
 
-/// Longest sleep, seconds; who asks for more is woken there, and the time is said to be past by nobody.
+/// Longest sleep, seconds; a longer request wakes up at that time, before its end.
 pub const LONGEST_SLEEP_S: f64 = 3600.0;

@@ -1,9 +1,9 @@
 //! Devices of Force Dimension (omega, delta, sigma, lambda) and Novint's Falcon, through the maker's library `libdhd`, which is loaded
 //! when the device is opened.
 //!
-//! A thread talks to the library at 4 kHz, because its calls wait for the device. It takes the force away when the servo has not written
-//! for 50 ms. Devices with an active wrist get torques; a gripper gets no force. A call that fails is [`DeviceError::Lost`] until calls
-//! succeed again.
+//! A thread talks to the library at 4 kHz, because its calls wait for the device. It removes the force if the servo has
+//! not written for 50 ms. Devices with an active wrist get torques; a gripper gets no force. A failing call gives
+//! [`DeviceError::Lost`] until calls succeed again.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -49,8 +49,8 @@ pub struct Dhd {
 }
 
 impl Dhd {
-    /// Loads the library, opens the first device that is free, and waits for its first pose. Errors where there is no library or no
-    /// device, with what to do.
+    /// Loads the library, opens the first free device, and waits for its first pose. Errors with advice if there is no
+    /// library or no device.
     pub fn open(options: &DhdOptions) -> Result<Dhd, DeviceError> {
         let open = OpenDhd::open(options.library.as_deref())?;
         let model = open.model();

@@ -1,8 +1,9 @@
-//! What the servo and the thread that talks to a device hand each other: newest poses one way, newest wrenches the other, each through a
-//! triple buffer, so that neither waits for the other.
+//! The exchange between the servo and the thread of a device: newest poses one way, newest wrenches the other, each
+//! through a triple buffer, so that neither waits for the other.
 //!
-//! The thread lets go of the force by itself when the servo has not written for [`WATCHDOG`], and the servo hears that the device is
-//! lost when the thread has told no pose for [`SILENCE`]. Times are passed in, so that both can be tested without waiting.
+//! The thread releases the force by itself if the servo has not written for [`WATCHDOG`], and the servo reports the
+//! device as lost if the thread has sent no pose for [`SILENCE`]. Times are passed in, so that both can be tested
+//! without waiting.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
@@ -81,7 +82,7 @@ impl ServoEnd {
         &self.info
     }
 
-    /// Waits for the first measurement, for opening a device. Errors with what the thread told instead, or when it told nothing.
+    /// Waits for the first measurement, for opening a device. Errors: the thread's error, or none within the time.
     pub fn wait_for_first(&mut self) -> Result<(), DeviceError> {
         let started = Instant::now();
         loop {

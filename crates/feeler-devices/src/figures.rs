@@ -1,8 +1,9 @@
 //! Data of the supported device types, one line each, with its source.
 //!
-//! Damping, friction and mass are published by few makers. What is not known is 0 here, and bounds nothing. A maker's largest stiffness
-//! is of a loop like a driver's here: the damping that holds it there, by Colgate's `b > K (T / 2 + t)`, is the least that the device
-//! must have, and bounds the stiffness of other loops. Data sheets without a date were not at hand, and are quoted from memory.
+//! Few makers publish damping, friction and mass. Unknown values are 0 here, and limit nothing. A maker's largest
+//! stiffness is for a loop like a driver's here: the damping that stabilises it there, by Colgate's `b > K (T / 2 +
+//! t)`, is the least that the device must have, and limits the stiffness of other loops. Data sheets without a date
+//! were not at hand, and are quoted from memory.
 
 use feeler_core::Point;
 use feeler_haptics::device::{DeviceInfo, DeviceLimits, Freedoms};
@@ -28,11 +29,11 @@ pub struct Figures {
     pub friction_n: f64,
     /// Half the edges of the workspace, axes of a device (x right, y away, z up), metres.
     pub workspace: Point,
-    /// Smallest step of position that it tells, metres.
+    /// Smallest step of the measured position, metres.
     pub resolution_m: f64,
-    /// Smallest step of rotation that it tells, radians.
+    /// Smallest step of the measured rotation, radians.
     pub rotational_resolution_rad: f64,
-    /// How often it tells a pose and takes a force, hertz.
+    /// Rate of poses and forces, hertz.
     pub rate_hz: f64,
     /// Where the figures are from.
     pub sources: &'static str,
@@ -258,7 +259,7 @@ mod tests {
             assert!(info.limits.check().is_ok() && !figures.sources.is_empty());
             let asked = Coupling::for_device(&info).with_stiffness_n_per_m(1e5);
             let at = |rate_hz| asked.limited(&info, rate_hz).0.stiffness_n_per_m;
-            // Less than what is published, by the reserve, at its own rate; and never more.
+            // Less than the published value, by the reserve, at its own rate; and never more.
             assert!(
                 (at(info.limits.rate_hz) / (0.64 * figures.stiffness_n_per_m) - 1.0).abs() < 1e-9,
                 "{}",

@@ -1,5 +1,5 @@
-//! Real time on a real system: a clock with absolute sleeps, priority for a thread, memory that stays in memory, and what a thread has
-//! computed. What the system does not allow is said, and nothing else happens.
+//! Real time on a real system: a clock with absolute sleeps, thread priority, locked memory, and CPU time of a thread.
+//! If the system refuses one of them, the reason is reported, and nothing else happens.
 
 use std::time::Instant;
 
@@ -51,10 +51,10 @@ impl MonotonicClock {
         self.start
     }
 
-    /// Sleeps until a time of this clock, seconds; not at all if that is past or no number, and at most an hour.
+    /// Sleeps until a time of this clock, seconds; not at all if that is past or not a number, and at most an hour.
     ///
-    /// On Linux the time is absolute (`TIMER_ABSTIME`), so what happens between the call and the sleep does not add up. Elsewhere
-    /// the thread sleeps for what is left.
+    /// On Linux the time is absolute (`TIMER_ABSTIME`), so delays between the call and the sleep do not add up.
+    /// Elsewhere the thread sleeps for the remaining time.
     pub fn sleep_until(&self, t: f64) {
         if t.is_nan() {
             return;
@@ -97,8 +97,8 @@ impl Default for MonotonicClock {
     }
 }
 
-/// Gives the calling thread real-time priority: first in, first out on Unix, time-critical on Windows. Says what was granted, or why
-/// nothing was and what to do.
+/// Gives the calling thread real-time priority: first in, first out on Unix, time-critical on Windows. Returns what was
+/// granted, or why nothing was, with advice.
 pub fn raise_priority() -> Result<String, String> {
     priority::raise(REALTIME_PRIORITY)
 }
@@ -108,9 +108,9 @@ pub fn raise_priority_below_servo() -> Result<String, String> {
     priority::raise(COLLISION_PRIORITY)
 }
 
-/// Keeps the memory of this process from being paged out. Says what was locked, or why nothing was and what to do. Call it when what is
-/// needed is there: where the system limits locked memory, only what is in memory now is locked, since a lock on everything to come
-/// would make later allocations fail.
+/// Keeps the memory of this process from being paged out. Returns what was locked, or why nothing was, with advice.
+/// Call it when everything needed is allocated: if the system limits locked memory, only present memory is locked,
+/// since a lock on future memory would make later allocations fail.
 pub fn lock_memory() -> Result<String, String> {
     #[cfg(target_os = "linux")]
     return linux::lock_memory();
@@ -118,8 +118,8 @@ pub fn lock_memory() -> Result<String, String> {
     Err("memory can be locked on Linux only; close other programs so that nothing is paged out".to_string())
 }
 
-/// CPU time of the calling thread, seconds, for differences. Where the system does not tell it (Windows), the time since the first call
-/// instead.
+/// CPU time of the calling thread, seconds, for differences. If the system does not report it (Windows), the time since
+/// the first call.
 pub fn thread_time() -> f64 {
     #[cfg(unix)]
     {

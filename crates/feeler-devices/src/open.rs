@@ -1,4 +1,4 @@
-//! Devices by the name of their driver.
+//! Opens devices by the name of their driver.
 
 use feeler_haptics::device::{Device, DeviceError};
 
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn every_driver_that_is_listed_is_known() {
-        // Nothing that these name is there: each driver is reached, and says what it misses.
+        // None of these devices exists: each driver is reached, and names what it misses.
         let nowhere = std::path::PathBuf::from("/nowhere/at-all");
         let mut options = Options::default();
         options.spacemouse.socket = Some(nowhere.clone());

@@ -1,10 +1,10 @@
 //! Devices of 3D Systems (Touch, Touch X, Phantom), through the maker's OpenHaptics HD API, whose library is loaded when the device is
 //! opened.
 //!
-//! The library's own scheduler calls the driver at its rate, in its own thread; that is where poses are taken and forces given, and
-//! where the force is taken away when the servo has not written for 50 ms. Rotation is sensed. Torques are not driven: the few models
-//! that have them take joint torques of their gimbal, not torques on the hand. The scheduler is one for all devices of the process, and
-//! ends with this one.
+//! The library's own scheduler calls the driver at its rate, in its own thread, which reads poses, sets forces, and
+//! removes the force if the servo has not written for 50 ms. Rotation is sensed. Torques are not actuated: the few
+//! models with torques take joint torques of their gimbal, not torques on the hand. The scheduler serves all devices of
+//! the process, and ends with this one.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -56,8 +56,8 @@ pub struct OpenHaptics {
 }
 
 impl OpenHaptics {
-    /// Loads the library, initialises the device, and waits for its first pose. Errors where there is no library or no device, with what
-    /// to do.
+    /// Loads the library, initialises the device, and waits for its first pose. Errors with advice if there is no
+    /// library or no device.
     pub fn open(options: &OpenHapticsOptions) -> Result<OpenHaptics, DeviceError> {
         let open = Arc::new(OpenHd::open(options.library.as_deref(), options.device.as_deref())?);
         let (info, centre) = info(options, &open);

@@ -1,4 +1,4 @@
-//! What the tests of several files share.
+//! Shared helpers of the tests.
 
 use feeler_haptics::device::{DeviceInfo, DeviceLimits, Freedoms};
 

@@ -1,4 +1,4 @@
-//! The tables of docs/devices.md have what the crate has.
+//! The tables of docs/devices.md equal the crate's data.
 
 use feeler_devices::{Figures, FIGURES};
 

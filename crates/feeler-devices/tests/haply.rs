@@ -1,5 +1,5 @@
-//! The Haply driver against a stand-in for the Inverse Service, whose messages are judged by what is written here. The
-//! same scenarios, judged by the types of the maker's crate, are `make test-haply`: that crate needs OpenSSL's headers.
+//! The Haply driver against a stand-in for the Inverse Service, whose messages are judged by code here. `make
+//! test-haply` runs the same scenarios, judged by the types of the maker's crate, which needs OpenSSL's headers.
 
 mod common;
 mod haply_scenarios;

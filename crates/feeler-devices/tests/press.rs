@@ -1,5 +1,5 @@
-//! Every driver and every type of device pressed into a plate, against the stand-ins: the force that arrives at the device is the
-//! spring's that was granted, or the largest that was granted.
+//! Every driver and every type of device pressed into a plate, against the stand-ins: the device receives the force of
+//! the granted spring, or the largest granted one.
 
 mod common;
 #[path = "common/stubs.rs"]

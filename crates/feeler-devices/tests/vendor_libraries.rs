@@ -1,4 +1,4 @@
-//! The drivers of makers' libraries against stubs that are compiled here, by the calls that the makers document.
+//! The drivers of makers' libraries against stubs that are compiled here, with the makers' documented calls.
 
 mod common;
 #[path = "common/stubs.rs"]

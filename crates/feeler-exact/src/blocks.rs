@@ -1,5 +1,5 @@
-//! Solids made of axis-aligned blocks with corners on whole numbers: their surfaces cut into triangles, and exactly how far one has to
-//! go to leave another.
+//! Solids made of axis-aligned blocks with integer corners: their surfaces cut into triangles, and the exact distance
+//! that one must move to leave another.
 
 use std::collections::HashMap;
 

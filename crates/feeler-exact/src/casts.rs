@@ -1,8 +1,9 @@
-//! Casts that are known to hit: nothing may tunnel, no impact may be late.
+//! Casts with a known hit: nothing may tunnel, no impact may be late.
 //!
-//! A way is random, from pose to pose or along a screw; then it is shifted so that at a chosen time a chosen point of the tool lies
-//! on a chosen point of a sheet without thickness or of a wire. Rational arithmetic confirms that the two triangles meet then. So
-//! the tool is through at that time, however fast it goes, and the cast must have found an impact by then.
+//! A motion is random, between poses or along a screw; then it is shifted so that at a chosen time a chosen point of
+//! the tool lies on a chosen point of a sheet without thickness or of a wire. Rational arithmetic confirms that the two
+//! triangles collide then. So the tool is in contact at that time, however fast it moves, and the cast must have found
+//! an impact by then.
 
 use std::sync::Arc;
 
@@ -46,7 +47,7 @@ pub struct Tally {
     pub late: u64,
     /// Impacts at which the pair is farther apart than the tolerance.
     pub early: u64,
-    /// Some of what is wrong, in words.
+    /// Some of the errors, in words.
     pub faults: Vec<String>,
 }
 
@@ -70,7 +71,7 @@ impl Tally {
     }
 }
 
-/// At least so many casts, each looked at at so many times before its impact; the same for the same seed, on any number of threads.
+/// At least `casts` casts, each checked at `samples` times before its impact; the same for the same seed, on any number of threads.
 pub fn run(casts: u64, seed: u64, samples: u32) -> Tally {
     (0..casts.div_ceil(PER_SCENE))
         .into_par_iter()

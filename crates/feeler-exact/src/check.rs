@@ -42,7 +42,7 @@ pub fn fault_of_pair(p: &Triangle, q: &Triangle, truth: Option<PairKind>) -> Opt
     None
 }
 
-/// A built tool and mock-up with what is true at each pose.
+/// A built tool and mock-up with the truth at each pose.
 #[derive(Debug)]
 pub struct Checked {
     mockup: Arc<Mockup>,
@@ -59,7 +59,7 @@ pub fn arrays_of(triangles: &[Triangle]) -> (Vec<Point>, Vec<[u32; 3]>) {
 }
 
 impl Checked {
-    /// Takes a scene and decides, with the oracle, all pairs whose boxes meet; `judged` is told each with its answer. `None`
+    /// Takes a scene and decides, with the oracle, all pairs whose boxes meet; `judged` receives each with its answer. `None`
     /// when the mock-up or the tool has no triangle that can be queried.
     pub fn new(setup: &Setup, mut judged: impl FnMut(&Triangle, &Triangle, Option<PairKind>)) -> Option<Checked> {
         let (vertices, faces) = arrays_of(&setup.mockup);
@@ -90,7 +90,7 @@ impl Checked {
         self.mockup.mesh().bounds().extent().iter().fold(0.0, |m, x| m.max(*x))
     }
 
-    /// Builds a scene and asks it everything. The first pose with a wrong answer and what is wrong, or `None`.
+    /// Builds a scene and runs every query. The first pose with a wrong answer and the error, or `None`.
     ///
     /// Errors when the scene would need more memory than a test should take.
     pub fn fault(&self, storage: Storage, voxel_size: Option<f64>) -> Result<Option<(Pose, String)>, Error> {

@@ -1,21 +1,21 @@
-//! Contacts of concave solids whose depths are known: pockets, racks, stepped shafts and such, made of axis-aligned blocks, with a tool
-//! pressed against faces chosen beforehand by so many units, or off them.
+//! Contacts of concave solids of known depth: pockets, racks, stepped shafts and such, made of axis-aligned blocks,
+//! with a tool pressed against chosen faces by so many units, or off them.
 //!
-//! All of it is bounded to what has one truth. Wherever a face is pressed, what overlaps is thin and at least three times as wide, so
-//! that nothing but the way across that face is the least. No two faces lie in one plane: flush surfaces, once turned, cut each other
-//! as rounding likes (see the limits in `docs/contacts.md`).
+//! The cases are limited to those with a unique truth. Wherever a face is pressed, the overlap is thin and at least
+//! three times as wide, so that the way across that face is the shortest. No two faces lie in one plane: rotated flush
+//! surfaces cut each other by rounding (see the limits in `docs/contacts.md`).
 //!
-//! And it is bounded to what holds today:
-//! - Where two pressed faces meet in a hollow edge and one of the solids ends across it, the end is an L. Pressed by less than a few
-//!   hundredths of its size it may count as a body of its own, with a plane along the edge as deep as the other solid is long. So
-//!   the solid that is hollow there is the longer one.
-//! - Where opposite faces are pressed, and the tool or a tooth of the mock-up is wedged, planes may be missing, or lean by up to some
-//!   twenty degrees. So none are, and all teeth of a rack press to one side.
-//! - Of three pressed faces that meet in a hollow corner one may have no plane, seldom. So two are, at most.
-//! - Where a shoulder is pressed all around and a wall beside it, walls and shoulder give planes across the whole bore. So a stepped
-//!   shaft is pressed against walls or against shoulders, and at each step against one wall.
-//! - Beside what is deep a near face of large triangles may have no plane: each pair of triangles is looked at where it happens to be
-//!   nearest, and a deep plane may stand for that place. So near planes are asked for where nothing is deep.
+//! They are also limited to what the contacts guarantee today:
+//! - If two pressed faces meet in a concave edge and one of the solids ends across it, the end is an L. Pressed by less
+//!   than a few hundredths of its size it may count as a body of its own, with a plane along the edge as deep as the
+//!   other solid is long. So the concave solid is the longer one.
+//! - If opposite faces are pressed, and the tool or a tooth of the mock-up is wedged, planes may be missing, or lean by
+//!   up to some twenty degrees. So none are, and all teeth of a rack press to one side.
+//! - Of three pressed faces that meet in a concave corner one may, rarely, have no plane. So two are pressed, at most.
+//! - If a shoulder is pressed all around and a wall beside it, walls and shoulder give planes across the whole bore. So
+//!   a stepped shaft is pressed against walls or against shoulders, and at each step against one wall.
+//! - Beside a deep contact a near face of large triangles may have no plane: each pair of triangles is evaluated at its
+//!   nearest point, and a deep plane may cover that point. So near planes are required only where nothing is deep.
 
 use crate::blocks::{Block, Obstacles, Solid};
 use crate::random::Random;
@@ -46,7 +46,7 @@ pub struct Known {
     pub depth: i64,
 }
 
-/// A mock-up, a tool where it is pressed into it, and what is true of the two.
+/// A mock-up, a tool pressed into it, and the truth about the two.
 #[derive(Debug, Clone)]
 pub struct Contact {
     /// The solids of the mock-up, each a part.
@@ -120,7 +120,7 @@ fn press(r: &mut Random) -> i64 {
     }
 }
 
-/// The presses of faces of which no more than so many are to be deep.
+/// The presses of faces of which at most `most` are to be deep.
 fn presses<const N: usize>(r: &mut Random, most: usize) -> [i64; N] {
     let mut all = [0; N].map(|_| press(r));
     while all.iter().filter(|depth| **depth > 0).count() > most {
@@ -423,7 +423,7 @@ mod tests {
                 assert!(contact.planes.iter().all(overlaps), "{what}");
                 let is_deep = contact.planes.iter().any(|known| known.depth > 0);
                 assert_eq!(is_deep, !contact.obstacles(0).is_free(&[0; 3]), "{what}");
-                // Along every axis as far as the deepest asks is far enough, where not both ways are asked for.
+                // Along every axis as far as the deepest asks is far enough, where not both directions are wanted.
                 let asked = |axis: usize, sense: i64| {
                     let of = contact.planes.iter().filter(|known| (known.axis, known.sense) == (axis, sense));
                     of.map(|known| known.depth).max().unwrap_or(0).max(0)

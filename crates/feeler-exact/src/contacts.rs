@@ -1,5 +1,5 @@
-//! Contacts of [`concave`](crate::concave) solids whose depths are known: no plane may be missing, deeper than is true, or turned, and
-//! no way out shorter than the shortest.
+//! Contacts of [`concave`](crate::concave) solids of known depth: no plane may be missing, too deep, or turned, and no
+//! way out shorter than the shortest.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub struct ContactsFound {
     pub deep: u64,
     /// See `deep`.
     pub near: u64,
-    /// Ways out by what they are called: exact, bound, estimate.
+    /// Ways out by their kind: exact, bound, estimate.
     pub ways: [u64; 3],
     /// Bounds within a hundredth of the shortest way.
     pub close_bounds: u64,
@@ -47,7 +47,7 @@ type Tally = crate::tally::Tally<ContactsFound>;
 
 /// So many contacts of each of some families (all where none is named), from a number on, of solids cut into up to about so many
 /// triangles; case `i` depends on the seed, `i` and that number alone.
-/// `progress` is told what is done.
+/// `progress` is called as contacts finish.
 ///
 /// Errors: a family that there is not.
 pub fn run(
@@ -197,7 +197,7 @@ fn faults_of_planes(
     if contacts.is_meeting != is_deep {
         faults.push(format!("is_meeting is {}", contacts.is_meeting));
     }
-    // Nothing deep but what is known.
+    // Nothing deep beyond the known faces.
     let deep: Vec<&ContactPlane> = contacts.planes.iter().filter(|p| p.gap < -tolerance.depth).collect();
     for plane in &deep {
         let off = |known: &&Known| (plane.gap + metres(known.depth)).abs() / tolerance.of_depth(plane.gap);

@@ -44,7 +44,7 @@ fn numbers(t: &Triangle) -> String {
     words.join(" ")
 }
 
-/// Reads a corpus; empty lines and lines that start with `#` are skipped. An error names the line and what is wrong with it.
+/// Reads a corpus; empty lines and lines that start with `#` are skipped. An error names the line and its fault.
 pub fn parse(text: &str) -> Result<Vec<Case>, String> {
     let mut cases: Vec<Case> = Vec::new();
     let mut names = std::collections::HashSet::new();

@@ -1,5 +1,5 @@
-//! Depths by points of [`polyhedra`](crate::polyhedra) with corners in whole units: no point that is inside is deeper than is said, and the
-//! point that is said to be as deep is on its surface, inside the other, and as deep.
+//! Depths by points of [`polyhedra`](crate::polyhedra) with integer corners: no point inside is deeper than the
+//! reported depth, and the reported point lies on its surface, inside the other, at that depth.
 
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ impl Figures for DepthsFound {
 type Tally = crate::tally::Tally<DepthsFound>;
 
 /// So many pairs of each of some families (all where none is named), from a number on; pair `i` depends on the seed and `i` alone.
-/// `progress` is told what is done.
+/// `progress` is called as pairs finish.
 ///
 /// Errors: a family that there is not.
 pub fn run(

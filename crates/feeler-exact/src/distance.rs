@@ -1,4 +1,4 @@
-//! How far apart two triangles are, in exact rational arithmetic, slow and obvious.
+//! The distance of two triangles, in exact rational arithmetic, slow and obvious.
 //!
 //! Two closed triangles that share no point are closest at an edge of each, or at a corner of one and a point inside the other.
 //! All of these squared distances are quotients of whole numbers; the least is the answer.
@@ -143,7 +143,7 @@ fn between_insides(a: &Vector, a1: &Vector, b: &Vector, b1: &Vector) -> Option<Q
 }
 
 /// What the core's distance of a pair is off by, over the largest difference of coordinates: of the distance, and of the two
-/// witness points from their triangles. An error says what is wrong in kind: a 0 that is none, or a pair that meets and has no 0.
+/// witness points from their triangles. An error: a 0 for a pair that does not meet, or no 0 for one that does.
 pub fn errors_of_pair(p: &Triangle, q: &Triangle) -> Result<[f64; 3], String> {
     let closest = closest_triangle_triangle(p, q);
     let expected = relative_distance(p, q);
@@ -166,8 +166,8 @@ pub fn errors_of_pair(p: &Triangle, q: &Triangle) -> Result<[f64; 3], String> {
     ])
 }
 
-/// Holds a pair to what is promised of distances, either way round: the value, the witness points, and how far these are apart. The
-/// second triangle has an area. Returns the largest error over the largest difference of coordinates, or says what is wrong.
+/// Checks a pair against the guarantees of distances, either way round: the value, the witness points, and how far these are apart. The
+/// second triangle has an area. Returns the largest error over the largest difference of coordinates, or the error.
 pub fn check_pair(p: &Triangle, q: &Triangle) -> Result<f64, String> {
     const BOUND: f64 = DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
     let errors = errors_of_pair(p, q)?;

@@ -1,4 +1,4 @@
-//! The mass: millions of pairs and thousands of scenes, each held to the oracle.
+//! The mass: millions of pairs and thousands of scenes, each compared with the oracle.
 //!
 //! The work of a generator is cut into units; unit `i` depends on the seed and `i` alone, and units run in waves of a fixed
 //! size, so the figures are the same for every number of threads.
@@ -165,7 +165,7 @@ const UNIT: u64 = 500;
 const SCENE: u64 = 1000;
 /// Units between two looks at the count.
 const WAVE: u64 = 64;
-/// Of each unit so many first and second triangles also make a scene, all against all.
+/// Of each unit this many first and second triangles also make a scene, all against all.
 const SOUP: usize = 16;
 
 fn run_unit(generator: &Generator, seed: u64, index: u64, wanted: u64) -> Tally {

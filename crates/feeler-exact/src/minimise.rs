@@ -1,7 +1,7 @@
-//! Shrinks what fails to the least that still fails: a scene to one pair of triangles, a pair to simple numbers.
+//! Shrinks a failure to the smallest one: a scene to one pair of triangles, a pair to simple numbers.
 //!
 //! The same idea as delta debugging (A. Zeller and R. Hildebrandt, *Simplifying and isolating failure-inducing input*,
-//! 2002): take a part away or make a number simpler, keep the change when the failure stays.
+//! 2002): remove a part or simplify a number, and keep the change if the failure stays.
 
 use feeler_core::{Pose, Triangle};
 

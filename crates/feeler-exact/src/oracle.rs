@@ -1,9 +1,9 @@
-//! What is true: whether and how two triangles meet, in exact rational arithmetic, slow and obvious.
+//! The truth: whether and how two triangles collide, in exact rational arithmetic, slow and obvious.
 //!
-//! Written from the geometry alone and sharing nothing with the core's algorithm. A triangle is the set of points spanned by
-//! its corners, and also the set of points on its plane and within its three sides. So the points that two triangles share
-//! are found by cutting one, as a polygon, with the plane and the sides of the other, one closed half-space after the other
-//! (I. Sutherland and G. Hodgman, *Reentrant polygon clipping*, 1974). They meet when something remains.
+//! Written from the geometry alone, without code of the core. A triangle is the set of points spanned by its corners,
+//! and also the set of points on its plane and within its three sides. The intersection of two triangles is therefore
+//! found by cutting one, as a polygon, with the plane and the sides of the other, one closed half-space after the other
+//! (I. Sutherland and G. Hodgman, *Reentrant polygon clipping*, 1974). They collide if something remains.
 //!
 //! Every float64 is a whole number of some small power of two, so all coordinates of a pair become integers at once, however
 //! large or small. A rational point is four integers: `(x, y, z)` over a positive `w`.

@@ -1,4 +1,4 @@
-//! Pairs of triangles that aim at trouble, one generator a kind of it. The second triangle always has an area.
+//! Difficult pairs of triangles, one generator for each kind. The second triangle always has an area.
 
 use feeler_core::{Point, Triangle};
 

@@ -1,11 +1,11 @@
-//! Pairs of closed polyhedra with corners in whole units: flush and not, turned, skewed, hollow, concave, with shared corners and edges, and cut
-//! into triangles as finely as may be.
+//! Pairs of closed polyhedra with integer corners: flush and not, turned, skewed, hollow, concave, with shared corners
+//! and edges, and cut into triangles of any fineness.
 
 use crate::blocks::{Block, Solid, Spot, Surface};
 use crate::random::Random;
 use crate::spots::LARGEST;
 
-/// Units of what the shapes are made of: they can be cut in halves as often, and moved by as little.
+/// Units of the coordinates of the shapes: they can be cut in halves as often, and moved by as little.
 const FINE: i64 = 4;
 
 /// A kind of pair.

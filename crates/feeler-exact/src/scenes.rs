@@ -1,4 +1,4 @@
-//! Whole scenes that aim at trouble: a mock-up, a tool, and poses at which they fit, lie flush or nearly do.
+//! Difficult whole scenes: a mock-up, a tool, and poses at which they fit, lie flush or nearly do.
 
 use feeler_core::{Pose, Triangle};
 

@@ -1,5 +1,5 @@
-//! Solids as triangles, and poses to bring them together at: made with exact or correctly rounded operations only, so that
-//! every machine gets the same numbers.
+//! Solids as triangles, and poses that bring them together: made with exact or correctly rounded operations only, so
+//! that every machine gets the same numbers.
 
 use feeler_core::{Point, Pose, Triangle};
 

@@ -1,4 +1,4 @@
-//! How far a pair gets in the core, and whether floats could decide it: what the exact stage costs in practice.
+//! The stage of the core that decides a pair, and whether floats could: the cost of the exact stage in practice.
 
 use feeler_core::geometry::intersect_lanes::prove;
 use feeler_core::geometry::intersect_triangle_triangle::intersect_with;

@@ -1,5 +1,5 @@
-//! Points and closed surfaces with corners in whole units, in whole numbers of 128 bits: whether a point is inside, and how far it is from the
-//! surface. Nothing is rounded but the last quotient of a distance.
+//! Points and closed surfaces with integer corners, in whole numbers of 128 bits: whether a point is inside, and its
+//! distance from the surface. Only the last quotient of a distance is rounded.
 
 use crate::blocks::{Spot, Surface};
 

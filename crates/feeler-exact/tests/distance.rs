@@ -1,4 +1,4 @@
-//! Distances of pairs that aim at trouble, against exact rational arithmetic.
+//! Distances of difficult pairs, compared with exact rational arithmetic.
 
 use feeler_core::constants::UNIT_ROUNDOFF;
 use feeler_core::{Point, Triangle};

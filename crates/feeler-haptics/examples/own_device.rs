@@ -1,4 +1,5 @@
-//! A device of one's own, pressed into a plate in simulated time: a handle on a rail that tells its height and takes a force.
+//! Your own device, pressed into a plate in simulated time: a handle on a rail that reports its height and takes a
+//! force.
 //!
 //! `cargo run -p feeler-haptics --example own_device`
 
@@ -85,7 +86,7 @@ fn pressed() -> Result<f64, Box<dyn Error>> {
     Ok(force)
 }
 
-/// Presses it, and says what it feels.
+/// Presses it, and prints the forces.
 pub fn main() {
     let force = pressed().expect("the rail is pressed into the plate");
     println!("12 mm into the plate at 500 N/m: {force:.2} N");

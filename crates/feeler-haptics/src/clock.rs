@@ -1,4 +1,4 @@
-//! The clock of the threads: this crate reads none, whoever starts them passes one in.
+//! The clock of the threads: this crate reads none; the caller passes one in.
 
 /// A clock that runs on, and that threads sleep by.
 pub trait Clock: Send + Sync {

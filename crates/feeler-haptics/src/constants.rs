@@ -1,4 +1,4 @@
-//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+//! Every limit and tolerance of this crate: its unit, the reason for its value, and the effect of a change.
 
 /// How far a sunk part may give way, metres: above rounding.
 pub const SEAT_SLACK: f64 = 1e-8;
@@ -15,10 +15,10 @@ pub const MOST_PLANES: usize = 64;
 /// for.
 pub const MOST_ROWS: usize = 256;
 
-/// Programs in a row for one pose, each linear at the last one's: two for what turns a degree, the third for rounding.
+/// Programs in a row for one pose, each linear at the last one's: two for turns of a degree, the third for rounding.
 pub const SOLVER_ROUNDS: usize = 4;
 
-/// Share of the skin below which a round's motion is the last: what the next would mend is its square.
+/// Share of the skin below which a round's motion is the last: the next one's gain would be its square.
 pub const SOLVER_STILL_SHARE: f64 = 0.02;
 
 // The proxy.
@@ -29,7 +29,7 @@ pub const STILL_SHARE: f64 = 1e-4;
 /// Share of the least gap that a cast may end before the impact. Larger: motions along a surface are stopped by it; smaller: slower.
 pub const CAST_SHARE: f64 = 0.05;
 
-/// Bounds for that, metres: a micrometre, and what is above rounding in a mock-up of some metres.
+/// Limits for that, metres: a micrometre, and a value above rounding in a mock-up of some metres.
 pub const LARGEST_CAST_TOLERANCE: f64 = 1e-6;
 pub const LEAST_CAST_TOLERANCE: f64 = 1e-10;
 
@@ -54,18 +54,18 @@ pub const MOST_LIFT: f64 = 10.0;
 /// Share of the skin by which a motion must lead nearer to the device for another to follow in the same tick.
 pub const STUCK_SHARE: f64 = 0.1;
 
-/// Share of what the last motion of a tick led nearer below which the next is left for the next tick. Larger: quicker ticks, and a peg
+/// Share of the last motion's approach in a tick below which the next motion is left for the next tick. Larger: quicker ticks, and a peg
 /// that feels its way into a tight hole takes more of them.
 pub const REST_SHARE: f64 = 0.05;
 
-/// By how much the longest motion shrinks after one that was stopped by what it knew of, and grows after a free one.
+/// Factor by which the longest motion shrinks after one stopped by a known row, and grows after a free one.
 pub const TRUST_GROWTH: f64 = 2.0;
 
 /// Share of the skin below which the tool is lifted before it is moved on: from a start that near, arcs are stopped at once.
 pub const LIFT_SHARE: f64 = 0.5;
 
-/// Longest turn beside rows: the square root of so many skins over the tool's radius (radians). A point's arc is then off its chord by
-/// an eighth of that: a quarter of the skin.
+/// Longest turn beside rows: the square root of this many skins over the tool's radius (radians). A point's arc is then
+/// off its chord by an eighth of that: a quarter of the skin.
 pub const ARC_SKINS: f64 = 2.0;
 
 /// Shortest motion that the proxy is trusted with, in skins: for so little any row holds.
@@ -83,11 +83,12 @@ pub const MOST_PATIENCE: u32 = 63;
 /// By how much the skin grows a tick, where it may.
 pub const SKIN_GROWTH: f64 = 2.0;
 
-/// How far a wider skin may push the tool, in skins: less than [`SQUEEZE_GAIN`], so that it does not push out of what was squeezed into.
+/// How far a wider skin may push the tool, in skins: less than [`SQUEEZE_GAIN`], so that it does not push it out of a
+/// tight gap.
 pub const SKIN_LIFT: f64 = 2.5;
 
-/// What is a contact: as far as so many of the longest of the last motions, and so many skins, lead. More: more planes, which are
-/// merged more coarsely where surfaces are curved; fewer: a fast tool is held back between two sets.
+/// Range of contacts: this many of the longest of the last motions, and this many skins. Larger: more planes, which are
+/// merged more coarsely where surfaces are curved; smaller: a fast tool is held back between two sets.
 pub const STRIDES: f64 = 2.0;
 pub const SKINS_IN_MARGIN: f64 = 20.0;
 
@@ -95,7 +96,7 @@ pub const SKINS_IN_MARGIN: f64 = 20.0;
 /// that a neighbouring facet stops; smaller: more searches a tick.
 pub const STRAY_SHARE: f64 = 0.5;
 
-/// What is a contact at least, in skins as asked for.
+/// Least range of contacts, in requested skins.
 pub const LEAST_MARGIN: f64 = 2.0;
 
 /// By how much the longest of the last motions is forgotten a tick.
@@ -121,31 +122,31 @@ pub const FULL_TORQUE_AT_RAD: f64 = 0.05;
 /// Share of a preset's stiffness where neither damping nor largest stiffness of the device is known. More feels harder, and may hum.
 pub const UNKNOWN_SHARE: f64 = 0.2;
 /// Time (seconds) in which a preset's force may go from nothing to the device's largest. Below a few milliseconds it
-/// limits nothing that a hand can do against a spring; above ten, a hard contact begins softly, and the lag makes work
+/// limits no motion of a hand against a spring; above ten, a hard contact begins softly, and the lag makes work
 /// for the passivity controller.
 pub const FULL_FORCE_IN_S: f64 = 0.004;
 
 // What a device holds.
 
 /// Share of the device's damping that spring and damper of the coupling may use up, by Colgate's bound. The rest is for
-/// what data sheets do not say, and for the soft wall of a workspace ([`WALL_SHARE`]). More is stiffer, and nearer to a
-/// limit cycle.
+/// properties missing in data sheets, and for the soft wall of a workspace ([`WALL_SHARE`]). More is stiffer, and
+/// nearer to a limit cycle.
 pub const HELD_SHARE: f64 = 0.8;
 /// Share of it that the virtual damper may take of that: each newton second a metre of damping takes stiffness away.
 pub const VIRTUAL_DAMPING_SHARE: f64 = 0.2;
-/// Largest share of what the device holds in rotation that is left to the spring of translation, where the tool's
+/// Largest share of the device's limit in rotation that is left to the spring of translation, where the tool's
 /// centre is away from the handle: it turns the handle by its arm. More makes long tools stiffer in translation and
 /// softer in rotation.
 pub const ARM_SHARE: f64 = 0.5;
-/// How many times what an arm uses up at full translational stiffness is set apart for it, as long as that is less than
+/// Reserve for an arm, as a multiple of its use at full translational stiffness, as long as that is less than
 /// [`ARM_SHARE`]: with 9, a short arm takes a tenth of the translational stiffness. More takes less there, and more of
 /// the rotational one.
 pub const ARM_ROOM: f64 = 9.0;
 
 // The passivity observer and controller.
 
-/// Time constant (seconds) at which energy that the coupling took from the hand for good is forgotten. Longer, and what
-/// was lost in one contact pays for energy made in a later one; shorter, and the controller damps a little more.
+/// Time constant (seconds) at which energy that the coupling took from the hand for good is forgotten. Longer: losses
+/// in one contact pay for energy made in a later one; shorter: the controller damps a little more.
 pub const SURPLUS_LEAK_S: f64 = 0.1;
 /// Time constant (seconds) at which a deficit is forgiven while nothing is touched. Longer, and air feels thick after a
 /// contact; shorter, and bouncing off a wall may gain energy.
@@ -170,7 +171,7 @@ pub const RATE_SHARE: f64 = 1.5;
 /// tick makes a wall soft.
 pub const RATE_MEMORY_S: f64 = 0.05;
 /// Speed (metres a second) above which a device is taken to have jumped. Hands move at 3 m/s, and a device of 100 Hz
-/// tells ten ticks' motion at once.
+/// reports ten ticks' motion at once.
 pub const JUMP_SPEED: f64 = 50.0;
 /// The same in rotation (radians a second).
 pub const JUMP_RATE: f64 = 1000.0;
@@ -225,13 +226,13 @@ pub const FREE_MARGIN: f64 = 0.1;
 /// found nearer; slower where facets are crossed.
 pub const MOST_CATCH_UPS: usize = 2;
 
-/// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.
+/// Share of a set's margin that the proxy may move between two sets: the rest is for the arcs of turning points.
 pub const BOUND_SHARE: f64 = 0.95;
 
 /// Age (seconds) from which on constraints are not trusted, and the force is let go: some collision ticks at 10 Hz.
 pub const OLDEST_SET_S: f64 = 0.5;
 
-/// Changes of the proxy's pose (metres, radians) that are no motion: a hundredth of the skin.
+/// Changes of the proxy's pose (metres, radians) that do not count as motion: a hundredth of the skin.
 pub const PROXY_RESOLUTION_M: f64 = 2e-7;
 pub const PROXY_RESOLUTION_RAD: f64 = 2e-6;
 
@@ -241,13 +242,14 @@ pub const PROXY_RESOLUTION_RAD: f64 = 2e-6;
 /// drops the force; longer: an old force pushes on.
 pub const SILENT_S: f64 = 0.05;
 
-/// The same in periods of the device, where it tells its rate and they are longer: one of 20 Hz is not silent between two states.
+/// The same in periods of the device, if it reports a rate and they are longer: one of 20 Hz is not silent between two
+/// states.
 pub const SILENT_PERIODS: f64 = 3.0;
 
 /// How long (seconds) the collision thread rests where there is nothing new: a fifth of a servo tick at 1 kHz, so that news do not wait.
 pub const COLLISION_REST_S: f64 = 2e-4;
 
-/// How often (seconds) contacts are found again though nothing is new, so that a set's age says that the thread lives.
+/// How often (seconds) contacts are found again without new input, so that a set's age shows that the thread lives.
 pub const COLLISION_REFRESH_S: f64 = 1e-3;
 
 /// How often (seconds) the threads hand their counts over. Shorter: time of the servo thread; longer: older tables.
@@ -285,7 +287,7 @@ pub const BEND_LIKENESS: f64 = 4.0;
 /// felt with their facets; smaller: a bend along a surface is taken for one across it.
 pub const PARALLEL_COSINE: f64 = 0.4;
 
-/// Most triangles of one flat facet that are asked where it ends. More: finer cut facets are known as such; slower.
+/// Most triangles of one flat facet visited to find its border. More: finer facets are recognised; slower.
 pub const LARGEST_FLAT_WALK: usize = 16;
 
 /// Most triangles around a corner. More: the pole of a finer ball is whole; slower.
@@ -310,7 +312,8 @@ pub const LARGEST_SHADING_TURN: f64 = 0.3;
 /// facets is felt in fits.
 pub const LARGEST_GAIN: f64 = 8.0;
 
-/// Curvature (one over metres) of what is flat: a radius of a kilometre. Larger: large curved surfaces count as flat.
+/// Curvature (one over metres) that counts as flat: a radius of a kilometre. Larger: large curved surfaces count as
+/// flat.
 pub const LEAST_CURVATURE: f64 = 1e-3;
 
 /// Largest height (metres) of an arc over its facet: tessellators keep to less. Larger: a lid with bevelled sides is felt round; smaller:

@@ -1,4 +1,5 @@
-//! What the collision side hands to the servo side: contact rows, where they were taken, and how far they are good for.
+//! The result of the collision side for the servo side: contact rows, the pose where they were taken, and the range in
+//! which they hold.
 
 use feeler_core::geometry::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
 use feeler_core::geometry::twist::{displaced, displacement, product, times, transposed, Twist};
@@ -39,9 +40,9 @@ pub struct ConstraintSet {
     pub number: u64,
     /// How far the rows are to be held off, metres.
     pub skin: f64,
-    /// All that no row stands for is at least so far off, metres.
+    /// Everything without a row is at least this far away, metres.
     pub margin: f64,
-    /// What nearest means for this tool.
+    /// The metric of poses for this tool.
     pub metric: Metric,
     /// Beside contacts the device pulls no farther than this (metres, radians): where the coupling's force is full.
     pub pull: [f64; 2],
@@ -57,7 +58,7 @@ pub struct ConstraintSet {
     strayed: f64,
 }
 
-/// Working memory of [`ConstraintSet::nearest_pose`], and what it held the last time.
+/// Working memory of [`ConstraintSet::nearest_pose`], with its last content.
 #[derive(Debug, Clone)]
 pub struct Solver {
     half_spaces: [HalfSpace; MOST_ROWS],

@@ -1,4 +1,4 @@
-//! The virtual coupling: a spring and a damper between where the hand wants the tool, and where the mock-up lets it be.
+//! The virtual coupling: a spring and a damper between the device's pose and the proxy.
 //!
 //! Colgate, Stanley and Brown, *Issues in the Haptic Display of Tool Use*, IROS 1995; in rotation the spring's torque
 //! is along the rotation vector between the two (the logarithm of the quaternion), which is minus the gradient of `k
@@ -16,7 +16,7 @@ use crate::device::DeviceInfo;
 use crate::error::{Error, Result};
 
 /// How the hand is held to the tool. The default suits a desktop device of 8 N at 1 kHz;
-/// [`for_device`](Self::for_device) suits another, and [`limited`](Self::limited) cuts any coupling to what a device
+/// [`for_device`](Self::for_device) suits another, and [`limited`](Self::limited) limits any coupling to what a device
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -104,9 +104,9 @@ impl Coupling {
         Ok(())
     }
 
-    /// The stiffest coupling that is of use on a device and that it holds at its own rate, with the tool's centre at
-    /// its handle: full force at 2 mm or 0.05 rad, less where [`limited`](Self::limited) says so. A fifth of that where neither
-    /// damping nor largest stiffness is known.
+    /// The stiffest useful coupling that a device can hold at its own rate, with the tool's centre at its handle: full
+    /// force at 2 mm or 0.05 rad, less if [`limited`](Self::limited) requires it. A fifth of that if neither damping
+    /// nor largest stiffness is known.
     pub fn for_device(info: &DeviceInfo) -> Coupling {
         let limits = &info.limits;
         let share = |damping: f64, stiffness: f64| if damping == 0.0 && stiffness == 0.0 { UNKNOWN_SHARE } else { 1.0 };
@@ -129,9 +129,9 @@ impl Coupling {
     /// The wrench on the hand, world axes, the torque at the tool frame's origin at the device's pose.
     ///
     /// `device`, `proxy`: both `world_from_tool`. `device_twist`, `proxy_twist`: each at its own tool frame's origin,
-    /// world axes. `centre`: where the springs act, tool frame. The spring of translation pulls at most with
-    /// `max_force_n` and that of rotation with `max_torque_nm`, at the centre; the dampers come on top, and the arm
-    /// from the centre to the origin adds to the torque: what is sent to a device goes through
+    /// world axes. `centre`: the springs' point of action, tool frame. The spring of translation pulls at most with
+    /// `max_force_n` and that of rotation with `max_torque_nm`, at the centre; the dampers add to that, and the arm
+    /// from the centre to the origin adds to the torque: forces for a device go through
     /// [`ForceLoop`](crate::ForceLoop). At half a turn between the two the torque changes its sign.
     pub fn wrench(
         &self,
@@ -241,7 +241,7 @@ mod tests {
     }
 
     proptest! {
-        /// Virtual work: the power on the hand and on the proxy is what the springs lose, also where they pull with all
+        /// Virtual work: the power on the hand and on the proxy is the loss of the springs, also where they pull with all
         /// they may.
         #[test]
         fn power_is_minus_the_rate_of_the_energy(

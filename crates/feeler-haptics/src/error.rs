@@ -1,6 +1,6 @@
-//! What can be wrong with what a caller passes in, and what a device may fail at.
+//! Errors in a caller's arguments, and failures of a device.
 
-/// What is wrong, where, and what to do.
+/// The problem, its place, and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -16,16 +16,16 @@ pub enum Error {
     /// A wish to a run that has ended.
     #[error("the run has ended: start another")]
     Ended,
-    /// A thread of a run died by a fault in this program. The force was let go first.
-    #[error("the {thread} thread of the run failed, and the force was let go: start another session, and report this")]
+    /// A thread of a run died by a fault in this program. The force was released first.
+    #[error("the {thread} thread of the run failed, and the force was released: start a new session, and report this")]
     Panicked {
         /// Which: `servo` or `collision`.
         thread: &'static str,
     },
-    /// The driver of the device failed and does not go on, which ended the run. The force was let go first.
-    #[error("{why}; the force was let go and the run ended: mend the driver, and run again")]
+    /// The driver of the device failed and does not go on, which ended the run. The force was released first.
+    #[error("{why}; the force was released and the run ended: fix the driver, and run again")]
     Device {
-        /// Of which device, and what it failed of.
+        /// The device, and the reason.
         why: String,
     },
     /// The system gave no thread.

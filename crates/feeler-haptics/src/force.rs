@@ -1,4 +1,4 @@
-//! From two poses to a wrench that may go to a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
+//! From two poses to a wrench that is safe for a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
 use feeler_core::geometry::twist::{displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub, unit};
@@ -36,24 +36,25 @@ pub struct ForceInput {
     pub in_doubt: bool,
 }
 
-/// The force's way, once a tick. Its wrench is world axes, the torque at the tool frame's origin at the device's pose.
+/// The force pipeline, once a tick. Its wrench has world axes, the torque at the tool frame's origin at the device's
+/// pose.
 ///
-/// - [`Coupling::wrench`], without torque where the device drives none.
-/// - Saturation: force and torque are scaled by one factor, so that the wrench keeps its line of action, until both are
-///   within the bounds. The bounds are the lesser ones of coupling and device, and grow from nothing in 0.2 s at the
-///   start and after letting go.
-/// - [`Passivity`]: over what was really sent, the device's delay counted. Its damping and the virtual damper together
-///   stay below the device's own damping, and what would go over the bounds is left out.
-/// - Rate: where ticks are clearly longer than those that the coupling is limited for, its stiffness is that much less, as Colgate's
-///   bound is.
-/// - Slew: the length of the change of force, and of torque, is bounded.
-/// - Watchdog: zero at once where the input is in doubt, not finite, `dt` is not between 0.01 and 50 ms, or the device
-///   has jumped (50 m/s, 1000 rad/s). Coming back goes through bounds and slew.
+/// - [`Coupling::wrench`], without torque if the device has no torque actuators.
+/// - Saturation: one factor scales force and torque, so that the wrench keeps its line of action, until both are within
+///   the bounds. The bounds are the lesser ones of coupling and device, and grow from nothing in 0.2 s at the start and
+///   after each release.
+/// - [`Passivity`]: over the wrench really sent, with the device's delay. Its damping and the virtual damper together
+///   stay below the device's own damping, and any excess over the bounds is dropped.
+/// - Rate: if ticks are clearly longer than those that the coupling is limited for, its stiffness is reduced like
+///   Colgate's bound.
+/// - Slew: limits the change of force, and of torque.
+/// - Watchdog: zero at once if the input is in doubt, not finite, `dt` is not between 0.01 and 50 ms, or the device has
+///   jumped (50 m/s, 1000 rad/s). The return goes through bounds and slew.
 ///
-/// Where torque is not driven, turning the tool about the handle changes the force at no cost, and a closed motion with
-/// turns in it can gain energy (F. Barbagli and K. Salisbury, *The Effect of Sensor/Actuator Asymmetries in Haptic
-/// Interfaces*, HAPTICS 2003). The bounds hold there as everywhere; that no motion gains energy is promised for
-/// translations, and for devices that drive all they sense.
+/// Without torque actuators, turning the tool about the handle changes the force at no cost, and a closed motion with
+/// rotations can gain energy (F. Barbagli and K. Salisbury, *The Effect of Sensor/Actuator Asymmetries in Haptic
+/// Interfaces*, HAPTICS 2003). The bounds hold there as everywhere; that no motion gains energy is guaranteed for
+/// translations, and for devices that actuate everything they sense.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceLoop {
     coupling: Coupling,
@@ -106,7 +107,7 @@ impl ForceLoop {
         Ok(made)
     }
 
-    /// Another rate from the next tick on, and what the device holds at it. The force and the books go on. Errors as
+    /// Sets the rate from the next tick on, with the device's limits at it. The force and the energy account go on. Errors as
     /// those of [`new`](Self::new).
     pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
         if !is_tick(1.0 / rate_hz) {
@@ -141,7 +142,7 @@ impl ForceLoop {
         Ok(())
     }
 
-    /// What the controller may damp with beside the coupling's own damper, and what the springs hold at most.
+    /// The controller's damping beside the coupling's own damper, and the springs' largest energy.
     fn bound_damping(&mut self) {
         let (to, driven) = (&self.coupling, &self.driven);
         let held = |is: bool, own: f64, damper: f64| if is { (CONTROLLER_SHARE * own - damper).max(0.0) } else { 0.0 };
@@ -168,7 +169,7 @@ impl ForceLoop {
         self.passivity.surplus_j()
     }
 
-    /// The wrench on the hand for the coming tick. Never above the bounds; [`Wrench::ZERO`] where anything is in doubt.
+    /// The wrench on the hand for the coming tick. Never above the bounds; [`Wrench::ZERO`] if anything is in doubt.
     pub fn step(&mut self, input: &ForceInput) -> Wrench {
         match self.answer(input) {
             Some((wrench, shaded)) => {

@@ -1,19 +1,19 @@
-//! The passivity observer and controller: what the coupling gives the hand more than it took is damped away.
+//! The passivity observer and controller: damps away the energy that the coupling gives the hand beyond what it took.
 //!
 //! B. Hannaford and J.-H. Ryu, *Time-Domain Passivity Control of Haptic Interfaces*, IEEE Trans. Robotics and
 //! Automation 18(1), 2002, with the energy of a held force over each sample (J.-H. Ryu, Y. S. Kim and B. Hannaford,
 //! *Sampled- and Continuous-Time Passivity and Stability of Virtual Environments*, IEEE Trans. Robotics 20(4), 2004),
 //! which is exact, and a reference (J.-H. Ryu, C. Preusche, B. Hannaford and G. Hirzinger, *Time Domain Passivity
 //! Control with Reference Energy Following*, IEEE Trans. Control Systems Technology 13(5), 2005): the energy in the
-//! coupling's springs is known and set aside, so that what a deep spring holds does not hide what a vibration makes.
-//! The six freedoms are one port of one energy, as in C. Preusche, G. Hirzinger, J.-H. Ryu and B. Hannaford, *Time
-//! Domain Passivity Control for 6 Degrees of Freedom Haptic Displays*, IROS 2003: the damping is shared among them as
-//! the device's own is, and a freedom that rests gets none.
+//! coupling's springs is known and set aside, so that the energy of a deep spring does not hide that of a vibration.
+//! The six degrees of freedom are one port of one energy, as in C. Preusche, G. Hirzinger, J.-H. Ryu and B. Hannaford,
+//! *Time Domain Passivity Control for 6 Degrees of Freedom Haptic Displays*, IROS 2003: the damping is shared among
+//! them like the device's own, and a resting one gets none.
 //!
-//! The policy: the books count what was taken from the hand for good (a *surplus*), or given without having been taken
-//! (a *deficit*). A surplus leaks away, so that old losses do not pay for new gains. A deficit stays while something is
-//! touched, is forgiven quickly in the air, so that air does not feel thick, and is never larger than what the springs
-//! hold at full force. The damping is bounded, so that its force goes to zero with the velocity: no chatter at rest.
+//! The policy: the balance counts energy taken from the hand for good (a *surplus*), or given without having been taken
+//! (a *deficit*). A surplus decays, so that old losses do not pay for new gains. A deficit stays during contact, decays
+//! quickly in the air, so that air does not feel thick, and never exceeds the energy of the springs at full force. The
+//! damping is bounded, so that its force goes to zero with the velocity: no chatter at rest.
 
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::geometry::vectors::{dot, scaled};
@@ -44,7 +44,7 @@ impl Passivity {
         }
     }
 
-    /// Other bounds, as of [`new`](Self::new), with the same books.
+    /// Other bounds, as of [`new`](Self::new), with the same energy balance.
     pub fn bound(&mut self, damping_n_s_per_m: f64, rotational_damping_nm_s_per_rad: f64, largest_deficit_j: f64) {
         let surplus = self.surplus.max(-largest_deficit_j);
         *self = Passivity {
@@ -66,9 +66,10 @@ impl Passivity {
         self.surplus = (surplus * kept).max(-self.largest_deficit);
     }
 
-    /// Sets aside a little of what a turned force (see [`Shading`](crate::Shading)) gave in a tick beside its potential, and
-    /// gives what of that is to be [observed](Self::observe): curved surfaces are known to second order, and each facet that is
-    /// crossed gives and takes what they are off by. `taken_j`: for good, joules. `credit_j`: how much it may have given, not negative.
+    /// Sets aside a little of the energy that a turned force (see [`Shading`](crate::Shading)) gave in a tick beyond
+    /// its potential, and returns the rest to [observe](Self::observe): curved surfaces are known to second order, and
+    /// each crossed facet gives and takes the error of that. `taken_j`: for good, joules. `credit_j`: the most it may
+    /// have given, not negative.
     pub fn lend(&mut self, taken_j: f64, credit_j: f64) -> f64 {
         let lent = self.lent + taken_j;
         self.lent = lent.clamp(-credit_j, 0.0);
@@ -89,7 +90,7 @@ impl Passivity {
         Wrench { force: scaled(&twist.linear, -by * linear), torque: scaled(&twist.angular, -by * angular) }
     }
 
-    /// What was taken from the hand for good, joules; negative: given to it.
+    /// Energy taken from the hand for good, joules; negative: given to it.
     pub fn surplus_j(&self) -> f64 {
         self.surplus
     }
@@ -131,7 +132,7 @@ mod tests {
         books.observe(4e-5, 0.0, TICK, false);
         assert!(books.surplus_j() > 0.0);
         assert_eq!(books.damping(&motion, 1.0, 0.0, TICK), Wrench::ZERO);
-        // What the spring has now is not lost, and what it gives back is not gained.
+        // The energy in the spring is not lost, and the energy that it gives back is not gained.
         books.reset();
         books.observe(1.0, 1.0, TICK, false);
         books.observe(-1.0, -1.0, TICK, false);

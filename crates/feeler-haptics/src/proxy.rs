@@ -1,10 +1,10 @@
 //! The proxy (god-object): the tool as it would be if it could not enter the mock-up.
 //!
-//! After M. Ortega, S. Redon and S. Coquillart (*A six degree-of-freedom god-object method for haptic display of rigid bodies with
-//! surface properties*, 2007): the pose nearest to the device's that no contact forbids, reached by a free motion. Where it differs:
-//! contacts are planes that do not depend on the triangulation, taken where the proxy is, with the points that carry them; and each
-//! motion is cast, so that the proxy is never in collision by the exact test. What stops a cast though no plane forbade it becomes a
-//! row of its own, and is asked again while it is near.
+//! After M. Ortega, S. Redon and S. Coquillart (*A six degree-of-freedom god-object method for haptic display of rigid
+//! bodies with surface properties*, 2007): the pose nearest to the device's that no contact forbids, reached by a free
+//! motion. Differences: contacts are planes that do not depend on the triangulation, taken at the proxy, with the
+//! points that carry them; and each motion is cast, so that the proxy is never in collision by the exact test. An
+//! impact that no plane forbade becomes a row of its own, and is checked again while it is near.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ProxyOptions {
-    /// What is nearer than this is a contact, metres.
+    /// Surfaces nearer than this are contacts, metres.
     pub margin: f64,
     /// How far the proxy stays off, metres; less where the clearance is less than twice as much.
     pub skin: f64,
@@ -89,7 +89,7 @@ impl ProxyOptions {
     }
 }
 
-/// What one tick of the collision side did.
+/// The actions of one tick of the collision side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Advance {
     /// Motions tried.
@@ -112,7 +112,7 @@ pub struct Proxy {
     normals: Vec<Point>,
     set: ConstraintSet,
     solver: Solver,
-    /// How far a motion may lead, metres: less after one that was stopped by what it knew of.
+    /// How far a motion may lead, metres: less after one that a known constraint stopped.
     trust: f64,
     skin: f64,
     /// The longest of its last motions, metres a tick.
@@ -123,9 +123,9 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// A proxy where its surroundings start: what it meets there is a seat. Errors: options out of range.
+    /// A proxy at the start of its surroundings; its contacts there are seats. Errors: options out of range.
     ///
-    /// `metric`: what nearest means; mostly that of the tool.
+    /// `metric`: of poses; usually the tool's.
     pub fn new(around: &Surroundings, metric: Metric, options: ProxyOptions) -> Result<Proxy> {
         options.check()?;
         let start = around.start();
@@ -173,8 +173,8 @@ impl Proxy {
         self.options = options;
     }
 
-    /// What there is and what moves has changed where it is: a part was gripped or let go. What nearest means stays, so that the proxy
-    /// does not move by it.
+    /// The surroundings and the moving body have changed in place: a part was gripped or released. The metric stays, so
+    /// that the proxy does not move because of it.
     pub fn set_world(&mut self, around: &Surroundings) -> Result<()> {
         let pose = self.set.taken_at;
         self.blockers.clear();
@@ -186,7 +186,7 @@ impl Proxy {
         Ok(())
     }
 
-    /// What it has not parted from yet.
+    /// The seats that have not separated yet.
     pub fn seated(&self) -> &Arc<Seated> {
         &self.seated
     }
@@ -491,7 +491,7 @@ impl Proxy {
         if *skin >= least && lift(least / CLEARANCE_SHARE).is_finite() {
             return least;
         }
-        // Bisection of the logarithm; what there is at the pose fits.
+        // Bisection of the logarithm; the clearance at the pose fits.
         let (mut low, mut high) = (set.least_gap().max(LEAST_CAST_TOLERANCE), *skin / CLEARANCE_SHARE);
         for _ in 0..SKIN_HALVINGS {
             let middle = (low * high).sqrt();

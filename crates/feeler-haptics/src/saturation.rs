@@ -1,4 +1,4 @@
-//! Wrenches within bounds of force and torque.
+//! Limits wrenches to bounds of force and torque.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{dot, length, scaled};

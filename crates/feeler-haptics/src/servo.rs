@@ -1,8 +1,9 @@
-//! One tick of the servo side: the pose nearest to the device's by the newest constraints, and the force of the coupling to it.
+//! One tick of the servo side: the pose nearest to the device's within the newest constraints, and the force of the
+//! coupling to it.
 //!
-//! Between two sets the proxy moves by the rows of the newest one, and no farther than that is good for: all that has no row is at least
-//! its margin off, so a tool of which no point moves farther cannot get there. Beyond, the proxy is held at the bound, and the coupling
-//! drags. Allocates nothing, and takes no lock.
+//! Between two sets the proxy moves by the rows of the newest one, and no farther than its bound: everything without a
+//! row is at least the margin away, so a tool of which no point moves farther cannot get there. At the bound the proxy
+//! is held, and the coupling drags. Allocates nothing, and takes no lock.
 
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::{Point, Pose};
@@ -21,7 +22,7 @@ use crate::velocity::VelocityEstimate;
 pub struct ServoInput {
     /// Where the device wants the tool, `world_from_tool`.
     pub device: Pose,
-    /// How fast, at the device frame's origin, where it tells; else it is found from the poses.
+    /// Velocity at the device frame's origin, if reported; else it is computed from the poses.
     pub device_twist: Option<Twist>,
     /// Seconds on the caller's clock.
     pub now: f64,
@@ -41,7 +42,7 @@ pub enum Mode {
     Contact,
     /// The constraints are not good for more: it moves on with the next set.
     Bound,
-    /// The force is let go: the device told nothing that can be, or the constraints are too old.
+    /// The force is let go: the device's reading is not plausible, or the constraints are too old.
     Doubt,
 }
 
@@ -54,7 +55,7 @@ pub struct ServoOutput {
     pub proxy: Pose,
     /// Age of the constraints, seconds.
     pub age: f64,
-    /// What holds the proxy.
+    /// The state of the proxy.
     pub mode: Mode,
 }
 
@@ -70,7 +71,8 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: where the springs act, tool frame.
+    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: the springs' point of action,
+    /// tool frame.
     pub fn new(
         coupling: Coupling,
         driven: Freedoms,
@@ -92,7 +94,7 @@ impl Servo {
         self.force.coupling()
     }
 
-    /// Another rate from the next tick on, and what the device holds at it, as of [`ForceLoop::set_rate`].
+    /// Another rate from the next tick on, with the device's limits at it, as of [`ForceLoop::set_rate`].
     pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
         self.force.set_rate(limits, rate_hz)
     }

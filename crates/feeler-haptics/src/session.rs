@@ -1,4 +1,5 @@
-//! A session: proxy, servo and clock in one thread, deterministic. What threads do beside each other is done here one after the other.
+//! A session: proxy, servo and clock in one thread, deterministic. It does in sequence what a run does in parallel
+//! threads.
 
 use std::sync::Arc;
 
@@ -97,11 +98,11 @@ pub enum Start {
     Seated(Seating),
 }
 
-/// What the tool meets where a session begins. It may slide along that and part from it, and goes no deeper.
+/// The contacts at the start of a session. The tool may slide along them and separate, but not move deeper.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Seating {
-    /// Pairs of parts, each with how it meets; the parts' numbers are those of the mock-up.
+    /// Seats, as pairs of parts with their kind; part numbers are the mock-up's.
     pub seats: Vec<Seat>,
     /// The shortest translation found that frees the tool, where it is sunk in something: of the body that it is deepest in.
     pub way_out: Option<Penetration>,
@@ -117,7 +118,7 @@ pub struct Step {
     pub wrench: Wrench,
     /// Age of the constraints, seconds.
     pub age: f64,
-    /// What holds the proxy.
+    /// The state of the proxy.
     pub mode: Mode,
 }
 
@@ -136,7 +137,7 @@ pub struct Session {
     world: World,
     /// What lies elsewhere from the beginning.
     put_down: Vec<PutDown>,
-    /// What nearest means by the tool's own inertia, and what it does mean.
+    /// The metric of "nearest" by the tool's own inertia, and the one in use.
     inertia: Metric,
     metric: Metric,
     proxy: Option<Proxy>,
@@ -220,8 +221,8 @@ impl Session {
         Ok(deepest)
     }
 
-    /// One step of `dt` seconds with the device at a pose (`world_from_tool`), or `None` where it told nothing that can be: then the
-    /// force is let go, and the proxy stays.
+    /// One step of `dt` seconds with the device at a pose (`world_from_tool`), or `None` if it reported an invalid one:
+    /// then the force is released, and the proxy stays.
     ///
     /// Errors: the session is not started, and `dt` out of range.
     pub fn step(&mut self, device: Option<&Pose>, dt: f64) -> Result<Step> {
@@ -352,11 +353,11 @@ impl Session {
         self.forget_servo();
     }
 
-    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone, but for parts
-    /// that lay elsewhere when the session was made, which lie there again. The proxy stays where it is: what it meets there now is a
-    /// seat.
+    /// Replaces the scene: held parts and parts put down belong to the old one and are gone, except those that lay
+    /// elsewhere when the session was made, which lie there again. The proxy stays where it is; its contacts there are
+    /// seats.
     ///
-    /// Errors where a part that lies elsewhere is none of the new mock-up: the scene is the present one then.
+    /// Errors if a part that lies elsewhere does not exist in the new mock-up: the scene then stays the present one.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> Result<Start> {
         self.world = World::new(scene, self.world.own_tool().clone(), &self.put_down)?;
         let Some(pose) = self.pose().copied() else { return Ok(Start::Free) };
@@ -434,7 +435,7 @@ impl Session {
         self.world.gripped().iter().map(|grip| grip.part)
     }
 
-    /// Whether the tool, at a pose, meets anything but what it is seated on, exactly.
+    /// Whether the tool, at a pose, collides with anything but its seats, exactly.
     pub fn is_colliding(&self, pose: &Pose) -> bool {
         let around = self.world.around();
         match &self.proxy {
@@ -449,7 +450,7 @@ impl Session {
         self.proxy.as_ref().map_or(Vec::new(), |proxy| proxy.seated().of(seats))
     }
 
-    /// What is held and what stands around.
+    /// The held parts and the surroundings.
     pub fn world(&self) -> &World {
         &self.world
     }

@@ -1,20 +1,22 @@
-//! Force shading: the force on the facets of a curved surface as on the surface that they stand for (H. B. Morgenbesser and M. A.
+//! Force shading: the force on the facets of a curved surface as on the smooth surface (H. B. Morgenbesser and M. A.
 //! Srinivasan, *Force Shading for Haptic Shape Perception*, 1996).
 //!
-//! The proxy stays where the facets let it be; the force is turned. With facets on both sides the
-//! point of contact jumps from corner to corner of the one that bends more, so it says little by itself. But both surfaces are known to
-//! second order around it: `n` and `m` are the normals of mock-up and tool there, `S` and `T` their curvatures. Two smooth surfaces touch
-//! where their normals agree, which is `d = (S + T)⁻¹ (m - n)` farther along, with the normal `n + S d`: the same from wherever it is
-//! found, and so without jumps. Of a ball of radius r on one of radius R it is the line of the centres.
+//! The proxy stays where the facets stop it; only the force is turned. With facets on both sides the point of contact
+//! jumps from corner to corner of the surface that bends more, so it says little by itself. But both surfaces are known
+//! to second order around it: `n` and `m` are the normals of mock-up and tool there, `S` and `T` their curvatures. Two
+//! smooth surfaces touch where their normals agree, which is `d = (S + T)⁻¹ (m - n)` farther along, with the normal `n
+//! + S d`: the same from every starting point, and so without jumps. For a ball of radius r on one of radius R it is
+//! the line of the centres.
 //!
-//! Where the tool moves on by `t` and turns by `w`, that normal changes by `S (S + T)⁻¹ (T t + w × n)`: the servo side follows it
-//! between two sets.
+//! If the tool moves by `t` and turns by `w`, that normal changes by `S (S + T)⁻¹ (T t + w × n)`: the servo side
+//! follows it between two sets.
 //!
-//! A force that is only turned is of no potential: who presses on the way from the middle of a facet to its rim and lifts there gains
-//! the force times what the smooth surface stands out of the facet, which is several per cent of the spring's energy where facets are
-//! coarse. With that height, `h` of the mock-up, of the tool, and `(m - n) (S + T)⁻¹ (m - n) / 2` for the way between, it is
-//! one: the spring's energy and `W h`, where `W` is the force but for a ramp at the first touch, has the turned force for its gradient
-//! across the normal, and along it the spring's and `W' h`, as if the spring was stretched from the smooth surface.
+//! A force that is only turned has no potential: a hand that presses on the way from the middle of a facet to its rim
+//! and lifts there gains the force times the height of the smooth surface over the facet, several per cent of the
+//! spring's energy for coarse facets. With that height, the sum of `h` of the mock-up, of the tool, and `(m - n) (S +
+//! T)⁻¹ (m - n) / 2` for the way between, it has one: the spring's energy plus `W h`, where `W` is the force except for
+//! a ramp at the first touch, has the turned force as its gradient across the normal, and along it the spring's and `W'
+//! h`, as if the spring was stretched from the smooth surface.
 
 use feeler_core::geometry::twist::{rotation_of, times, Twist};
 use feeler_core::geometry::vectors::{across, add, cross, dot, length, scaled, unit};

@@ -1,8 +1,9 @@
-//! The smooth surface that a mesh stands for, near a point of it: its normal there and its curvature, or that there is a real edge.
+//! The smooth surface behind a mesh, near a point of it: its normal and curvature there, or the presence of a real
+//! edge.
 //!
-//! Normals are interpolated over a triangle from those at its corners (Phong 1975), which are means over the smooth fan around each
-//! corner by their angles; there a large flat face keeps its own beside a narrow fillet. Found where it is asked for, by
-//! some dozens of triangles around: nothing is stored for a mock-up.
+//! Normals are interpolated over a triangle from those at its corners (Phong 1975), which are means over the smooth fan
+//! around each corner, weighted by angles; a large flat face keeps its own normal there beside a narrow fillet.
+//! Computed on demand from some dozens of triangles around: nothing is stored for a mock-up.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub, unit};
 use feeler_core::mesh::topology::adjacency::Adjacency;

@@ -1,21 +1,23 @@
-//! How stiff a coupling may be, for a device to hold it without humming.
+//! The largest stiffness of a coupling that a device can hold without oscillation.
 //!
 //! - J. E. Colgate and J. M. Brown, *Factors Affecting the Z-Width of a Haptic Display*, ICRA 1994 (and Colgate and
 //!   Schenkel, J. Robotic Systems 14(1), 1997): a sampled wall of stiffness K and damping B is passive if and only if
-//!   `b > K T / 2 + |B|`, with b the device's own damping and T the period. A delay t adds to the hold:
-//!   `b > K (T / 2 + t) + |B|` (J. J. Gil, E. Sánchez, T. Hulin, C. Preusche and G. Hirzinger, *Stability Boundary for Haptic
+//!   `b > K T / 2 + |B|`, with b the device's own damping and T the period. A delay t adds to the hold time:
+//!   `b > K (T / 2 + t) + |B|` (J. J. Gil, E. Sánchez, T. Hulin, C. Preusche and G. Hirzinger, *Stability Boundary for
+//! Haptic
 //!   Rendering: Influence of Damping and Delay*, J. Computing and Information Science in Engineering 9(1), 2009, have
 //!   it as the bound of stability for small damping).
 //! - J. J. Abbott and A. M. Okamura, *Effects of Position Quantization and Sampling Rate on Virtual-Wall Passivity*,
-//!   IEEE Trans. Robotics 21(5), 2005: with a resolution Δ, Coulomb friction f must also take what the steps make:
+//!   IEEE Trans. Robotics 21(5), 2005: with a resolution Δ, Coulomb friction f must also absorb the energy of the
+//! steps:
 //!   `K <= 2 f / Δ`.
 //!
-//! Both hold in translation and in rotation. Where the tool's centre is an arm r from the handle, the spring of
-//! translation turns the handle too: in the plane of arm and force the condition is `C w wᵀ <= diag(b, a)`, with
-//! `w = (1, r)`, `C = K (T / 2 + t) + B` and a what is set apart of the rotational damping, and that is
-//! `C <= 1 / (1 / b + r² / a)`: the damping that is felt at the centre.
+//! Both hold in translation and in rotation. If the tool's centre is an arm r from the handle, the spring of
+//! translation turns the handle too: in the plane of arm and force the condition is `C w wᵀ <= diag(b, a)`, with `w =
+//! (1, r)`, `C = K (T / 2 + t) + B` and a the reserved share of the rotational damping, that is `C <= 1 / (1 / b + r² /
+//! a)`: the damping felt at the centre.
 //!
-//! No bound has the device's mass: both hold for any.
+//! The bounds do not contain the device's mass: both hold for any.
 
 use crate::constants::{ARM_ROOM, ARM_SHARE, HELD_SHARE, VIRTUAL_DAMPING_SHARE};
 use crate::coupling::Coupling;
@@ -39,13 +41,13 @@ pub(crate) enum Bound {
 pub(crate) struct Limitation {
     /// What was asked for, in the number's own unit.
     pub wanted: f64,
-    /// What is left.
+    /// The reduced value.
     pub allowed: f64,
     /// Why.
     pub by: Bound,
 }
 
-/// What [`Coupling::limited`] took away; `None` where nothing.
+/// Reductions by [`Coupling::limited`]; `None` if there are none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limitations {
     /// Of `stiffness_n_per_m`.
@@ -68,8 +70,8 @@ impl Limitations {
         *self == Limitations::default()
     }
 
-    /// A sentence for each number that was taken away from: what is left, what was asked for, and why. `info`: of the device, as the
-    /// coupling was limited to it; `rate_hz`: of the loop.
+    /// A sentence for each reduced number: the reduced value, the requested one, and the reason. `info`: of the device,
+    /// as the coupling was limited to it; `rate_hz`: of the loop.
     ///
     /// ```
     /// use feeler_haptics::{device::simulated::SimulatedOptions, Coupling};
@@ -173,8 +175,8 @@ impl Least {
 }
 
 impl Coupling {
-    /// What a device holds of this coupling at a rate (hertz; the device's own where that is lower), with the tool's
-    /// centre at the handle; and what was taken away. See [`limited_at`](Self::limited_at).
+    /// The coupling as limited to a device at a rate (hertz; the device's own if that is lower), with the tool's centre
+    /// at the handle; and the reductions. See [`limited_at`](Self::limited_at).
     pub fn limited(&self, info: &DeviceInfo, rate_hz: f64) -> (Coupling, Limitations) {
         self.limited_at(info, rate_hz, 0.0)
     }
@@ -196,10 +198,10 @@ impl Coupling {
 
         let inside = HELD_SHARE * known(limits.damping_n_s_per_m);
         let turning = HELD_SHARE * known(limits.rotational_damping_nm_s_per_rad);
-        // What the arm's spring would use up of the rotation at full stiffness, and what is set apart for it.
+        // The arm's spring's use of the rotation's limit at full stiffness, and the share set apart for it.
         let are_known = inside.is_finite() && turning.is_finite();
         let lever = if info.driven.translation && are_known { arm * arm * inside } else { 0.0 };
-        // Of the rotation's friction too, as much as holds what the translation's does.
+        // Of the rotation's friction too, as much as holds like the translation's.
         let rubbing = if limits.rotational_friction_nm > 0.0 {
             arm * limits.friction_n / limits.rotational_friction_nm
         } else {
@@ -411,7 +413,7 @@ mod tests {
         );
         assert_eq!(taken.rotational_stiffness.map(|l| l.by), Some(Bound::NotDriven));
         assert!(to.stiffness_n_per_m > 0.0);
-        // An arm turns nothing that is driven.
+        // Without a driven rotation an arm changes nothing.
         assert_eq!(wanted().limited_at(&info, 1000.0, 0.3), (to, taken));
         let mut unknown = info.clone();
         unknown.limits.friction_n = f64::NAN;

@@ -1,7 +1,7 @@
-//! What a run took: how late the ticks were, how long they and the searches for contacts took, how old constraints were.
+//! Statistics of a run: lateness and duration of ticks, duration of searches for contacts, age of constraints.
 //!
-//! Each thread counts into histograms of its own, of fixed size, so that counting never allocates; a copy of them goes through a triple
-//! buffer now and then.
+//! Each thread counts into its own histograms, of fixed size, so that counting never allocates; a copy of them goes
+//! through a triple buffer from time to time.
 
 use hdrhistogram::Histogram;
 
@@ -41,7 +41,7 @@ impl Default for Durations {
 }
 
 impl Durations {
-    /// Counts one, seconds. What is not a number is left out, what is below zero is zero. Allocates nothing.
+    /// Counts a duration, seconds. NaN is ignored, values below zero count as zero. Allocates nothing.
     pub fn record(&mut self, seconds: f64) {
         if let (Some(counts), false) = (&mut self.counts, seconds.is_nan()) {
             counts.saturating_record((seconds.max(0.0) * 1e9).min(LONGEST_COUNTED_NS as f64) as u64);
@@ -57,7 +57,7 @@ impl Durations {
         }
     }
 
-    /// What has been counted.
+    /// The distribution so far.
     pub fn distribution(&self) -> Distribution {
         let Some(counts) = self.counts.as_ref().filter(|counts| !counts.is_empty()) else {
             return Distribution::default();
@@ -80,7 +80,7 @@ impl Durations {
 pub struct ServoRecord {
     /// From when a tick was due to when it began.
     pub lateness: Durations,
-    /// Of a tick, in the thread's own time where the clock tells it.
+    /// Of a tick, in the thread's CPU time if the clock reports it.
     pub tick: Durations,
     /// Of the constraints at each tick.
     pub age: Durations,
@@ -88,7 +88,7 @@ pub struct ServoRecord {
     pub ticks: u64,
     /// Ticks left out, since the one before was later than a period.
     pub misses: u64,
-    /// Ticks without force since something was in doubt.
+    /// Ticks without force because of a doubt.
     pub doubts: u64,
     /// Reads and writes that the device refused.
     pub device_errors: u64,
@@ -136,7 +136,7 @@ copies!(CollisionRecord: tick; sets, rounds, stopped, errors, span);
 pub struct Statistics {
     /// From when a servo tick was due to when it began.
     pub servo_lateness: Distribution,
-    /// Of a servo tick, in the thread's own time where the clock tells it.
+    /// Of a servo tick, in the thread's CPU time if the clock reports it.
     pub servo_tick: Distribution,
     /// Of the constraints, at the servo's ticks.
     pub age: Distribution,
@@ -146,7 +146,7 @@ pub struct Statistics {
     pub ticks: u64,
     /// Servo ticks left out, since the one before was later than a period.
     pub misses: u64,
-    /// Servo ticks without force since something was in doubt.
+    /// Servo ticks without force because of a doubt.
     pub doubts: u64,
     /// Reads and writes that the device refused.
     pub device_errors: u64,

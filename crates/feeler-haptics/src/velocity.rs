@@ -1,9 +1,9 @@
-//! The velocity of a device that tells only its pose.
+//! The velocity of a device that reports only its pose.
 //!
 //! F. Janabi-Sharifi, V. Hayward and C.-S. J. Chen, *Discrete-Time Adaptive Windowing for Velocity Estimation*, IEEE
 //! Trans. Control Systems Technology 8(6), 2000, the end-fit form: the longest window whose chord is within the
-//! resolution of every pose in it. Slow motions are averaged over many poses, fast ones are told from the last two,
-//! without a filter's lag.
+//! resolution of every pose in it. Slow motions are averaged over many poses, fast ones use the last two, without a
+//! filter's lag.
 
 use feeler_core::geometry::twist::{quaternion, Twist};
 use feeler_core::geometry::vectors::{along, dot, length, scaled, sub};
@@ -27,7 +27,7 @@ pub struct VelocityEstimate {
 }
 
 impl VelocityEstimate {
-    /// `resolution_m`, `resolution_rad`: the steps in which the device tells its pose, or how far noise takes it.
+    /// `resolution_m`, `resolution_rad`: the steps of the device's reported pose, or its noise.
     pub fn new(resolution_m: f64, resolution_rad: f64) -> VelocityEstimate {
         VelocityEstimate {
             resolution_m,

@@ -1,4 +1,4 @@
-//! What simulated device, mouse and mapping promise, in simulated time.
+//! The guarantees of simulated device, mouse and mapping, in simulated time.
 
 use std::f64::consts::TAU;
 

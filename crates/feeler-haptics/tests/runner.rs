@@ -1,4 +1,5 @@
-//! Runs with real threads. Nothing here depends on how fast the machine is: what is asserted holds at every tick, whenever it comes.
+//! Runs with real threads. Nothing here depends on the machine's speed: the assertions hold at every tick, whenever it
+//! comes.
 
 mod common;
 #[path = "../examples/own_device.rs"]

@@ -1,5 +1,5 @@
-//! Parts that fit: what is seated slides and parts, goes no deeper, and meets everything else exactly. The same by a walk and by a
-//! session with force.
+//! Fitted parts: seated parts slide and separate, move no deeper, and collide with everything else exactly. The same by
+//! guarded moves and by a session with force.
 
 use std::sync::Arc;
 

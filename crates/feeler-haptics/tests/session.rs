@@ -1,4 +1,5 @@
-//! Sessions as a device steps them: nothing is passed, the force is what the coupling says, and doubt lets go.
+//! Sessions stepped by a device: nothing is passed through, the force is the coupling's, and doubtful input releases
+//! it.
 
 use std::sync::Arc;
 

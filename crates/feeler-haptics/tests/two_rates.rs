@@ -1,4 +1,4 @@
-//! The two sides of a run, driven by hand in simulated time: each stalls, and what then happens is what is said.
+//! The two sides of a run, driven by hand in simulated time: each stalls, and the documented reaction follows.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! A wall, a simulated device and a hand: what the force loop promises, in simulated time.
+//! A wall, a simulated device and a hand: the guarantees of the force loop, in simulated time.
 //!
 //! The wall is the plane z = 0 at the tool's centre, and the proxy is the device's pose moved straight out of it.
 

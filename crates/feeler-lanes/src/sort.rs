@@ -1,12 +1,13 @@
-//! Lists of numbers put in order, each once, in lanes: quicksort that packs chosen lanes (after B. Bramas, *A novel hybrid
-//! quicksort algorithm vectorized using AVX-512 on Intel Skylake*, 2017), and small lists by counting instead of a network.
+//! Sorts lists of numbers and removes repetitions, in lanes: quicksort that packs chosen lanes (after B. Bramas, *A
+//! novel hybrid quicksort algorithm vectorized using AVX-512 on Intel Skylake*, 2017), and small lists by counting
+//! instead of a network.
 
 use crate::simd::{Checked, Kernel, Simd, FEW, WIDE_LANES};
 
 /// Puts numbers below `u64::MAX` in order, each once. Keeps its memory.
 #[derive(Debug, Default)]
 pub struct Sorter {
-    /// What is to be sorted.
+    /// The numbers to sort.
     pub keys: Vec<u64>,
     room: Vec<u64>,
     /// The first `count` are in order.
@@ -15,7 +16,7 @@ pub struct Sorter {
 }
 
 impl Sorter {
-    /// With room for so many keys from the start.
+    /// With capacity for that many keys.
     pub fn with_capacity(keys: usize) -> Sorter {
         Sorter { keys: Vec::with_capacity(keys), ..Sorter::default() }
     }
@@ -32,7 +33,7 @@ impl Sorter {
         *count = lanes.run(SortUnique { keys, room, sorted });
     }
 
-    /// What was put in order.
+    /// The sorted numbers.
     #[inline(always)]
     pub fn sorted(&self) -> &[u64] {
         &self.sorted[..self.count]

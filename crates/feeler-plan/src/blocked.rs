@@ -1,4 +1,4 @@
-//! Who stopped the tool: counted, with the pose of the try that got farthest.
+//! The parts that stopped the tool: counted, with the pose of the best attempt.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub struct Blocker {
     pub pose: Pose,
 }
 
-/// What was tried, and by whom it was stopped.
+/// The attempts, and the parts that stopped them.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     /// Casts made.
@@ -45,7 +45,7 @@ impl Tally {
         }
     }
 
-    /// Adds what another counted.
+    /// Adds the counts of another.
     pub fn add(&mut self, other: &Tally) {
         self.casts += other.casts;
         for theirs in other.stops.values() {

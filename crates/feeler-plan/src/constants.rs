@@ -1,4 +1,4 @@
-//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+//! Every limit and tolerance of this crate: its unit, the reason for its value, and the effect of a change.
 
 // Straight ways.
 
@@ -8,7 +8,7 @@ pub const DIRECTION_MARGIN: f64 = 0.02;
 /// Most contact planes of which sums and cross products are taken: they are quadratic.
 pub const MOST_NORMALS: usize = 10;
 
-/// Cosine from which on two directions are one: 1.4 urad, which over a tenth of a metre is less than what touches. Smaller: a direction
+/// Cosine from which two directions are one: 1.4 urad, less than contact over a tenth of a metre. Smaller: a direction
 /// along a face may be taken for one that leads into it.
 pub const SAME_DIRECTION: f64 = 1.0 - 1e-12;
 
@@ -25,7 +25,7 @@ pub const MOST_DIRECTIONS: usize = 96;
 /// with more play are shown to be held, and it takes longer.
 pub const HELD_WITHIN: [f64; 3] = [2e-3, 1.2e-2, 5e-2];
 
-/// The least of them, metres: the play of what fits is up to a third of it.
+/// The least of them, metres: the play of fits is up to a third of it.
 pub const LEAST_HELD_WITHIN: f64 = 3e-5;
 
 /// Of more pairs of triangles nothing is shown: the programs would take longer than most ways out.
@@ -36,7 +36,7 @@ pub const MOST_WIDENED: usize = 6;
 
 // Pushes.
 
-/// Most axes along which a part is pushed from a pose. More: more of what is along none of the first; fewer: sooner through all.
+/// Most axes along which a part is pushed from a pose. More: more directions off the first ones; fewer: faster.
 pub const MOST_AXES: usize = 8;
 
 /// Share of a part's area from which on its faces of one normal are a flat to push along. Less: more of small faces.
@@ -57,13 +57,13 @@ pub const MOST_FLATS: usize = 5;
 /// Most axes of cylinders of a part.
 pub const MOST_CYLINDERS: usize = 6;
 
-/// Most edges of which the cylinders along a direction are told: pairs of them are looked at.
+/// Most edges of the cylinders along a direction: pairs of them are compared.
 pub const MOST_CYLINDER_EDGES: usize = 200;
 
 /// Contact planes whose normals a node is pushed along, too.
 pub const MOST_TOUCHED: usize = 4;
 
-/// Most poses of a search by pushes: with what is to be tried from them they take tens of megabytes.
+/// Most poses of a search by pushes: with their pending pushes they take tens of megabytes.
 pub const MOST_NODES: usize = 8192;
 
 /// Most twists that contacts leave free which are followed: the space has at most six dimensions.
@@ -91,7 +91,7 @@ pub const LEAST_PUSH: f64 = 0.06;
 /// A turn by less than this is play, radians.
 pub const LEAST_TURN: f64 = 0.2;
 
-/// Shorter pushes, in lengths of the tool, may be play: what follows is tried later.
+/// Shorter pushes, in lengths of the tool, may be play: they are continued later.
 pub const LONG_PUSH: f64 = 0.15;
 
 /// Beside a push shorter than this, in lengths of the tool, no openings are looked for.
@@ -116,7 +116,7 @@ pub const PROBE: f64 = 0.25;
 /// thin walls are tried in vain.
 pub const PROBED: [f64; 10] = [0.031, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0, FAR];
 
-/// Where it is free nearly everywhere beside, what is free until here, too, is an opening.
+/// If nearly everything beside is free, a direction that is free up to here is an opening, too.
 pub const FAR: f64 = 8.0;
 
 /// Pushes are alone for as much work, in collisions, but for the first rounds of the trees: then trees grow beside them. More: later where
@@ -130,22 +130,22 @@ pub const FIRST_TREE_ROUNDS: u32 = 16;
 /// Pushes are alone at first for as much work, in collisions.
 pub const FIRST_PUSHES: u64 = 1_000;
 
-/// A cast counts as so many collisions.
+/// A cast counts as this many collisions.
 pub const WORK_OF_A_CAST: u64 = 16;
 
-/// What it goes farther than beside, as a share of that, where there is an opening.
+/// How much farther than beside it a direction must be free to be an opening, as a share.
 pub const LEAST_OPENING: f64 = 0.1;
 
 /// Casts that pushes have in a round, beside those of the trees. More: where only a tree finds a way it is found later.
 pub const PUSH_CASTS: u64 = 128;
 
-/// Pieces into which a quarter of a turn is cut where it is told by poses: few first, then more until these are free, too.
+/// Pieces into which a quarter of a turn is cut when poses describe it: few first, then more until these are free, too.
 pub const PIECES: [usize; 4] = [1, 4, 16, 64];
 
-/// A middle that is no farther than this off the axis of a screw, in lengths of the tool, is on it: rounding, and no more.
+/// A middle no farther than this off the axis of a screw, in lengths of the tool, is on it: for rounding only.
 pub const SAME_MOTION: f64 = 1e-12;
 
-/// Poses and a screw that differ by no more than this, metres, are one motion: a tenth of what touches.
+/// Poses and a screw that differ by at most this, metres, are one motion: a tenth of the contact distance.
 pub const SAME_PLACE_M: f64 = 1e-7;
 
 /// Most pieces of a quarter of a turn that are given because they are the same motion.
@@ -156,8 +156,8 @@ pub const MOST_SAME_PIECES: usize = 128;
 /// How many trees there are: each thread takes some. Fixed, so that the answer does not depend on the threads.
 pub const TREES: u64 = 8;
 
-/// Casts that each tree makes in a round. Time is asked for, and ways are looked for, after each. More: less to wait for others; fewer:
-/// nearer to the time limit.
+/// Casts that each tree makes in a round. After each round, time is checked and paths out are sought. More: less
+/// waiting for others; fewer: nearer to the time limit.
 pub const ROUND_CASTS: u64 = 16;
 
 /// Nodes until a tree begins anew the first time. A tree that starts badly may take a thousand times as long as another. More: more of
@@ -179,16 +179,16 @@ pub const MOST_SLIDES: usize = 4;
 /// Longest motion on a slide, in lengths of the tool: contacts are taken for planes along it.
 pub const LONGEST_SLIDE: f64 = 0.25;
 
-/// How far a slide stays off what stopped it, in lengths of the tool.
+/// Distance that a slide keeps from the part that stopped it, in lengths of the tool.
 pub const SLIDE_SKIN: f64 = 1e-4;
 
-/// What stopped a motion stands in the way of the next ones while it is nearer than this, in lengths of the tool.
+/// A part that stopped a motion also blocks the next ones while it is nearer than this, in lengths of the tool.
 pub const BLOCKER_MARGIN: f64 = 0.05;
 
 /// A motion shorter than this, in lengths of the tool, makes no node.
 pub const SHORTEST_STEP: f64 = 1e-3;
 
-/// Of so many new nodes one tries straight ways out.
+/// One of this many new nodes tries straight paths out.
 pub const EXIT_EVERY: u64 = 4;
 
 // Shortcuts.
@@ -202,7 +202,7 @@ pub const LEAST_CUT: f64 = 0.01;
 /// Places of a way from which it is tried without more turns.
 pub const MOST_UNTURNED: usize = 8;
 
-/// How far a place between two legs is moved off what it is near, in lengths of the tool, one after the other.
+/// How far a pose between two legs is moved away from near parts, in lengths of the tool, one after the other.
 pub const PULLS: [f64; 6] = [0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125];
 
 /// Most of these moves that are followed.
@@ -216,15 +216,16 @@ pub const LONGER_FOR_CLEARANCE: f64 = 1.05;
 
 // Swept volumes: how an error is shared out, and limits.
 
-/// Spacing of the grid, in errors. Twice what interpolation may be off ([`INTERPOLATION`]) and [`HULL_SHARE`] must be below 1.
+/// Spacing of the grid, in errors. Twice the error of interpolation ([`INTERPOLATION`]) and [`HULL_SHARE`] must be
+/// below 1.
 pub const SPACING: f64 = 0.44;
 
-/// The level of the surface, in spacings: in the middle between [`INTERPOLATION`], below which the swept set could reach the surface,
-/// and what is left of the error above it.
+/// The level of the surface, in spacings: in the middle between [`INTERPOLATION`], below which the swept set could
+/// reach the surface, and the rest of the error above it.
 pub const LEVEL: f64 = 0.895;
 
-/// By how much a distance that is interpolated in a tetrahedron of a cell may be off, in spacings: half the cell's diagonal, and
-/// what [`EDGE_SHARE`] moves.
+/// The largest error of a distance interpolated in a tetrahedron of a cell, in spacings: half the cell's diagonal, and
+/// the effect of [`EDGE_SHARE`].
 pub const INTERPOLATION: f64 = 0.866_026 + 1.733 * EDGE_SHARE;
 
 /// A corner of the surface keeps this share of its grid edge to both ends (no unit): no triangle degenerates. More makes the surface
@@ -234,7 +235,7 @@ pub const EDGE_SHARE: f64 = 1.0 / 64.0;
 /// The longest edge of a tetrahedron, in spacings: a cell's diagonal.
 pub const LONGEST_EDGE: f64 = 1.732_051;
 
-/// What hulls of places may be off, in errors: the more, the fewer steps.
+/// The largest error of hulls of places, in errors: the more, the fewer steps.
 pub const HULL_SHARE: f64 = 0.19;
 
 /// How exactly distances to hulls are found, in errors.
@@ -246,7 +247,7 @@ pub const BLOCK: usize = 8;
 /// Most cells along an axis: an edge's number, of three coordinates and a direction, fits 64 bits.
 pub const MOST_CELLS: u32 = 1 << 20;
 
-/// Triangles narrower than this, in errors, are not cut: their hulls would be smaller than what is near them.
+/// Triangles narrower than this, in errors, are not cut: their hulls would be smaller than their surroundings.
 pub const LEAST_WIDTH: f64 = 6.0;
 
 /// Bytes of memory for a step of a triangle: itself, and its number in the lists of the cubes that it is near.

@@ -1,13 +1,13 @@
-//! What can be wrong with what a caller passes in.
+//! Errors in a caller's arguments.
 
-/// What is wrong, where, and what to do.
+/// The problem, its place, and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
-    /// From what stands around: what grips the part is not free where it starts.
+    /// From the surroundings: the gripping tool is not free where it starts.
     #[error(transparent)]
     World(feeler_world::Error),
     /// A number that cannot be.

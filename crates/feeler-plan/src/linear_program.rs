@@ -11,8 +11,8 @@ const ROUNDING: f64 = 1e-11;
 
 /// Unknowns `x >= 0` with `sum(x[i] * columns[i]) = right` and the least `sum(x[i] * costs[i])`: those that are not 0, with their numbers.
 ///
-/// `None` where there are none, where the sum has no least value, or where rounding leaves it open. The equations hold up to rounding:
-/// whoever proves something with the answer adds what they are off.
+/// `None` if there are none, if the sum has no least value, or if rounding leaves it open. The equations hold up to
+/// rounding: a proof that uses the answer must add their error.
 pub fn least_cost<const N: usize>(columns: &[[f64; N]], costs: &[f64], right: &[f64; N]) -> Option<Vec<(usize, f64)>> {
     let mut tableau = Tableau::new(columns, right);
     // First the artificial unknowns, which make the equations true at the start, are brought to 0.

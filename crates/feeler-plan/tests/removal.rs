@@ -1,4 +1,4 @@
-//! Parts that come out, parts that do not, and ways that are free by another look.
+//! Parts that come out, parts that do not, and paths verified independently.
 
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU32, Ordering};

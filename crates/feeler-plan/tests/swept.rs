@@ -1,4 +1,4 @@
-//! Swept volumes: closed, around everything the tool comes to, and nowhere farther than the error.
+//! Swept volumes: closed, around everything that the tool reaches, and nowhere farther than the error.
 
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};

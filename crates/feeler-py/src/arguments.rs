@@ -1,5 +1,4 @@
-//! Arguments as Python gives them: a tool, poses, switches. What cannot be used is an exception of `feeler.errors` that says
-//! what it is.
+//! Python arguments: a tool, poses, switches. Invalid ones raise an exception of `feeler.errors` with the reason.
 
 use feeler_core as core;
 use numpy::ndarray::{ArrayView2, Ix2, Ix3};

@@ -233,7 +233,7 @@ pub fn clash(
     });
     let is_interrupted = reporter.finish_interrupted()?;
     let mut rows = found?.map_err(to_py)?;
-    // Ctrl-C may be heard when the last row is done: who pressed it is told so all the same.
+    // Ctrl-C may be heard when the last row is done: the user sees the interrupt all the same.
     rows.is_partial |= is_interrupted;
     Ok(rows)
 }

@@ -511,7 +511,7 @@ impl ContactTracker {
     }
 
     fn contacts(&self, py: Python<'_>, world_from_tool: PoseArgument, within: f64) -> PyResult<Contacts> {
-        // The lock is not held meanwhile: a second thread asks with what was known, and does not wait. It is held with the
+        // The lock is not held meanwhile: a second thread queries with the earlier state, and does not wait. It is held with the
         // interpreter's alone, so that no thread holds it while another forks.
         let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
         let found = py.detach(|| {

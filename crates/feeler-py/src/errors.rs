@@ -1,4 +1,4 @@
-//! Core errors become the exceptions of `feeler.errors`, here and nowhere else.
+//! Converts core errors to the exceptions of `feeler.errors`, here and nowhere else.
 
 use feeler_core::Error;
 use pyo3::prelude::*;
@@ -32,7 +32,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Memory { .. }
         | Error::TooManyEntries { .. }
         | Error::SweptTooFine { .. } => "LimitError",
-        // `Cancelled`: the progress function raised, and its own exception is what the caller gets (`reporter::Reporter`).
+        // `Cancelled`: the progress function raised, and the caller gets its own exception (`reporter::Reporter`).
         _ => "FeelerError",
     };
     raise(class, message(&error))

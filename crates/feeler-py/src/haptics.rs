@@ -1,4 +1,4 @@
-//! `feeler._core.HapticsSession`: what `feeler.haptics.Session` is made of.
+//! `feeler._core.HapticsSession`, the base of `feeler.haptics.Session`.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

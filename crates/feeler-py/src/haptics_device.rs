@@ -1,4 +1,4 @@
-//! `feeler._core.HapticsDevice`: what the classes of `feeler.haptics.devices` are made of.
+//! `feeler._core.HapticsDevice`, the base of the classes of `feeler.haptics.devices`.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};

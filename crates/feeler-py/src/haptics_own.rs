@@ -1,4 +1,4 @@
-//! A device that is an object of Python: the servo thread enters the interpreter for it, and for no other.
+//! A device written in Python: the servo thread enters the interpreter only for such a device.
 
 use feeler_core::Pose;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};

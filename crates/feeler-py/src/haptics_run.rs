@@ -1,5 +1,5 @@
-//! `feeler._core.HapticsRun`: a session that runs with a device, in threads that enter the interpreter only for a device that is an
-//! object of Python.
+//! `feeler._core.HapticsRun`: a session running with a device, in threads that enter the interpreter only for a device
+//! written in Python.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -106,7 +106,7 @@ impl HapticsRun {
                 return Err(error);
             }
         };
-        // Before the threads begin: what is there then is what they need.
+        // Before the threads begin: the memory in use then is the memory that they need.
         let memory = is_realtime.then(lock_memory);
         match py.detach(|| Runner::run(taken, own, machine_clock(), &options)) {
             Ok(runner) => Ok(HapticsRun {

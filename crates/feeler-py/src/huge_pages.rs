@@ -1,7 +1,7 @@
-//! Large arrays lie in huge pages, where the system has them for the asking.
+//! Puts large arrays into huge pages, if the system grants them on request.
 //!
-//! A query reads a few hundred cache lines here and there in an index of a hundred megabytes. In pages of 4 KiB nearly each of
-//! them lies in a page whose place must be looked up in memory first, in pages of 2 MiB hardly any.
+//! A query reads a few hundred scattered cache lines in an index of a hundred megabytes. In pages of 4 KiB nearly each
+//! of them is in a page whose address must first be looked up in memory, in pages of 2 MiB hardly any.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 
@@ -40,7 +40,7 @@ fn advised(place: *mut u8, size: usize) -> *mut u8 {
     const SMALL: usize = 4 << 10;
     if size >= HUGE && !place.is_null() {
         let skipped = place.align_offset(SMALL);
-        // SAFETY: inside what was just allocated, and what it holds is not changed.
+        // SAFETY: inside the memory just allocated, whose content is not changed.
         unsafe { libc::madvise(place.add(skipped).cast(), (size - skipped) / SMALL * SMALL, libc::MADV_HUGEPAGE) };
     }
     place

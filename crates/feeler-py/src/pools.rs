@@ -1,7 +1,8 @@
-//! Thread pools that know their process.
+//! Thread pools that belong to one process.
 //!
-//! A forked process has one thread, the one that forked: a pool it inherits has no threads, and whoever gives it work waits for
-//! ever. So has rayon's global pool, which nothing here uses. Each pool is made anew in a process that was forked since.
+//! A forked process has one thread, the one that forked: an inherited pool has no threads, and work given to it would
+//! wait for ever. This also holds for rayon's global pool, which nothing here uses. Each pool is made anew in a forked
+//! process.
 
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

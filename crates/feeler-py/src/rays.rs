@@ -1,4 +1,4 @@
-//! `feeler._core.Rays` and `SectionOutline`: what is looked at without a tool.
+//! `feeler._core.Rays` and `SectionOutline`: queries without a tool.
 
 use feeler_core as core;
 use numpy::ndarray::Array2;

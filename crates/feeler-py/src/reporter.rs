@@ -1,7 +1,8 @@
-//! Progress of long work on a pool, told to Python by the thread that asked for the work.
+//! Progress of long work on a pool, reported to Python by the calling thread.
 //!
-//! Threads of a pool never enter the interpreter: for each visit it makes them a thread state, under a lock that a fork at that
-//! moment leaves held in the child for good. Nor could they see Ctrl-C, which is the main thread's to see.
+//! Threads of a pool never enter the interpreter: for each visit it makes them a thread state, under a lock that a fork
+//! at that moment would leave locked in the child for good. Nor could they receive Ctrl-C, which goes to the main
+//! thread.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,4 +1,4 @@
-//! Results that travelled, made again.
+//! Restores pickled results.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;

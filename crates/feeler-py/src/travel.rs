@@ -1,7 +1,7 @@
-//! Results that travel: what pickle is given of each, and how what comes back is read.
+//! Pickled results: the state of each, and how it is read back.
 //!
-//! `feeler.travel` puts the format's number beside what stands here, and looks at it before `restore.rs` is asked. Nothing that comes
-//! back is trusted: views are made over it, so lengths and places are checked as a file's would be.
+//! `feeler.travel` adds the format's number to this state, and checks it before it calls `restore.rs`. Restored data is
+//! not trusted: views are made over it, so lengths and places are checked like those of a file.
 
 use feeler_core as core;
 use numpy::{Element, PyReadonlyArray1, PyReadonlyArray2};

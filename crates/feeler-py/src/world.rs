@@ -1,4 +1,4 @@
-//! `feeler._core.World`, all that a tool may meet, and `GuardedMove`, a tool that contact stops in it.
+//! `feeler._core.World`, the surroundings of a tool, and `GuardedMove`, a tool in it that contact stops.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

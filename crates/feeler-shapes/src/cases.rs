@@ -8,10 +8,10 @@ use crate::{Arrays, Matrix, Point};
 /// Parts of each mock-up.
 const PARTS: usize = 5;
 
-/// A mock-up, a tool, and poses at which they meet or nearly do.
+/// A mock-up, a tool, and poses at which they collide or nearly do.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What it is.
+    /// Its name.
     pub name: &'static str,
     /// The mock-up.
     pub mockup: Arrays,

@@ -1,4 +1,4 @@
-//! Hashes of results, and the numbers in `testdata/golden.txt` that they are to be.
+//! Hashes of results, and their expected values in `testdata/golden.txt`.
 
 const GOLDEN: &str = include_str!("../../../testdata/golden.txt");
 

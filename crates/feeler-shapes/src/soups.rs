@@ -1,4 +1,4 @@
-//! Triangles that hang together nowhere.
+//! Unconnected triangles.
 
 use crate::random::Random;
 use crate::{Arrays, Point};

@@ -1,4 +1,4 @@
-//! Queries of all bodies at once: parts and triangles in the answers have their numbers in the mock-up, wherever they lie.
+//! Queries of all bodies at once: parts and triangles in the answers have their mock-up indices, wherever they lie.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ impl Environment {
         self.bodies.iter().map(|body| (body, body.solver.scene()))
     }
 
-    /// Every pair of triangles that meets at a pose, as of [`Scene::collide`].
+    /// Every colliding pair of triangles at a pose, as of [`Scene::collide`].
     pub fn collide(&self, tool: &Tool, pose: &Pose) -> Collision {
         let mut all = Collision::default();
         for (body, scene) in self.scenes() {
@@ -36,7 +36,7 @@ impl Environment {
         all
     }
 
-    /// Whether anything meets at a pose.
+    /// Whether anything collides at a pose.
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
         self.scenes().any(|(_, scene)| scene.is_colliding(tool, pose))
     }
@@ -116,8 +116,9 @@ impl Environment {
         plane
     }
 
-    /// A translation that frees the tool, and the points that carry each of its contact planes; `None` where it is in nothing. Of several
-    /// bodies the longest, an estimate where the tool then meets another. See [`penetration`](feeler_contacts::ContactSolver::penetration).
+    /// A translation that frees the tool, and the points that carry each of its contact planes; `None` if it is in
+    /// nothing. Of several bodies the longest, an estimate if the tool then collides with another. See
+    /// [`penetration`](feeler_contacts::ContactSolver::penetration).
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64) -> Result<Option<(Penetration, Vec<Footing>)>> {
         let mut deepest: Option<(usize, Penetration)> = None;
         for (number, body) in self.bodies.iter().enumerate() {

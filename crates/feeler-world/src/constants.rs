@@ -1,9 +1,9 @@
-//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+//! Every limit and tolerance of this crate: its unit, the reason for its value, and the effect of a change.
 
 // What may touch.
 
-/// Bodies nearer than this (metres) touch; it is also the tolerance of casts. Above rounding in a mock-up of a kilometre, and far below
-/// what is made. Larger: casts end earlier, and more of what is flush counts as seated.
+/// Bodies nearer than this (metres) touch; it is also the tolerance of casts. Above rounding in a mock-up of a
+/// kilometre, and far below manufacturing tolerances. Larger: casts end earlier, and more flush faces count as seated.
 pub const TOUCH: f64 = 1e-6;
 
 /// Play of touching seats, metres: how much deeper they may get. Above rounding, below machining tolerances. Larger: slides end less often
@@ -39,15 +39,17 @@ pub const MITRE_ADDED: f64 = 1e-5;
 /// there may be blocked.
 pub const SEAT_REST: f64 = 1.25e-7;
 
-/// Tolerance of casts of what is seated, metres: a hundredth of [`SEAT_REST`]. Larger: motions that begin there end at once.
+/// Tolerance of casts of seats, metres: a hundredth of [`SEAT_REST`]. Larger: motions that begin there end at once.
 pub const SEAT_CAST: f64 = 1.25e-9;
 
-/// Depth at the start, in lengths of the tool, up to which a pair is a fit, as of what is pressed into a hole: it may be as deep on all of
-/// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
+/// Depth at the start, in lengths of the tool, up to which a pair is a fit, such as a press fit: it may be as deep on
+/// its whole way. A deeper pair has no hole, and is pulled out of the volume that it fills. Larger: thicker walls are
+/// passed through sideways.
 pub const FIT_DEPTH: f64 = 0.02;
 
-/// How far a part that goes through a neighbour is moved against a contact plane, in lengths, to see whether that is a way out of its
-/// place: past what its place gives, up to the thickness of most heads. More and other ones: heads of other thickness are seen.
+/// How far a part that goes through a neighbour is moved against a contact plane, in lengths, to see whether that is a
+/// way out of its volume: past the play of that volume, up to the thickness of most heads. More and other values: heads
+/// of other thickness are recognised.
 pub const THROUGH_TRIALS: [f64; 3] = [0.03, 0.06, 0.12];
 
 /// Faces whose normals are this near to such a way lead on it (cosine). Less: the sides of a bolt, which only slide, count too.
@@ -61,11 +63,12 @@ pub const THROUGH_COS: f64 = 0.985;
 /// slivers, whose planes point anywhere. Larger: a part may be pushed so deep into another place.
 pub const SLIVER_DEPTH: f64 = 0.25;
 
-/// How far what is drawn out of its place may come outside of it, in lengths of the part that is drawn: the ridges of a thread are so high.
-/// Larger: what has no hole may lean more on its way out.
+/// How far a part pulled out of its volume may come outside of it, in lengths of the part: the height of a thread's
+/// ridges. Larger: parts without a hole may lean more on their way out.
 pub const PLACE_SHARE: f64 = 0.02;
 
-/// Triangles of the tool times crossings of surfaces that are looked at, at a step. Fewer: of large parts fewer crossings are asked for.
+/// Most triangles of the tool times crossings of surfaces that are tested at a step. Fewer: large parts get fewer
+/// tests.
 pub const MOST_CROSSING_WORK: usize = 20_000;
 /// Least crossings looked at, however large the tool is.
 pub const LEAST_CROSSINGS: usize = 8;
@@ -108,8 +111,8 @@ pub const PLANE_NORMAL: f64 = 1e-5;
 /// Metres; see above.
 pub const PLANE_OFFSET: f64 = 1e-6;
 
-/// Triangles that meet at a smaller angle (radians) are one flat face: more than rounding of single precision, less than the facets of a
-/// circle of 6,000 sides. Larger: fine facets count as flat, and a fillet made of them joins the floor.
+/// Triangles whose angle is smaller than this (radians) are one flat face: above rounding of single precision, below
+/// the facets of a circle of 6,000 sides. Larger: fine facets count as flat, and a fillet made of them joins the floor.
 pub const FLAT_ANGLE: f64 = 1e-3;
 
 /// Cosine of the largest angle between facets of one curved surface: 31 degrees, so that a cylinder of twelve sides is one. Less: more
@@ -132,10 +135,10 @@ pub const MOST_PLACE_ROWS: usize = 24;
 
 // Guarded moves.
 
-/// A guarded move that would end within this distance (metres) of its start treats what it touches as a seat, since rounding decides which
-/// way is free. Larger: more moves along a near surface take the time of seats.
+/// A guarded move that would end within this distance (metres) of its start treats its contacts as seats, since
+/// rounding decides which way is free. Larger: more moves along a near surface take the time of seats.
 pub const STUCK: f64 = 1e-9;
 
-/// Contact planes within this distance (metres) may be what stops the tool: more than it stays off them. Larger: it costs more, and a
-/// plane farther off may be named.
+/// Contact planes within this distance (metres) may have stopped the tool: more than it stays off them. Larger: it
+/// costs more, and a plane farther off may be named.
 pub const IMPACT_MARGIN: f64 = 2e-5;

@@ -1,4 +1,4 @@
-//! What the tool may meet: the mock-up, and parts that were put down elsewhere, each a scene of its own; asked together.
+//! The surroundings of the tool: the mock-up, and parts put down elsewhere, each a scene of its own; queried together.
 
 use std::sync::Arc;
 

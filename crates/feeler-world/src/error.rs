@@ -1,6 +1,6 @@
-//! What can be wrong with what is taken, put down and put back.
+//! Errors when parts are gripped, put down and put back.
 
-/// What is wrong, where, and what to do.
+/// The problem, its place, and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -8,7 +8,7 @@ pub enum Error {
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
     /// What grips the part is not free where it starts.
-    #[error("the tool's part {tool_part} meets part {part} where it starts: start it where it is free, or allow that part by name")]
+    #[error("the tool's part {tool_part} collides with part {part} at the start: start it where it is free, or allow that part by name")]
     GripMeets {
         /// Of the tool.
         tool_part: u32,

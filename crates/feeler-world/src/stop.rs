@@ -12,9 +12,10 @@ use crate::seats::{Seat, Seated};
 use crate::surroundings::Surroundings;
 use crate::walk::{Stop, Walk, WalkOptions};
 
-/// A tool that contact stops: it goes as far as the way is free, however often it is asked and however fast it moves.
+/// A tool that contact stops: it goes as far as its motion is free, for any number and speed of moves.
 ///
-/// Surfaces in contact at the start are seats: it may slide along them and part. A start without contact has no seats.
+/// Surfaces in contact at the start are seats: it may slide along them and separate. A start without contact has no
+/// seats.
 #[derive(Debug)]
 pub struct GuardedMove {
     environment: Environment,
@@ -31,11 +32,11 @@ pub struct GuardedMove {
 pub struct Moved {
     /// World from tool.
     pub pose: Pose,
-    /// What stopped it; `None` where it got where it was to go.
+    /// The impact that stopped it; `None` if it arrived.
     pub impact: Option<Impact>,
 }
 
-/// What stops a tool.
+/// The impact that stops a tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Impact {
     /// The share of the way that is free.

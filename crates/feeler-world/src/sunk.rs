@@ -1,6 +1,6 @@
-//! Parts that are sunk: in their neighbours deeper than a fit, as bolts in plates that have no holes.
+//! Sunk parts: deeper in their neighbours than a fit, such as bolts in plates without holes.
 //!
-//! They leave through the place that they filled. That is measured at poses along a motion, so their steps are short.
+//! They leave through the volume that they filled. This is tested at poses along a motion, so their steps are short.
 
 use feeler_contacts::{ContactPlane, ContactSolver};
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};

@@ -67,7 +67,7 @@ impl Surfaces {
         Surfaces { numbers: Arc::new(SurfaceNumbers::new(mesh.faces().len(), numbers)), beside }
     }
 
-    /// The surfaces that one meets at a convex edge. A body that slides along the one comes over that edge.
+    /// The neighbouring surfaces across convex edges. A body that slides along one comes over that edge.
     pub fn beside(&self, surface: u32) -> &[u32] {
         self.beside.get(surface as usize).map_or(&[], Vec::as_slice)
     }

@@ -42,7 +42,8 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of a tool at its start, among bodies without it. Tool parts from `own_parts` on are what grips, and may meet nothing there.
+    /// The surroundings of a tool at its start, among bodies without it. Tool parts from `own_parts` on are grippers,
+    /// and may touch nothing there.
     ///
     /// Errors: what grips meets something at the start; where `goes_on` says so, a request to stop.
     #[doc(hidden)]
@@ -111,12 +112,12 @@ impl Surroundings {
         }
     }
 
-    /// What moves.
+    /// The moving tool.
     pub fn tool(&self) -> &Arc<Tool> {
         &self.tool
     }
 
-    /// What it may meet.
+    /// Its surroundings.
     pub fn environment(&self) -> &Environment {
         &self.environment
     }
@@ -132,7 +133,7 @@ impl Surroundings {
         self.size
     }
 
-    /// How far it stays off what is not seated, metres.
+    /// The distance that it keeps from everything but seats, metres.
     pub fn clearance(&self) -> f64 {
         self.clearance
     }

@@ -75,9 +75,9 @@ pub struct Walk {
     pub pose: Pose,
     /// The share of the motion until there.
     pub fraction: f64,
-    /// What is still seated there.
+    /// The remaining seats there.
     pub seated: Arc<Seated>,
-    /// What ends it; `None` where all of it is free.
+    /// The end; `None` if all of it is free.
     pub stop: Option<Stop>,
     /// Casts made.
     pub casts: u64,
@@ -92,7 +92,7 @@ pub struct Span {
     pub motion: Motion,
 }
 
-/// What ends a motion.
+/// The end of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {
@@ -182,7 +182,7 @@ impl Surroundings {
                 }
             }
         }
-        // From when on what is not seated meets it, which an overlap allows.
+        // From when on an unseated neighbour meets it, which an overlap allows.
         let mut meets: Option<f64> = None;
         for (number, asked) in seated.bodies.iter().enumerate() {
             let scene = asked.ordinary.scene();
@@ -234,7 +234,7 @@ impl Surroundings {
                 }
                 last = time;
                 if meets.is_some_and(|meets| meets < time) && !self.is_colliding(seated, &pose) {
-                    // Off what it met: from here on it is cast again.
+                    // Off the part that it met: from here on it is cast again.
                     return Ok(Part { fraction: time, end: End::Parted(seated.clone()) });
                 }
                 if let Some(left) = self.left_at(seated, &pose)? {
@@ -286,7 +286,7 @@ impl Surroundings {
         Ok(None)
     }
 
-    /// What is still seated at a pose; `None`: all that was.
+    /// The remaining seats at a pose; `None`: all of them.
     pub fn left_at(&self, seated: &Seated, pose: &Pose) -> Result<Option<Arc<Seated>>> {
         let within = TOUCH.max(self.clearance);
         let mut holds = seated.holds.clone();
@@ -318,7 +318,7 @@ impl Surroundings {
         span.seated.bodies.iter().try_fold(least, of_body)
     }
 
-    /// Where on a motion, before `end`, what is not seated comes nearer than the clearance; the last time at which it was not.
+    /// Where on a motion, before `end`, an unseated neighbour comes nearer than the clearance; the last time at which it was not.
     ///
     /// From a time at which the least distance is known nothing comes nearer than the clearance before the tool has moved by the rest:
     /// conservative advancement.

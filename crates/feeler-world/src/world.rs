@@ -1,7 +1,7 @@
-//! What is held and what stands around it: the mock-up, the tool, a part that is gripped, and parts that were put down elsewhere.
+//! The state of a manipulation: the mock-up, the tool, a gripped part, and parts put down elsewhere.
 //!
-//! A gripped part leaves the scene and joins the tool without a rebuild. What the tool meets whenever the world changes is a seat: see
-//! [`Surroundings`].
+//! A gripped part leaves the scene and joins the tool without a rebuild. Contacts of the tool when the world changes
+//! are seats: see [`Surroundings`].
 
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ impl World {
         Ok(World { scene, solver, own_tool: tool, around, grips: Vec::new(), out })
     }
 
-    /// What moves: the tool, with the parts that it holds.
+    /// The moving body: the tool, with its gripped parts.
     pub fn tool(&self) -> &Arc<Tool> {
         self.around.tool()
     }
@@ -66,7 +66,7 @@ impl World {
         &self.own_tool
     }
 
-    /// What it may meet, and what it is seated on.
+    /// Its surroundings and seats.
     pub fn around(&self) -> &Surroundings {
         &self.around
     }
@@ -85,13 +85,13 @@ impl World {
         &self.around.environment().bodies
     }
 
-    /// The tool is at a pose, by no motion: what it meets there is a seat.
+    /// Puts the tool at a pose, without a motion: its contacts there are seats.
     pub fn move_to(&mut self, pose: &Pose) -> Result<()> {
         self.around = Surroundings::around(self.bodies().to_vec(), self.tool().clone(), pose)?;
         Ok(())
     }
 
-    /// Takes parts: out of the mock-up, or from where they were put down. The tool is at a pose.
+    /// Grips parts: from the mock-up, or from where they were put down. The tool is at a pose.
     ///
     /// Errors: something is held already, no part or one twice, or there is no such part to take; nothing has changed then.
     pub fn grip(&mut self, parts: &[u32], pose: &Pose) -> Result<()> {

@@ -38,9 +38,9 @@ def _nothing(clashes: Clashes) -> str:
     if hidden:
         return f"the rules hide all {hidden:,} findings. Check without rules to see them"
     if facts.clearance == 0.0:
-        return "no pair of parts meets. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
+        return "no pair of parts collides. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
     return (
-        f"no pair of parts meets, or is nearer than {length(facts.clearance)}. Pass a larger clearance to find "
+        f"no pair of parts collides, or is nearer than {length(facts.clearance)}. Pass a larger clearance to find "
         "the nearest pairs"
     )
 

@@ -27,7 +27,7 @@ from feeler.scene import Scene
 
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
-_STAGES = ("finding parts that meet", "measuring clearances", "measuring depths")
+_STAGES = ("finding colliding parts", "measuring clearances", "measuring depths")
 _INDEXED, _FOUND = 0.2, 0.9  # share of the progress when the index, and when the pairs are done
 
 

@@ -225,7 +225,7 @@ class _Named:
         try:
             matches = re.compile(pattern[3:]).fullmatch
         except re.error as error:
-            raise OptionError(f"{pattern!r} is no regular expression: {error}") from None
+            raise OptionError(f"{pattern!r} is not a regular expression: {error}") from None
         found = np.flatnonzero([matches(path) is not None for path in self.paths])
         if not len(found):
             near = self.paths[0] if self.paths else ""

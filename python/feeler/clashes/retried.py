@@ -37,7 +37,7 @@ def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTab
     def judged_rows(rows: npt.NDArray[np.intp]) -> _Judged:
         return _judged(clashes, clashes.columns.rows(rows), [every[each] for each in rule[rows].tolist()])
 
-    # Nothing hides a pair that is farther apart than its rule asks for: it is no finding.
+    # Nothing hides a pair that is farther apart than its rule asks for: it is not a finding.
     is_hidden = hidden_by >= 0
     is_hidden[is_hidden] = ~judged_rows(np.flatnonzero(is_hidden)).is_far
     names = [*found.hiding, *([OTHERS] if not rules.others else [])]

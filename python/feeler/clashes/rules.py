@@ -159,7 +159,7 @@ def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         raise LoadError(f"{file} cannot be read: {error}") from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise LoadError(f"{file} is no TOML: {error}") from None
+        raise LoadError(f"{file} is not valid TOML: {error}") from None
     return data
 
 
@@ -175,7 +175,7 @@ def _parsed(data: Mapping[str, Any], where: str = "rules") -> dict[str, Any]:
     for name, kind in _TABLES.items():
         tables = data.get(name, [])
         if not isinstance(tables, list) or not all(isinstance(each, Mapping) for each in tables):
-            raise OptionError(f"{where}: {name} is no list of tables: write [[{name}]] above each")
+            raise OptionError(f"{where}: {name} is not a list of tables: write [[{name}]] above each")
         made[name] = [_made(kind, each, f"{where}, {name} {number}") for number, each in enumerate(tables, 1)]
     return {"rules": tuple(made["rule"]), "exclusions": tuple(made["exclude"]), "others": others, "where": where}
 

@@ -145,7 +145,7 @@ def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
     try:
         text = text_of(file)
     except FileNotFoundError:
-        raise MissingFileError(f"{file} does not exist: give what Clashes.save wrote") from None
+        raise MissingFileError(f"{file} does not exist: give a file of Clashes.save") from None
     except (OSError, UnicodeDecodeError) as error:
         raise LoadError(f"{file} cannot be read: {error}") from None
     try:
@@ -154,9 +154,9 @@ def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
         end = len(text.rstrip())
         is_cut = not text[:end].endswith("}") or getattr(error, "pos", 0) >= end
         cut = "it is cut short, or " if is_cut else ""
-        raise LoadError(f"{file}: {cut}no JSON ({error}): give what Clashes.save wrote, whole") from None
+        raise LoadError(f"{file}: {cut}not JSON ({error}): give a file of Clashes.save, whole") from None
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
-        raise LoadError(f'{file} is no file of clashes ("format" is not "{FORMAT}"): give what Clashes.save wrote')
+        raise LoadError(f'{file} is not a file of clashes ("format" is not "{FORMAT}"): give a file of Clashes.save')
     if data.get("version") != VERSION:
         raise LoadError(
             f"{file} is of version {data.get('version')!r}, and this feeler reads {VERSION}: run the check again, or "
@@ -178,7 +178,7 @@ class _Reader(Generic[AnyTable]):
     def table(self, data: Mapping[str, Any], name: str) -> AnyTable:
         lines = data.get(name)
         if not isinstance(lines, list):
-            raise LoadError(f'{self.file} holds no list "{name}": give what Clashes.save wrote')
+            raise LoadError(f'{self.file} holds no list "{name}": give a file of Clashes.save')
         keys: dict[str, int] = {}
         rules: dict[str, int] = {}
         marks: dict[str, Mark] = {}
@@ -188,7 +188,7 @@ class _Reader(Generic[AnyTable]):
                 self._add(line, values, keys, rules, marks)
             except (KeyError, TypeError, ValueError, OverflowError) as error:
                 what = f"it has no {error}" if isinstance(error, KeyError) else str(error)
-                raise LoadError(f"{self.file}: {name}[{number}] is no finding: {what}") from None
+                raise LoadError(f"{self.file}: {name}[{number}] is not a finding: {what}") from None
         columns = Columns(
             **{
                 column: np.array(values[column], dtype=kind).reshape(-1, *shape)
@@ -196,7 +196,7 @@ class _Reader(Generic[AnyTable]):
             }
         )
         if len(marks) < len(lines):
-            raise LoadError(f"{self.file}: {name} holds a finding twice: give what Clashes.save wrote")
+            raise LoadError(f"{self.file}: {name} holds a finding twice: give a file of Clashes.save")
         facts = Facts(
             clearance=_real(data.get("clearance"), "clearance") if data.get("clearance") is not None else 0.0,
             contact=data["contact"] if data.get("contact") == "chord" else _real(data.get("contact") or 0.0, "contact"),
@@ -223,14 +223,14 @@ class _Reader(Generic[AnyTable]):
     def _shapes(self, data: Mapping[str, Any], name: str) -> Shapes:
         lines = data.get(name, [])
         if not isinstance(lines, list):
-            raise LoadError(f'{self.file}: "{name}" is no list: give what Clashes.save wrote')
+            raise LoadError(f'{self.file}: "{name}" is not a list: give a file of Clashes.save')
         found: dict[str, _Shape] = {}
         for number, line in enumerate(lines):
             try:
                 key, shape = _shape(line)
             except (KeyError, TypeError, ValueError, OverflowError) as error:
                 what = f"it has no {error}" if isinstance(error, KeyError) else str(error)
-                raise LoadError(f"{self.file}: {name}[{number}] is no shape of a part: {what}") from None
+                raise LoadError(f"{self.file}: {name}[{number}] is not a shape of a part: {what}") from None
             found[key] = shape
         paths, content, box, middle, area = zip(*found.values(), strict=True) if found else ((), (), (), (), ())
         return Shapes(
@@ -252,7 +252,7 @@ class _Reader(Generic[AnyTable]):
     ) -> None:
         """Appends a finding. Raises `KeyError`, `TypeError` or `ValueError` if the line is invalid."""
         if not isinstance(line, Mapping):
-            raise TypeError("it is no object")
+            raise TypeError("it is not an object")
         a, b, rule = (_text(line, name) for name in ("a", "b", "rule"))
         if line["id"] != clash_id(rule, a, b):
             raise ValueError(f"its id {line['id']!r} is not that of its rule and parts")
@@ -310,7 +310,7 @@ _Shape = tuple[str, int, list[list[float]], list[float], float]
 def _shape(line: Any) -> tuple[str, _Shape]:
     """Key and shape of a part. Raises `KeyError`, `TypeError` or `ValueError` if the line is invalid."""
     if not isinstance(line, Mapping):
-        raise TypeError("it is no object")
+        raise TypeError("it is not an object")
     key, content = _text(line, "part"), _text(line, "content")
     path = _text(line, "path") if "path" in line else key
     box = [_triple(corner, "box") for corner in line["box"]]
@@ -335,12 +335,12 @@ def _rule(line: Any) -> tuple[str, float, float]:
         name, clearance, contact = line
         return str(name), _real(clearance, "clearance"), _real(contact, "contact")
     except (TypeError, ValueError) as error:
-        raise LoadError(f"rules holds {line!r}, which is no name with two lengths: {error}") from None
+        raise LoadError(f"rules holds {line!r}, which is not a name with two lengths: {error}") from None
 
 
 def _text(line: Mapping[str, Any], name: str) -> str:
     if not isinstance(line[name], str):
-        raise TypeError(f"{name} is no text")
+        raise TypeError(f"{name} is not text")
     return str(line[name])
 
 

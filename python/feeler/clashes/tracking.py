@@ -92,7 +92,7 @@ class Marks:
         if status not in SETTABLE:
             raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)} (only diff sets resolved)")
         if not isinstance(by, str) or not isinstance(note, str):
-            raise OptionError("by and note are texts: who set the status, and why")
+            raise OptionError("by and note must be text: who set the status, and why")
         self._by_id[clash] = Mark(
             str(status), by, note, depth if status == "approved" else None, self.of(clash).changed
         )

@@ -190,7 +190,7 @@ def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None
     if not len(chosen):
         among = "of the mock-up" if parts is None else f"of the {len(parts):,} that --targets names"
         what = "fastener" if kind is None else kind
-        raise OptionError(f"no part {among} looks like a {what}: what is found is {found!r}; or give --frames FILE")
+        raise OptionError(f"no part {among} looks like a {what}: feeler found {found!r}; or give --frames FILE")
     return chosen
 
 
@@ -296,7 +296,7 @@ def _print(
         outputs.print_finding(out, line)
     out.print()
     has_kind = any("kind" in row for row in rows)
-    # What is not reachable comes first.
+    # Unreachable targets come first.
     order = sorted(rows, key=lambda row: (row["reachable"], row["target"]))
     outputs.print_table(
         out,

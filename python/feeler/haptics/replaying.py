@@ -71,7 +71,7 @@ def replay(
         except (KeyError, ValueError, TypeError, BadZipFile, zlib.error) as error:
             if isinstance(error, LoadError):
                 raise
-            raise LoadError(f"{path} is no record of a session: {error}") from error
+            raise LoadError(f"{path} is not a record of a session: {error}") from error
     for what, mesh in (("mockup", scene.mockup), ("tool", tool)):
         if digest_of(mesh) != head[what]:
             raise LoadError(f"{path} was made with another {what}")
@@ -110,9 +110,9 @@ def _opened(path: Path) -> Iterator[Any]:
         try:
             record = np.load(opened, allow_pickle=False)
         except (OSError, ValueError, EOFError, BadZipFile) as error:
-            raise LoadError(f"{path} is no record of a session: {error}") from error
+            raise LoadError(f"{path} is not a record of a session: {error}") from error
         if not isinstance(record, np.lib.npyio.NpzFile):
-            raise LoadError(f"{path} is no record of a session")
+            raise LoadError(f"{path} is not a record of a session")
         with record:
             yield record
 

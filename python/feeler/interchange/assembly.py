@@ -154,5 +154,5 @@ def _affine(where: str, matrix: npt.ArrayLike) -> Floats:
     except (ValueError, TypeError) as error:
         raise MeshError(f"{where}: its placement cannot be read as a matrix: {error}") from error
     if placed.shape != (4, 4) or not np.isfinite(placed).all() or not np.allclose(placed[3], [0, 0, 0, 1], atol=1e-9):
-        raise MeshError(f"{where}: its placement is no finite (4, 4) matrix with a last row of 0, 0, 0, 1")
+        raise MeshError(f"{where}: its placement is not a finite (4, 4) matrix with a last row of 0, 0, 0, 1")
     return placed

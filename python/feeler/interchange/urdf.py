@@ -49,7 +49,6 @@ def from_urdf(
     The frame is that of the root link. `load_mockup` reads mesh files (in STL, OBJ, PLY and OFF the unit is the metre,
     in others the file's), and their `scale` is applied; triangles are reversed if it mirrors.
     `feeler.Tool(feeler.from_urdf(...))` makes a tool. The report's notes list everything unusual.
-    `feeler.Tool(feeler.from_urdf(...))` makes a tool. The report's notes say what was met.
 
     Raises `LoadError` for a file that is not a URDF or has no such geometry; `MissingFileError` if it, or a mesh file,
     does not exist; `OptionError` for the options.

@@ -106,12 +106,12 @@ def _root(file: Path) -> Element:
     try:
         parser.Parse(file.read_bytes(), True)
     except expat.ExpatError as error:
-        raise LoadError(f"{file}: this is no XML that can be read ({error}); export it again") from None
+        raise LoadError(f"{file}: the XML cannot be read ({error}); export it again") from None
     except OSError as error:
         raise LoadError(f"{file}: cannot be read ({error.strerror or error})") from error
     root = builder.close()
     if root.tag != "robot":
-        raise LoadError(f"{file}: this is no URDF: it begins with <{root.tag[:40]}> and not with <robot>")
+        raise LoadError(f"{file}: this is not URDF: it begins with <{root.tag[:40]}> and not with <robot>")
     return root
 
 

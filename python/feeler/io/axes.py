@@ -25,7 +25,7 @@ def parse_axis(up: object) -> Axis | None:
         return None
     if isinstance(up, str) and up.strip().lower() in _FRAMES:
         return cast(Axis, up.strip().lower())
-    raise OptionError(f"up={up!r} is no axis; use 'x', 'y' or 'z', or leave it out")
+    raise OptionError(f"up={up!r} is not an axis; use 'x', 'y' or 'z', or leave it out")
 
 
 def turn(vertices: NDArray[np.float64], axis: Axis, wanted: Axis) -> NDArray[np.float64]:

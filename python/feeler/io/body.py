@@ -180,7 +180,7 @@ def stated_colours(mesh: Any, parts: int) -> FloatArray | None:
     try:
         table = np.array(own, dtype=np.float64)
     except (TypeError, ValueError):
-        raise OptionError(f"part_colours is no array of numbers: set one row per part, ({parts}, 3)") from None
+        raise OptionError(f"part_colours is not an array of numbers: set one row per part, ({parts}, 3)") from None
     if table.shape != (parts, 3):
         raise OptionError(f"part_colours has shape {table.shape}: set one row per part, ({parts}, 3)")
     table[~np.isfinite(table).all(axis=1)] = np.nan

@@ -104,7 +104,7 @@ class _Reader:
         axis = asset.first("up_axis") if asset else None
         word = axis.text.strip() if axis else "Y_UP"
         if word not in _UP:
-            self.notes.append(f"the up axis {word[:20]!r} is none of COLLADA: taken as Y_UP")
+            self.notes.append(f"the up axis {word[:20]!r} is unknown in COLLADA: taken as Y_UP")
             word = "Y_UP"
         found = Unit("m", 1.0)
         if unit is not None:

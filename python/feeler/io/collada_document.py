@@ -100,7 +100,7 @@ class Document:
         """Return the whole numbers in an element."""
         values = _numbers(element.text, np.int64)
         if values is None:
-            raise self.fail(f"<{element.tag}> has something that is no whole number", element)
+            raise self.fail(f"<{element.tag}> has a value that is not a whole number", element)
         return values.astype(np.int64, copy=False)
 
     def natural(self, element: Element, name: str, default: int | None = None) -> int:
@@ -137,7 +137,7 @@ class Document:
         columns = [at for at, param in enumerate(params) if param.attributes.get("name")] or list(range(stride))
         columns = columns[:3]
         if len(columns) < 2 or columns[-1] >= stride:
-            raise self.fail(f"positions with {len(columns)} columns in a stride of {stride} are no points", accessor)
+            raise self.fail(f"positions with {len(columns)} columns in a stride of {stride} are not points", accessor)
         if count and offset + stride * (count - 1) + columns[-1] >= len(values):
             raise self.fail(
                 f"<accessor> promises {count:,} points of {stride} numbers, and its array has {len(values):,} numbers",

@@ -32,7 +32,7 @@ def _matrix(numbers: Numbers) -> Matrix:
     """Row by row, for column vectors."""
     matrix = numbers.reshape(4, 4)
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
-        raise ValueError("is no affine transform")
+        raise ValueError("is not an affine transform")
     return matrix
 
 

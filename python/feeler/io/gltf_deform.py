@@ -62,6 +62,6 @@ def joint_matrices(document: Document, skin: int, worlds: dict[int, Matrix]) -> 
     made = []
     for number, joint in enumerate(joints):
         if not isinstance(joint, int) or joint not in worlds:
-            raise document.fail(f"skins[{skin}] has joint {str(joint)[:20]}, which is no node of the scene")
+            raise document.fail(f"skins[{skin}] has joint {str(joint)[:20]}, which is not a node of the scene")
         made.append(multiply(worlds[joint], IDENTITY if inverse is None else inverse[number]))
     return np.stack(made)

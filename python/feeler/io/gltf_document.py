@@ -65,7 +65,7 @@ class Document:
         except ValueError as error:
             raise self.fail(f"the JSON is damaged ({error})") from error
         if not isinstance(root, dict) or not isinstance(root.get("asset"), dict):
-            raise self.fail("the JSON has no 'asset': this is no glTF file")
+            raise self.fail("the JSON has no 'asset': this is not a glTF file")
         self.root: dict[str, Any] = root
         version = str(root["asset"].get("version"))
         if not version.startswith("2"):
@@ -88,10 +88,10 @@ class Document:
             or not 0 <= index < len(items)
         ):
             count = len(items) if isinstance(items, list) else 0
-            raise self.fail(f"{collection}[{str(index)[:20]}] is asked for, and there are {count}")
+            raise self.fail(f"{collection}[{str(index)[:20]}] is referenced, but there are {count}")
         found = items[index]
         if not isinstance(found, dict):
-            raise self.fail(f"{collection}[{index}] is no object")
+            raise self.fail(f"{collection}[{index}] is not an object")
         return found
 
     def count(self, index: object) -> int:
@@ -216,7 +216,7 @@ class Document:
             return None
         found = extensions[name]
         if not isinstance(found, dict):
-            raise self.fail(f"{where}.extensions.{name} is no object")
+            raise self.fail(f"{where}.extensions.{name} is not an object")
         if self.required.isdisjoint(_MESHOPT) and self._has_bytes(self._natural(view, "buffer", where)):
             return None
         return found
@@ -298,7 +298,7 @@ class Document:
                 raise self.fail(f"buffers[{index}] has no uri and no binary chunk")
             return self._binary
         if not isinstance(uri, str):
-            raise self.fail(f"buffers[{index}].uri is no text")
+            raise self.fail(f"buffers[{index}].uri is not text")
         if uri.startswith("data:"):
             head, comma, payload = uri.partition(",")
             if not comma or not head.endswith(";base64"):

@@ -58,7 +58,7 @@ class SceneGraph:
         self._book = PathBook()
         nodes = document.root.get("nodes", [])
         if not isinstance(nodes, list):
-            raise document.fail("'nodes' is no list")
+            raise document.fail("'nodes' is not a list")
         if nodes:
             self._walk(nodes)
             return
@@ -173,7 +173,7 @@ class SceneGraph:
         matrix = numbers("matrix", 16)
         if matrix is not None:
             if matrix[3::4] != [0.0, 0.0, 0.0, 1.0]:
-                raise self.document.fail(f"nodes[{index}].matrix is no affine transform")
+                raise self.document.fail(f"nodes[{index}].matrix is not an affine transform")
             return np.array([matrix[row::4] for row in range(4)])  # column by column
         move, turn, scale = numbers("translation", 3), numbers("rotation", 4), numbers("scale", 3)
         if move is None and turn is None and scale is None:

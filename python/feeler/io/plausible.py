@@ -25,7 +25,7 @@ def size_note(length_m: float, units: list[Unit]) -> str | None:
     for name, words in _USUAL:
         if SHORTEST_M <= length_m / units[0].metres * parse_unit(name).metres <= LONGEST_M:
             return f"{size}: if the file is in {words}, pass unit='{name}'"
-    return f"{size}: check the unit ({units[0].name}), and the file for what lies far from the rest"
+    return f"{size}: check the unit ({units[0].name}), and the file for parts far from the rest"
 
 
 def _length(metres: float) -> str:

@@ -139,7 +139,7 @@ def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int, int
                 case [word] if word not in _IGNORED:
                     raise ValueError  # skipping it could shift all that follows
         except (IndexError, KeyError, ValueError):
-            raise LoadError(f"{path}, line {number}: {line.strip()[:80]!r} is no valid PLY header line") from None
+            raise LoadError(f"{path}, line {number}: {line.strip()[:80]!r} is not a valid PLY header line") from None
     if order is None:
         raise LoadError(f"{path}: the PLY header has no 'format' line; export the file again")
     if sum(element.name == "vertex" for element in elements) > 1:

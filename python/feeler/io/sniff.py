@@ -62,7 +62,7 @@ def identify(path: Path) -> tuple[str, list[str]]:
     except (OSError, ValueError) as error:
         raise LoadError(f"{str(path)!r}: cannot be opened ({error})") from error
     if not stat.S_ISREG(status.st_mode):
-        raise LoadError(f"{path}: this is no regular file (a device or pipe); copy it to a file first")
+        raise LoadError(f"{path}: this is not a regular file (a device or pipe); copy it to a file first")
     if not status.st_size:
         raise LoadError(f"{path}: the file is empty (0 bytes); export it again")
     try:

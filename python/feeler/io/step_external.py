@@ -171,7 +171,7 @@ def _find(spelling: str, folder: Path, within: Path) -> Place:
             if parts and at.is_file():
                 if at.suffix.lower() in SUFFIXES:
                     return Place(at)
-                missing = Place(None, "which is no STEP file and so was not read; load it beside the assembly")
+                missing = Place(None, "which is not a STEP file and was not read; load it beside the assembly")
     return missing
 
 

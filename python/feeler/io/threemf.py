@@ -90,7 +90,7 @@ def _assemble(model: Model) -> RawMesh:
     try:
         unit = parse_unit(model.unit)
     except ValueError:
-        raise model.package.fail(f"the unit {model.unit[:40]!r} is none of 3MF") from None
+        raise model.package.fail(f"the unit {model.unit[:40]!r} is unknown in 3MF") from None
     required = [f"the file requires the extension '{_shown(uri)}', which is not read" for uri in model.unread]
     return RawMesh(
         np.concatenate(vertices),

@@ -282,7 +282,7 @@ class ModelHandler:
             indices = np.array(found.indices, dtype=np.int64).reshape(-1, 3)
         except (ValueError, OverflowError) as error:
             raise self.package.fail(
-                f"{found.name!r} in {self.name!r} has a value that is no number ({error})"
+                f"{found.name!r} in {self.name!r} has a value that is not a number ({error})"
             ) from error
         found.faces = seal_indices(indices, len(found.vertices))
         found.numbers, found.indices = [], []

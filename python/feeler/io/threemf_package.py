@@ -81,7 +81,7 @@ class Package:
         models = sorted(key for key in self._members if key.endswith(".model"))
         if models:
             return models[0]
-        raise self.fail("there is no 3D model in the archive: it is no 3MF file")
+        raise self.fail("not a 3MF file: the archive contains no 3D model")
 
     def parse(self, key: str, handler: Handler, progress: Progress | None = None) -> None:
         """Read the XML of a member, block by block; raise `EncryptedError` if it is encrypted."""

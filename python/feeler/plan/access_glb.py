@@ -28,7 +28,7 @@ def access_bodies(mockup: Mockup, tool: Tool, found: Access) -> tuple[Body, ...]
     for row in found:
         for part, path in [(row.part, row.path), *((each.part, each.path) for each in row.blockers)]:
             if part is not None and not (part < mockup.part_count and mockup.part_paths[part] == path):
-                raise OptionError(f"part {path!r} is not of this mock-up: give the one that was asked")
+                raise OptionError(f"part {path!r} is not in this mock-up: pass the mock-up of the access check")
         if row.part is not None:
             colours[row.part] = TARGET
     for each in found.blockers:

@@ -278,7 +278,7 @@ class _Question:
 
     def _because(self, shown: Swing | None, found: Swing | None, drawn: float) -> str:
         if shown is None:
-            return "the tool meets something at every angle"
+            return "the tool collides at every angle"
         looked, came = f"{1e3 * self._approach:g} mm", f"{1e3 * drawn:.3g} mm"
         if found is None:
             return (

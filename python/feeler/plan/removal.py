@@ -227,7 +227,7 @@ def way_from(
     own = Tool.of_parts(mockup, chosen)
     moving = own if tool is None else _gripped(own, tool, start, (lies, where), rest, allowed)
     if tool is None and start is not None:
-        raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
+        raise OptionError("start is the tool's pose, but there is no tool: give a tool, or leave out start")
     options: dict[str, Any] = {
         "own_parts": own.part_count,
         "allow_start": allowed.seats,

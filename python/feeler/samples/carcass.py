@@ -1,4 +1,4 @@
-"""What the carcass has beyond casings and frames: covers, stiffeners, access panels, mounts."""
+"""Parts of the carcass beyond casings and frames: covers, stiffeners, access panels, mounts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is mounted around a casing: pipes with clamps and brackets, harness, boxes, valves, the accessory gearbox."""
+"""Parts mounted around a casing: pipes with clamps and brackets, harness, boxes, valves, the accessory gearbox."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ class Dresser:
         plan.add(f"{self.base}/inspection_plug", plug, poses @ at(z=0.01))
 
     def rivets(self, count: int) -> None:
-        """Filler: rivets in rows on the casing; as many are built as the size asked for needs."""
+        """Filler: rivets in rows on the casing; as many as the requested size needs."""
         rng, plan = self.plan.rng, self.plan
         rows = max(1, count // 60)
         for _ in range(rows):

@@ -1,4 +1,4 @@
-"""Spur and bevel gears with involute teeth that mesh, and what turns with them."""
+"""Spur and bevel gears with meshing involute teeth, and the parts that turn with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Room around a casing: how far out its surface reaches, and which places are taken already."""
+"""Space around a casing: the radius of its surface, and the occupied places."""
 
 from __future__ import annotations
 

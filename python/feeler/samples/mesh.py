@@ -1,4 +1,4 @@
-"""Meshes and poses as the sample makers use them: plain arrays, no part of the public face."""
+"""Meshes and poses of the sample makers: plain arrays, not public."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sample mock-ups: six in the roles of the paper's Table 1, and a gearbox whose truth is known."""
+"""The sample mock-ups: six in the roles of the paper's Table 1, and a gearbox with known facts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .plan import Plan
 GEARBOX = "gearbox"
 LEAST_TRIANGLES = 10_000
 MOST_TRIANGLES = 100_000_000
-# So few parts would be cut finer than the vertex grid bears.
+# For small mock-ups the vertex grid would limit the tessellation.
 MOST_BY_NAME = {"differential": 20_000_000, "gearbox": 4_000_000}
 
 
@@ -42,17 +42,17 @@ def sample(
     `name`, after the paper's Table 1: "carcass" (nested engine casings, flanges, bolts, panels), "differential" (bevel
     and spur gears, bearings, housing; 0.8 m), "turbine" (bladed disks, shafts, casings), "externals" (pipes, clamps,
     harness, boxes, gearbox), "engine" (an aero-engine's core, dressed; 3 m) or "tay" (a turbofan in its nacelle; 4 m).
-    Besides, "gearbox": an engine's accessory gearbox on its bracket, 0.5 m, drawn as real ones are: every fit has a
-    name, nothing else touches, and `feeler.sample_truth` says what is right.
+    Also "gearbox": an engine's accessory gearbox on its bracket, 0.5 m, modelled like real ones: every fit is named, no
+    other parts touch, and `feeler.sample_truth` has the expected results.
     `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
-    from about 40 thousand to 4 million); the result has within 10 % (mostly 1 %) of it, never more. The number of parts
-    grows with its square root, but for the gearbox. `seed`: another arrangement of pipes, cables, boxes; of the gearbox
-    other teeth and places. `faults`: planted in the gearbox, names of `feeler.samples.FAULTS`.
-    `progress(fraction, stage)` is called now and then.
+    from about 40 thousand to 4 million); the result is within 10 % (mostly 1 %) of it, never above. The number of parts
+    grows with its square root, except for the gearbox. `seed`: another arrangement of pipes, cables, boxes; for the
+    gearbox other teeth and places. `faults`: to plant in the gearbox, names of `feeler.samples.FAULTS`.
+    `progress(fraction, stage)` is called from time to time.
 
-    Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. The sample "gearbox" stands by
-    itself: its shafts along z, the front case towards -z, and y up, as `source.up` says. Parts are closed shells facing
-    outwards; a part may be several shells, and parts may overlap a little where real ones are welded or pressed
+    Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. The sample "gearbox" stands
+    alone: its shafts along z, the front case towards -z, and y up, as in `source.up`. Parts are closed shells facing
+    outwards; a part may have several shells, and parts may overlap a little where real ones are welded or pressed
     together. The same arguments give the same bytes. Every coordinate is exact in single precision, so STL and GLB keep
     it. Time is about linear: 1.6 million triangles take a second or two, 10 million a few.
 
@@ -91,9 +91,10 @@ def sample_names() -> tuple[str, ...]:
 def sample_truth(
     name: str, triangles: int = 1_600_000, seed: int = 0, *, faults: Iterable[str] = ()
 ) -> accessory.Truth:
-    """What is true of the sample "gearbox" with the same arguments: fits, ways out, tools, joints, masses, faults.
+    """The known facts of the sample "gearbox" with the same arguments: fits, removal paths, tools, joints, masses,
+    faults.
 
-    `.to_json()` gives it as JSON. Other samples have none: their parts overlap where they happen to.
+    `.to_json()` gives them as JSON. Other samples have none: their parts overlap by chance.
 
     Raises OptionError as `sample` does.
     """
@@ -111,7 +112,7 @@ def sample_parts(
     faults: Iterable[str] = (),
     progress: Progress | None = None,
 ) -> MeshParts:
-    """What `sample` makes, as plain arrays; see there."""
+    """The result of `sample` as plain arrays; see there."""
     wanted, number = _checked(name, triangles, seed)
     names = _names(faults)
     if name == GEARBOX:
@@ -135,7 +136,7 @@ def _checked(name: str, triangles: object, seed: object) -> tuple[int, int]:
         raise OptionError(f"no sample mock-up is called {name!r}; choose one of {', '.join(sample_names())}")
     wanted = _whole(triangles, "triangles")
     most = MOST_BY_NAME.get(name, MOST_TRIANGLES)
-    if wanted > most or (wanted < LEAST_TRIANGLES and name != GEARBOX):  # the gearbox knows its own least number
+    if wanted > most or (wanted < LEAST_TRIANGLES and name != GEARBOX):  # the gearbox has its own minimum
         least = "about 40000" if name == GEARBOX else LEAST_TRIANGLES
         raise OptionError(f"triangles is {triangles}; the sample {name!r} has from {least} to {most}")
     number = _whole(seed, "seed")

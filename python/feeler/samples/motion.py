@@ -1,4 +1,4 @@
-"""A hand-like motion of a tool: from outside into a mock-up, some work where it touches, and out again."""
+"""A hand-like motion of a tool: into a mock-up from outside, some work in contact, and out again."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from . import rigid
 from .mesh import Floats
 from .poses import Searcher, Slide, _check_count, _generator
 
-APPROACHES = 24  # places tried; the way in with the fewest collisions is taken
-CHECKS = 12  # poses looked at along each way in
+APPROACHES = 24  # places tried; the one whose way in has the fewest collisions is taken
+CHECKS = 12  # poses tested along each way in
 REACH_SPEED_M_PER_S = 0.5
 WORK_S = 0.7  # one working stroke
 TREMOR = ((0.7, 1.2e-3), (1.9, 5e-4), (8.5, 1e-4))  # Hz, and metres for a tool of 0.3 m
@@ -25,7 +25,8 @@ TREMOR_TURN = 0.006  # radians
 
 @dataclass(frozen=True)
 class Way:
-    """How to reach a place: a slide, where on it the tool is just free and where it touches, and the way out."""
+    """An approach to a place: a slide, the points on it where the tool is just free and where it touches, the way
+    out."""
 
     slide: Slide
     free: float
@@ -38,10 +39,10 @@ class Way:
 def sample_path(scene: Scene, tool: Tool, n: int, seed: int = 0, progress: Progress | None = None) -> Floats:
     """A hand-like motion: `(n, 4, 4) float64`, world_from_tool, metres, equally spaced in time.
 
-    The tool comes from outside the mock-up's box, reaches in to a place where it is just free, pushes until 1 to 5 % of
-    its triangles meet the mock-up, works there (turning strokes about its z axis, letting go in between) and leaves.
-    Each reach speeds up and slows down smoothly; a small slow tremor lies over all. Of some places tried, the one whose
-    way in collides least is taken. The same scene, tool, n and seed give the same poses, whatever the storage.
+    The tool comes from outside the mock-up's box, reaches a place where it is just free, pushes until 1 to 5 % of its
+    triangles collide with the mock-up, works there (turning strokes about its z axis, releasing in between) and leaves.
+    Each reach speeds up and slows down smoothly, with a small slow tremor. Of the places tried, it takes the one whose
+    way in collides least. The same scene, tool, n and seed give the same poses, whatever the storage.
 
     Raises OptionError if n is less than 2, or if no place is found where the tool touches and is free nearby.
     """

@@ -1,4 +1,4 @@
-"""A plan lists what a mock-up is made of, and is then tessellated to a given number of triangles.
+"""A plan lists the parts of a mock-up, and is then tessellated to a given number of triangles.
 
 The plan is a list of shapes with the poses at which each stands. Tessellation has levels of chord tolerance, each
 finer by `LEVEL_RATIO`. `Plan.build` finds the level at which the whole is just too small, refines single items to the
@@ -19,7 +19,7 @@ from .mesh import Floats, Ints, Mesh, MeshParts, snapped
 from .tessellation import Tolerance
 
 Told = Callable[[float], None]
-"""Hears how much of something is done, 0 to 1."""
+"""A progress callback, 0 to 1."""
 
 COARSEST_CHORD_M = 0.024
 LEVEL_RATIO = 2.0**0.5
@@ -27,7 +27,7 @@ LEVELS = 44  # down to a chord of a few nanometres; `LEAST_PIECE_M` stops before
 
 
 class Shape:
-    """A shape that can be tessellated at any level; what was made is kept until `forget`."""
+    """A shape that can be tessellated at any level; meshes are cached until `forget`."""
 
     def __init__(self, make: Callable[[Tolerance], Mesh]) -> None:
         self._make = make
@@ -46,7 +46,7 @@ class Shape:
 
 @dataclass
 class Item:
-    """One shape at `poses` (k, 4, 4): k parts, named `base`, or `base_001`, `base_002`, ... where there are several."""
+    """One shape at `poses` (k, 4, 4): k parts, named `base`, or `base_001`, `base_002`, ... if there are several."""
 
     base: str
     shape: Shape
@@ -61,7 +61,7 @@ class Item:
 
 @dataclass
 class Plan:
-    """What a mock-up is made of. `root` is the first step of every part's path."""
+    """The parts of a mock-up. `root` is the first step of every part's path."""
 
     root: str
     rng: np.random.Generator
@@ -71,7 +71,7 @@ class Plan:
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def shape(self, make: Callable[..., Mesh], *arguments: Hashable) -> Shape:
-        """The shape `make(*arguments, tol)`; asking twice gives the same one, so that it is tessellated once."""
+        """The shape `make(*arguments, tol)`; equal calls give the same one, so that it is tessellated once."""
         key = (make, arguments)
         if key not in self._shapes:
             self._shapes[key] = Shape(lambda tol: make(*arguments, tol))
@@ -83,7 +83,7 @@ class Plan:
             self.items.append(self._item(base, shape, poses))
 
     def add_filler(self, base: str, shape: Shape, poses: Floats) -> None:
-        """Parts of which only the first few may be built: as many as the size asked for needs."""
+        """Parts of which only the first few may be built: as many as the requested size needs."""
         if len(poses):
             self.fillers.append(self._item(base, shape, poses))
 
@@ -167,7 +167,7 @@ class Plan:
         counts = 0
 
         def counted(level: int) -> int:
-            # Nobody knows how many counts there will be: each is half of what is left.
+            # The number of counts is not known: each reports half of the rest.
             nonlocal counts
             counts += 1
             return self.count(level, lambda share: told(1.0 - 0.5 ** (counts - 1 + share)))

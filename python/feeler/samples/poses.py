@@ -1,8 +1,8 @@
-"""Poses of a tool among the parts of a mock-up, for tests, benchmarks and demonstrations: touching, just free, deep in.
+"""Poses of a tool among the parts of a mock-up, for tests, benchmarks and demonstrations: touching, just free, deep.
 
-A try takes a random point of the mock-up's surface, a random point of the tool and a random rotation, puts point on
-point and slides the tool along the surface's normal until what is asked for holds. Only exact answers of the scene are
-used, so the poses depend on mock-up, tool, kind and seed alone, not on storage, voxel size or threads.
+An attempt takes a random point of the mock-up's surface, a random point of the tool and a random rotation, puts one
+point on the other, and slides the tool along the surface's normal until the condition holds. It uses only exact answers
+of the scene, so the poses depend on mock-up, tool, kind and seed alone, not on storage, voxel size or threads.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .mesh import Floats
 KINDS = ("nominal", "near", "deep")
 NOMINAL_SHARE = (0.01, 0.05)  # of the tool's triangles
 DEEP_SHARE = 0.10
-NEAR_GAP_SHARE = 0.01  # of the tool's size: a push no longer than that makes a near pose collide
+NEAR_GAP_SHARE = 0.01  # of the tool's size: a push of this length makes a near pose collide
 TRIES_PER_POSE = 60
 LEAST_TRIES = 600
 
@@ -58,7 +58,7 @@ class Searcher:
         )
 
     def count(self, pose: Floats) -> int:
-        """Tool triangles that meet the mock-up."""
+        """Number of colliding tool triangles."""
         return len(self.scene.collide(self.tool, pose).tool_triangles)
 
     def is_inside(self, pose: Floats) -> bool:
@@ -67,14 +67,14 @@ class Searcher:
         return bool((middle >= self.mockup_bounds[0]).all() and (middle <= self.mockup_bounds[1]).all())
 
     def slide(self, *, tip_first: bool | None = None) -> Slide | None:
-        """A random slide that starts with a point of the tool on the mock-up; None where the pick was no good."""
+        """A random slide that starts with a point of the tool on the mock-up; None if the choice was unsuitable."""
         spot = self._surface_spot(self.scene.mockup.vertices, self.scene.mockup.faces)
         anchor = self._surface_spot(self.tool.vertices, self.tool.faces)
         if spot is None or anchor is None:
             return None
         (point, normal), (held, _) = spot, anchor
         rng = self.rng
-        if rng.random() < 0.5:  # which side is free is not known: meshes need not be closed
+        if rng.random() < 0.5:  # the free side is not known: meshes need not be closed
             normal = -normal
         quaternion = rigid.random_quaternion(rng)
         if tip_first if tip_first is not None else rng.random() < 0.5:
@@ -104,7 +104,7 @@ class Searcher:
         return point, normals[k] / areas[k]
 
     def nominal(self, slide: Slide) -> float | None:
-        """Where along the slide 1 to 5 % of the tool's triangles meet the mock-up, or None."""
+        """The place along the slide where 1 to 5 % of the tool's triangles collide, or None."""
         low, high = self.hits
         step = 0.02 * self.size
         s, hits = 0.0, self.count(slide.pose(0.0))
@@ -134,7 +134,7 @@ class Searcher:
         return None
 
     def near(self, slide: Slide) -> float | None:
-        """Where along the slide the tool is just free: nothing meets, but would within the near gap inwards."""
+        """The place along the slide where the tool is just free: it would collide within the near gap inwards."""
         step, inner, outer = 0.01 * self.size, 0.0, 0.0
         if not self.scene.is_colliding(self.tool, slide.pose(0.0)):
             return None
@@ -157,7 +157,7 @@ class Searcher:
         return outer
 
     def deepest(self, slide: Slide) -> tuple[float, int]:
-        """The place along the slide, out of a few, where most of the tool's triangles meet; and how many."""
+        """The place along the slide, out of a few, where most of the tool's triangles collide; and their number."""
         best, most = 0.0, -1
         for s in (0.0, -0.04 * self.size, -0.12 * self.size, -0.25 * self.size):
             hits = self.count(slide.pose(s))
@@ -173,15 +173,15 @@ def sample_poses(
 ) -> Floats:
     """Poses of a tool among the parts of a scene: `(n, 4, 4) float64`, world_from_tool, metres, rigid.
 
-    - "nominal": 1 to 5 % of the tool's triangles meet the mock-up (at least one triangle).
-    - "near": the tool's middle is inside the mock-up's box and nothing meets, but a push of 1 % of the tool's length or
-      less makes it collide.
-    - "deep": more than 10 % of the tool's triangles meet; for a tool so fine that this is seldom found, the deepest
-      poses of a few hundred tries, all above 5 %.
+    - "nominal": 1 to 5 % of the tool's triangles collide with the mock-up (at least one triangle).
+    - "near": the tool's middle is inside the mock-up's box and nothing collides, but a push of 1 % of the tool's length
+      or less makes it collide.
+    - "deep": more than 10 % of the tool's triangles collide; for a tool so fine that this is seldom found, the deepest
+      poses of a few hundred attempts, all above 5 %.
 
     Works for any mock-up and tool. The same scene, tool, kind and seed give the same poses, whatever the storage.
     `progress(fraction, stage)` is called as poses are found. Raises OptionError for an unknown kind, a count that is
-    not a whole number from 0, and when too few such poses are found in a bounded number of tries.
+    not a whole number from 0, and if too few such poses are found in a bounded number of attempts.
     """
     if kind not in KINDS:
         raise OptionError(f"no kind of poses is called {kind!r}; choose one of {', '.join(KINDS)}")

@@ -1,4 +1,4 @@
-"""What turns, and what stands between: disks with blades, vane rings, shafts, bearings. All about the z axis."""
+"""Rotating parts and those between them: disks with blades, vane rings, shafts, bearings. All about the z axis."""
 
 from __future__ import annotations
 

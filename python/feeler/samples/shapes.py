@@ -1,7 +1,7 @@
 """Tessellated solids: skins over loops, revolved and extruded profiles, plates with holes, swept pipes.
 
-Each function returns a closed `Mesh`, counter-clockwise from outside, in metres. The one rule behind all: loops run
-counter-clockwise seen from where the stack of loops goes, and then the skin faces outwards.
+Each function returns a closed `Mesh`, counter-clockwise from outside, in metres. One rule applies to all: loops run
+counter-clockwise seen from where the stack of loops goes, which makes the skin face outwards.
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def _holed_annulus(
     n = len(outer)
     per = n // count
     r_inner = float(np.hypot(*points[inner[0], :2]))
-    sees = np.arccos(min(1.0, r_inner / pitch)) * 0.85  # seen from the hole, the inner circle hides what is beyond
+    sees = np.arccos(min(1.0, r_inner / pitch)) * 0.85  # seen from the hole, the inner circle hides the far side
     needs = 1.25 * np.arcsin(np.hypot(*(hole[0, :2] - [pitch, 0.0])) / pitch)
     width = per
     while width > 2 and (width - 2) * np.pi / n >= needs and width * np.pi / n > max(sees, needs * 1.3):

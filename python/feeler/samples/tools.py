@@ -41,7 +41,7 @@ def sample_tool_names() -> tuple[str, ...]:
 
 
 def tool_mesh(name: str, fine: bool = False) -> Mesh:
-    """What `sample_tool` makes, as a plain mesh; see there."""
+    """The result of `sample_tool` as a plain mesh; see there."""
     if name not in _MAKERS:
         raise OptionError(f"no sample tool is called {name!r}; choose one of {', '.join(_MAKERS)}")
     mesh = _tool_mesh(name, fine)
@@ -56,7 +56,7 @@ def _tool_mesh(name: str, fine: bool) -> Mesh:
 
 
 def _nearest(make: Callable[[Tolerance], Mesh], triangles: int) -> Mesh:
-    """The tessellation whose triangle count comes nearest to the one asked for."""
+    """The tessellation with the triangle count nearest to the requested one."""
     low, high = 1e-8, 4.9e-3
     best: Mesh | None = None
     for _ in range(26):

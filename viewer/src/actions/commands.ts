@@ -1,5 +1,5 @@
-// All commands of the page: what they are called, their keys, when they can run. Keys, palette, menus, help and the
-// tooltips of buttons read this table; nothing else gives a key a meaning.
+// All commands of the page: their titles, their keys, when they can run. Keys, palette, menus, help and the tooltips of
+// buttons read this table; no other code binds a key.
 
 import { UNITS } from "../math/units";
 import type { Vec3 } from "../math/vectors";
@@ -86,7 +86,7 @@ const STEPS: readonly [string, string, Vec3][] = [
 const ORBIT_RAD = Math.PI / 24;
 const PAN_PX = 60;
 
-/** Turns or moves the view by the keyboard, about what it looks at. */
+/** Turns or moves the view by the keyboard, about its target. */
 function moveView(wb: Workbench, kind: "orbit" | "pan", x: number, y: number): void {
   const { camera } = wb.stage;
   if (kind === "orbit") camera.orbit(-x * ORBIT_RAD, y * ORBIT_RAD, camera.target);
@@ -99,7 +99,7 @@ function zoom(wb: Workbench, factor: number): void {
   wb.redraw();
 }
 
-/** E: what is selected joins the hand; with parts in it and nothing else selected, they are put down. */
+/** E: the selection joins the hand; if the hand holds parts and nothing else is selected, they are put down. */
 function gripOrRelease(wb: Workbench): Promise<boolean> {
   const targets = wb.targets();
   const selection = wb.store.selection.peek();
@@ -116,7 +116,7 @@ function gripOrRelease(wb: Workbench): Promise<boolean> {
   });
 }
 
-/** Space: stop, glide, pass, and round again. */
+/** Space: cycles through stop, glide, pass. */
 function nextMode(wb: Workbench): Promise<boolean> {
   return wb.runOf((document) => {
     const mode = MODES[(MODES.indexOf(document.mode) + 1) % MODES.length] ?? "stop";
@@ -141,7 +141,7 @@ function toggleHidden(wb: Workbench): Promise<boolean> {
   });
 }
 
-/** Esc: what is nearest to the person ends first. */
+/** Esc: closes or ends the topmost activity. */
 function endNearest(wb: Workbench): void {
   const { store } = wb;
   if (store.dialog.peek()) store.dialog.value = null;
@@ -153,7 +153,7 @@ function endNearest(wb: Workbench): void {
 
 function focusSearch(wb: Workbench): void {
   const field = document.querySelector<HTMLInputElement>("#search");
-  // At once: what is typed next is meant for it.
+  // At once, so that the next keys go into it.
   if (field) field.select();
   else {
     wb.store.set({ is_tree_open: true });
@@ -164,7 +164,7 @@ function focusSearch(wb: Workbench): void {
 
 const REGIONS = ["#picture", "#tree", "#panels", "#bar"] as const;
 
-/** F6: the focus goes from region to region. */
+/** F6: moves the focus from region to region. */
 function nextRegion(): void {
   const found = REGIONS.map((name) => document.querySelector<HTMLElement>(name)).filter((each) => each !== null);
   const at = found.findIndex((each) => each.contains(document.activeElement));
@@ -175,7 +175,7 @@ function nextRegion(): void {
   target?.focus();
 }
 
-/** The server goes through the record that it was opened with; the picture follows. */
+/** The server replays the record that it was opened with; the picture follows. */
 function replayRecord(wb: Workbench): void {
   wb.job("replay", {}, "Replay")?.result.catch((error: unknown) => wb.tell(error));
 }
@@ -192,7 +192,7 @@ const panelTitles: Readonly<Record<Panel, string>> = {
 };
 
 export const COMMANDS: readonly PageCommand[] = [
-  command("Look", "fit", "Look at the selection, or at all", "F", (wb) => wb.fit(), hasMockup),
+  command("Look", "fit", "Frame the selection, or everything", "F", (wb) => wb.fit(), hasMockup),
   ...VIEWS.map((name, k) =>
     command(
       "Look",
@@ -214,8 +214,8 @@ export const COMMANDS: readonly PageCommand[] = [
       hasMockup,
     ),
   ]),
-  command("Look", "zoom-in", "Nearer", ["+", "="], (wb) => zoom(wb, 0.8), hasMockup),
-  command("Look", "zoom-out", "Farther", "-", (wb) => zoom(wb, 1.25), hasMockup),
+  command("Look", "zoom-in", "Zoom in", ["+", "="], (wb) => zoom(wb, 0.8), hasMockup),
+  command("Look", "zoom-out", "Zoom out", "-", (wb) => zoom(wb, 1.25), hasMockup),
   command("Look", "snapshot", "Picture and viewpoint", "K", takeSnapshot, hasMockup),
   command(
     "Look",
@@ -226,23 +226,23 @@ export const COMMANDS: readonly PageCommand[] = [
     canLook,
   ),
 
-  command("Parts", "hide", "Hide, or show again", "H", toggleHidden, hasTargets),
+  command("Parts", "hide", "Hide, or show", "H", toggleHidden, hasTargets),
   command(
     "Parts",
     "isolate",
-    "Isolate; again: as it was before",
+    "Isolate, or end isolation",
     "Shift+H",
     (wb) => wb.run("isolate", { parts: wb.targets() }),
     hasTargets,
   ),
   command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canLook),
   command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canLook),
-  command("Parts", "ghost", "Ghost, or solid again", "X", toggleGhost, hasTargets),
+  command("Parts", "ghost", "Ghost, or solid", "X", toggleGhost, hasTargets),
   command("Parts", "search", "Search parts", ["Ctrl+F", "/"], focusSearch, hasMockup),
   command(
     "Parts",
     "select-all",
-    "Select all in sight",
+    "Select all visible parts",
     "Ctrl+A",
     (wb) => wb.select(wb.visible([...wb.store.paths.peek().keys()])),
     hasMockup,
@@ -250,12 +250,12 @@ export const COMMANDS: readonly PageCommand[] = [
 
   command("Tool", "move", "Move the tool", "G", (wb) => beginTyping(wb, "move"), hasHand),
   command("Tool", "turn", "Turn the tool", "R", (wb) => beginTyping(wb, "turn"), hasHand),
-  command("Tool", "grip", "Grip what is selected; release", "E", gripOrRelease, canGrip),
-  command("Tool", "release", "Put down what is gripped", "", (wb) => wb.run("release"), isGripping),
+  command("Tool", "grip", "Grip the selection, or release it", "E", gripOrRelease, canGrip),
+  command("Tool", "release", "Put down the gripped parts", "", (wb) => wb.run("release"), isGripping),
   command(
     "Tool",
     "put-back",
-    "Put back where it was",
+    "Put back in place",
     "Shift+E",
     (wb) => {
       const parts = wb.targets();
@@ -270,12 +270,12 @@ export const COMMANDS: readonly PageCommand[] = [
   command(
     "Tool",
     "frame",
-    "Move along the axes of the world, or of the tool",
+    "World axes, or tool axes",
     "L",
     (wb) => wb.store.set({ frame: wb.store.settings.peek().frame === "world" ? "tool" : "world" }),
     hasHand,
   ),
-  command("Tool", "snapping", "Steps on, or off", "T", (wb) =>
+  command("Tool", "snapping", "Snapping on, or off", "T", (wb) =>
     wb.store.set({ is_snapping: !wb.store.settings.peek().is_snapping }),
   ),
   command(
@@ -310,22 +310,20 @@ export const COMMANDS: readonly PageCommand[] = [
   ),
 
   ...AXES.map((name, k) =>
-    typing(`axis-${name}`, `Along or about ${name}; again: of the other frame`, name, (wb) =>
-      chooseAxis(wb, k as 0 | 1 | 2),
-    ),
+    typing(`axis-${name}`, `Along or about ${name}; again: other frame`, name, (wb) => chooseAxis(wb, k as 0 | 1 | 2)),
   ),
   ...STEPS.map(([key, name, direction]) =>
     typing(`step-${name}`, `One step ${name}`, key, (wb) => stepTyping(wb, direction)),
   ),
   typing("move-again", "Move instead", "G", (wb) => beginTyping(wb, "move")),
   typing("turn-again", "Turn instead", "R", (wb) => beginTyping(wb, "turn")),
-  typing("confirm", "Put the tool there", "Enter", confirmTyping),
-  typing("cancel", "Back to where it was", "Escape", cancelTyping),
+  typing("confirm", "Confirm", "Enter", confirmTyping),
+  typing("cancel", "Cancel", "Escape", cancelTyping),
 
   command(
     "Sections",
     "sections",
-    "Cut through the selection; off, on",
+    "Cut through the selection; cuts off, on",
     "S",
     toggleSections,
     (wb) => canLook(wb) && hasMockup(wb),
@@ -424,7 +422,7 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => wb.run("redo"),
     (wb) => canChange(wb) && (wb.store.redo_depth.value !== 0 || wb.isBusy),
   ),
-  command("Edit", "escape", "End what is under way; select nothing", "Escape", endNearest),
+  command("Edit", "escape", "Cancel, or clear the selection", "Escape", endNearest),
 
   command("Page", "palette", "All commands", "Ctrl+K", (wb) => {
     wb.store.dialog.value = "palette";
@@ -432,15 +430,15 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Page", "help", "Help", ["?", "F1"], (wb) => {
     wb.store.dialog.value = "help";
   }),
-  command("Page", "tour", "Tour of two minutes", "", (wb) => {
+  command("Page", "tour", "Two-minute tour", "", (wb) => {
     wb.store.tour_step.value = 0;
   }),
   command("Page", "settings", "Settings", "Ctrl+,", (wb) => {
     wb.store.dialog.value = "settings";
   }),
-  command("Page", "theme", "Dark, or light", "", toggleTheme),
+  command("Page", "theme", "Dark, or light theme", "", toggleTheme),
   command("Page", "next-region", "Focus the next region", "F6", nextRegion),
-  command("Page", "tree", "Tree of parts: open, close", "Ctrl+B", (wb) =>
+  command("Page", "tree", "Part tree: open, close", "Ctrl+B", (wb) =>
     wb.store.set({ is_tree_open: !wb.store.settings.peek().is_tree_open }),
   ),
   command("Page", "panels", "Panels: open, close", "Ctrl+J", (wb) =>
@@ -452,10 +450,10 @@ export const COMMANDS: readonly PageCommand[] = [
       wb.store.set({ are_panels_open: true });
     }),
   ),
-  command("Page", "mute", "Sound off, or on", "Shift+M", (wb) =>
+  command("Page", "mute", "Sound on, or off", "Shift+M", (wb) =>
     wb.store.set({ is_muted: !wb.store.settings.peek().is_muted }),
   ),
-  command("Page", "rumble", "Rumble off, or on", "", (wb) =>
+  command("Page", "rumble", "Rumble on, or off", "", (wb) =>
     wb.store.set({ has_rumble: !wb.store.settings.peek().has_rumble }),
   ),
   ...STYLES.map((style) =>
@@ -490,7 +488,7 @@ export const shownKey = (key: string | undefined): string =>
     .replace("PageUp", "Page up")
     .replace("PageDown", "Page down");
 
-/** A button's tooltip: what it does, and the key. */
+/** A button's tooltip: its action, and the key. */
 export function hint(id: string): string {
   const { title, keys } = commandOf(id);
   return keys[0] ? `${title} (${shownKey(keys[0])})` : title;

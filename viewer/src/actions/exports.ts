@@ -1,9 +1,9 @@
-// What leaves the page: pictures, and the files that jobs of the server write.
+// Exports: pictures, and the files that jobs of the server write.
 
 import type { Camera } from "../link/protocol";
 import type { Workbench } from "./workbench";
 
-/** Pictures have one size, whatever the window's. */
+/** Pictures have one size, independent of the window's. */
 export const SHOT_WIDTH = 1920;
 export const SHOT_HEIGHT = 1080;
 
@@ -50,7 +50,7 @@ export function lookFrom(wb: Workbench, camera: Camera): void {
   wb.redraw();
 }
 
-/** A picture at a size, from a camera where one is given, as base64 of a PNG. */
+/** A picture at a size, from a camera if one is given, as base64 of a PNG. */
 export async function pictureFor(wb: Workbench, width: number, height: number, camera: Camera | null): Promise<string> {
   const before = wb.stage.camera.toJSON();
   if (camera) wb.stage.camera.fromJSON(camera);

@@ -1,4 +1,4 @@
-// The findings by command: opening a file of them, stepping to the next, looking at one.
+// Commands for findings: open a file, step to the next, show one.
 
 import type { Finding } from "../link/protocol";
 import { add, centre, diagonal, isEmpty, scale, type Vec3 } from "../math/vectors";
@@ -68,7 +68,7 @@ export async function lookAtFinding(wb: Workbench, finding: Finding): Promise<vo
   if (wb.store.can_look.peek() && parts.length > 0) await wb.run("single_out", { parts });
 }
 
-/** The contact: the middle of both points where they are known. */
+/** The contact: the middle of both points if they are known. */
 function placeOf(wb: Workbench, finding: Finding): Vec3 | null {
   const { point_a, point_b } = finding;
   if (point_a && point_b) return scale(add(point_a, point_b), 0.5);
@@ -77,7 +77,7 @@ function placeOf(wb: Workbench, finding: Finding): Vec3 | null {
   return isEmpty(box) ? null : centre(box);
 }
 
-/** How far away the eye stays: enough to see what is around, near enough to see the contact. */
+/** Distance of the eye: far enough to show the surroundings, near enough to show the contact. */
 function reachOf(wb: Workbench, parts: readonly number[], depth: number): number {
   const sizes = parts.map((part) => diagonal(wb.boxOf([part])));
   const smallest = Math.min(...sizes.filter((size) => size > 0), 0.5);

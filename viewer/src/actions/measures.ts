@@ -1,4 +1,4 @@
-// Measuring by clicks: how many picks a measure takes, what is under the pointer, and the command at the end.
+// Measuring by clicks: the picks of a measure, the point under the pointer, and the final command.
 
 import type { Commands, MeasureType, Snapped } from "../link/protocol";
 import { add, distance, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
@@ -20,13 +20,13 @@ export const MEASURE_TITLES: Readonly<Record<MeasureType, string>> = {
   parts: "Part to part",
 };
 
-/** What is under a pixel, as far as measuring asks. */
+/** The pick under a pixel, as measuring needs it. */
 type Seen = Pick<Snapped, "point" | "type" | "part" | "triangle" | "corners">;
 
 /** How near in the picture a corner or an edge draws the point to it. */
 const SNAP_PX = 10;
 
-/** Begins a measure, or ends measuring where the same one is under way. */
+/** Begins a measure, or ends measuring if the same one is active. */
 export function startMeasuring(wb: Workbench, type: MeasureType): void {
   const { measuring, panel } = wb.store;
   if (measuring.peek()?.type === type) {
@@ -53,7 +53,7 @@ export function stopMeasuring(wb: Workbench): void {
 
 let is_asking = false;
 
-/** Shows what a click would take; one question at a time, so that a slow answer holds nothing up. */
+/** Shows the pick of a click; one question at a time, so that a slow answer delays nothing. */
 export function hoverMeasure(wb: Workbench, at: Point): void {
   if (!wb.store.measuring.peek() || is_asking) return;
   is_asking = true;
@@ -70,12 +70,12 @@ export function hoverMeasure(wb: Workbench, at: Point): void {
     });
 }
 
-/** Takes what is under the pointer; the last pick makes the measure. */
+/** Takes the pick under the pointer; the last pick makes the measure. */
 export async function clickMeasure(wb: Workbench, at: Point): Promise<void> {
   try {
     const snapped = await snapAt(wb, at);
     if (snapped) await takePick(wb, pickOf(snapped));
-    else wb.say("Nothing there to measure");
+    else wb.say("Nothing to measure there");
   } catch (error) {
     wb.tell(error);
   }
@@ -145,7 +145,7 @@ const seenAt = (part: number, point: Vec3): Seen => ({
 /** The exact point that a pixel sees, drawn to a corner or an edge that is near it in the picture. */
 async function snapAt(wb: Workbench, at: Point): Promise<Seen | null> {
   const { camera } = wb.stage;
-  if ((wb.document?.explode ?? 0) > 0) throw new Error("Parts are drawn apart: put the mock-up together to measure it");
+  if ((wb.document?.explode ?? 0) > 0) throw new Error("The view is exploded: put the mock-up together to measure it");
   const picked = wb.stage.pick(at.x, at.y);
   if (!picked) return null;
   if (!wb.link) return picked.held ? null : seenAt(picked.part, picked.point);

@@ -1,4 +1,4 @@
-// Sections by command: through what is selected, across the axis that the view looks along.
+// Commands for sections: through the selection, across the axis nearest to the line of sight.
 
 import type { CommandRequest, Section } from "../link/protocol";
 import { centre, dot, isEmpty, type Vec3 } from "../math/vectors";
@@ -25,7 +25,7 @@ const towards = (normal: Vec3, forward: Vec3): Vec3 => (dot(normal, forward) < 0
 
 const opposite = (normal: Vec3): Vec3 => normal.map((value) => (value === 0 ? 0 : -value)) as Vec3;
 
-/** S: the first cut where there is none; else all off, or on again. */
+/** S: makes the first cut if there is none; else turns all off, or on again. */
 export function toggleSections(wb: Workbench): Promise<boolean> {
   return wb.runOf(({ sections }) => {
     if (sections.length === 0) return [sectionAdded(wb)];

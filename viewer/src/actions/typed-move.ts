@@ -1,4 +1,4 @@
-// G and R at work: the typed movement of the store, and the hand that follows it.
+// G and R: the typed movement in the store, and the hand that follows it.
 
 import { scale, type Vec3 } from "../math/vectors";
 import type { Frame } from "../model/hand";

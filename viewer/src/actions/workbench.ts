@@ -1,4 +1,4 @@
-// The workbench: what commands, pointers and panels act on. It knows the store, the stage, the hand and the link.
+// The workbench, on which commands, pointers and panels act: it joins the store, the stage, the hand and the link.
 
 import { type Job, type Link, LinkError } from "../link/link";
 import type { CommandRequest, Document, Jobs, Questions } from "../link/protocol";
@@ -21,7 +21,7 @@ export interface WorkbenchParts {
   readonly link: Link | null;
   /** Asks for a frame. */
   readonly redraw: () => void;
-  /** Fetches what a job wrote. */
+  /** Fetches a file written by a job. */
   readonly fetchFile: (name: string) => Promise<Blob>;
 }
 
@@ -61,7 +61,7 @@ export class Workbench {
     return this.turns.isBusy;
   }
 
-  /** Sends a command in its turn; whether it was done. What was refused is told as a notice. */
+  /** Sends a command in its turn; returns whether it was done. A refusal is shown as a notice. */
   run(...request: CommandRequest): Promise<boolean> {
     return this.told(this.send(...request));
   }
@@ -85,7 +85,7 @@ export class Workbench {
     this.turns.go();
   }
 
-  /** Sends a command in its turn; rejects where it is refused. Without a server, what is seen is changed here. */
+  /** Sends a command in its turn; rejects if it is refused. Without a server, visibility is changed here. */
   send(...request: CommandRequest): Promise<unknown> {
     return this.turns.take(() => this.sendNow(request));
   }
@@ -167,7 +167,7 @@ export class Workbench {
     this.store.spoken.value = text;
   }
 
-  /** Looks at the parts, or at all that can be seen where there are none. */
+  /** Frames the parts, or everything visible if there are none. */
   fit(parts: readonly number[] = this.visible([...this.store.selection.peek()])): void {
     const box = this.boxOf(parts);
     this.stage.camera.fit(isEmpty(box) ? this.stage.visibleBox() : box);
@@ -187,7 +187,7 @@ export class Workbench {
     return parts.filter((part) => !unseen.has(part));
   }
 
-  /** The box of parts where they are now; empty for none. */
+  /** The box of parts at their present places; empty for none. */
   boxOf(parts: readonly number[]): Box {
     const box = emptyBox();
     const manifest = this.store.manifest.peek();
@@ -213,4 +213,5 @@ export class Workbench {
   }
 }
 
-const readOnly = (name: string): LinkError => new LinkError("this page only reads", name, "Open it by `feeler view`");
+const readOnly = (name: string): LinkError =>
+  new LinkError("this page is read-only", name, "Open the mock-up by `feeler view`");

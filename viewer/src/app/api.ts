@@ -36,7 +36,7 @@ export interface FeelerApi {
   readonly document: Document | null;
   readonly state: State | null;
   readonly stats: PageStats;
-  /** From where the picture is seen. */
+  /** The camera of the picture. */
   readonly camera: Camera;
   /** Where a world point lies in the picture: CSS pixels from its upper left corner; null: behind the eye. */
   pixel(point: Vec3): [number, number] | null;
@@ -50,7 +50,7 @@ export interface FeelerApi {
 
 /** The tool stands in mode glide when its pose has not changed for so long. */
 const STANDS_MS = 120;
-/** An answer that does not come is told, not waited for without end. */
+/** A missing answer becomes an error instead of an endless wait. */
 const ANSWER_MS = 10_000;
 /** How long camera and tool move for `benchmark`. */
 const BENCHMARK_S = 4;
@@ -130,7 +130,7 @@ function poseOf(wb: Workbench, state: State | null): Pose | null {
 
 function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<number>): Promise<Pose> {
   const { hand } = wb;
-  if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page only reads"));
+  if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page is read-only"));
   if (pose.length !== 16) return Promise.reject(new RangeError("a pose has 16 numbers, row by row"));
   return new Promise((resolve, reject) => {
     let standing: ReturnType<typeof setTimeout> | undefined;

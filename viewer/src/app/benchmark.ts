@@ -1,5 +1,5 @@
-// What this machine draws: how fast the camera and the tool move, and what single steps cost. All of it is the real
-// page at work; afterwards it stands as before.
+// Drawing speed of this machine: frames per second while the camera and the tool move, and the cost of single steps. It
+// measures the real page, and restores its state afterwards.
 
 import type { Workbench } from "../actions/workbench";
 import { movedBy, type Pose } from "../math/matrix";
@@ -8,7 +8,7 @@ import { drawnSections, offsetRange } from "../model/sections";
 import type { FrameStats } from "../scene/stage";
 import type { Loop } from "./loop";
 
-/** Of many measurements in milliseconds (microseconds where the name says so). */
+/** Statistics of measurements in milliseconds (microseconds where the name says so). */
 export interface Spread {
   readonly count: number;
   readonly p50: number;
@@ -22,7 +22,7 @@ export interface Motion {
   readonly frames_per_s: number;
   /** From one drawn frame to the next. */
   readonly interval_ms: Spread;
-  /** What the page itself spent on a frame. */
+  /** The page's own time for a frame. */
   readonly page_ms: Spread;
 }
 
@@ -36,7 +36,7 @@ export interface ToolMotion extends Motion {
   readonly blocked: number;
 }
 
-/** A frame from its first call until the device is done with it: what it costs, however often the display shows one. */
+/** A frame from its first call until the device is done with it: its cost, independent of the display's rate. */
 export interface Cost extends Spread {
   readonly calls: number;
   readonly triangles: number;
@@ -183,7 +183,7 @@ function motion(
     let before = Number.NaN;
     const each = (now: number): boolean => {
       const { stats } = wb.stage;
-      // What the frame before this one did.
+      // The work of the previous frame.
       if (!Number.isNaN(before) && isCounted(stats)) {
         times.push(before);
         page_ms.push(stats.ms);
@@ -268,7 +268,7 @@ async function sectionCost(wb: Workbench): Promise<Cost> {
   return found;
 }
 
-/** What the pointer asks: which part is under a pixel. */
+/** The query of the pointer: the part under a pixel. */
 function picks(wb: Workbench): Spread {
   const { camera } = wb.stage;
   const found: number[] = [];
@@ -313,7 +313,7 @@ async function filterings(wb: Workbench): Promise<Spread> {
   );
 }
 
-/** What the page itself does until a change is laid out and handed to the device. */
+/** The page's own time until a change is laid out and sent to the device. */
 async function changes(wb: Workbench, change: () => void, back: () => void): Promise<Spread> {
   const found: number[] = [];
   for (let k = 0; k < STEPS; k++) {
@@ -342,7 +342,7 @@ function spread(values: readonly number[]): Spread {
 
 const frame = (): Promise<number> => new Promise((resolve) => requestAnimationFrame(resolve));
 
-/** Until the picture is whole again and what was asked is answered. */
+/** Waits until the picture is complete and the requests are answered. */
 const settled = (loop: Loop): Promise<void> => {
   loop.request();
   return new Promise((resolve) => setTimeout(resolve, SETTLE_MS));

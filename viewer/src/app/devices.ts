@@ -1,4 +1,4 @@
-// Sound, touch and devices in their places: what the engine says goes to ear and hand, what devices do goes to the tool.
+// Connects sound, rumble and devices: the engine's contacts become sound and rumble, device motion moves the tool.
 
 import { computed, effect } from "@preact/signals";
 import { runCommand } from "../actions/commands";
@@ -14,7 +14,7 @@ import type { Impact, State } from "../link/protocol";
 import { scale } from "../math/vectors";
 import type { Loop } from "./loop";
 
-/** At full deflection a rate device takes this share of what is in view in a second. */
+/** At full deflection a rate device moves by this share of the view per second. */
 const VIEW_SHARE_PER_S = 0.4;
 const TURN_RAD_PER_S = 1.2;
 
@@ -101,7 +101,7 @@ function cameraTarget(wb: Workbench): RateTarget {
     nudge(increment) {
       const { camera } = wb.stage;
       const [right, up, near] = increment.translation;
-      // The device moves what is seen, so the eye goes the other way.
+      // The device moves the scene, so the eye goes the other way.
       camera.translate(addAll(scale(camera.right, -right), scale(camera.top, -up), scale(camera.forward, near)));
       const [over, about] = increment.rotation;
       camera.orbit(about, over, camera.target);
@@ -149,7 +149,7 @@ function createRoom(wb: Workbench, loop: Loop): XrRoom {
   });
 }
 
-/** The trigger in VR: grips what the tool touches, else what the ray meets. */
+/** The trigger in VR: grips the touched parts, else the part that the ray hits. */
 async function gripAlong(wb: Workbench, ray: WorldRay): Promise<void> {
   const touched = wb.store.state.peek()?.parts ?? [];
   if (touched.length > 0) {

@@ -1,4 +1,4 @@
-// From what is known to what is drawn: each change of the store reaches the stage once.
+// From the store to the stage: each change of the store is drawn once.
 
 import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";

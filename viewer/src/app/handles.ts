@@ -1,4 +1,4 @@
-// The handles that lie over the picture, painted anew only when they look different: the gizmo and those of the cuts.
+// The handles over the picture, repainted only when they change: the gizmo and those of the cuts.
 
 import { type CutHandle, drawCuts } from "../input/cuts";
 import { drawGizmo, GIZMO_RADIUS_PX, type Handle } from "../input/gizmo";

@@ -1,5 +1,5 @@
-// The frame loop: a frame only when something asks for one. In a frame wishes go out, the newest state and the hand's
-// ghost are drawn, and what was drawn is counted.
+// The frame loop: draws a frame only on request. A frame sends the wish, draws the newest state and the hand's ghost, and
+// counts.
 
 import type { Workbench } from "../actions/workbench";
 import type { Pointer } from "../input/mouse";
@@ -88,7 +88,7 @@ export class Loop {
     this.request();
   }
 
-  /** The states of the parts but for what is touched and near, which follows the engine. */
+  /** The states of the parts except touched and near, which follow the engine. */
   setPartStates(states: Uint8Array): void {
     this.view.setPartStates(states);
     this.request();

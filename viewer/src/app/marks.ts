@@ -1,4 +1,4 @@
-// The marks of the picture: contact planes, force, clearance lines and measures, with their figures in the unit chosen.
+// The marks of the picture: contact planes, force, clearance lines and measures, with their values in the chosen unit.
 
 import type { State } from "../link/protocol";
 import { position } from "../math/matrix";
@@ -31,7 +31,7 @@ function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "
   const texts: string[] = [];
   for (let k = 0; k < state.clearance.length; k += 7) {
     const value = state.clearance[k] ?? 0;
-    // What touches is lit: a figure for it would only cover the contact.
+    // Touched parts are highlighted: a label would only cover the contact.
     texts.push(value > 0 ? formatLength(value, unit) : "");
   }
   const { distance } = state;

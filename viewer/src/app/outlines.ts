@@ -1,4 +1,4 @@
-// The exact outlines of the cuts, as the engine finds them, beside the picture.
+// The exact outlines of the cuts, requested from the engine.
 
 import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";
@@ -11,11 +11,11 @@ export function followOutlines(wb: Workbench, loop: Loop): () => void {
     const document = wb.store.document.value;
     const isDragging = wb.store.section_draft.value !== null;
     const sections = (document?.sections ?? []).filter((section) => section.is_on);
-    // What is hidden has no outline, and what was put down has its own: the engine is asked again.
+    // Hidden parts have no outline, and moved parts have another one: request them again.
     void [document?.hidden, document?.gripped, document?.moved];
     const mine = ++asked;
     wb.stage.setOutlines(null);
-    // Outlines are of parts where they are: an exploded mock-up has none.
+    // Outlines belong to parts at their places: an exploded mock-up has none.
     if (isDragging || sections.length === 0 || (document?.explode ?? 0) > 0) return;
     if (wb.store.is_read_only.value || !wb.store.manifest.value) return;
     wb.link

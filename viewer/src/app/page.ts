@@ -23,7 +23,7 @@ import { followStore } from "./effects";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 
-/** Of what the hand holds, before anything is known of it. */
+/** The state of the hand before the first message. */
 const NO_VERSION = -1;
 
 /** The page of a running server. */
@@ -84,7 +84,7 @@ export class Page {
     link?.connect();
   }
 
-  /** Shows what one file carries, without a server. */
+  /** Shows the content of one file, without a server. */
   showOffline({ document, manifest, pieces, camera, left_out }: OfflinePage): void {
     const { store, wb } = this;
     store.connection.value = "offline";
@@ -268,7 +268,7 @@ export class Page {
 /** Milliseconds since 1970, to fractions of one. */
 const epochMs = (): number => performance.timeOrigin + performance.now();
 
-/** The hand turns about its own origin where that lies in what it holds, else about the middle of that. */
+/** The hand turns about its own origin if that lies in the held mesh, else about the middle of the mesh. */
 function pivotOf(manifest: HeldManifest): Vec3 {
   const { lower, upper } = manifest;
   const isInside = [0, 1, 2].every((k) => (lower[k] ?? 0) <= 0 && 0 <= (upper[k] ?? 0));

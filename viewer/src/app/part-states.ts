@@ -1,4 +1,4 @@
-// One byte a part: how it is drawn, by the document and by what the engine touches. Pure.
+// One byte per part: how it is drawn, by the document and the engine's contacts. Pure.
 
 import type { Document, State } from "../link/protocol";
 import { PartState } from "../scene/stage";
@@ -17,7 +17,7 @@ export function partStates(
   return states;
 }
 
-/** The same with what the tool touches and is near. */
+/** The same with touched and near parts. */
 export function withLit(base: Uint8Array, state: State | null): Uint8Array {
   const states = base.slice();
   if (state) {

@@ -1,5 +1,5 @@
-// What the engine says, shown: the tool and its ghost, what is lit and marked; more slowly the figures of panels, and
-// more slowly still the words of the live region.
+// Shows the engine's state: the tool and its ghost, highlights and marks; at a lower rate the numbers in panels, and at a
+// still lower one the words of the live region.
 
 import type { Workbench } from "../actions/workbench";
 import type { State } from "../link/protocol";
@@ -36,7 +36,7 @@ export class StateView {
     this.isNew = true;
   }
 
-  /** The states of the parts but for what is touched and near, which follows the engine. */
+  /** The states of the parts except touched and near, which follow the engine. */
   setPartStates(states: Uint8Array): void {
     this.base_states = states;
     this.lit = "?";
@@ -77,7 +77,7 @@ export class StateView {
     this.show(now, false);
   }
 
-  /** The stage draws anew for every pose it is told, so that it is told only others. */
+  /** The stage redraws for every pose that it gets, so that only changed ones are sent. */
   private setPose(solid: ArrayLike<number> | null, wish: Pose | null): void {
     if (!solid || (solid === this.solid && wish === this.wish)) return;
     this.solid = solid;
@@ -86,6 +86,6 @@ export class StateView {
   }
 }
 
-/** The ghost is drawn where the hand is ahead of the tool. */
+/** The ghost is drawn if the hand is ahead of the tool. */
 const ghostOf = (wish: Pose | null, solid: ArrayLike<number>): Pose | null =>
   wish && !isSamePose(wish, solid, 1e-6) ? wish : null;

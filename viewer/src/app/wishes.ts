@@ -1,4 +1,4 @@
-// The hand's wishes on their way to the engine: one a frame at most, and how long until the picture of the answer.
+// Sends the hand's wishes to the engine, at most one per frame, and measures the time until the answer is drawn.
 
 import type { Workbench } from "../actions/workbench";
 import type { State } from "../link/protocol";
@@ -42,7 +42,7 @@ export class Wishes {
     for (const seq of this.sent_ms.keys()) if (seq <= state.pose_seq) this.sent_ms.delete(seq);
   }
 
-  /** No answer will come to what was sent. */
+  /** Sent wishes will get no answer. */
   forget(): void {
     this.sent_ms.clear();
   }

@@ -1,6 +1,6 @@
-// From the engine's states and impacts to what is heard and felt: numbers, without a clock or a device.
+// From the engine's states and impacts to sound and rumble: numbers, without a clock or a device.
 //
-// States and impacts are told as they arrive; `step`, once a frame, says what came of them. Sound and rumble play it.
+// States and impacts are passed in as they arrive; `step`, once a frame, returns the result, which sound and rumble play.
 
 import { carry, invert, multiply } from "../math/matrix";
 import { dot, length, scale, subtract, type Vec3 } from "../math/vectors";
@@ -150,7 +150,7 @@ export class Feel {
     });
   }
 
-  /** What is heard and felt since the step before; once a frame. */
+  /** The contacts since the previous step; once a frame. */
   step(now_ms: number): Felt {
     const impacts = this.impacts;
     this.impacts = [];
@@ -167,7 +167,7 @@ export class Feel {
     return { impacts, releases, slide, press_n: this.press_n };
   }
 
-  /** Nothing is touched any more, and no part is told as released: the link is down, or another mock-up is open. */
+  /** Clears all contacts without release events: the link is down, or another mock-up is open. */
   reset(): void {
     this.pose = null;
     this.heard_ms = Number.NEGATIVE_INFINITY;

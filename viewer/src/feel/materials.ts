@@ -1,4 +1,4 @@
-// What parts are made of, as far as ear and finger tell it apart.
+// Materials of parts, as far as they sound and feel different.
 
 import type { Material } from "../link/protocol";
 
@@ -29,7 +29,7 @@ const WORDS: readonly (readonly [Material, RegExp])[] = [
   ["aluminium", /alumin|\balu\b|\balsi|\ben aw\b|magnesium/],
 ];
 
-/** The material that a name means; steel where the name is absent or unknown. */
+/** The material of a name; steel if the name is absent or unknown. */
 export function materialOf(name: string | null): Material {
   const lower = (name ?? "").toLowerCase();
   return WORDS.find(([, pattern]) => pattern.test(lower))?.[0] ?? "steel";

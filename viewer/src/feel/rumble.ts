@@ -1,4 +1,4 @@
-// What contacts feel like in gamepads and VR controllers.
+// Rumble of contacts in gamepads and VR controllers.
 //
 // Two motors: a strong, slow one and a weak, fast one. An impact is a burst that dies away, on the strong motor for large
 // parts and on the weak one for small ones; force is a hum on the strong motor, sliding one on the weak motor.
@@ -39,14 +39,14 @@ const HALF_FORCE_N = 10;
 const HALF_SLIDE_M_PER_S = 0.05;
 /** The hum leaves room for bursts. */
 const MOST_HUM = 0.4;
-/** Weaker than this no motor turns. */
+/** Below this no motor turns. */
 const LEAST = 0.02;
 const RELEASE: Magnitudes = { strong: 0, weak: 0.25 };
 const RELEASE_DECAY_MS = 25;
-/** Devices are told anew this often; a page that stops telling them leaves them silent `HOLD_MS` later. */
+/** Devices get a new value this often; if the page stops, they are silent `HOLD_MS` later. */
 const INTERVAL_MS = 40;
 const HOLD_MS = 120;
-/** A rise by this much is told at once. */
+/** A rise by this much is sent at once. */
 const RISE = 0.1;
 
 /** The burst of an impact: a soft material's dies away more slowly and is duller. */
@@ -84,7 +84,7 @@ export class Rumble {
   /** `outputs` gives the devices that are there now. */
   constructor(private readonly outputs: () => readonly RumbleOutput[]) {}
 
-  /** What the motors should do, of the bursts up to now and of what is felt. */
+  /** The motors' strengths, from the bursts up to now and the present contacts. */
   magnitudes(felt: Pick<Felt, "press_n" | "slide">, now_ms: number): Magnitudes {
     let { strong, weak } = this.settings.hasForce ? humOf(felt) : { strong: 0, weak: 0 };
     for (const burst of this.bursts) {
@@ -94,7 +94,7 @@ export class Rumble {
     return { strong: Math.min(1, strong), weak: Math.min(1, weak) };
   }
 
-  /** Plays what was felt; once a frame. Whether another frame is wanted: bursts die away frame by frame. */
+  /** Plays the contacts; once a frame. Returns whether another frame is wanted: bursts decay frame by frame. */
   play(felt: Felt, now_ms: number): boolean {
     if (!this.settings.isOn) {
       this.bursts = [];
@@ -131,7 +131,7 @@ export class Rumble {
   }
 }
 
-/** What a gamepad or VR controller can have; each browser has another part of it. */
+/** The features of a gamepad or VR controller; each browser has another subset. */
 export interface HapticPad {
   readonly vibrationActuator?: object | null;
   readonly hapticActuators?: readonly object[];

@@ -1,4 +1,4 @@
-// What contacts sound like: modes that ring and die away for an impact, filtered noise for sliding. No files.
+// Sound of contacts: decaying modes for an impact, filtered noise for sliding. No files.
 //
 // Impact: the modes of a free bar as long as the part is large (frequencies 1 : 2.76 : 5.40 : 8.93 : 13.3), which die
 // away by the material's loss, excited by a half-sine strike that is the shorter the faster it is (Hertz: speed^-1/5).
@@ -287,7 +287,7 @@ export class Sound {
     return this.context.state === "running";
   }
 
-  /** Plays what was felt; once a frame. */
+  /** Plays the contacts; once a frame. */
   play(felt: Felt): void {
     if (!this.context || !this.master || !this.isReady) return;
     this.slide?.set(slideSound(felt.slide));

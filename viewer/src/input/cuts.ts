@@ -1,4 +1,4 @@
-// Handles of the cuts: an arrow at each, along its normal, by which it is dragged. Laid out and hit in the picture's
+// Handles of the cuts: an arrow at each, along its normal, to drag it. Laid out and hit in the picture's
 // pixels; drawn as elements over it.
 
 import { add, type Box, centre, dot, isEmpty, type Point, scale, type Vec3 } from "../math/vectors";
@@ -22,7 +22,7 @@ const ARROW_PX = 34;
 const LEAST_PX = 12;
 const REACH_PX = 11;
 
-/** The middle of what a cut shows of `box`, the other cuts obeyed; beside the box, the point on the cut nearest to it. */
+/** The middle of `box` in a cut, clipped by the other cuts; beside the box, the point on the cut nearest to it. */
 export function cutCenter(cut: SectionPlane, others: readonly SectionPlane[], box: Box): Vec3 {
   const left = clipBox(box, others);
   const polygon = isEmpty(left) ? [] : planeInBox(cut, left);

@@ -1,4 +1,4 @@
-// Where a pointer drags the hand: in the view plane, along an axis, or about one. Pixels in, poses out.
+// Dragging the hand by the pointer: in the view plane, along an axis, or about one. Pixels in, poses out.
 
 import { movedBy, type Pose, turnedAbout } from "../math/matrix";
 import { add, dot, normalize, type Point, scale, subtract, type Vec3 } from "../math/vectors";
@@ -8,7 +8,7 @@ import type { CameraRig } from "../scene/camera";
 /** The part of the camera that dragging needs. */
 export type View = Pick<CameraRig, "ray" | "project" | "forward" | "position">;
 
-/** What is dragged: a pose, about or through a world point, along a unit world direction or (null) in the view plane. */
+/** The drag: of a pose, about or through a world point, along a unit world direction or (null) in the view plane. */
 export interface Drag {
   readonly kind: "move" | "turn";
   readonly start: Pose;
@@ -16,7 +16,7 @@ export interface Drag {
   readonly direction: Vec3 | null;
 }
 
-/** What is moved by keys, as something that the pointer drags. */
+/** A movement by keys, in the form of a pointer's drag. */
 export const dragOf = (move: TypedMove): Drag => ({
   kind: move.kind,
   start: move.start,

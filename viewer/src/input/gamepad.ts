@@ -9,7 +9,7 @@ import { curved, curvedStick, isRest, RateDriver, type RateSpeeds, type RateTarg
 
 export type PadCommand = "grip" | "mode" | "undo" | "redo";
 
-/** What is read of a `Gamepad`. */
+/** The fields used of a `Gamepad`. */
 export interface PadReading {
   readonly id: string;
   readonly index: number;
@@ -113,7 +113,7 @@ export class GamepadInput {
 
   private readButtons(pad: PadReading): void {
     const now = pad.buttons.map((button) => button.pressed);
-    // What is held when the pad is first seen is no command: browsers show a pad at the first press of any button.
+    // Buttons pressed when the pad first appears give no command: browsers show a pad at the first press of any button.
     const before = this.held.get(pad.index) ?? now;
     this.held.set(pad.index, now);
     for (const index of pressedAnew(before, now)) {

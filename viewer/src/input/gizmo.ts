@@ -1,4 +1,4 @@
-// The gizmo: arrows to move and rings to turn what the hand holds. Laid out, hit and drawn in the picture's pixels.
+// The gizmo: arrows to move and rings to turn the hand. Laid out, hit and drawn in the picture's pixels.
 
 import { axis, IDENTITY, type Pose } from "../math/matrix";
 import { add, cross, dot, normalize, type Point, perpendicular, scale, subtract, type Vec3 } from "../math/vectors";
@@ -11,7 +11,7 @@ export interface Handle {
   readonly axis: 0 | 1 | 2 | null;
   /** World. */
   readonly direction: Vec3 | null;
-  /** What is drawn and hit, pixels of the picture. */
+  /** The shapes to draw and hit, pixels of the picture. */
   readonly line: readonly Point[];
 }
 
@@ -28,7 +28,7 @@ export const GIZMO_RADIUS_PX = 104;
 // An arrow that points at the eye, or a ring seen from its edge, can be neither told apart nor dragged well.
 const LEAST_ARROW_PX = 18;
 
-/** The handles about a world point, along the axes of the tool or of the world; none where the point is behind the eye. */
+/** The handles about a world point, along the axes of the tool or of the world; none if the point is behind the eye. */
 export function layGizmo(center: Vec3, pose: Pose, frame: "world" | "tool", view: GizmoView): Handle[] {
   const middle = view.project(center);
   if (!(middle.depth > 0)) return [];

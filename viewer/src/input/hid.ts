@@ -1,4 +1,4 @@
-// Input reports of HID devices, read by the device's own descriptor: where each usage lies, its size and its range.
+// Input reports of HID devices, read by the device's own descriptor: the place, size and range of each usage.
 
 /** One item of a report, as WebHID gives it; offsets follow from the order. */
 export interface HidReportItem {
@@ -28,13 +28,13 @@ export interface HidCollection {
 
 /** A number in a report. */
 export interface HidField {
-  /** Usage page in the upper 16 bits, usage in the lower; of an array, what its logical minimum stands for. */
+  /** Usage page in the upper 16 bits, usage in the lower; for an array, that of its logical minimum. */
   readonly usage: number;
   readonly bit: number;
   readonly bits: number;
   readonly minimum: number;
   readonly maximum: number;
-  /** The number says which usage is on, instead of how much of one. */
+  /** The number selects the active usage, instead of an amount. */
   readonly isArray: boolean;
 }
 

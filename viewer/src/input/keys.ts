@@ -9,7 +9,7 @@ export type KeyPress = Pick<KeyboardEvent, "key" | "code" | "ctrlKey" | "metaKey
 /** The name of a key with its modifiers, as the table has it: "Ctrl+K", "Shift+H", "?". */
 export function keyOf(event: KeyPress): string {
   let { key } = event;
-  // Alt turns letters and digits into others on some keyboards: the place of the key then says which it is.
+  // Alt turns letters and digits into others on some keyboards: the place of the key then identifies it.
   if (event.altKey) key = /^(?:Key|Digit)(.)$/.exec(event.code)?.[1] ?? key;
   if (key === " ") key = "Space";
   const isLetter = /^[a-z]$/i.test(key);
@@ -35,7 +35,7 @@ export function commandOfKey(key: string, is_typing: boolean): string | null {
   return (is_typing ? TYPING : ALWAYS).get(key) ?? null;
 }
 
-/** What has the focus, as far as keys are concerned. */
+/** The focused element, as far as keys are concerned. */
 export type Focus = "text" | "control" | "picture";
 
 /** Whether a key is a command's rather than the focused element's own. */

@@ -1,4 +1,4 @@
-// The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles say which buttons do it.
+// The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles assign the buttons.
 
 import { clickMeasure, hoverMeasure } from "../actions/measures";
 import { draftSection, settleSection } from "../actions/sections";
@@ -66,7 +66,7 @@ export class Pointer {
     on("auxclick", (event) => event.preventDefault());
   }
 
-  /** The handles of what the hand holds, as they lie in the picture now. */
+  /** The handles of the held mesh, at their present places in the picture. */
   handles(): Handle[] {
     const { hand, store, stage } = this.wb;
     const { pose, center } = hand;
@@ -82,7 +82,7 @@ export class Pointer {
     return layCuts(store.drawn_sections.peek(), manifest, stage.camera);
   }
 
-  /** What is under the pointer, at most once a frame and only while the view stands. */
+  /** The pick under the pointer, at most once a frame and only while the view rests. */
   frame(): void {
     if (!this.is_hover_due || this.gesture || !this.at) return;
     this.is_hover_due = false;
@@ -117,7 +117,7 @@ export class Pointer {
     if (event.button === 1) event.preventDefault();
   }
 
-  /** The gesture that begins on the gizmo, on a cut's arrow or on what is held; null elsewhere. */
+  /** The gesture that begins on the gizmo, on a cut's arrow or on the held mesh; null elsewhere. */
   private grab(event: PointerEvent, at: Point): Gesture | null {
     const { hand, stage, store } = this.wb;
     const { pose, center } = hand;
@@ -203,7 +203,7 @@ export class Pointer {
     this.wb.redraw();
   }
 
-  /** The cut follows in the picture at once; the server is told at the end. */
+  /** The cut follows in the picture at once; the server gets it at the end. */
   private dragCut(gesture: Extract<Gesture, { kind: "cut" }>, event: PointerEvent, at: Point): void {
     goOn(gesture, event, at);
     const { center, id, normal, offset } = gesture.cut;
@@ -227,7 +227,7 @@ export class Pointer {
     this.wb.hand.move(pose, "mouse", event.timeStamp);
   }
 
-  /** Steps where they are chosen; Ctrl means the other of the two. */
+  /** Steps if snapping is on; Ctrl inverts that. */
   private snap(event: PointerEvent): Snap {
     const { is_snapping, step_m, step_rad } = this.wb.store.settings.peek();
     if (is_snapping === event.ctrlKey) return (value) => value;
@@ -246,7 +246,7 @@ export class Pointer {
     this.end(event);
   }
 
-  /** What was dragged stays where it is. */
+  /** The dragged thing stays where it is. */
   private settle(gesture: Gesture | null): void {
     if (gesture?.kind === "tool") this.wb.hand.put();
     else if (gesture?.kind === "cut") void settleSection(this.wb);
@@ -342,7 +342,7 @@ export class Pointer {
   }
 }
 
-/** The pointer goes on; with Shift what is dragged follows it finely. */
+/** The pointer moves; with Shift the dragged thing follows finely. */
 function goOn(drag: { to: Point; last: Point }, event: PointerEvent, at: Point): void {
   const factor = event.shiftKey ? FINE : 1;
   drag.to = { x: drag.to.x + factor * (at.x - drag.last.x), y: drag.to.y + factor * (at.y - drag.last.y) };

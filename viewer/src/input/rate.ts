@@ -1,4 +1,4 @@
-// Devices that say how fast (gamepad, SpaceMouse): deflections become increments in the view's frame, frame by frame.
+// Rate devices (gamepad, SpaceMouse): deflections become increments in the view's frame, frame by frame.
 
 import type { Source } from "../link/protocol";
 import { scale, type Vec3 } from "../math/vectors";
@@ -16,7 +16,7 @@ export interface RateSpeeds {
   readonly rotation_rad_per_s: number;
 }
 
-/** What a rate device moves: the hand, or the camera behind the same two calls. */
+/** The target of a rate device: the hand, or the camera behind the same two calls. */
 export interface RateTarget {
   nudge(increment: Increment, frame: "view", source: Source, time_ms: number): void;
   put(): void;
@@ -43,7 +43,7 @@ export function curved(value: number, dead_zone: number, bend: number): number {
   return Math.sign(value) * ((1 - bend) * beyond + bend * beyond ** 3);
 }
 
-/** A stick's two axes: the dead zone is a circle, so that the direction stays what the thumb means. */
+/** A stick's two axes: the dead zone is a circle, so that the direction stays the thumb's. */
 export function curvedStick(x: number, y: number, dead_zone: number, bend: number): [number, number] {
   const size = Math.hypot(x, y);
   const gain = size > 0 ? curved(size, dead_zone, bend) / size : 0;

@@ -1,4 +1,4 @@
-// The mock-up in the room of a VR session: where it stands, how large, and what the thumbs do to it. Numbers only.
+// The mock-up in the room of a VR session: its place, its scale, and the effect of the thumbsticks. Numbers only.
 //
 // The room's frame is WebXR's: metres, y up, the floor at 0. A placement takes the world into the room by a turn, a
 // shift and one scale for all axes, so that a rigid pose of a controller stays a rigid pose in the world.
@@ -39,7 +39,7 @@ const UP: Vec3 = [0, 1, 0];
 const TABLE_SIZE_M = 0.8;
 const TABLE_HEIGHT_M = 0.75;
 const TABLE_DISTANCE_M = 0.7;
-/** What is smaller than twice this floats at the height of the chest; what is larger stands on the floor. */
+/** A mock-up smaller than twice this floats at the height of the chest; a larger one stands on the floor. */
 const CHEST_M = 1.1;
 const REAL_DISTANCE_M = 0.5;
 
@@ -97,7 +97,7 @@ export function worldPose(placement: Placement, room_pose: ArrayLike<number>): P
 export const roomPoint = (placement: Placement, point: Vec3): Vec3 =>
   add(turn(placement.pose, scale(point, placement.scale)), position(placement.pose));
 
-/** `world_from_room`, row by row, with the scale in it: what the camera's rig is set to. */
+/** `world_from_room`, row by row, with the scale in it, for the camera's rig. */
 export function worldFromRoom(placement: Placement): Pose {
   const inverse = invert(placement.pose);
   return inverse.map((value, k) => (k < 12 ? value / placement.scale : value));
@@ -120,7 +120,7 @@ export const shifted = (placement: Placement, by: Vec3): Placement => ({
 const live = (value: number): number => (Math.abs(value) < STICK_DEAD_ZONE ? 0 : value);
 
 /**
- * What the thumbsticks do in a frame.
+ * The thumbsticks' effect in a frame.
  *
  * The tool's hand turns the viewer (on a table: the mock-up about its middle) and raises or lowers them; the other hand
  * walks, ahead being where the head looks.
@@ -149,7 +149,7 @@ export class Walk {
     const ahead = heading(room_from_viewer);
     const aside: Vec3 = [-ahead[2], 0, ahead[0]];
     const way = add(add(scale(aside, right), scale(ahead, -back)), [0, -sinking, 0]);
-    // The viewer goes one way, what is around them the other.
+    // The viewer moves one way, the surroundings the other.
     return shifted(next, scale(way, -WALK_M_PER_S * seconds));
   }
 
@@ -166,7 +166,7 @@ export class Walk {
 export class GripTie {
   private grip_from_tool: Pose = [...IDENTITY];
 
-  /** From now on the tool goes along from where it is. */
+  /** From now on the tool follows from its present place. */
   take(world_from_grip: ArrayLike<number>, world_from_tool: ArrayLike<number>): void {
     this.grip_from_tool = multiply(invert(world_from_grip), world_from_tool);
   }

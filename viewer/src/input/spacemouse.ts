@@ -1,7 +1,7 @@
-// The SpaceMouse over WebHID: a cap with six freedoms and buttons.
+// The SpaceMouse over WebHID: a cap with six degrees of freedom and buttons.
 //
 // A device is opened after a user's gesture (`connect`), and by itself on later visits (`reconnect`). Its reports are
-// read by its own descriptor, so that wired, wireless and coming ones need no table of layouts.
+// read by its own descriptor, so that wired, wireless and future ones need no table of layouts.
 
 import type { Vec3 } from "../math/vectors";
 import { deflection, fieldsOf, type HidCollection, type HidField, readField } from "./hid";
@@ -13,7 +13,7 @@ export interface HidInputReport {
   readonly data: DataView;
 }
 
-/** What is used of WebHID's `HIDDevice`. */
+/** The used members of WebHID's `HIDDevice`. */
 export interface HidDevice {
   readonly productName: string;
   readonly vendorId: number;
@@ -32,7 +32,7 @@ export interface HidFilter {
   readonly usage?: number;
 }
 
-/** What is used of `navigator.hid`. */
+/** The used members of `navigator.hid`. */
 export interface Hid {
   getDevices(): Promise<HidDevice[]>;
   requestDevice(options: { filters: HidFilter[] }): Promise<HidDevice[]>;

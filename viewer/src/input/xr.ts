@@ -1,7 +1,7 @@
-// VR by WebXR: the tool in the hand that holds the controller, the mock-up on a table or at its size.
+// VR by WebXR: the tool in the hand that holds the controller, the mock-up on a table or at full size.
 //
-//     trigger           grip while it is pressed: what the tool touches, or what the ray meets
-//     squeeze           the tool stays while the hand goes elsewhere; the other hand's: the tool changes hands
+//     trigger           grip while pressed: the touched parts, or the part that the ray hits
+//     squeeze           the tool stays while the hand moves; the other hand's: the tool changes hands
 //     thumbstick        tool's hand: turn, rise and sink; the other hand: walk
 //     thumbstick press  the tool comes to the hand
 //     A or X   contact mode      B or Y   undo
@@ -48,7 +48,7 @@ export interface XrHost {
   mockup(): (RoomMockup & { readonly middle: Vec3 }) | null;
   /** Draws a frame, for both eyes. */
   frame(now_ms: number): void;
-  /** The trigger is pressed: grip what the tool touches, or what the ray meets. */
+  /** The trigger is pressed: grip the touched parts, or the part that the ray hits. */
   grip(ray: WorldRay): void;
   release(): void;
   command(command: "mode" | "undo"): void;
@@ -60,7 +60,7 @@ const STICK_BUTTON = 3;
 const COMMANDS: Readonly<Record<number, "mode" | "undo">> = { 4: "mode", 5: "undo" };
 const LONGEST_STEP_S = 0.05;
 const RAY_LENGTH_M = 3;
-/** Metres of the room, whatever the mock-up's scale: a tool may come close to the face, a hall has walls. */
+/** Metres of the room, independent of the mock-up's scale: a tool may come close to the face, a hall has walls. */
 const NEAR_M = 0.02;
 const FAR_M = 200;
 const MODEL_COLOR = 0x9ecbff;
@@ -309,7 +309,7 @@ export class XrRoom {
     if (!renderer.state.buffers.depth.getReversed()) return;
     const eyes = renderer.xr.getCamera();
     for (const eye of [eyes, ...eyes.cameras] as PerspectiveCamera[]) {
-      // Without the mark the renderer computes the projection anew, as of a camera that is no headset's.
+      // Without the mark the renderer computes the projection anew, as for a camera that is not a headset's.
       Reflect.set(eye, "_reversedDepth", true);
       if (eye === (eyes as object)) continue;
       reverseDepth(eye.projectionMatrix.elements);

@@ -1,9 +1,9 @@
-// How a message becomes a frame of the socket, and back. Text frames are JSON; a binary one is, little-endian:
+// Encodes messages as frames of the socket, and decodes them. Text frames are JSON; a binary one is, little-endian:
 //
 //     u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | arrays, each at a multiple of 8
 //
 // The header has the message's other fields, and "arrays": name -> [type, shape, offset from the end of the header].
-// Every message is small but for the arrays, and those are views of the frame: nothing is copied.
+// Messages are small except for the arrays, which are views of the frame: nothing is copied.
 
 import { ARRAYS, type FromPage, type FromServer, PROTOCOL_VERSION } from "./protocol";
 

@@ -1,4 +1,4 @@
-// The mock-up's geometry on its way from the server: one worker fetches, the page gets buffers as they come.
+// Fetches the mock-up's geometry from the server: one worker fetches, the page gets buffers as they arrive.
 
 import type { Manifest } from "./protocol";
 

@@ -1,4 +1,4 @@
-// Fetches the manifest, the pieces and the held mesh away from the page's thread, and hands the buffers over uncopied.
+// Fetches the manifest, the pieces and the held mesh outside the page's thread, and transfers the buffers without a copy.
 
 import type { GeometryMessage, GeometryWish } from "./geometry";
 import { inOrder } from "./ordered";

@@ -1,8 +1,8 @@
 // The link to the server: one socket, opened again when it breaks.
 //
-// States: the newest wins, and each is acknowledged as it arrives. Events are numbered: none is lost, none told twice.
-// Commands, questions and jobs are answered by number. What waits when the link breaks fails, as nobody knows whether
-// it was done; the welcome that follows says how things stand.
+// States: the newest wins, and each is acknowledged on arrival. Events are numbered: none is lost or repeated. Commands,
+// questions and jobs are answered by number. Requests without an answer fail when the link breaks, because nobody knows
+// whether they were done; the next welcome has the present state.
 
 import { decodeFrame, encodeFrame } from "./frames";
 import {
@@ -93,7 +93,7 @@ const MOST_DELAY_MS = 5000;
 const LATE_MS = 1500;
 /** Of a picture in one message; a multiple of 4, so that each piece is base64 by itself. */
 const SHOT_CHARACTERS = 1 << 19;
-const LOST = new LinkError("the connection broke before the answer came", "", "See how things stand, and try again");
+const LOST = new LinkError("the connection broke before the answer came", "", "Check the result, and try again");
 
 export class Link {
   status: LinkStatus = "connecting";
@@ -231,7 +231,7 @@ export class Link {
     const id = this.next_id++;
     const socket = this.open;
     if (!socket) {
-      const error = new LinkError("there is no connection to the engine", name, "It is tried again by itself");
+      const error = new LinkError("there is no connection to the engine", name, "The page reconnects by itself");
       return { id, result: Promise.reject(error) };
     }
     const result = new Promise<Answer>((resolve, reject) => {

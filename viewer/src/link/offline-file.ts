@@ -1,8 +1,8 @@
-// Reads the mock-up that one HTML file carries; `python/feeler/workbench/session/page.py` writes it and says how.
+// Reads the mock-up inside one HTML file; `python/feeler/workbench/session/page.py` writes it and documents the format.
 //
 //     const page = await readOffline();     // null: a server is behind this page
 //
-// Pieces come as the server sends them, so that whoever draws them sees no difference.
+// Pieces have the server's form, so that the drawing code is the same.
 
 import type { Camera, Document, Manifest } from "./protocol";
 

@@ -1,5 +1,5 @@
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
-// SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks what is binary.
+// SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks binary data.
 
 /** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;

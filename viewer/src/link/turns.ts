@@ -1,7 +1,7 @@
-// The order of commands: what a person did first is done first.
+// The order of commands: they run in the order of the user's actions.
 //
-// A command that is made of the document waits until those before it are answered, so that a key pressed twice within a
-// round trip is two steps. All wait while a movement of the tool is not put down yet, as that will be a command before
+// A command that depends on the document waits until the previous ones are answered, so that a key pressed twice within a
+// round trip is two steps. All wait while a movement of the tool is not finished, because it becomes a command before
 // them.
 
 /** The movement that commands wait for. */

@@ -1,4 +1,4 @@
-// Whether two plain values say the same: what did not change is not drawn again.
+// Whether two plain values are equal, so that unchanged ones are not drawn again.
 
 /** Numbers, texts, null, arrays, typed arrays and plain objects of these, by value. */
 export function isSame(a: unknown, b: unknown): boolean {

@@ -32,7 +32,7 @@ function trimmed(value: number, decimals: number): string {
 /** The figure alone, in `unit`, for an input. */
 export const lengthFigure = (metres: number, unit: Unit): string => trimmed(metres / metresOf(unit), DECIMALS[unit]);
 
-/** A length with its unit; what is not a number reads as a dash. */
+/** A length with its unit; NaN reads as a dash. */
 export const formatLength = (metres: number, unit: Unit): string =>
   Number.isFinite(metres) ? `${lengthFigure(metres, unit)} ${unit}` : "–";
 
@@ -61,7 +61,7 @@ export function parseLength(text: string, unit: Unit): number | null {
   return parse(text, METRES, unit);
 }
 
-/** A typed angle as radians; degrees where no unit is typed. */
+/** A typed angle as radians; degrees if no unit is typed. */
 export function parseAngle(text: string): number | null {
   return parse(text, RADIANS, "deg");
 }

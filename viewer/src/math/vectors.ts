@@ -1,4 +1,4 @@
-// Vectors of three numbers and boxes: what the scene needs, no more. Metres, the world's axes.
+// Vectors of three numbers, and boxes. Metres, the world's axes.
 
 import type { Vec3 } from "../link/protocol";
 

@@ -1,4 +1,4 @@
-// The document: how a patch changes it, and in which order its modes come.
+// The document: applies patches; the order of contact modes.
 
 import type { Document, Mode } from "../link/protocol";
 

@@ -1,10 +1,10 @@
-// Which findings of a clash check are shown, and in which order they are stepped through. Pure.
+// The visible findings of a clash check, and their order. Pure.
 
 import type { Finding, FindingGroup, FindingStatus, Findings } from "../link/protocol";
 
 export type FindingOrder = "depth" | "group";
 
-/** Groups with the findings that are shown: not those that only touch where they are hidden, words as typed. */
+/** Groups with the visible findings: without contacts if they are hidden, filtered by the typed words. */
 export function shownGroups(findings: Findings, query: string, order: FindingOrder): FindingGroup[] {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
   const isShown = (finding: Finding, group: FindingGroup): boolean => {
@@ -27,7 +27,7 @@ export const depthOf = (finding: Finding): number => finding.depth ?? 0;
 /** The two parts, as far as this mock-up has them. */
 export const partsOf = (finding: Finding): number[] => [finding.part_a, finding.part_b].filter((part) => part !== null);
 
-/** The finding `step` further on, round and round; null where there is none. */
+/** The finding `step` further on, cyclically; null if there is none. */
 export function neighbour(groups: readonly FindingGroup[], current: string | null, step: 1 | -1): Finding | null {
   const all = groups.flatMap((group) => group.findings);
   const at = all.findIndex((finding) => finding.id === current);

@@ -1,4 +1,4 @@
-// The hand: where it wishes the tool to be. Every device moves it; the engine answers where the tool can go.
+// The hand: the wished pose of the tool. Every device moves it; the engine answers with the pose that contact allows.
 //
 // A device either gives a whole pose (`move`) or an increment in a frame (`nudge`). A wish is sent at most once a
 // frame (`take`). `put` ends a movement: once the engine has answered the last wish and the tool stands, the pose that
@@ -49,7 +49,7 @@ export class Hand {
   /** Steps to which `snapped` rounds; null: none. */
   step_m: number | null = null;
   step_rad: number | null = null;
-  /** The point of the hand's frame about which increments turn; the middle of what is held. */
+  /** The point of the hand's frame about which increments turn; the middle of the held mesh. */
   pivot: Vec3 = [0, 0, 0];
   /** Input is off: the link is down, or the page only reads. */
   isLocked = false;
@@ -135,7 +135,7 @@ export class Hand {
     return fromAxes([1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]);
   }
 
-  /** A length or an angle rounded to its step, where one is set. */
+  /** A length or an angle rounded to its step, if one is set. */
   snapped(value: number, kind: "length" | "angle"): number {
     const step = kind === "length" ? this.step_m : this.step_rad;
     return step ? Math.round(value / step) * step : value;
@@ -175,7 +175,7 @@ export class Hand {
     this.listener.moved();
   }
 
-  /** The wish to send in this frame, once; null where there is no new one. */
+  /** The wish to send in this frame, once; null without a new one. */
   take(): Wish | null {
     const wish = this.fresh;
     this.fresh = null;

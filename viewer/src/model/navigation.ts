@@ -22,7 +22,7 @@ export interface NavigationStyle {
   readonly id: string;
   readonly title: string;
   readonly bindings: readonly Binding[];
-  /** What the wheel, or two fingers on a touchpad, do; with Ctrl (and so by pinching) it is always zoom. */
+  /** The action of the wheel, or of two fingers on a touchpad; with Ctrl (also by pinching) it is always zoom. */
   readonly wheel: "zoom" | "pan";
   /** 1: turning the wheel away from you goes nearer; -1: goes farther. */
   readonly wheel_sense: 1 | -1;
@@ -100,7 +100,7 @@ export const STYLES: readonly NavigationStyle[] = [
   },
 ];
 
-/** The style of that id; the own one where there is none. */
+/** The style of that id; our own style for an unknown one. */
 export function styleOf(id: string): NavigationStyle {
   const found = STYLES.find((style) => style.id === id) ?? STYLES[0];
   if (!found) throw new RangeError("the table of navigation styles is empty");
@@ -114,7 +114,7 @@ export interface Chord {
   readonly altKey: boolean;
 }
 
-/** What a chord of buttons and keys does to the camera; null: nothing. */
+/** The camera action of a chord of buttons and keys; null: none. */
 export function actionOf(style: NavigationStyle, chord: Chord): CameraAction | null {
   const found = style.bindings.find(
     (binding) =>

@@ -1,5 +1,5 @@
-// Commands that only change what is seen, for a page without a server: the same names and arguments, on the document
-// that the page has. What needs the engine is refused.
+// Commands that only change visibility, for a page without a server: the same names and arguments, applied to the page's
+// document. Commands that need the engine are refused.
 
 import type { CommandRequest, Commands, Document, Section, Selection } from "../link/protocol";
 import { distance, type Vec3 } from "../math/vectors";
@@ -88,7 +88,7 @@ export class OfflineCommands {
     return changed(document, name, args);
   }
 
-  /** The same parts again bring back what was seen before. */
+  /** The same parts again restore the previous visibility. */
   private isolate(document: Document, parts: readonly number[]): Document {
     const isAgain = this.isolated?.join() === parts.join();
     if (!this.isolated) this.hidden_before = document.hidden;

@@ -1,4 +1,4 @@
-// The sequence replayed in a page without a server: where the parts of a line are along the way that was recorded.
+// Replays the sequence in a page without a server: the places of a line's parts along its recorded way.
 
 import type { Document, SequenceLine } from "../link/protocol";
 import { IDENTITY, invert, multiply, orthonormal, type Pose, position } from "../math/matrix";
@@ -50,7 +50,7 @@ export function poseAt(line: SequenceLine, share: number): Pose {
 const lengthsOf = (line: SequenceLine): number[] =>
   line.way.slice(1).map((pose, k) => distance(position(pose), position(line.way[k] ?? pose)));
 
-/** The document with the parts of a line where they are at a share of its way. */
+/** The document with the parts of a line at a share of its way. */
 export function replayed(document: Document, line: SequenceLine, starts: Map<number, Pose>, share: number): Document {
   const pose = poseAt(line, share);
   const moved = { ...document.moved };
@@ -58,7 +58,7 @@ export function replayed(document: Document, line: SequenceLine, starts: Map<num
   return { ...document, moved };
 }
 
-/** Moves the parts while the document says that a line is replayed. */
+/** Moves the parts while the document replays a line. */
 export class OfflineReplay {
   private line: SequenceLine | null = null;
   private starts = new Map<number, Pose>();

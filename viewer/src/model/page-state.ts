@@ -1,4 +1,4 @@
-// What only the page knows of itself: how it stands with the server, and what is open in it.
+// The page's own state: its connection to the server, and its open dialogs and panels.
 
 import type { Point, Vec3 } from "../math/vectors";
 
@@ -11,7 +11,7 @@ export interface Notice {
   readonly text: string;
 }
 
-/** What is on the right. */
+/** The panels on the right. */
 export type Panel = "pose" | "sections" | "measures" | "sequence" | "findings";
 export const PANELS: readonly Panel[] = ["pose", "sections", "measures", "sequence", "findings"];
 

@@ -1,4 +1,4 @@
-// The parts as a tree: their paths, cut at the slashes. Plain data; the component draws the rows that can be seen.
+// The parts as a tree: their paths, cut at the slashes. Plain data; the component draws the visible rows.
 
 export interface PartNode {
   readonly name: string;
@@ -53,7 +53,7 @@ export class PartTree {
     return node;
   }
 
-  /** The node of a part; -1 where there is none. */
+  /** The node of a part; -1 if there is none. */
   nodeOf(part: number): number {
     return this.node_of_part[part] ?? -1;
   }

@@ -1,9 +1,9 @@
-// Sections as figures: along which axis, in which range, which are drawn. Pure.
+// Sections as numbers: their axis, their range, which are drawn. Pure.
 
 import type { Section } from "../link/protocol";
 import type { Vec3 } from "../math/vectors";
 
-/** The world axis that is nearest to the view direction, towards what is farther: the near side is cut away. */
+/** The world axis nearest to the view direction, pointing away from the eye: the near side is cut away. */
 export function axisAlong(forward: Vec3): Vec3 {
   const sizes = forward.map(Math.abs);
   const k = sizes.indexOf(Math.max(...sizes));
@@ -12,7 +12,7 @@ export function axisAlong(forward: Vec3): Vec3 {
   return normal;
 }
 
-/** 1 where a cut keeps what is farther along its axis, -1 for the near side: `sense * offset` is where it lies on it. */
+/** 1 if a cut keeps the far side along its axis, -1 for the near side: `sense * offset` is its place on the axis. */
 export function senseOf(normal: Vec3): 1 | -1 {
   const sizes = normal.map(Math.abs);
   return (normal[sizes.indexOf(Math.max(...sizes))] ?? 0) < 0 ? -1 : 1;
@@ -30,7 +30,7 @@ export function offsetRange(lower: Vec3, upper: Vec3, normal: Vec3): [number, nu
   return [least, most];
 }
 
-/** The cuts that are drawn: those that are on, the dragged one where it is dragged to. */
+/** The drawn cuts: the active ones, the dragged one at its dragged place. */
 export function drawnSections(
   sections: readonly Section[],
   draft: { id: number; normal: Vec3; offset: number } | null,

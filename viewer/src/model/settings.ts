@@ -1,4 +1,4 @@
-// What a person chose for this browser: kept over reloads, never sent.
+// The user's settings for this browser: kept over reloads, never sent.
 
 import type { Frame } from "./hand";
 

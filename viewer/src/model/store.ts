@@ -1,4 +1,4 @@
-// What the page knows, as signals: the server's document, the newest state, and what only this page decides.
+// The page's data as signals: the server's document, the newest state, and the page's own state.
 
 import { computed, signal } from "@preact/signals";
 import type { Document, Manifest, MeasureType, State } from "../link/protocol";
@@ -16,7 +16,7 @@ const MOST_NOTICES = 4;
 /** What needs no answer goes by itself. */
 const INFO_MS = 10_000;
 
-/** What is being measured: the points clicked so far, and what is under the pointer. */
+/** The current measurement: the points clicked so far, and the one under the pointer. */
 export interface Measuring {
   readonly type: MeasureType;
   readonly picks: readonly MeasurePick[];
@@ -81,7 +81,7 @@ export class Store {
   readonly finding_order = signal<FindingOrder>("depth");
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
-  /** What the live region says. */
+  /** The text of the live region. */
   readonly spoken = signal("");
   /** A headset is there. */
   readonly is_xr_there = signal(false);
@@ -108,9 +108,9 @@ export class Store {
   readonly is_replaying = computed(() => this.document.value?.record?.is_playing ?? false);
   /** Nothing can be changed: one file without a server, the link is down, or a record is replayed. */
   readonly is_read_only = computed(() => this.connection.value !== "open" || this.is_replaying.value);
-  /** What is seen can be changed: also in one file without a server. */
+  /** Visibility can be changed: also in one file without a server. */
   readonly can_look = computed(() => !this.is_read_only.value || this.connection.value === "offline");
-  /** The cuts that are drawn, the dragged one where it is dragged to. */
+  /** The drawn cuts, the dragged one at its dragged place. */
   readonly drawn_sections = computed(() =>
     drawnSections(this.document.value?.sections ?? [], this.section_draft.value),
   );

@@ -1,4 +1,4 @@
-// Moving the tool by the keyboard: G or R, an axis, a figure, Enter. Pure: keys in, a pose out.
+// Moving the tool by the keyboard: G or R, an axis, a number, Enter. Pure: keys in, a pose out.
 
 import { axis as axisOf, IDENTITY, movedBy, type Pose, turnedAbout } from "../math/matrix";
 import { parseAngle, parseLength, type Unit } from "../math/units";
@@ -12,7 +12,7 @@ export interface TypedMove {
   /** 0, 1 or 2; null: the view plane, or the view direction for a turn. */
   readonly axis: 0 | 1 | 2 | null;
   readonly frame: "world" | "tool";
-  /** What was typed so far. */
+  /** The typed text so far. */
   readonly text: string;
 }
 

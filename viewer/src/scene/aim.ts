@@ -17,7 +17,7 @@ export interface Aim {
   picture: { width: number; height: number; pixelRatio: number };
 }
 
-/** Brings `eye` to where the camera is. */
+/** Moves `eye` to the camera. */
 export function aim(
   eye: PerspectiveCamera,
   uniforms: SharedUniforms,

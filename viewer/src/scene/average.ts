@@ -1,4 +1,4 @@
-// Pictures averaged: drawn a part of a pixel apart, their mean has smooth edges.
+// Averages pictures drawn a fraction of a pixel apart, which smooths edges.
 
 import {
   DepthTexture,
@@ -38,7 +38,7 @@ export class Average {
     this.samples = 0;
   }
 
-  /** Adds what is in `once`. */
+  /** Adds the content of `once`. */
   add(): void {
     this.samples++;
     const uniforms = this.#pass.material.uniforms as { picture: { value: Texture | null }; share: { value: number } };

@@ -1,6 +1,6 @@
-// The camera: where the eye is and what it looks at. Plain numbers, no GL.
+// The camera: eye and target. Plain numbers, no GL.
 //
-// World metres and radians. The picture's height sees the angle `fov`. Every change raises `moved`, which the stage
+// World metres and radians. `fov` is the angle over the picture's height. Every change raises `moved`, which the stage
 // clears once it has drawn.
 
 import type { Camera, UpAxis } from "../link/protocol";
@@ -97,7 +97,7 @@ export class CameraRig {
     this.moved = true;
   }
 
-  /** Brings the eye to `factor` times its distance from `at` (below 1: nearer); `at` stays where it is in the picture. */
+  /** Brings the eye to `factor` times its distance from `at` (below 1: nearer); `at` keeps its place in the picture. */
   dolly(factor: number, at: Vec3 = this.target): void {
     const reach = distance(this.position, at) * factor;
     if (!Number.isFinite(reach) || reach < LEAST_DISTANCE) return;

@@ -20,7 +20,7 @@ export function pieceBytes(size: { triangles: number; vertices: number }, partBy
   return 12 * size.vertices + 4 * Math.ceil((partBytes * size.vertices) / 4) + 6 * size.triangles;
 }
 
-/** Reads a piece at `offset` of `data`, without a copy where it is aligned. Throws RangeError when it is cut short. */
+/** Reads a piece at `offset` of `data`, without a copy if it is aligned. Throws RangeError if it is cut short. */
 export function readPiece(
   data: ArrayBuffer,
   size: { triangles: number; vertices: number },
@@ -58,7 +58,7 @@ export function geometryOf(arrays: PieceArrays): Geometry {
   return geometry;
 }
 
-/** A mesh that is where its vertices are, drawn when it is told to. */
+/** A mesh without a transform, drawn on request. */
 export function standingMesh(geometry: Geometry, material: Material): Mesh {
   const mesh = new Mesh(geometry, material);
   mesh.frustumCulled = false;

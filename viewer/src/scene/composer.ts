@@ -1,4 +1,4 @@
-// From the kept layer to a whole picture: its lit parts, and over it what lies over the mock-up.
+// From the kept layer to a whole picture: highlights, and everything drawn over the mock-up.
 
 import type { PerspectiveCamera, WebGLRenderer, WebGLRenderTarget } from "three";
 import type { Average } from "./average";
@@ -10,7 +10,7 @@ import { tintFragment } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
 
 export class Composer {
-  /** What is lit is to be tinted anew. */
+  /** The highlights must be tinted anew. */
   isLitNew = true;
   readonly #renderer: WebGLRenderer;
   readonly #eye: PerspectiveCamera;

@@ -1,4 +1,4 @@
-// A picture copied as it is: ten times cheaper than a pass over its pixels where the device is the processor.
+// Copies a picture: with a software renderer ten times cheaper than a pass over its pixels.
 
 import type { WebGLRenderer, WebGLRenderTarget } from "three";
 
@@ -21,6 +21,6 @@ export function copyPicture(
   gl.bindFramebuffer(gl.READ_FRAMEBUFFER, source);
   const filter = across === width && up === height ? gl.NEAREST : gl.LINEAR;
   gl.blitFramebuffer(0, 0, across, up, 0, 0, width, height, gl.COLOR_BUFFER_BIT, filter);
-  // Three takes it that what is drawn to is what is read from.
+  // Three assumes that the render target is also read from.
   gl.bindFramebuffer(gl.READ_FRAMEBUFFER, bound());
 }

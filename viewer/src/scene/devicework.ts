@@ -1,4 +1,4 @@
-// What the device is busy with: a fence behind the last draw of pieces says when it is done, and so what it took.
+// The device's workload: a fence after the last draw of pieces shows when it is done, and so its duration.
 
 import type { WebGLRenderer } from "three";
 
@@ -14,7 +14,7 @@ export class DeviceWork {
     return this.#running !== null;
   }
 
-  /** Puts a fence behind what was asked of the device since `at` (ms): `triangles`, while the camera moves or not. */
+  /** Puts a fence after the work sent to the device since `at` (ms): `triangles`, while the camera moves or not. */
   begin(at: number, triangles: number, isDraft: boolean): void {
     const gl = this.#renderer.getContext() as WebGL2RenderingContext;
     if (this.#running) gl.deleteSync(this.#running.fence);
@@ -23,7 +23,7 @@ export class DeviceWork {
     this.#running = fence ? { fence, at, triangles, isDraft } : null;
   }
 
-  /** What has just been done, and in how many ms at most; null while it is not, or when nothing was begun. */
+  /** The work just done, and its greatest duration in ms; null while it is running, or if nothing was begun. */
   poll(): { triangles: number; ms: number; isDraft: boolean } | null {
     if (!this.#running) return null;
     const { fence, at, triangles, isDraft } = this.#running;
@@ -34,7 +34,7 @@ export class DeviceWork {
     return { triangles, ms: performance.now() - at, isDraft };
   }
 
-  /** Forgets what is running: its context is lost. */
+  /** Forgets running work: its context is lost. */
   forget(): void {
     this.#running = null;
   }

@@ -1,4 +1,4 @@
-// What the hand holds: solid where the engine has it, a ghost where the hand wishes it.
+// The mesh in the hand: solid at the engine's pose, a ghost at the wished one.
 
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
 import type { HeldManifest } from "../link/protocol";
@@ -65,7 +65,7 @@ export class Held {
     return this.#pose;
   }
 
-  /** Whether the wish is drawn: there is something to hold, and it is not where the hand is. */
+  /** Whether the wish is drawn: the hand is not empty, and the wish differs from its pose. */
   get isGhostShown(): boolean {
     const wish = this.#wish;
     return (

@@ -1,4 +1,4 @@
-// Triangles that meet: filled and outlined, so that one thinner than a pixel is seen as well.
+// Colliding triangles: filled and outlined, so that thin ones are visible as well.
 
 import {
   BufferAttribute,

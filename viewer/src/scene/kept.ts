@@ -1,7 +1,7 @@
 // The kept layer: the mock-up drawn once into colour, part id and depth, and kept while nothing of it changes.
 //
 // Raw: colour (premultiplied), id (part + 1, 0 for nothing, the highest bit for the fill of a section) and depth. Shown:
-// the raw picture with its edges, over the background; averaged with redraws a part of a pixel aside while it stands.
+// the raw picture with its edges, over the background; averaged with redraws a fraction of a pixel aside while the camera rests.
 
 import {
   CustomBlending,
@@ -131,7 +131,7 @@ export class Kept {
   #drawn: Piece[] = [];
   #missing: Piece[] = [];
   #ghosts: Piece[] = [];
-  // What is left of the redraw aside that is under way, null when none is.
+  // The rest of the current offset redraw, null if there is none.
   #refining: Piece[] | null = null;
 
   constructor(renderer: WebGLRenderer, uniforms: SharedUniforms, materials: PieceMaterials) {
@@ -189,7 +189,7 @@ export class Kept {
     for (const [name, value] of Object.entries(colours)) (uniforms[name] as { value: Vector3 }).value.copy(value);
   }
 
-  /** Forgets what is kept: the next frame begins anew. */
+  /** Forgets the kept layer: the next frame begins anew. */
   forget(): void {
     this.isWhole = false;
     this.samples = 0;
@@ -220,7 +220,7 @@ export class Kept {
     uniforms.hasKept.value = true;
   }
 
-  /** Takes a piece that came after `begin`. False: it cannot be added to what is drawn, begin anew. */
+  /** Takes a piece that came after `begin`. False: it cannot be added to the picture, begin anew. */
   append(piece: Piece): boolean {
     if (this.#ghosts.length > 0) return false;
     this.#missing.push(piece);
@@ -235,7 +235,7 @@ export class Kept {
     return this.scale === 1 && (this.#ghosts.length === 0 || this.#drawn.length === 0);
   }
 
-  /** Draws what is missing, at most `budget` triangles but at least a piece, and resolves. Returns the triangles drawn. */
+  /** Draws missing pieces, at most `budget` triangles but at least a piece, and resolves. Returns the triangles drawn. */
   draw(eye: PerspectiveCamera, budget: number): number {
     const batch = take(this.#missing, budget);
     const before = this.triangles;

@@ -1,4 +1,4 @@
-// The figures by the marks: elements over the canvas, placed so that none covers another.
+// The labels of marks: elements over the canvas, placed so that none covers another.
 
 import type { Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
@@ -12,7 +12,7 @@ export interface Anchor {
   rank: number;
 }
 
-/** A figure in the picture, CSS pixels: where it points, and how large it is. */
+/** A label in the picture, CSS pixels: its anchor, and its size. */
 export interface Figure {
   x: number;
   y: number;

@@ -1,4 +1,4 @@
-// What is drawn besides the shapes: contact planes, forces, clearances, measures, the snap marker, the figures by them.
+// Marks: contact planes, forces, clearances, measures, the snap marker, and their labels.
 
 import { type IUniform, Scene } from "three";
 import { add, cross, distance, length, normalize, perpendicular, scale, type Vec3 } from "../math/vectors";
@@ -14,7 +14,7 @@ export interface MeasureMark {
   isSelected: boolean;
 }
 
-/** What is drawn besides the shapes. World metres, newtons. A figure's text is the page's: it knows the unit chosen. */
+/** The marks. World metres, newtons. The page makes the text of labels, because it knows the chosen unit. */
 export interface Marks {
   /** (p, 8): point 3, normal 3, gap, share of the force in N. */
   planes: Float32Array | null;
@@ -36,7 +36,7 @@ export const NO_MARKS: Marks = {
   snap: null,
 };
 
-// Orange is what meets, blue is what is near, yellow is what was measured: told apart without seeing red.
+// Orange for contacts, blue for near parts, yellow for measures: distinct without seeing red.
 const HIT: Tint = [1.0, 0.58, 0.12, 0.95];
 const NEAR: Tint = [0.33, 0.66, 1.0, 0.95];
 const MEASURE: Tint = [0.98, 0.86, 0.35, 0.95];

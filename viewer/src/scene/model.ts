@@ -1,4 +1,4 @@
-// The mock-up as it is drawn: its pieces, the states and places of its parts, the planes that cut it.
+// The drawn mock-up: its pieces, the states and places of its parts, the planes that cut it.
 
 import type { Material, PerspectiveCamera } from "three";
 import type { Manifest } from "../link/protocol";
@@ -24,7 +24,7 @@ export class Model {
 
   constructor(readonly uniforms: SharedUniforms) {}
 
-  /** The states and places of the parts; null while there is no mock-up. */
+  /** The states and places of the parts; null without a mock-up. */
   get table(): PartTable | null {
     return this.#table;
   }
@@ -95,7 +95,7 @@ export class Model {
     };
   }
 
-  /** The box of what can be seen, sections and hidden parts obeyed: of surfaces, else of ghosts. */
+  /** The box of all visible geometry, without hidden and cut-away parts: of surfaces, else of ghosts. */
   visibleBox(): Box {
     const box = emptyBox();
     const table = this.#table;
@@ -113,12 +113,12 @@ export class Model {
     return box;
   }
 
-  /** The box of `part` where it is now; empty for one that is not of the mock-up. */
+  /** The box of `part` at its present place; empty for an unknown part. */
   partBox(part: number): Box {
     return this.#table && part < this.#table.count ? this.#table.boxOf(part) : emptyBox();
   }
 
-  /** The corners of packed triangles where they are now, less the middle; those of hidden parts are left out. */
+  /** The corners of packed triangles at their present places, less the middle; without those of hidden parts. */
   corners(packed: Uint32Array): Float32Array {
     return this.#pieces && this.#table ? this.#pieces.corners(packed, this.#table) : new Float32Array(0);
   }

@@ -1,5 +1,5 @@
-// What lies over the mock-up: lines of sections, what the hand holds, what meets, marks with their figures, and what other
-// modules draw.
+// Everything drawn over the mock-up: lines of sections, the hand, colliding triangles, marks with their labels, and the
+// drawings of other modules.
 
 import { type Group, type PerspectiveCamera, Scene, type WebGLRenderer } from "three";
 import { isSame } from "../math/same";
@@ -62,7 +62,7 @@ export class Over {
     this.#lines.setOutlines(segments);
   }
 
-  /** Packed triangles that meet, of the mock-up and of what is held; without an entry they stay. Whether they are others. */
+  /** Sets colliding packed triangles, of the mock-up and of the held mesh; absent entries stay. Whether they changed. */
   setHits(ids: { mockup?: Uint32Array; held?: Uint32Array }, model: Model): boolean {
     const next = { ...this.#hitIds, ...ids };
     if (isSame(next, this.#hitIds)) return false;
@@ -71,7 +71,7 @@ export class Over {
     return true;
   }
 
-  /** Puts what meets where it is now. */
+  /** Moves the colliding triangles to their present places. */
   placeHits(model: Model): void {
     const { mockup, held } = this.#hitIds;
     this.#hits.mockup.set(model.corners(mockup));

@@ -1,4 +1,4 @@
-// How much may be drawn while the camera moves, from what drawing was seen to cost. No clock: times are passed in.
+// How much may be drawn while the camera moves, from the measured cost of drawing. No clock: times are passed in.
 
 const START_MS_PER_TRIANGLE = 10 / 1e6;
 // While the camera moves, a frame aims at this; above `SLOW_MS` it draws less.

@@ -1,4 +1,4 @@
-// The colours of the parts as a texture: as the mock-up states them, toned down so that everything else still reads over them.
+// The colours of the parts as a texture: as in the mock-up, toned down so that highlights stay visible.
 
 import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from "three";
 
@@ -7,10 +7,10 @@ const WIDTH = 1024;
 // The darkest and the lightest channel that is drawn, of 255: on black no edge and no shade is seen, on white no light.
 const DARKEST = 44;
 const LIGHTEST = 232;
-// How much of a colour is taken towards its grey: pure colours are left to what is touched, near or selected.
+// How much of a colour is taken towards its grey: pure colours are reserved for touched, near and selected parts.
 const MUTED = 0.15;
 
-/** A stated colour (0xRRGGBB) as it is drawn, 0 to 255; null for what is none. */
+/** A stated colour (0xRRGGBB) as drawn, 0 to 255; null for none. */
 export function toned(stated: unknown): [number, number, number] | null {
   if (!Number.isInteger(stated) || (stated as number) < 0 || (stated as number) > 0xffffff) return null;
   const levels = [16, 8, 0].map((shift) => ((stated as number) >> shift) & 255) as [number, number, number];

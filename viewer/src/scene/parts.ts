@@ -1,4 +1,4 @@
-// What is known of each part while it is drawn: one byte of state, its colour, and where it was moved to. All are textures.
+// Drawing data of each part: one byte of state, its colour, and its place. All are textures.
 
 import {
   DataTexture,
@@ -30,7 +30,7 @@ export const PartState = { hidden: 1, ghost: 2, near: 4, hit: 8, selected: 16, a
 const PLACED = 64;
 const HIDES = PartState.hidden | PartState.away;
 const LIT = PartState.near | PartState.hit | PartState.selected;
-// What a change of state must redraw; the rest is a tint.
+// State changes that need a redraw; the others only tint.
 const SHAPE = HIDES | PartState.ghost;
 // The widths that the shaders know.
 const STATES_WIDTH = 1024;
@@ -52,7 +52,7 @@ function whole(data: Uint8Array | Float32Array, width: number, isStates: boolean
 }
 
 export class PartTable {
-  /** Which parts' shapes must be drawn anew: grows with each change of what is hidden, ghost or moved. */
+  /** Version of the drawn shapes: grows with each change of hidden, ghost or moved parts. */
   shapeVersion = 0;
   isAnyLit = false;
   readonly coloursTexture: Texture;
@@ -117,7 +117,7 @@ export class PartTable {
     return true;
   }
 
-  /** Moves every part away from the middle, by `share` (0 to 1) of what is furthest. Returns whether that is new. */
+  /** Moves every part away from the middle, by `share` (0 to 1) of the largest distance. Returns whether that is new. */
   setExplode(share: number): boolean {
     if (share === this.#explode) return false;
     this.#explode = share;
@@ -142,7 +142,7 @@ export class PartTable {
     return ((this.#states[part] as number) & PLACED) !== 0;
   }
 
-  /** Moves the points of `part` in `points` (3 numbers each, less the middle) from where they were loaded to where they are. */
+  /** Moves the points of `part` in `points` (3 numbers each, less the middle) from their loaded places to their present ones. */
   placePoints(part: number, points: Float32Array, from: number, to: number): void {
     if (!this.#places || !this.isPlaced(part)) return;
     const rows = this.#places.subarray(12 * part, 12 * part + 12);
@@ -152,7 +152,7 @@ export class PartTable {
     }
   }
 
-  /** The box of `part` where it is now, world metres. */
+  /** The box of `part` at its present place, world metres. */
   boxOf(part: number): Box {
     const loaded = this.#boxes[part] ?? emptyBox();
     if (!this.#places || !this.isPlaced(part)) return loaded;

@@ -1,4 +1,4 @@
-// What is under a pixel: the kept layer's id and distance, and the held mesh drawn into that one pixel.
+// Picks at a pixel: the kept layer's id and distance, and the held mesh drawn into that one pixel.
 
 import {
   DepthTexture,
@@ -50,7 +50,7 @@ export class Probe {
     define(this.#pass.material, "SECTIONS", count);
   }
 
-  /** What is at the pixel (`x`, `y`) of a picture of `width` x `height`, from its lower left corner; null for nothing. */
+  /** The pick at the pixel (`x`, `y`) of a picture of `width` x `height`, from its lower left corner; null for nothing. */
   at(
     x: number,
     y: number,

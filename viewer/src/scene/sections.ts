@@ -1,4 +1,4 @@
-// Section planes and their outlines: what the shaders need of them, and the lines drawn for them.
+// Section planes and their outlines: data for the shaders, and lines.
 
 import { type IUniform, Scene, type Vector4 } from "three";
 import {

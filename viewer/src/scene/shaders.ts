@@ -22,7 +22,7 @@ vec3 placeOf(uint part, vec3 p) {
 }
 `;
 
-// A calm colour by a hash of the part's id: muted, of like lightness, far from the colours that say something.
+// A calm colour by a hash of the part's id: muted, of like lightness, far from the highlight colours.
 const PALETTE = /* glsl */ `
 uint hashOf(uint n) { n ^= n >> 16; n *= 0x7feb352du; n ^= n >> 15; n *= 0x846ca68bu; return n ^ (n >> 16); }
 vec3 calm(uint part) {
@@ -104,7 +104,7 @@ bool isCut(vec3 p) {
 #endif
 `;
 
-// Colour is premultiplied. The id is the part's plus one; its highest bit says that the pixel is the fill of a section.
+// Colour is premultiplied. The id is the part's plus one; its highest bit marks the fill of a section.
 export const pieceFragment = `${PRECISION}${LIGHT}${PALETTE}${CUT}/* glsl */
 in vec3 vView;
 flat in vec3 vColour;
@@ -157,7 +157,7 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
-// What was drawn raw becomes the kept picture: edges between parts and at creases, over the background.
+// Makes the kept picture from the raw one: edges between parts and at creases, over the background.
 //
 // A stored depth is affine in 1 / distance, and 1 / distance is affine over the pixels of a plane: its second difference
 // is zero but at a crease, where it is the change of slope.
@@ -245,7 +245,7 @@ void main() {
     float light = dot(colour, vec3(0.30, 0.59, 0.11));
     vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : isSelected ? vec3(1.0, 0.92, 0.55) : vec3(0.28, 0.60, 1.0);
     colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.66 : 0.74);
-    // A hatch besides the colour: hit is told from near without seeing red.
+    // A hatch besides the colour, so that hit and near differ without seeing red.
     if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
     if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
   }
@@ -273,7 +273,7 @@ float keptDistance(out uint id) {
   id = texelFetch(keptId, p, 0).r;
   float found = id == 0u ? 1e30 : 1.0 / max(nearness, 1e-30);
 #if SECTIONS > 0
-  // A section's fill was drawn with the back face's depth; it is seen where the ray enters what is left.
+  // A section's fill was drawn with the back face's depth; it appears where the ray enters the remaining solid.
   if ((id & 0x80000000u) != 0u) {
     vec3 ray = vec3(at * rayOf.xy + rayOf.zw, -1.0);
     found = 0.0;
@@ -343,7 +343,7 @@ void main() {
 }
 `;
 
-// Triangles that meet, of the mock-up or of the held mesh: solid where they are seen, faint where they are not.
+// Colliding triangles, of the mock-up or of the held mesh: solid where visible, faint where covered.
 export const hitVertex = `${PRECISION}/* glsl */
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;

@@ -1,4 +1,4 @@
-// A picture of a fixed size: what a target holds, as a PNG.
+// A picture of a fixed size: the content of a render target, as a PNG.
 
 import type { WebGLRenderer, WebGLRenderTarget } from "three";
 

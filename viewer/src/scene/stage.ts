@@ -1,7 +1,7 @@
 // The stage: all GL of the page behind one class.
 //
 // A frame redraws the mock-up only when the camera, a part or a section changed; else it shows the kept layer and draws
-// what moves over it. While nothing at all changes, the edges are smoothed, a little a frame.
+// moving objects over it. While nothing changes, the edges are smoothed, a little each frame.
 
 import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
@@ -57,7 +57,7 @@ export interface FrameStats {
   isPictured: boolean;
 }
 
-/** What is under a pixel: a part of the mock-up, or of the held mesh. */
+/** The pick under a pixel: a part of the mock-up, or of the held mesh. */
 export interface Pick {
   part: number;
   point: Vec3;
@@ -66,7 +66,7 @@ export interface Pick {
 
 // Above this many pixels the picture is drawn coarser: the targets of a 4K screen would take 300 MB.
 const MOST_PIXELS = 2560 * 1440;
-// How long nothing may change before edges are smoothed, and what a frame may spend on it or on pieces that came late.
+// Time without changes before edges are smoothed, and the time per frame for that or for late pieces.
 const IDLE_MS = 300;
 const REFINE_MS = 12;
 const SLICE_MS = 120;
@@ -187,7 +187,7 @@ export class Stage {
     this.#placeHits();
   }
 
-  /** Takes the mock-up away. What the hand holds stays. */
+  /** Removes the mock-up. The held mesh stays. */
   clear(): void {
     this.#model.clear();
     this.#kept.forget();
@@ -198,7 +198,7 @@ export class Stage {
     this.#touch();
   }
 
-  /** What the hand holds: the pieces one behind the other in `piece`; null for an empty hand. */
+  /** The held mesh: its pieces one after the other in `piece`; null for an empty hand. */
   setHeld(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
     this.#over.held.set(held);
     this.#over.setHits({ held: new Uint32Array(0) }, this.#model);
@@ -259,19 +259,19 @@ export class Stage {
     this.#colour();
   }
 
-  /** The box of what can be seen, sections and hidden parts obeyed: for `camera.fit` and `camera.view`. World metres. */
+  /** The box of all visible geometry, without hidden and cut-away parts: for `camera.fit` and `camera.view`. World metres. */
   visibleBox(): Box {
     const box = this.#model.visibleBox();
     const held = this.#over.held.box();
     return isEmpty(box) && !isEmpty(held) ? held : box;
   }
 
-  /** The box of `part` where it is now, world metres; empty for one that is not of the mock-up. */
+  /** The box of `part` at its present place, world metres; empty for an unknown part. */
   partBox(part: number): Box {
     return this.#model.partBox(part);
   }
 
-  /** What is drawn at (`x`, `y`), CSS pixels from the canvas' upper left corner: never what is hidden or cut away. */
+  /** The pick at (`x`, `y`), CSS pixels from the canvas' upper left corner: never hidden or cut-away geometry. */
   pick(x: number, y: number): Pick | null {
     if (this.#isLost) return null;
     this.#resize();
@@ -298,7 +298,7 @@ export class Stage {
     this.#touch();
   }
 
-  /** Draws what has changed; to be called once an animation frame, `now` in ms as it gives it. */
+  /** Draws changes; call it once per animation frame, with its `now` in ms. */
   frame(now: number): FrameStats {
     const start = performance.now();
     const stats: FrameStats = { ...this.stats, drawn: false, isKept: true, ms: 0, calls: 0, triangles: 0 };
@@ -441,7 +441,7 @@ export class Stage {
     this.#touch();
   }
 
-  /** A drag changes the shapes at every step: where a redraw is slow, they are drawn as while the camera moves. */
+  /** A drag changes the shapes at every step: if a redraw is slow, they are drawn as while the camera moves. */
   #stir(): void {
     if (this.#pace.estimate(this.#model.triangles) > SLOW_REDRAW_MS) this.#movedAt = performance.now();
   }
@@ -491,7 +491,7 @@ export class Stage {
     writePlanes(sections, middle, this.camera, this.#uniforms.cutPlanes.value, this.#uniforms.viewPlanes.value);
   }
 
-  /** Draws the mock-up anew: all of it, or while the camera moves what the pace allows. */
+  /** Redraws the mock-up: all of it, or as much as the pace allows while the camera moves. */
   #redraw(isDraft: boolean): void {
     this.#isViewNew = false;
     this.#isShapeNew = false;
@@ -542,7 +542,7 @@ export class Stage {
     } else if (isIdle && kept.isRefined && this.#average.samples < JITTER.length) {
       this.#average.setSize(this.canvas.width, this.canvas.height);
       this.#composer.addSample(kept, this.#lit, this.#isAnyLit, this.#average);
-      // What was left on the canvas is shown until the mean is whole.
+      // The canvas keeps its content until the mean is complete.
       if (this.#average.samples === JITTER.length) this.#average.show(null);
       stats.drawn = true;
     }

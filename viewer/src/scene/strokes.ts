@@ -54,7 +54,7 @@ class Batch {
     this.mesh.visible = false;
   }
 
-  /** Brings what was pushed to the device's buffers. */
+  /** Uploads the pushed strokes to the device's buffers. */
   commit(): void {
     const { data, count } = this.instances;
     this.mesh.visible = count > 0;

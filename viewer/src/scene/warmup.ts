@@ -1,4 +1,4 @@
-// The programs of the first picture, made while the mock-up is still being read: a device compiles at the first draw.
+// Compiles the programs of the first picture while the mock-up is still loading: a device compiles at the first draw.
 
 import type { PerspectiveCamera } from "three";
 import type { Box } from "../math/vectors";

@@ -22,7 +22,7 @@ import { StatusLine } from "./status";
 import { Tour } from "./tour";
 import { Tree } from "./tree";
 
-/** What the page draws on: made before the components, which only give it its place. */
+/** The elements that the page draws on: made before the components, which only place them. */
 export interface PictureElements {
   readonly canvas: HTMLCanvasElement;
   readonly gizmo: HTMLCanvasElement;

@@ -1,4 +1,4 @@
-// The bar at the top: what is open, contact mode, undo and redo, the way to every command.
+// The bar at the top: the open mock-up, contact mode, undo and redo, access to every command.
 
 import { hint } from "../actions/commands";
 import { formatCount } from "../math/units";

@@ -1,11 +1,11 @@
-// What lies over the picture when there is something to say: loading, failure, a broken link, notices.
+// Overlays on the picture: loading, failure, a broken link, notices.
 
 import { formatShare } from "../math/units";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
 
-/** Why there is nothing to work on, and what to do; null where there is. */
+/** Why no mock-up is available, and what to do; null if there is one. */
 function failure(
   store: ReturnType<typeof useWorkbench>["store"],
 ): { title: string; text: string; advice: string } | null {
@@ -14,13 +14,13 @@ function failure(
     return {
       title: "This page is not allowed here",
       text: "The engine did not accept the token of this page, or too many pages are open.",
-      advice: "Open the address that feeler view printed, whole, with all that follows the #.",
+      advice: "Open the complete address that feeler view printed, including the part after the #.",
     };
   }
   if (connection.value === "outdated") {
     return {
       title: "This page is older than the engine",
-      text: "They speak different versions of their protocol.",
+      text: "Their protocol versions differ.",
       advice: "Reload the page.",
     };
   }
@@ -29,12 +29,12 @@ function failure(
     return {
       title: "The mock-up could not be opened",
       text: failed,
-      advice: "Mend the file or name another, and start feeler view again.",
+      advice: "Repair the file or choose another, and start feeler view again.",
     };
   const lost = store.geometry_failed.value;
   if (lost)
     return {
-      title: "The geometry did not come",
+      title: "The geometry could not be loaded",
       text: lost,
       advice: "Reload the page; if it happens again, start feeler view again.",
     };
@@ -97,7 +97,7 @@ export function Banner() {
   return (
     <div class="banner" role="alert">
       <Icon name="alert" size={16} />
-      <span>The link to the engine is down. The tool stands where it is; the page reconnects by itself.</span>
+      <span>The connection to the engine is lost. The tool stays where it is; the page reconnects by itself.</span>
       <button type="button" class="button" onClick={() => wb.link?.retryNow()}>
         Try now
       </button>

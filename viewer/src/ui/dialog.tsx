@@ -1,4 +1,4 @@
-// A dialog over the page: the browser's own, which keeps the focus inside and gives it back.
+// A dialog over the page: the browser's own, which keeps the focus inside and returns it.
 
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
@@ -8,7 +8,7 @@ import { IconButton } from "./fields";
 export function Dialog(props: { title: string; kind: string; bare?: boolean; children: ComponentChildren }) {
   const wb = useWorkbench();
   const element = useRef<HTMLDialogElement>(null);
-  // Before the browser does anything else: what is typed next is meant for the dialog.
+  // Before the browser does anything else, so that the next keys go into the dialog.
   useLayoutEffect(() => {
     const dialog = element.current;
     dialog?.showModal();

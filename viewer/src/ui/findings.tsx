@@ -1,4 +1,4 @@
-// Findings of a clash check: groups, the deepest first, one contact after the other by N and P.
+// Findings of a clash check: groups, the deepest first; N and P step through them.
 
 import { useSignal } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
@@ -66,7 +66,7 @@ export function FindingPanel() {
             disabled={!store.can_look.value}
             onChange={(event) => wb.run("finding_filter", { is_touching_hidden: event.currentTarget.checked })}
           />
-          Hide what only touches
+          Hide contacts
         </label>
         <p class="note" role="status">{`${counted(count, "finding")} in ${counted(groups.length, "group")}`}</p>
       </section>

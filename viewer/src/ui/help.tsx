@@ -1,11 +1,15 @@
-// Help: all keys by group, and what the mouse does in the style chosen.
+// Help: all keys by group, and the mouse actions of the chosen style.
 
 import { COMMANDS, type CommandGroup, type PageCommand, shownKey } from "../actions/commands";
 import { STYLES, styleOf } from "../model/navigation";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 
-const ACTIONS = { orbit: "Turn the view about what is under the pointer", pan: "Move the view", zoom: "Zoom" } as const;
+const ACTIONS = {
+  orbit: "Turn the view about the point under the pointer",
+  pan: "Move the view",
+  zoom: "Zoom",
+} as const;
 
 const withKeys = COMMANDS.filter((command) => command.keys.length > 0);
 const GROUPS = [...new Set(withKeys.map((command) => command.group))] as CommandGroup[];

@@ -1,4 +1,4 @@
-// Measures and viewpoints: what was measured, where one looked from.
+// Measures and viewpoints.
 
 import { lookFrom } from "../actions/exports";
 import { MEASURE_TITLES, PICKS, startMeasuring, stopMeasuring } from "../actions/measures";
@@ -105,7 +105,7 @@ function MeasureCard({ measure }: { measure: Measure }) {
       />
       <output
         class="value"
-        title={measure.is_exact ? "Exact: decided by the engine on the triangles" : "Read from the picture"}
+        title={measure.is_exact ? "Exact: computed by the engine on the triangles" : "Read from the picture"}
       >
         {measure.is_exact ? "" : "≈ "}
         {measureText(measure, store.unit.value)}

@@ -1,4 +1,4 @@
-// The context menu of a part, or of what lies beside all parts.
+// The context menu of a part, or of the background.
 
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { commandOf, runCommand, shownKey } from "../actions/commands";

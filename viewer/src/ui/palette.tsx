@@ -1,4 +1,4 @@
-// The palette: every command by a few letters of its name.
+// The palette: finds every command by a few letters of its name.
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -102,7 +102,7 @@ export function Palette() {
           </div>
         ))}
       </div>
-      {found.length === 0 && <p class="note palette-none">No command is called that.</p>}
+      {found.length === 0 && <p class="note palette-none">No command matches.</p>}
     </Dialog>
   );
 }

@@ -1,4 +1,4 @@
-// The pose of what the hand holds: figures to read and type, steps, contact mode, and what the engine says of it.
+// The pose of the hand: numbers to read and type, steps, contact mode, and the present contacts.
 
 import { anglesOf, fromAngles, type Pose, position } from "../math/matrix";
 import { angleFigure, formatAngle, formatForce, formatLength, lengthFigure } from "../math/units";
@@ -174,13 +174,13 @@ export function PosePanel() {
 const MODE_NAMES = { stop: "Stop", glide: "Glide", pass: "Pass" } as const;
 const MODE_TITLES = {
   stop: "The tool stops at the first contact, at any speed.",
-  glide: "The tool slides along what it touches, and pushes back.",
-  pass: "The tool goes through; what it cuts is shown.",
+  glide: "The tool slides along surfaces, and pushes back.",
+  pass: "The tool goes through; the cut triangles are shown.",
 } as const;
 
 const NO_TOOL = "";
 
-/** What is taken in hand. */
+/** The content of the hand. */
 function ToolChoice() {
   const wb = useWorkbench();
   const { store } = wb;
@@ -215,7 +215,7 @@ function EmptyHand() {
   );
 }
 
-/** What touches, by name, and how much. */
+/** The touched parts by name, and the force. */
 function ContactReport() {
   const { store } = useWorkbench();
   const state = store.state.value;

@@ -1,4 +1,4 @@
-// Settings of this browser: looks, navigation, keys, sound and touch.
+// Settings of this browser: appearance, navigation, keys, sound and touch.
 
 import { MATERIALS, materialOf } from "../feel/materials";
 import { formatShare, UNITS } from "../math/units";
@@ -20,7 +20,7 @@ export function Preferences() {
           label="Colours"
           value={settings.theme}
           options={[
-            { value: "system", text: "As the system" },
+            { value: "system", text: "System" },
             { value: "dark", text: "Dark" },
             { value: "light", text: "Light" },
           ]}
@@ -139,7 +139,7 @@ export function Preferences() {
           value={settings.vr_size}
           options={[
             { value: "table", text: "On a table" },
-            { value: "real", text: "At its size" },
+            { value: "real", text: "At full size" },
           ]}
           choose={(vr_size) => store.set({ vr_size })}
         />

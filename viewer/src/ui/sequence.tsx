@@ -1,4 +1,4 @@
-// The sequence of removals: what was taken out in which order, how near it came to what, and its exports.
+// The sequence of removals: parts, order, clearances, and exports.
 
 import { EXPORTS, type Export } from "../actions/exports";
 import type { SequenceLine } from "../link/protocol";

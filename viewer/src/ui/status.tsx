@@ -1,4 +1,4 @@
-// The line at the bottom: the link, the contact, what is under the pointer, and how fast the engine is.
+// The status line: the link, the contact, the part under the pointer, and the engine's rate.
 
 import { formatCount, formatForce, formatLength, formatShare } from "../math/units";
 import { length } from "../math/vectors";
@@ -41,7 +41,7 @@ export function StatusLine() {
         <span class="job" key={job.id}>
           {`${job.title} ${formatShare(job.share)}`}
           <progress value={job.share} max={1} aria-label={job.title} />
-          <IconButton icon="close" label={`Give up: ${job.title}`} run={job.cancel} />
+          <IconButton icon="close" label={`Cancel: ${job.title}`} run={job.cancel} />
         </span>
       ))}
       <Rates />
@@ -96,7 +96,7 @@ function Rates() {
   const is_at_rest = state.pose_seq === 0 || state.age_ms > REST_MS;
   const age = is_at_rest ? "" : ` · ${state.age_ms.toFixed(1)} ms old`;
   return (
-    <span class="rates" title="Answers of the engine a second, its time for one, and the age of what is shown">
+    <span class="rates" title="Answers of the engine per second, the time of one, and the age of the picture">
       {`${Math.round(state.rate_hz)} Hz · ${formatTime(state.engine_us)}${age}`}
     </span>
   );

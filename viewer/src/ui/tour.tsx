@@ -1,4 +1,4 @@
-// The tour: eight things in two minutes, each beside what it is about.
+// The tour: eight steps in two minutes, each beside its subject.
 
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { shownKey } from "../actions/commands";
@@ -6,7 +6,7 @@ import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 
 interface Step {
-  /** What it is about, as a selector; the card stands beside it. */
+  /** Its subject, as a selector; the card stands beside it. */
   readonly at: string;
   readonly title: string;
   readonly text: string;
@@ -17,49 +17,49 @@ export const TOUR: readonly Step[] = [
   {
     at: "#picture",
     title: "Look around",
-    text: "Drag to turn the mock-up about what is under the pointer; the right button moves it, the wheel zooms to the pointer. F looks at all of it. Other programs' ways are in the settings.",
+    text: "Drag to turn the mock-up about the point under the pointer; the right button moves it, the wheel zooms to the pointer. F frames everything. The settings have the navigation of other programs.",
     keys: ["F", "1"],
   },
   {
     at: "#tree",
     title: "Find a part",
-    text: "Search by any words of a part's path. What you select here lights up in the picture, and the other way round. H hides, X turns to a ghost, Shift+H isolates, and once more brings back what was there before.",
+    text: "Search by any words of a part's path. Selected parts are highlighted in the tree and in the picture. H hides, X makes a ghost, Shift+H isolates, and Shift+H again ends the isolation.",
     keys: ["Ctrl+F", "H", "X", "Shift+H"],
   },
   {
     at: "#picture",
     title: "Cut it open",
-    text: "S cuts through what is selected, or through the middle. Cuts are filled, and what is cut away can be neither picked nor measured.",
+    text: "S cuts through the selection, or through the middle. Cuts are filled, and geometry that is cut away can be neither picked nor measured.",
     keys: ["S"],
   },
   {
     at: "#panels",
     title: "Move the tool",
-    text: "Drag the tool itself, or its arrows and rings. Or type: G moves, R turns, then X, Y or Z, a figure, Enter. The ghost is where your hand is; the solid tool is where it can go.",
+    text: "Drag the tool itself, or its arrows and rings. Or type: G moves, R turns, then X, Y or Z, a number, Enter. The ghost follows your hand; the solid tool stops at contact.",
     keys: ["G", "R"],
   },
   {
     at: "#modes",
     title: "Feel the contact",
-    text: "Stop: the tool stops at the first contact, however fast you are. Glide: it slides along. Pass: it goes through and shows what it cuts. Orange touches, blue is near. Space takes the next one.",
+    text: "Stop: the tool stops at the first contact, however fast you are. Glide: it slides along. Pass: it goes through and shows what it cuts. Orange parts touch, blue ones are near. Space switches to the next mode.",
     keys: ["Space"],
   },
   {
     at: "#panels",
     title: "Take a part out",
-    text: "Select a part, grip it with E, move it away, release it with E. Each removal becomes a line of the sequence: its least clearance, what it touched. Ctrl+Z takes everything back.",
+    text: "Select a part, grip it with E, move it away, release it with E. Each removal becomes a line of the sequence: its smallest clearance and the touched parts. Ctrl+Z undoes everything.",
     keys: ["E", "Ctrl+Z"],
   },
   {
     at: "#panels",
     title: "Measure and show",
-    text: "M measures between points, with snapping; edges, angles and exact distances between parts are in the panel. K takes a picture and keeps the viewpoint.",
+    text: "M measures between points, with snapping; edges, angles and exact distances between parts are in the panel. K takes a picture and stores the viewpoint.",
     keys: ["M", "K"],
   },
   {
     at: "#bar",
     title: "Everything else",
-    text: "Ctrl+K finds every command by its name, ? shows all keys. That is all: it is yours now.",
+    text: "Ctrl+K finds every command by its name, ? shows all keys.",
     keys: ["Ctrl+K", "?"],
   },
 ];

@@ -264,7 +264,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
     store.hover.value === node.part && node.part >= 0 ? "hovered" : "",
   ];
   const isLocked = !store.can_look.value;
-  // Begins with what is to be seen of the row, so that it can be called by that.
+  // Begins with the visible text of the row, so that speech input can name it.
   const seen = [node.name, isHeld ? "held" : "", isOut ? "out" : "", row.isGroup ? formatCount(parts.length) : ""];
   const states = [hidden === "all" ? "hidden" : "", ghost === "all" ? "ghost" : ""];
   const label = [seen.filter(Boolean).join(" "), ...states.filter(Boolean)].join(", ");

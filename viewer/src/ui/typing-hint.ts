@@ -1,4 +1,4 @@
-// What the status line says while the tool is moved by keys, and while nothing is under the pointer.
+// The hint in the status line while the tool is moved by keys, and while nothing is under the pointer.
 
 import type { Store } from "../model/store";
 
@@ -11,7 +11,7 @@ export function poseHint(store: Store): string {
   const unit = move.kind === "move" ? store.unit.value : "°";
   const figure =
     move.text === ""
-      ? "type a figure, or use the pointer"
+      ? "type a number, or use the pointer"
       : /[a-z°"]/i.test(move.text)
         ? move.text
         : `${move.text} ${unit}`;

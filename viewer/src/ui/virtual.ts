@@ -1,4 +1,4 @@
-// Which rows of a long list are in the page: rows of one height, so that it is arithmetic.
+// The visible rows of a long list: all rows have one height, so they follow by arithmetic.
 
 export interface Window {
   readonly first: number;
@@ -18,7 +18,7 @@ export function visibleRows(scroll_top: number, height: number, row_height: numb
   return { first: Math.max(0, top - spare), end: Math.min(count, top + shown + spare) };
 }
 
-/** Where to scroll so that `row` is in sight: `scroll_top` itself where it is. */
+/** The scroll position that makes `row` visible: `scroll_top` itself if it already is. */
 export function scrollTo(row: number, scroll_top: number, height: number, row_height: number): number {
   const top = row * row_height;
   if (top < scroll_top) return top;

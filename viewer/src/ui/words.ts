@@ -1,15 +1,15 @@
-// Sentences of the page: what the live region and the status line say.
+// Sentences of the live region and the status line.
 
 import type { Measure, State } from "../link/protocol";
 import { formatAngle, formatLength, type Unit } from "../math/units";
 
-/** At most so many part names are read out. */
+/** The most part names that are read out. */
 const MOST_NAMES = 3;
 
 /** "1 contact", "4 contacts". */
 export const counted = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
-/** "1.2 mm deep", "at most 1.2 mm deep" where there may be a shorter way out; "" where nothing is met. */
+/** "1.2 mm deep", "at most 1.2 mm deep" if a shorter way out may exist; "" without a collision. */
 export function depthText(state: State, unit: Unit): string {
   if (state.depth <= 0) return "";
   if (state.depth_kind === "estimate") return "no way out found";

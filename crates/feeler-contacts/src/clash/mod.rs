@@ -1,4 +1,5 @@
-//! The mock-up against itself: each pair of its parts that meets, is near, holds the other or is the same, told apart and measured.
+//! The mock-up against itself: each pair of its parts that collides, is too near, contains the other or duplicates it,
+//! classified and measured.
 
 mod obvious;
 pub(crate) mod row;

@@ -1,5 +1,6 @@
-//! Crossings that are deeper than a limit for all to see, without trees: on both sides of a triangle of a closed part there are points of the
-//! other part's surface to which nothing of the closed part is nearer than that triangle. One of them is inside.
+//! Crossings that are clearly deeper than a limit, found without trees: on both sides of a triangle of a closed part
+//! there are points of the other part's surface whose nearest point on the closed part is on that triangle. One of them
+//! is inside.
 
 use feeler_core::clash::solids::Solids;
 use feeler_core::geometry::vectors::{along, cross, dot, length, precise_normal, scaled, sub};
@@ -13,8 +14,8 @@ const MOST_TRIANGLES: usize = 1 << 14;
 /// How often points nearer to the triangle are tried.
 const TRIES: usize = 5;
 
-/// Whether a triangle of a surface has points on both sides of one of the faces of a part, each farther from the part than `least`
-/// (metres; `rounding` is what coordinates may be off by), with that face as the nearest of all.
+/// Whether a triangle of a surface has points on both sides of one of the faces of a part, each farther from the part
+/// than `least` (metres; `rounding`: the largest error of coordinates), with that face as the nearest of all.
 pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32, [least, rounding]: [f64; 2]) -> bool {
     let (mesh, faces) = (solids.mockup().mesh(), solids.faces(part));
     if faces.len() > MOST_TRIANGLES {

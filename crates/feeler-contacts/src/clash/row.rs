@@ -1,10 +1,10 @@
-//! What is told of two parts.
+//! The result for two parts.
 
 use feeler_core::{Aabb, Point};
 
 use crate::point_depth::depth::DepthKind;
 
-/// What two parts are to each other. The numbers are those of `feeler.Verdict`.
+/// The relation of two parts. The numbers are those of `feeler.Verdict`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Verdict {
@@ -26,7 +26,7 @@ pub enum Verdict {
 pub struct Clash {
     /// `a` and `b`, the lesser first.
     pub parts: [u32; 2],
-    /// What they are to each other.
+    /// The relation of the two.
     pub verdict: Verdict,
     /// How deep they are in each other, metres: the farthest that a point of one surface is inside the other part. This is a lower bound,
     /// NaN where the search was stopped before it was measured; 0 where they only touch or are apart.
@@ -35,16 +35,16 @@ pub struct Clash {
     pub depth_error: f64,
     /// What the depth is.
     pub kind: DepthKind,
-    /// Moves `a` out of `b`, metres, world: the shortest way known, which is no less than the least; `b` moves the other way. Zero where
-    /// they are in contact or apart.
+    /// Moves `a` out of `b`, metres, world: the shortest translation known, an upper bound; `b` moves the other way.
+    /// Zero where they are in contact or apart.
     pub translation: Point,
-    /// How far their surfaces are apart, metres; 0 where they meet.
+    /// The distance of their surfaces, metres; 0 if they collide.
     pub gap: f64,
     /// On `a` and on `b`, metres: where they are closest, touch, or are deepest in each other.
     pub points: [Point; 2],
-    /// How many pairs of triangles meet.
+    /// The number of colliding pairs of triangles.
     pub triangles: u32,
-    /// The box around where they meet; where they do not, around `points`.
+    /// The box around the collision; without one, around `points`.
     pub bounds: Aabb,
     /// Whether `a` and `b` have no inside: none of their surfaces is closed.
     pub is_open: [bool; 2],

@@ -1,5 +1,5 @@
-//! The search for all pairs of parts that are too near each other: first what each pair is, then how near those are that do not meet,
-//! then how deep those are that do.
+//! The search for all pairs of parts that are too near each other: first the verdict of each pair, then the distances
+//! of pairs that do not collide, then the depths of those that do.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -120,19 +120,19 @@ pub struct ClashSearch<'a> {
 
 const STAGE: &str = "measuring depths";
 
-/// How many pairs were found, by what they are.
+/// The numbers of pairs found, by relation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ClashCounts {
     /// Pairs that cross.
     pub crossing: usize,
-    /// Pairs that meet and do not cross.
+    /// Pairs that collide and do not cross.
     pub touching: usize,
-    /// Pairs of which one holds the other and nothing meets.
+    /// Pairs of which one contains the other without a collision.
     pub held: usize,
     /// Pairs with the same triangles.
     pub duplicates: usize,
-    /// Pairs that are near and do not meet.
+    /// Pairs that are near and do not collide.
     pub near: usize,
 }
 
@@ -216,12 +216,12 @@ impl<'a> ClashSearch<'a> {
         self.is_complete
     }
 
-    /// Whether nothing was stopped so far.
+    /// Whether no step was stopped so far.
     pub fn is_complete(&self) -> bool {
         self.is_complete
     }
 
-    /// What was found so far.
+    /// The counts so far.
     pub fn counts(&self) -> ClashCounts {
         let mut counts = ClashCounts { near: self.gaps.len(), ..ClashCounts::default() };
         for related in self.related.values() {
@@ -416,7 +416,7 @@ impl<'a> ClashSearch<'a> {
             kind,
             translation: if verdict == Verdict::Contact { [0.0; 3] } else { way.translation },
             gap: way.gap,
-            // Of what meets nothing these are where it is closest.
+            // Of parts that meet nothing these are the closest places.
             points: depth.points.filter(|_| way.gap == 0.0).unwrap_or(way.points),
             triangles: way.triangles.min(u32::MAX as usize) as u32,
             bounds: way.bounds,

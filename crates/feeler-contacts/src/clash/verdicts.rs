@@ -1,4 +1,4 @@
-//! What two parts are to each other: by exact signs where nothing crosses, else by the depth by points.
+//! The relation of two parts: by exact signs if nothing crosses, else by the depth by points.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::point_depth::body::Body;
 use crate::point_depth::depth::{is_deeper, is_holding, is_same_surface};
 use crate::point_depth::walls::are_walls_crossing;
 
-/// How two parts meet, by exact signs.
+/// How two parts collide, by exact signs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
     /// They have the same triangles.
@@ -24,12 +24,12 @@ pub enum Relation {
     Held,
 }
 
-/// Two parts, how they meet and what they are to each other.
+/// Two parts, their collision and their relation.
 #[derive(Debug, Clone, Copy)]
 pub struct Related {
     pub parts: [u32; 2],
     pub relation: Relation,
-    /// `None`: both are open, and what the contact planes say is to decide.
+    /// `None`: both are open, and the contact planes decide.
     pub verdict: Option<Verdict>,
 }
 
@@ -52,7 +52,7 @@ impl Judge<'_> {
         })
     }
 
-    /// What two parts are to each other; `crossing` are two of their triangles that cross, where some do.
+    /// The relation of two parts; `crossing`: two of their triangles that cross, if any do.
     pub fn judge(&self, parts: [u32; 2], relation: Relation, crossing: Option<[u32; 2]>) -> Related {
         Related { parts, relation, verdict: self.verdict(parts, relation, crossing) }
     }

@@ -1,7 +1,8 @@
-//! The way out of a part: a translation of the smaller one of two parts, as a tool, where it is, that takes it out of the other.
+//! The way out of a part: a translation of the smaller one of two parts, taken as a tool at its place, out of the
+//! other.
 //!
-//! The shortest over all contact planes, if it frees the tool; else one that takes it beyond the other part along an axis or a face normal,
-//! which always does. Both are upper bounds of the least translation.
+//! It is the shortest over all contact planes, if that frees the tool; else one beyond the other part along an axis or
+//! a face normal, which always does. Both are upper bounds of the least translation.
 
 use feeler_core::clash::location::{locate, Location, LocationScratch};
 use feeler_core::clash::solids::Solids;
@@ -26,23 +27,23 @@ pub struct WayOut {
     pub plane_depth: f64,
     /// On the surface of the tool, and of the part: where that plane is, else where they touch or are closest.
     pub points: [Point; 2],
-    /// Pairs of triangles that meet.
+    /// Colliding pairs of triangles.
     pub triangles: usize,
     /// The box around where they do; where they do not, around `points`.
     pub bounds: Aabb,
-    /// How far surfaces are apart that do not meet.
+    /// The distance of surfaces that do not collide.
     pub gap: f64,
 }
 
 impl WayOut {
-    /// The same seen from the other side: what moves the one moves the other back.
+    /// The same seen from the other side: the opposite translation moves the other part.
     pub fn turned(self) -> WayOut {
         let [p, q] = self.points;
         WayOut { translation: scaled(&self.translation, -1.0), points: [q, p], ..self }
     }
 }
 
-/// Where two parts meet.
+/// The place of a collision of two parts.
 #[derive(Debug, Clone)]
 pub struct Met {
     /// How many pairs of triangles do.
@@ -73,7 +74,7 @@ pub struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// The way out of two parts that meet, or of which one is in the other (`is_within`).
+    /// The way out of two colliding parts, or of one inside the other (`is_within`).
     pub fn way_out(
         &self,
         is_within: bool,
@@ -112,7 +113,7 @@ impl Pair<'_> {
         [on_surface(tool, &along(&plane.point, plane.gap, &plane.normal)), on_surface(part, &plane.point)]
     }
 
-    /// Where two parts meet.
+    /// The place of the collision.
     pub fn meeting(&self) -> Met {
         self.met(self.other_alone.collide(self.tool, &Pose::IDENTITY).pairs.into_iter())
     }
@@ -260,7 +261,7 @@ fn on_surface(body: &Body, p: &Point) -> Point {
     body.closest(&sub(p, body.origin()), f64::INFINITY).map_or(*p, |closest| add(&closest.point, body.origin()))
 }
 
-/// Where two triangles that meet are closest.
+/// The closest points of two colliding triangles.
 pub fn touching_points([p, q]: &[Triangle; 2]) -> [Point; 2] {
     let closest = closest_triangle_triangle(p, q);
     [closest.on_p, closest.on_q]

@@ -1,4 +1,4 @@
-//! Counting sort: linear time, stable, of keys that are few but may be any numbers.
+//! Counting sort in linear time, stable, for few distinct keys of any size.
 
 use crate::containers::interner::Interner;
 

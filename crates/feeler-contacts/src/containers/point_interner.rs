@@ -28,7 +28,7 @@ pub(crate) struct Numbering<'a> {
 }
 
 impl PointInterner {
-    /// Begins anew, for at most so many points.
+    /// Begins anew, for at most `most` points.
     pub fn begin(&mut self, most: usize) -> Numbering<'_> {
         self.slots.clear();
         self.slots.resize((SLOTS_PER_POINT * most).next_power_of_two().max(2), 0);

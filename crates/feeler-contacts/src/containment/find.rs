@@ -1,9 +1,10 @@
-//! Containment: the tool wholly inside a part, or a part inside the tool, though no triangles meet.
+//! Containment: the tool wholly inside a part, or a part inside the tool, without colliding triangles.
 //!
-//! A connected surface that does not cross another lies wholly on one side of it, so one corner decides: it is inside where the
-//! winding number of the other surface around it is not zero. That is counted by ray crossings with exact signs (point in polyhedron)
-//! rather than as a sum of solid angles (A. Jacobson, L. Kavan, O. Sorkine-Hornung: Robust inside-outside segmentation using
-//! generalized winding numbers, 2013), since closed surfaces need no more. Open surfaces have no inside.
+//! A connected surface that does not cross another lies wholly on one side of it, so one corner decides: it is inside
+//! if the winding number of the other surface around it is not zero. That number is counted by ray crossings with exact
+//! signs (point in polyhedron) rather than as a sum of solid angles (A. Jacobson, L. Kavan, O. Sorkine-Hornung: Robust
+//! inside-outside segmentation using generalized winding numbers, 2013), since closed surfaces need no more. Open
+//! surfaces have no inside.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +18,7 @@ use super::tool_solid::ToolSolid;
 use crate::context::QueryContext;
 use crate::surface::Surface;
 
-/// What is inside what; pairs of a tool's and a mock-up's part, sorted, each once.
+/// Bodies inside others; pairs of a tool part and a mock-up part, sorted, each once.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Containment {
@@ -25,8 +26,8 @@ pub struct Containment {
     pub containing: Vec<[u32; 2]>,
     /// `[tool part, part]`: the tool's part holds one of the mock-up part's connected surfaces at least.
     pub contained: Vec<[u32; 2]>,
-    /// Parts of which it cannot be told: open ones, with a corner of the tool in their box, or with a corner in the box of a tool
-    /// that is open.
+    /// Parts that cannot be decided: open ones with a corner of the tool in their box, or with a corner in the box of
+    /// an open tool.
     pub unknown: Vec<u32>,
 }
 
@@ -111,7 +112,7 @@ struct Search<'a> {
     /// Parts whose boxes overlap the tool's.
     nearby: Vec<u32>,
     meeting: Meeting,
-    /// Corners of the tool (world) that were asked, each for all of its connected surfaces that nothing separates.
+    /// Corners of the tool (world) that were tested, each for all of its connected surfaces that nothing separates.
     corners: Vec<Point>,
     enough: usize,
     found: Containment,
@@ -147,7 +148,7 @@ impl<'a> Search<'a> {
         self.all.as_ref().unwrap_or(self.scene)
     }
 
-    /// Whether a pair of a tool's and a mock-up's part is asked for.
+    /// Whether a pair of a tool's and a mock-up's part is wanted.
     fn wants(&self, tool_part: u32, part: u32) -> bool {
         self.scene.index().selection().wants_parts(tool_part, part)
     }
@@ -164,7 +165,7 @@ impl<'a> Search<'a> {
                 group
             })
             .collect();
-        // Those that meet something are asked for themselves, at a corner that does not.
+        // Those that meet something are tested themselves, at a corner that does not.
         let mut members: Vec<(usize, u32)> = Vec::new();
         let mut alone: BTreeSet<u32> = BTreeSet::new();
         for (surface, end) in (0..).zip(&links.end_of) {
@@ -219,7 +220,7 @@ impl<'a> Search<'a> {
         let hull = candidates.iter().fold(Aabb::EMPTY, |hull, part| hull.union(&mockup.part_bounds()[*part as usize]));
         let Adjacency { outward, has_cracks, .. } = adjacency;
         let windings = |offset: &[f64; 2]| {
-            // A needle triangle, one edge of it the ray: what meets it is what meets the ray, and little more.
+            // A needle triangle, one edge of it the ray: it meets the triangles that the ray meets, and few more.
             let (q, wide) = (ray_end(p, &hull, offset), ray_end(p, &hull, &offset.map(|x| x + NEEDLE_WIDTH)));
             let needle = Tool::new(vec![*p, q, wide], vec![[0, 1, 2]]).ok()?;
             let mut windings = vec![0; candidates.len()];
@@ -459,7 +460,7 @@ mod tests {
             let one_in = of([outside.clone(), vec![at]].concat());
             assert_eq!(parts_in_containment(&held, &one_in, &Pose::IDENTITY), expected, "{at}");
             assert_eq!(has_containment(&held, &one_in, &Pose::IDENTITY), !expected.is_empty(), "{at}");
-            // In any order: what a side of a solid separates from the others is asked for itself.
+            // In any order: surfaces that a side of a solid separates from the others are tested themselves.
             assert!((2..6).contains(&apart(&one_in)), "{at} {}", apart(&one_in));
         }
         let same = of(vec![0.1; 50]);

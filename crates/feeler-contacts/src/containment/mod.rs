@@ -1,4 +1,4 @@
-//! What is inside what, though no triangles meet.
+//! Containment without colliding triangles.
 
 pub(crate) mod find;
 pub mod tool_solid;

@@ -1,4 +1,4 @@
-//! The closed surfaces of a tool, asked for points of the mock-up.
+//! The closed surfaces of a tool: tests whether they contain points of the mock-up.
 
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::mesh::topology::adjacency::Adjacency;

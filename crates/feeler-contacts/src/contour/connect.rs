@@ -41,7 +41,7 @@ pub(crate) fn connect_along_contour(context: &QueryContext<'_>, regions: &Contac
     }
 }
 
-/// Joins two contours on one large triangle where what lies between them is inside the other surface: a finer mesh has triangles
+/// Joins two contours on one large triangle where the surface between them is inside the other surface: a finer mesh has triangles
 /// there, which the flood fill would find. Their nearest segments decide: the line from one to the other must lead behind the
 /// other surface's face at one of them.
 pub(crate) fn connect_across_faces(surface: Surface, regions: &ContactRegions, sets: &mut DisjointSets) {

@@ -1,6 +1,6 @@
 //! Contact regions: connected intersection contours of the tool and one part, with the triangles that they enclose.
 //!
-//! A contour bounds the overlap of two surfaces. Neither it nor what it encloses depends on how finely the surfaces are
+//! A contour bounds the overlap of two surfaces. Neither it nor the region inside depends on how finely the surfaces are
 //! triangulated: tool triangles behind the part's surface and the part's triangles inside the tool, flood filled from the contour
 //! over shared edges.
 
@@ -23,7 +23,7 @@ pub(crate) struct Face {
     pub closed: bool,
     /// For each corner its side of the other surface.
     pub side: [Side; 3],
-    /// For each corner the segment that told its side, the nearest one; [`NONE`] where none did.
+    /// For each corner the nearest segment, which decided its side; [`NONE`] if none did.
     pub nearest: [u32; 3],
 }
 
@@ -33,7 +33,7 @@ impl Face {
         Face { id, corners, normal: [0.0; 3], closed, side: [Side::On; 3], nearest: [NONE; 3] }
     }
 
-    /// Whether the segment that told the side of corner `k` satisfies `is_of`.
+    /// Whether the segment that decided the side of corner `k` satisfies `is_of`.
     pub fn is_corner_of(&self, k: usize, is_of: impl Fn(u32) -> bool) -> bool {
         self.nearest[k] != NONE && is_of(self.nearest[k])
     }
@@ -46,14 +46,14 @@ pub(crate) struct Segment {
     pub faces: [u32; 2],
     /// Its points, a range of [`ContactRegions::points`]: two ends, or the corners of a polygon.
     pub points: (u32, u32),
-    /// Whether the two triangles lie in one plane: then it tells no side.
+    /// Whether the two triangles lie in one plane, so that it decides no side.
     pub flat: bool,
 }
 
 /// All contact regions of the tool and one part.
 #[derive(Debug, Default)]
 pub(crate) struct ContactRegions {
-    /// Triangles of the tool, and of the mock-up, that meet one of the other.
+    /// Triangles of the tool, and of the mock-up, that collide with one of the other.
     pub faces: [Vec<Face>; 2],
     pub segments: Vec<Segment>,
     pub points: Vec<Point>,
@@ -113,7 +113,7 @@ impl ContactRegions {
         &self.faces[surface][self.segments[segment as usize].faces[surface] as usize]
     }
 
-    /// The normal that tells the side of a face, and whether a solid is behind it.
+    /// The normal that defines the side of a face, and whether a solid is behind it.
     #[inline(always)]
     pub fn outward(&self, surface: Surface, face: u32) -> (Point, bool) {
         let face = &self.faces[surface][face as usize];

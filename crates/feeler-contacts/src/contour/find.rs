@@ -1,5 +1,5 @@
-//! Makes contact regions of the pairs of triangles that meet: segments, contours by union-find, sides of vertices, and a flood fill
-//! of what the contours enclose.
+//! Makes contact regions from the pairs of triangles that collide: segments, contours by union-find, sides of vertices,
+//! and a flood fill of the area that the contours enclose.
 
 use feeler_core::constants::NONE;
 use feeler_core::constants::WELD_SHARE;

@@ -1,5 +1,5 @@
-//! Intersection contours: the segments along which tool and part meet, the side of the other surface that vertices are on, and
-//! the triangles that contours enclose.
+//! Intersection contours: the segments along which tool and part intersect, the side of the other surface for each
+//! vertex, and the triangles that contours enclose.
 
 mod connect;
 pub(crate) mod contact_region;

@@ -1,7 +1,7 @@
-//! What two triangles that meet share, in float64: the intersection of their intervals on the common line of their planes (Moller:
-//! *A fast triangle-triangle intersection test*, 1997), or of triangles in one plane the polygon of Sutherland and Hodgman
-//! (*Reentrant polygon clipping*, 1974). The pair is known to meet, by exact arithmetic; where rounding leaves the intervals apart, they
-//! touch in the middle.
+//! The intersection of two colliding triangles, in float64: that of their intervals on the common line of their planes
+//! (Moller: *A fast triangle-triangle intersection test*, 1997), or for triangles in one plane the polygon of
+//! Sutherland and Hodgman (*Reentrant polygon clipping*, 1974). Exact arithmetic has shown that the pair collides;
+//! where rounding leaves the intervals apart, they touch in the middle.
 
 use crate::constants::PARALLEL_SINE;
 use crate::contour::contact_region::{Face, Segment};

@@ -1,9 +1,9 @@
-//! Sides of vertices: inside, on or outside the other surface, for the corners of triangles that meet it.
+//! Sides of vertices: inside, on or outside the other surface, for the corners of triangles that collide with it.
 //!
-//! The sign of a distance is that of the height over the nearest feature, which is ambiguous where that is an edge or a vertex
-//! (Baerentzen and Aanaes: *Signed distance computation using the angle weighted pseudonormal*, 2005). Here the features are the segments of
-//! the corner's own triangle, and no pseudonormals are needed: the line from a corner to the nearest of its segments crosses no other,
-//! so the height over that segment's face tells the side.
+//! The sign of a distance is that of the height over the nearest feature, which is ambiguous if that is an edge or a
+//! vertex (Baerentzen and Aanaes: *Signed distance computation using the angle weighted pseudonormal*, 2005). Here the
+//! features are the segments of the corner's own triangle, and no pseudonormals are needed: the line from a corner to
+//! the nearest of its segments crosses no other, so the height over that segment's face gives the side.
 
 use crate::constants::{EQUAL_SHARE, ON_PLANE_SHARE};
 use crate::context::QueryContext;
@@ -81,7 +81,7 @@ pub(crate) struct LineOffsets {
     height: Wide,
 }
 
-/// The nearest segments of the three corners of a face, and what they tell, one bit a corner.
+/// The nearest segments of the three corners of a face, and the sides that they imply, one bit a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NearestSegments {
     /// [`NONE`] where there is none.
@@ -157,7 +157,7 @@ impl Kernel for MeasureOffsets<'_> {
     }
 }
 
-/// Finds, for each face of one surface, the segments that tell the sides of its corners, and what they tell.
+/// Finds, for each face of one surface, the segments that decide the sides of its corners, and these sides.
 struct FindNearest<'a> {
     regions: &'a ContactRegions,
     surface: Surface,

@@ -1,5 +1,5 @@
-//! Sides of vertices in degenerate cases, where edges meet edges: a segment has no length or is in line with the corner, or two segments
-//! are equally near and equally steep.
+//! Sides of vertices in degenerate cases, where edges touch edges: a segment has no length or is in line with the
+//! corner, or two segments are equally near and equally steep.
 
 use crate::constants::{EQUAL_SHARE, ON_PLANE_SHARE, PROBE_SHARE, SAME_FOOT_SHARE};
 use crate::contour::contact_region::ContactRegions;
@@ -229,7 +229,7 @@ mod tests {
         let straight = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let [all, unknown, wrong] = corners_by_side(&straight);
         assert!(all > 100_000 && unknown == 0 && wrong == 0, "{unknown} and {wrong} of {all}");
-        // Turned, rounding parts some of what touched and lets other meet: what is left of a segment may be in line with the corner.
+        // Turned, rounding parts some of what touched and lets other meet: the rest of a segment may be in line with the corner.
         let turned = [[0.48, 0.64, -0.6], [-0.8, 0.6, 0.0], [0.36, 0.48, 0.8]];
         let [all, unknown, wrong] = corners_by_side(&turned);
         assert!(all > 100_000 && 50 * unknown < all && 2000 * wrong < all, "{unknown} and {wrong} of {all}");

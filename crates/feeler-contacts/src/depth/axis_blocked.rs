@@ -1,8 +1,8 @@
 //! Blocked axes: along them a surface continues beyond the contour, higher than its support within the region.
 //!
-//! A rod in a plate is not freed sideways by its own width, for there is more plate. The supports of a body are those of what
-//! the contour encloses; where the highest point lies on the contour and the surface rises from there on its far side, the
-//! support along that axis says nothing about how far the surface reaches, and the axis does not count. Blockers found are kept
+//! A rod in a plate is not freed sideways by its own width, because there is more plate. The supports of a body cover
+//! only the part inside the contour; if the highest point lies on the contour and the surface rises beyond it, the
+//! support along that axis does not show how far the surface reaches, and the axis does not count. Blockers are kept
 //! for each body, since one that blocks an axis mostly blocks others too.
 
 use crate::constants::{BLOCKING_RISE, BLOCKING_SHARE, BLOCKING_SINE};

@@ -1,4 +1,4 @@
-//! The search for the axis of least depth of two bodies: the best so far, and what is offered to it.
+//! The search for the axis of least depth of two bodies: the best one so far, and the comparison with new ones.
 
 use std::array::from_fn;
 
@@ -33,7 +33,7 @@ impl<'a> AxisSearch<'a> {
     /// The depth at and above which an axis cannot be the best; infinite where there is none yet.
     pub fn limit(&self) -> f64 {
         match self.best {
-            // At least twice the noise: below it axes are ranked by what the surfaces face.
+            // At least twice the noise: below it axes are ranked by the directions that the surfaces face.
             Some(best) => {
                 let least = best.depth();
                 (least - SHALLOWER * least.abs() - self.noise).max(2.0 * self.noise) + self.noise
@@ -83,7 +83,7 @@ impl<'a> AxisSearch<'a> {
         }
     }
 
-    /// Makes an axis the best if it is. Whether it is blocked is asked last: that costs most.
+    /// Makes an axis the best one if it is. Whether it is blocked is tested last, because that costs most.
     pub fn offer(&mut self, tried: &TriedAxis) -> bool {
         if let Some(best) = &self.best {
             let (depth, least) = (tried.depth(), best.depth());

@@ -1,9 +1,9 @@
-//! From the best axis among the normals and edges of two bodies to less depth between them, where surfaces are curved.
+//! Improves the best axis among the normals and edges of two bodies where surfaces are curved.
 //!
-//! The depth along an axis is the support function of the Minkowski difference; what follows is a search on the arcs of the Gauss
-//! map and gradient descent over the unit sphere. It finds a local minimum, an upper bound of the penetration depth. Expanding
-//! polytopes (G. van den Bergen: Proximity queries and penetration depth computation on 3D game objects, GDC 2001) find the
-//! global one of two convex sets and know of no axes that are blocked or lead in.
+//! The depth along an axis is the support function of the Minkowski difference. The descent searches arcs of the Gauss
+//! map, then follows the gradient over the unit sphere. It finds a local minimum, an upper bound of the penetration
+//! depth. Expanding polytopes (G. van den Bergen: Proximity queries and penetration depth computation on 3D game
+//! objects, GDC 2001) find the global one for two convex sets, but cannot exclude axes that are blocked or lead in.
 
 use crate::constants::{
     ARC_COSINES, DESCENT_EXTREME_SHARE, DESCENT_STEP_RATIO, MOST_ARC_ROUNDS, MOST_DESCENT_STEPS, SHORTEST_DESCENT_STEP,

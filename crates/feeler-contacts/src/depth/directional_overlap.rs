@@ -1,11 +1,13 @@
-//! The directional overlap of two bodies: how far the tool has to move along one axis until none of their triangles overlap.
+//! The directional overlap of two bodies: how far the tool must move along one axis until none of their triangles
+//! overlap.
 //!
-//! Of two convex bodies that is the depth along the axis of least depth. But bodies of surfaces that lie in each other's hollows,
-//! as the teeth of two racks or the threads of bolt and nut, reach over these hollows: a plane between them is as deep as the
-//! teeth are high, and the overlap may be a hundredth of that.
+//! For two convex bodies that is the depth along the axis of least depth. Bodies whose surfaces lie in each other's
+//! hollows, such as the teeth of two racks or the threads of bolt and nut, extend over these hollows: a plane between
+//! them is as deep as the teeth are high, while the overlap may be a hundredth of that.
 //!
-//! The triangles are projected across the axis; the height of the mock-up's surface over the tool's is linear over what two
-//! triangles share there, so the most is at a corner of it: a corner of one within the other, or a crossing of their edges.
+//! The triangles are projected across the axis. The height of the mock-up's surface over the tool's is linear over the
+//! intersection of two projected triangles, so its maximum is at a corner: a corner of one within the other, or a
+//! crossing of their edges.
 
 use std::ops::Range;
 
@@ -63,8 +65,9 @@ impl DirectionalOverlap {
         }
     }
 
-    /// The greatest overlap of facets of tool and mock-up along an axis, metres, with the mock-up's point there; the first that
-    /// is `enough`. Negative infinity where none is more than `least`. `None` where these are too many triangles to tell.
+    /// The greatest overlap of facets of tool and mock-up along an axis, metres, with the mock-up's point there; the
+    /// first that is `enough`. Negative infinity if none exceeds `least`. `None` if there are too many triangles to
+    /// decide.
     pub fn greatest(
         &mut self,
         context: &QueryContext<'_>,

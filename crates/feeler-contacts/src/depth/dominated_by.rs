@@ -1,12 +1,13 @@
-//! Dominance: when a plane that was found makes the plane of another pair of bodies needless.
+//! Dominance: when a known plane makes the plane of another pair of bodies unnecessary.
 //!
-//! A plane dominates a pair of bodies of its region where
+//! A plane dominates a pair of bodies of its region if
 //!
 //! 1. it faces as the pair's own plane would: their normals are within an angle; and
 //! 2. it separates the pair as well: along its normal the pair is no deeper than the plane. Where the plane is an
 //!    [overlap](super::directional_overlap), which separates nothing, the pair overlaps along it by no more.
 //!
-//! A pair is asked up to three times, each time with more known of it ([`OwnPlane`]), so that most pairs are never searched.
+//! A pair is tested up to three times, each time with more known of it ([`OwnPlane`]), so that most pairs are never
+//! searched.
 
 use crate::constants::{DOMINATED_COSINE, SAME_DIRECTION, SAME_PLANE, SHALLOWER};
 use crate::context::QueryContext;
@@ -167,7 +168,7 @@ mod tests {
             }
             assert!(!OwnPlane::Face(&FaceDepth { axis: None, ..face }).is_facing_as(&other(0.0)));
         }
-        // Of what is walled in a body must be shared.
+        // Walled-in regions must share a body.
         for (bodies, is_facing) in [([3, 0], true), ([0, 4], true), ([4, 3], false)] {
             assert_eq!(OwnPlane::WalledIn(bodies).is_facing_as(&own), is_facing, "{bodies:?}");
         }

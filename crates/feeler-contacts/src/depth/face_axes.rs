@@ -1,4 +1,4 @@
-//! Face axes: how deep two bodies are in each other along the normals of both, where the search for their least depth begins.
+//! Face axes: the depth of two bodies along the normals of both, where the search for their least depth begins.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -26,7 +26,7 @@ pub(crate) struct FaceDepth {
 }
 
 impl FaceDepth {
-    /// Metres; less than any where there is no axis.
+    /// Metres; less than any depth if there is no axis.
     pub fn depth(&self) -> f64 {
         self.axis.map_or(f64::NEG_INFINITY, |f| f.depth())
     }

@@ -4,7 +4,8 @@
 //! axis test between convex polyhedra, GDC 2013, tests the one where it crosses an arc of the other body; here surfaces are
 //! curved and the other side has any number of points). The depth is the support function of the Minkowski difference, convex
 //! over vectors, and a support point bounds it from below everywhere. Between two axes whose support points are known it is least
-//! at one of them, or nowhere less than where the two bounds are equal: that axis is tried next, until the bound is met.
+//! at one of them, or nowhere less than where the two bounds are equal: that axis is tried next, until the bound is
+//! reached.
 
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{along, dot, scaled, sub, unit};

@@ -1,11 +1,12 @@
-//! The least depth of two bodies: along which axis the tool has to move least until a plane across it separates them.
+//! The least depth of two bodies: the axis along which the tool has to move least until a plane across it separates
+//! them.
 //!
 //! Along a unit direction d the depth is the mock-up's support less the tool's lowest height. The least of it over all d is the
 //! penetration depth of convex polyhedra (S. Cameron: Enhancing GJK, ICRA 1997), found at a face normal of one of the two or
 //! across an edge of each: separating axes on the Gauss map (D. Gregorius: The separating axis test between convex polyhedra, GDC
-//! 2013). For curved surfaces, which have too many edges for that, a short [`descent`](super::descent) follows. Deviating from
-//! both, axes that lead in or are [blocked](super::axis_blocked) do not count, and where the triangles overlap by clearly less
-//! than the depth, that [overlap](super::directional_overlap) is the depth.
+//! 2013). For curved surfaces, which have too many edges for that, a short [`descent`](super::descent) follows.
+//! Deviating from both, axes that lead in or are [blocked](super::axis_blocked) do not count, and if the triangles
+//! overlap by clearly less than the depth, that [overlap](super::directional_overlap) is the depth.
 
 use feeler_core::Point;
 
@@ -143,7 +144,7 @@ impl BodyPair<'_> {
         depth.overlap == Overlap::Filled
     }
 
-    /// Replaces a depth by the overlap where that is less; where it is no more than `least` (metres), by that bound.
+    /// Replaces a depth by the overlap if that is less; if it is at most `least` (metres), by that bound.
     pub fn measure(&self, context: &QueryContext<'_>, depth: &mut Depth, least: f64, scratch: &mut DepthScratch) {
         self.is_filled(context, depth, scratch);
         match depth.overlap {

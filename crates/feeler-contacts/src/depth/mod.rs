@@ -1,4 +1,4 @@
-//! Depth: along which axis two bodies have to be moved least until a plane separates them.
+//! Depth: the axis along which two bodies have to move least until a plane separates them.
 
 pub(crate) mod axis;
 mod axis_blocked;

@@ -1,4 +1,4 @@
-//! The bodies of tool and mock-up in one contact region, and which of them meet.
+//! The bodies of tool and mock-up in one contact region, and which of them collide.
 
 use feeler_core::geometry::vectors::scaled;
 
@@ -59,7 +59,7 @@ impl<'a> RegionBodies<'a> {
         shared(self.bodies[Surface::Tool].segments.get(t), self.bodies[Surface::Mockup].segments.get(m))
     }
 
-    /// Whether one of the two is off the contour, walled in by others of its surface: it meets what they meet.
+    /// Whether one of the two is off the contour, enclosed by others of its surface: it collides with the same bodies.
     pub fn is_walled_in(&self, [t, m]: [usize; 2]) -> bool {
         !(self.bodies[Surface::Tool].is_on_contour(t) && self.bodies[Surface::Mockup].is_on_contour(m))
     }

@@ -33,7 +33,7 @@ pub(crate) fn find_planes(
 }
 
 /// Finds the least depths of pairs that nothing found before dominates. First those of pairs that share segments of the contour,
-/// since mostly one of these dominates what is walled in.
+/// since mostly one of these dominates the walled-in bodies.
 fn find_depths(
     bodies: &RegionBodies<'_>,
     filter: AxisFilter,

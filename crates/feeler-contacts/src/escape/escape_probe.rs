@@ -1,6 +1,7 @@
-//! Escape by trial, where contact planes show none: translations along many directions, ever longer, until the tool is free.
+//! Escape by trial, if contact planes yield none: translations along many directions, ever longer, until the tool is
+//! free.
 //!
-//! Straight translations to a free end; what lies between is not asked (that would be motion planning).
+//! Only the end of each translation is tested, not the motion (that would be motion planning).
 
 use feeler_core::geometry::vectors::{across, add, along, length, scaled, sub, unit};
 use feeler_core::{Aabb, Gap, Point, Pose, Result, Scene, Tool};
@@ -37,7 +38,7 @@ pub(crate) fn probe_axes(scene: &Scene, tool: &Tool, pose: &Pose, axes: &[Point]
     let (mut length, mut direction) = loop {
         let mut shortest: Option<(f64, Point)> = None;
         for d in axes {
-            // Only lengths that would be clearly shorter than the best are asked.
+            // Only lengths that would be clearly shorter than the best are tried.
             let most = shortest.map_or(reach, |(length, _)| (1.0 - PROBE_OTHER_SHORTER) * length);
             if most > least && is_free(d, most) {
                 shortest = Some((bisect(d, before, most), *d));

@@ -1,4 +1,4 @@
-//! Escape: the shortest translation that frees the tool, and what lies wholly inside a solid.
+//! Escape: the shortest translation that frees the tool, also from the inside of a solid.
 
 pub(crate) mod escape_probe;
 pub(crate) mod min_norm;

@@ -1,9 +1,9 @@
-//! Penetration: the translation of least length that frees the tool.
+//! Penetration: the shortest translation that frees the tool.
 //!
-//! The contact planes are linear inequalities on the translation, and its least-norm point is the candidate. The moved tool is
-//! checked exactly; where it still meets something, the planes of the new pose are added and the least-norm point is found anew
-//! (cutting planes). It is an upper bound of the least: of convex polyhedra that cross with few faces it is the least mostly, and of
-//! others there may be a shorter one.
+//! The contact planes are linear inequalities on the translation, and its least-norm point is the candidate. The moved
+//! tool is tested exactly; if it still collides, the planes of the new pose are added and the least-norm point is
+//! computed again (cutting planes). The result is an upper bound: for convex polyhedra that cross with few faces it is
+//! mostly the least one; for others a shorter one may exist.
 
 use feeler_core::geometry::vectors::{add, dot, length, scaled, unit};
 use feeler_core::{Point, Pose, Result, Tool};
@@ -37,9 +37,9 @@ pub struct Penetration {
     pub translation: Point,
     /// Its length, metres.
     pub depth: f64,
-    /// What it is.
+    /// Its kind.
     pub kind: PenetrationKind,
-    /// The contact planes at the pose, with those of what is near unless deep ones fill the answer.
+    /// The contact planes at the pose, with those of near surfaces unless deep ones fill the answer.
     pub contacts: Contacts,
 }
 

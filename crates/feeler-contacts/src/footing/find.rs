@@ -1,11 +1,11 @@
-//! The footing of a contact plane: up to four points of the tool that carry the contact, so that a control loop which holds them off
-//! the plane holds the whole surface off it.
+//! The footing of a contact plane: up to four points of the tool that carry the contact, so that a control loop which
+//! keeps them in front of the plane keeps the whole surface there.
 //!
-//! A turn by up to [`FOOTING_TURN`] can bring to the plane only what is lowest along some direction within that angle of the normal.
-//! So the support points along a ring of such directions, of the convex bodies that carry the contact, span the footing of the tool
-//! and that of the mock-up; what both have in common (Sutherland, Hodgman 1974, across the normal) carries. Of more than four
-//! corners the one edge after the other is left out whose neighbours, lengthened, add the least area: the footing never lies within
-//! what it stands for.
+//! A rotation by up to [`FOOTING_TURN`] can bring to the plane only points that are lowest along some direction within
+//! that angle of the normal. The support points of the convex bodies in contact, along a ring of such directions,
+//! therefore span the footing of the tool and that of the mock-up; their intersection (Sutherland, Hodgman 1974, across
+//! the normal) carries. If it has more than four corners, edges are removed one after the other: the one whose
+//! neighbours, lengthened, add the least area. So the reduced footing always contains the full one.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl Frame<'_> {
         };
         let mut sides = [Vec::new(), Vec::new()];
         for (i, surface) in [&lower, &upper].into_iter().enumerate() {
-            // A body that ends at the plane is asked as a whole; of others what is over the other's outline.
+            // A body that ends at the plane is taken as a whole; of others the part over the other's outline.
             let is_whole = ends(&whole[i], levels[i]);
             let over = || surface.over(&half_planes(&across_hull(&whole[1 - i]), wider));
             sides[i] =
@@ -178,7 +178,7 @@ impl Carrier<'_> {
         while let Some(t) = next.pop() {
             let feet = (self.corners)(t).map(|p| (self.foot)(&p));
             let inside = cut_to(&feet, within);
-            // Where nothing of a triangle is within, its neighbours are asked all the same as long as few were.
+            // Where nothing of a triangle is within, its neighbours are tested all the same as long as few were.
             if !inside.is_empty() || seen.len() < FOOTING_FEW_ASKED {
                 let beside = self.adjacency.neighbours[t as usize].into_iter().filter(|n| *n != NONE);
                 next.extend(beside.filter(|n| is_own(*n) && seen.len() < FOOTING_MOST_ASKED && seen.insert(*n)));
@@ -189,7 +189,7 @@ impl Carrier<'_> {
     }
 }
 
-/// The rectangle around what carries, along the direction in which that rises most: two of its corners are as low as what is lowest.
+/// The rectangle around the carrying points, along the direction in which they rise most: two of its corners are as low as the lowest.
 fn rectangle(feet: &[Foot]) -> Vec<Foot> {
     let mean = |of: &dyn Fn(&Foot) -> f64| feet.iter().map(of).sum::<f64>() / feet.len() as f64;
     let (x, y, h) = (mean(&|f| f.at[0]), mean(&|f| f.at[1]), mean(&|f| f.height));
@@ -214,7 +214,7 @@ fn rectangle(feet: &[Foot]) -> Vec<Foot> {
     vec![corner(low, left), corner(high, left), corner(high, right), corner(low, right)]
 }
 
-/// Lowers a footing until nothing that carries is below it.
+/// Lowers a footing until no carrying point is below it.
 fn settle(feet: &mut [Foot], common: &[Foot], carried: &[Foot]) {
     let inside = |p: &Foot| half_planes(common, 0.0).iter().all(|(n, limit)| n[0] * p.at[0] + n[1] * p.at[1] <= *limit);
     let low = common.iter().chain(carried.iter().filter(|p| common.len() > 2 && inside(p)));

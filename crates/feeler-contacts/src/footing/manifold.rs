@@ -1,9 +1,11 @@
-//! The contact manifolds of a free pose: the planes of all that is near, each with the points of the tool that it carries.
+//! The contact manifolds of a free pose: the planes of all near surfaces, each with the points of the tool that carry
+//! it.
 //!
-//! A plane separates many pairs of triangles. What of the tool's triangles is over the mock-up's, and the other way round, has points
-//! that a turn by up to [`MANIFOLD_TURN`] can bring to the plane: the lowest along a ring of directions.
-//! Where both polygons overlap the plane is carried, and holding the corners there off it holds the surfaces apart. Unlike the footing
-//! of one plane (`find.rs`) nothing is asked of whole bodies: all that is needed was measured when the planes were found.
+//! A plane separates many pairs of triangles. Where the tool's triangles lie over the mock-up's, and the other way
+//! round, some points can reach the plane by a rotation of up to [`MANIFOLD_TURN`]: the lowest along a ring of
+//! directions. Where both polygons overlap the plane is carried, and keeping the corners there off it keeps the
+//! surfaces apart. Unlike the footing of one plane (`find.rs`) this needs no whole bodies: everything was measured when
+//! the planes were found.
 
 use feeler_core::geometry::vectors::{across, add, along, dot, scaled, sub};
 use feeler_core::{Point, Triangle};
@@ -63,7 +65,7 @@ pub struct Manifolds {
     pub margin: f64,
 }
 
-/// The manifold of a plane, given what it separates; `size` is the tool's length, metres.
+/// The manifold of a plane, given the surfaces that it separates; `size` is the tool's length, metres.
 pub(crate) fn manifold(
     lanes: Checked,
     plane: &ContactPlane,

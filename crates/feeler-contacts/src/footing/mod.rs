@@ -1,5 +1,5 @@
-//! The points of the tool that carry a contact: of a plane that [`contacts`](crate::ContactSolver::contacts) found, and at a free pose
-//! of all planes at once.
+//! The points of the tool that carry a contact: for one plane found by [`contacts`](crate::ContactSolver::contacts),
+//! and for all planes of a free pose at once.
 
 pub(crate) mod find;
 pub(crate) mod manifold;

@@ -1,4 +1,4 @@
-//! Polygons across the normal of a plane, whose points have a height along it: what carries a contact.
+//! Polygons across the normal of a plane, whose points have a height along it: the area that carries a contact.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -153,7 +153,7 @@ pub(crate) struct Cutter {
 }
 
 impl Cutter {
-    /// Appends to `out` what of a convex polygon is within half-planes.
+    /// Appends to `out` the part of a convex polygon within half-planes.
     pub fn cut_to(&mut self, feet: &[Foot], within: &[([f64; 2], f64)], out: &mut Vec<Foot>) {
         let Cutter { left, before } = self;
         left.clear();
@@ -207,7 +207,7 @@ pub(crate) fn half_planes(feet: &[Foot], wider: f64) -> Vec<([f64; 2], f64)> {
     }
 }
 
-/// Leaves out what is next to a neighbour, or in line with both: nearer than a share of the whole, and than a length.
+/// Leaves out corners next to a neighbour, or in line with both: nearer than a share of the whole, and than a length.
 pub(crate) fn merge(feet: &mut Vec<Foot>, least: f64) {
     let apart = |p: &Foot, q: &Foot| (p.at[0] - q.at[0]).hypot(p.at[1] - q.at[1]);
     let size = feet.iter().flat_map(|p| feet.iter().map(move |q| apart(p, q))).fold(0.0, f64::max);

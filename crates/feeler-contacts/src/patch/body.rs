@@ -1,4 +1,4 @@
-//! Convex bodies as the depth search reads them: facets, points in lanes, and how far the points reach along the
+//! Convex bodies in the form for the depth search: facets, points in lanes, and how far the points extend along the
 //! facets' normals.
 
 use crate::constants::MOST_NORMALS;
@@ -268,7 +268,7 @@ impl Bodies {
     }
 }
 
-/// Number of edges that so many facets can have: their pairs.
+/// Most edges between `facets` facets: the number of their pairs.
 pub(crate) fn edge_count(facets: usize) -> usize {
     facets * facets.saturating_sub(1) / 2
 }

@@ -1,15 +1,15 @@
 //! Patches grouped into convex bodies: a greedy cover of the patches by cliques of mutually compatible ones.
 //!
-//! Two patches are compatible if the middle of neither stands out over the plane of the other by more than
-//! [`HOLLOW`](crate::constants::HOLLOW). Patches are taken largest first, and each joins the first body with all of
-//! whose patches it is compatible. The result is an approximate convex decomposition of the surface (Lien & Amato 2004,
-//! who cut a solid along its notches until each part is convex enough); here patches are only grouped and never cut,
-//! since the depth search needs no more than a set of half-spaces and a set of points for each body.
+//! Two patches are compatible if the middle of neither extends over the plane of the other by more than
+//! [`HOLLOW`](crate::constants::HOLLOW). Patches are taken largest first, and each joins the first body whose patches
+//! are all compatible with it. The result is an approximate convex decomposition of the surface (Lien & Amato 2004, who
+//! cut a solid along its notches until each part is convex enough); here patches are only grouped and never cut, since
+//! the depth search needs only a set of half-spaces and a set of points for each body.
 //!
-//! Bodies are grouped anew in each contact region, and are not those of the mesh (`Adjacency::body_of`), which give a
-//! contact its identity: two faces beside a convex edge bound one body there, although far away one of them may stand
-//! out over the plane of the other. With the bodies of the mesh, a tooth in its slot would get planes for parts of its
-//! walls, and waves that fit each other would lose theirs.
+//! Bodies are grouped anew in each contact region, and differ from those of the mesh (`Adjacency::body_of`), which give
+//! a contact its identity: two faces beside a convex edge bound one body there, although far away one of them may
+//! extend over the plane of the other. With the bodies of the mesh, a tooth in its slot would get planes for parts of
+//! its walls, and waves that fit each other would lose theirs.
 
 use crate::containers::bit_set::{is_meeting, BitSets};
 use crate::patch::patch_lanes::PatchLanes;

@@ -1,5 +1,5 @@
-//! A filter of points by half-spaces: above and below the planes of which patches they clearly are, sixteen patches at
-//! once.
+//! A filter of points by half-spaces: finds the patches whose planes they are clearly above or below, sixteen patches
+//! at once.
 
 use crate::constants::HOLLOW;
 use crate::containers::bit_set::BitSets;

@@ -1,4 +1,4 @@
-//! Which points lie in the intersection of half-spaces: above none of the planes of some patches, eight patches at
+//! Finds the points in the intersection of half-spaces: above none of the planes of some patches, eight patches at
 //! once.
 
 use crate::patch::patch_lanes::{EightPlanes, PatchLanes};

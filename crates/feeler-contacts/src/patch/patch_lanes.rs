@@ -31,8 +31,8 @@ pub(super) struct EightPlanes {
     pub normal: [Wide; 3],
     pub at: [Wide; 3],
     pub middle: [Wide; 3],
-    /// Square of the least sine, seen from the middle, of what stands out over the plane: [`HOLLOW_OF_PLANE`] of flat
-    /// patches, [`HOLLOW`] of others.
+    /// Square of the least sine, seen from the middle, of points that count as above the plane: [`HOLLOW_OF_PLANE`] for
+    /// flat patches, [`HOLLOW`] for others.
     pub share: Wide,
 }
 

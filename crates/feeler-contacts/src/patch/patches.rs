@@ -1,8 +1,9 @@
 //! One surface of a contact region as a few patches of nearly one normal, however many triangles it is cut into.
 //!
 //! The patches come from region growing: smooth regions are grown once for a mesh ([`smooth_regions`]), and a patch is
-//! what a contact region has of one of them. Variational shape approximation (Cohen-Steiner et al. 2004) would fit the
-//! patches better, but iterates, and its patches change from pose to pose; a smooth region is the same at every pose.
+//! the share of a contact region in one of them. Variational shape approximation (Cohen-Steiner et al. 2004) would fit
+//! the patches better, but it iterates, and its patches change from pose to pose; a smooth region is the same at every
+//! pose.
 //!
 //! [`smooth_regions`]: feeler_core::mesh::topology::smooth_regions
 
@@ -134,7 +135,7 @@ impl Patches {
         self.finish(context.lanes);
     }
 
-    /// Adds what the contour leaves of the triangles it crosses: the ends of their segments, and the corners inside the
+    /// Adds the rests of the triangles that the contour crosses: the ends of their segments, and the corners inside the
     /// other.
     fn push_contour_faces(&mut self, regions: &ContactRegions, region: usize, surface: Surface) {
         let face_of = |c: &u32| regions.segments[*c as usize].faces[surface];

@@ -1,4 +1,4 @@
-//! The bodies of a mock-up's parts: each is made when first asked for, and kept as long as they are not too many.
+//! The bodies of a mock-up's parts: made on demand, and cached up to a limit.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -57,7 +57,7 @@ impl Kept {
         let mut oldest: Vec<(u64, u32, usize)> =
             self.of_part.iter().map(|(part, (body, when))| (*when, *part, body.len())).collect();
         oldest.sort_unstable();
-        // By half, so that this is seldom; what was asked for last stays.
+        // By half, so that this is seldom; the body used last stays.
         let enough = (MOST_KEPT_TRIANGLES / 2).max(2 * largest);
         oldest.pop();
         for (_, part, triangles) in oldest {

@@ -1,4 +1,5 @@
-//! The surface of a part under a tree of boxes, for points: which of its points is closest, and whether a point is inside it.
+//! The surface of a part under a tree of boxes, for queries of points: the closest point of the surface, and whether a
+//! point is inside.
 
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::geometry::vectors::{add, along, cross, dot, precise_normal, scaled, sub};
@@ -8,13 +9,13 @@ use feeler_core::{Aabb, Point, Triangle};
 use super::tree::Tree;
 use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS};
 
-/// A little more than 1: above the rounding of heights over planes. It is no bound of distances, only of what is looked at.
+/// A little more than 1: above the rounding of heights over planes. It bounds no distance, only the search.
 const ABOVE: f64 = 1.0 + 1e-6;
 
 /// Corners of a sample.
 const SAMPLE: usize = 32;
 
-/// What is closest to a point.
+/// The closest point of a body to a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Closest {
     /// Metres.
@@ -71,7 +72,7 @@ impl Body {
         }
     }
 
-    /// What is added to points that are relative to it to have them in the world.
+    /// The origin of its points, in the world.
     pub fn origin(&self) -> &Point {
         &self.origin
     }
@@ -81,7 +82,7 @@ impl Body {
         &self.bounds
     }
 
-    /// What rounding may move points by that are computed near it, metres.
+    /// The largest rounding error of points computed near it, metres.
     pub fn rounding(&self) -> f64 {
         self.rounding
     }

@@ -1,4 +1,4 @@
-//! Bodies for the tests here, and what every triangle says of a point.
+//! Bodies for the tests here, and point queries over every triangle.
 
 use feeler_core::{Aabb, Mockup, Point, Triangle};
 use feeler_shapes::random::Random;

@@ -1,4 +1,4 @@
-//! The depth by points of two bodies, whether it is more than a limit, and whether two surfaces are the same.
+//! The depth by points of two bodies, whether it exceeds a limit, and whether two surfaces are the same.
 
 use feeler_core::Point;
 

@@ -1,4 +1,4 @@
-//! The distances of a piece's corners to triangles of the other body, and what they bound.
+//! The distances of a piece's corners to triangles of the other body, and the bounds that follow.
 
 use feeler_core::Point;
 
@@ -110,7 +110,7 @@ impl<'a> Distances<'a> {
         &corners[farthest]
     }
 
-    /// What bounds both parts after a cut, as far as these triangles say; `None` where nothing is cut.
+    /// The bounds of both parts after a cut, from these triangles; `None` if nothing is cut.
     pub fn bounds_after(&self, plane: &Plane, size: f64) -> Option<[f64; 2]> {
         let corners = self.corners;
         let heights: Vec<f64> = corners.iter().map(|corner| plane.height(&corner.at)).collect();

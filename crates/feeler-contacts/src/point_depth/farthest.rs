@@ -1,9 +1,10 @@
-//! The farthest that a point of one surface is from another surface, of those points that are inside the other body, outside it, or of
-//! all: by branch and bound over the tree of the one surface and then over convex pieces of its triangles, the largest bound first.
+//! The largest distance of a point of one surface from another surface, among the points inside the other body, outside
+//! it, or all: by branch and bound over the tree of the one surface and then over convex pieces of its triangles, the
+//! largest bound first.
 //!
-//! A piece is bounded by the distances of its corners to one triangle, since a distance to a convex set is largest at a corner: a long
-//! facet beside another is bounded as it is, and needs no small pieces. A piece that the other surface parts is cut there; one that it
-//! does not part is inside or outside as any point of it is.
+//! A piece is bounded by the distances of its corners to one triangle, since a distance to a convex set is largest at a
+//! corner: a long facet beside another is bounded as it is, and needs no small pieces. A piece that the other surface
+//! cuts is split there; any other piece lies on one side, and any of its points decides which.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -31,7 +32,7 @@ pub enum Counted {
     All,
 }
 
-/// What is asked of the distance.
+/// The question about the distance.
 #[derive(Debug, Clone, Copy)]
 pub enum Asked {
     /// The distance itself, within the error of depths.
@@ -45,7 +46,7 @@ pub enum Asked {
 pub struct Farthest {
     /// It is no less, metres.
     pub lower: f64,
-    /// It is no more, metres; infinite where it was only asked whether it is more than something, and it is.
+    /// It is no more, metres; infinite if the question was only whether it exceeds a limit, and it does.
     pub upper: f64,
     /// In which direction that is.
     pub direction: usize,
@@ -112,7 +113,7 @@ struct Search<'a, const N: usize> {
     lower: f64,
     /// The direction, and the points in its order.
     points: Option<(usize, [Point; 2])>,
-    /// The largest bound of what was left out.
+    /// The largest bound of the boxes left out.
     left_out: f64,
     heap: BinaryHeap<Entry>,
     corners: [CornerCache; N],

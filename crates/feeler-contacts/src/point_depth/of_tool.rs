@@ -1,4 +1,4 @@
-//! How deep a tool is in each part that it meets, or that holds it.
+//! The depth of a tool in each part that it collides with, or that contains it.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;

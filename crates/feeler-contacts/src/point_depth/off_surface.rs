@@ -1,5 +1,6 @@
-//! Whether a convex set of points is off a surface as a whole. If it is, and on the other side of the surface than it was before it was
-//! moved, none of its points was farther from the surface than it was moved: its way has met the surface.
+//! Whether a convex set of points is off a surface as a whole. If it is, and if it was on the other side before it was
+//! moved, the motion crossed the surface, so none of its points was farther from the surface than the length of the
+//! motion.
 
 use feeler_core::geometry::vectors::{cross, dot, sub};
 use feeler_core::{Aabb, Point, Triangle};

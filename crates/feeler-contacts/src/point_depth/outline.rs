@@ -1,4 +1,4 @@
-//! A convex polygon in a triangle of the one surface, and where the other surface parts it.
+//! A convex polygon in a triangle of one surface, and where the other surface cuts it.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, precise_normal, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};

@@ -1,4 +1,4 @@
-//! A convex piece of a triangle: where the other surface cuts it, and how it is cut on.
+//! A convex piece of a triangle: where the other surface cuts it, and how it is split further.
 
 use feeler_core::geometry::vectors::{cross, dot, length, precise_normal, scaled, sub};
 use feeler_core::{Aabb, Point, Triangle};
@@ -18,7 +18,7 @@ pub struct Piece {
     sense: i8,
     /// No point of it is farther from the other surface, metres.
     pub upper: f64,
-    /// The triangle that says so.
+    /// The triangle that shows it.
     pub witness: u32,
     /// Whether mixtures of distances bound it already.
     is_mixed: bool,
@@ -27,7 +27,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// A polygon, each corner with what is closest to it.
+    /// A polygon, each corner with its closest point.
     pub fn new(outline: &Outline, body: &Body, cache: &mut CornerCache) -> Option<Piece> {
         let mut corners: Vec<Corner> = Vec::with_capacity(outline.points.len());
         for p in &outline.points {

@@ -1,4 +1,4 @@
-//! A tree of boxes over triangles, four to a node, so that a point, a box or a segment is asked of four at once.
+//! A tree of boxes over triangles, four to a node, so that a point, a box or a segment is tested against four at once.
 
 use feeler_core::geometry::vectors::add;
 use feeler_core::{Aabb, Point, Triangle};
@@ -15,10 +15,10 @@ const NOTHING: u32 = u32::MAX;
 /// Share by which squares of distances in float32 are less than they are computed, so that they are bounds.
 const BELOW: f32 = 1.0 - 1e-6;
 
-/// More than nodes of any path from the root, times the boxes that wait at each: a median halves what is below.
+/// More than nodes of any path from the root, times the boxes that wait at each: a median halves the triangles below.
 const MOST_WAITING: usize = 128;
 
-/// Four boxes, an axis after the other, and what is in each.
+/// Four boxes, an axis after the other, and the content of each.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 struct Node {
@@ -97,7 +97,7 @@ impl Node {
     }
 }
 
-/// What is in a box of the tree.
+/// The content of a box of the tree.
 #[derive(Debug, Clone, Copy)]
 pub enum Inside {
     /// More boxes: a node.
@@ -124,7 +124,7 @@ impl Tree {
         (Tree { nodes }, order)
     }
 
-    /// What is in the boxes of a node, and the boxes; the root is 0.
+    /// The contents of the boxes of a node, and the boxes; the root is 0.
     pub fn boxes(&self, node: u32) -> impl Iterator<Item = (Inside, Aabb)> + '_ {
         let node = self.nodes.get(node as usize).unwrap_or(&Node::EMPTY);
         node.child.iter().enumerate().filter(|(_, child)| **child != NOTHING).map(|(lane, child)| {
@@ -136,8 +136,8 @@ impl Tree {
         })
     }
 
-    /// Hands over the triangles that may be nearer to a point than the best, whose square distance `measure` tells for each: the near boxes
-    /// first.
+    /// Calls `measure` with the triangles that may be nearer to a point than the best; it returns the squared distance
+    /// of each. Near boxes come first.
     #[inline(always)]
     pub fn for_each_near(&self, p: &Point, mut best: f64, mut measure: impl FnMut(u32) -> f64) {
         if self.nodes.is_empty() {
@@ -180,8 +180,8 @@ impl Tree {
         }
     }
 
-    /// No less than the greatest height along a normal, of which `height` tells that of a triangle, and by no more than `slack` above it:
-    /// of many triangles at nearly one height only some are looked at.
+    /// At least the greatest height along a normal, from `height` of a triangle, and at most `slack` above it: of many
+    /// triangles at nearly one height only some are evaluated.
     pub fn greatest(&self, normal: &Point, slack: f64, height: impl Fn(u32) -> f64) -> f64 {
         let (mut best, mut left_out) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         let mut waiting = [(0u32, f64::INFINITY); MOST_WAITING];

@@ -1,8 +1,8 @@
-//! Culls the candidate pairs of one part before distances are measured: those that planes separate as whole triangles, that meet, that
-//! are farther than the margin, or behind the other surface. Mostly few are left.
+//! Culls the candidate pairs of one part before distances are measured: pairs that planes separate as whole triangles,
+//! that collide, that are farther than the margin, or behind the other surface. Usually few are left.
 //!
-//! Each triangle is compared with each plane once, and the results are bits of a word: whether a plane separates a pair then costs one
-//! operation.
+//! Each triangle is compared with each plane once, and the results are bits of a word: testing whether a plane
+//! separates a pair then costs one operation.
 
 use crate::constants::BEHIND_SHARE;
 use crate::contact_plane::ContactPlane;
@@ -46,7 +46,7 @@ struct Triangles {
     plane_bits: Vec<u64>,
     /// Outward normals, zero where the surface is open, and the triangles' heights along them; computed when first needed.
     outward: Vec<Option<(Point, f64)>>,
-    /// As `plane_bits`, of the planes that [`Cull::separate`] was told of.
+    /// As `plane_bits`, of the planes passed to [`Cull::separate`].
     separated: Vec<u64>,
 }
 
@@ -71,9 +71,9 @@ impl Triangles {
     }
 }
 
-/// What is asked of each pair, besides planes.
+/// The tests of each pair, besides planes.
 pub(crate) struct NearQuery<'a> {
-    /// Pairs that meet, sorted.
+    /// Colliding pairs, sorted.
     pub meeting: &'a [[u32; 2]],
     /// Triangles of tool and mock-up that are wholly inside the other, sorted.
     pub inside: &'a [Vec<u32>; 2],
@@ -96,7 +96,7 @@ pub(crate) struct Cull {
     meeting: Vec<Meeting>,
     /// Pairs that may meet.
     maybe_meeting: Vec<Near>,
-    /// How many planes [`Cull::separate`] was told of.
+    /// How many planes were passed to [`Cull::separate`].
     separators: u32,
 }
 
@@ -127,8 +127,8 @@ impl Cull {
         (self.corners(Surface::Tool, near.numbers[0]), self.corners(Surface::Mockup, near.numbers[1]))
     }
 
-    /// Puts into `out` the candidates (of one part) that no plane separates, that are not surely farther than the margin, that do not
-    /// meet, and of which no triangle is wholly behind or inside the other.
+    /// Puts into `out` the candidates (of one part) that no plane separates, that are not surely farther than the
+    /// margin, that do not collide, and of which no triangle is wholly behind or inside the other.
     pub fn cull(
         &mut self,
         context: &QueryContext<'_>,
@@ -314,8 +314,8 @@ impl Cull {
         }
     }
 
-    /// Whether neither of the nearest points of a pair is behind the other's triangle, where that is of a closed surface: what is
-    /// inside a solid is near its surface, but not kept off by it.
+    /// Whether neither of the nearest points of a pair is behind the other's triangle, if that is of a closed surface:
+    /// points inside a solid are near its surface, but not stopped by it.
     pub fn is_in_front(&mut self, context: &QueryContext<'_>, near: &Near, gap: &Gap) -> bool {
         let to_tool = sub(&gap.on_tool, &gap.on_mockup);
         let [of_tool, of_mockup] =

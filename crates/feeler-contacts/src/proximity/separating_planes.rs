@@ -1,8 +1,9 @@
-//! Separating planes of what is near and does not meet: a greedy cover of the near pairs, found by best-first search.
+//! Separating planes of near surfaces that do not collide: a greedy cover of the near pairs, found by best-first
+//! search.
 //!
-//! The nearest pair of triangles gives a plane; every other pair that this plane separates as well is explained by it and dropped;
-//! the nearest of the rest gives the next. Between two convex surfaces one plane explains all, however many triangles they have.
-//! Pairs come in the order of their lower bounds, so that few are ever measured.
+//! The nearest pair of triangles gives a plane; every other pair that this plane separates as well is covered by it and
+//! dropped; the nearest of the rest gives the next. Between two convex surfaces one plane covers all pairs, however
+//! many triangles they have. Pairs come in the order of their lower bounds, so that few are ever measured.
 
 use std::cmp::Ordering;
 
@@ -243,8 +244,8 @@ impl<'a> PlaneSearch<'a> {
         PlaneSearch { context, margin, scratch }
     }
 
-    /// Adds the planes of one part's candidates to those that `out` has of it. The pairs in `meeting` (sorted) meet, the triangles in
-    /// `inside` (of tool and mock-up, sorted) are wholly inside the other.
+    /// Adds the planes of one part's candidates to those that `out` has of it. The pairs in `meeting` (sorted) collide,
+    /// the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
     pub fn push_planes(
         &mut self,
         candidates: &[Candidate],
@@ -318,7 +319,7 @@ impl<'a> PlaneSearch<'a> {
         self.scratch.near = near;
     }
 
-    /// After [`push_planes`](Self::push_planes): what each of the planes it found separates.
+    /// After [`push_planes`](Self::push_planes): the pairs that each new plane separates.
     pub fn each_separated(&mut self, planes: &[ContactPlane], mut emit: impl FnMut(&ContactPlane, &Separated<'_>)) {
         let tolerance = SEPARATION_SLACK * self.margin;
         let NearScratch { cull, separated, .. } = &mut *self.scratch;

@@ -1,4 +1,4 @@
-//! What contact planes promise, each with a contact in which nothing else would keep it.
+//! The guarantees of contact planes, each with a contact in which nothing else would provide it.
 
 use std::f64::consts::PI;
 

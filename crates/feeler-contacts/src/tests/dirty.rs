@@ -1,4 +1,4 @@
-//! Meshes as files have them, with slivers, open seams and cracks: the same planes as of clean ones.
+//! Meshes as in real files, with slivers, open seams and cracks: the same planes as for clean ones.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Near surfaces: the candidates, those that separating planes leave out, and when the margin shrinks.
+//! Near surfaces: the candidates, those dropped by separating planes, and when the margin shrinks.
 
 use std::sync::Arc;
 

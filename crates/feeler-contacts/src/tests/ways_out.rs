@@ -1,4 +1,4 @@
-//! What ways out promise, each where nothing else would find it.
+//! The guarantees of ways out, each in a case where nothing else would find one.
 
 use feeler_core::geometry::vectors::length;
 use feeler_core::{Mockup, Point, Pose};

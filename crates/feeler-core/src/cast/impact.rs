@@ -1,4 +1,4 @@
-//! The first impact on a way, and what is told of it.
+//! The first impact of a motion, with its details.
 
 use super::pair::Moving;
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::tool::moving_tool::Tool;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Cast {
-    /// The share of the way that is free, from 0 to 1: at no earlier time does anything meet.
+    /// The free fraction of the motion, from 0 to 1: nothing collides before it.
     pub fraction: f64,
     /// The tool's pose then.
     pub pose: Pose,
@@ -21,7 +21,7 @@ pub struct Cast {
     pub point: Point,
     /// Unit normal at the contact, from mock-up to tool.
     pub normal: Point,
-    /// How far apart the two triangles are at the pose, metres: at most the tolerance; 0 where they meet.
+    /// The remaining distance of the two triangles at the pose, metres: at most the tolerance; 0 if they collide.
     pub distance: f64,
     /// The tool's triangle.
     pub tool_triangle: u32,
@@ -29,7 +29,7 @@ pub struct Cast {
     pub mockup_triangle: u32,
 }
 
-/// What ends a way.
+/// The condition that ends a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Touching {
     /// The first pair of triangles that meets.

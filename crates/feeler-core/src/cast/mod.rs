@@ -1,7 +1,7 @@
-//! Continuous collision: when, on its way from one pose to another, a tool first meets the mock-up.
+//! Continuous collision detection: when a tool that moves from one pose to another first collides with the mock-up.
 //!
-//! The time given is never late: at no earlier time does any pair of triangles meet. It is early by at most a tolerance in
-//! metres: at the pose given the pair named is at most that far apart. Where touching is free the time is when one body first enters
+//! The time is never late: no pair of triangles collides before it. It is early by at most a tolerance in metres: at
+//! the given pose the given pair is at most that far apart. If touching is free, the time is when one body first enters
 //! the other, and the tolerance is how far it may by then.
 
 pub mod brute;

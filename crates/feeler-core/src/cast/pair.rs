@@ -1,10 +1,10 @@
-//! One triangle on its way against one that stands still: when they first meet, never late.
+//! A moving triangle against a fixed one: when they first collide, never late.
 //!
 //! Conservative advancement, after B. Mirtich (1996) and X. Zhang, M. Lee and Y. Kim, *Interactive continuous collision
-//! detection for non-convex polyhedra* (2006), with planes: at a time, a plane holds the two triangles apart. Each corner of the
-//! moving one has a distance from it, a velocity along its normal and a bound on its acceleration, so it stays on its side for a
-//! time that a quadratic equation gives, and so does the whole triangle, which is spanned by its corners. Then the next plane.
-//! Whatever plane it is, the bound holds: rounding can make a plane useless, never wrong.
+//! detection for non-convex polyhedra* (2006), with planes: at a time, a plane separates the two triangles. Each corner
+//! of the moving one has a distance from it, a velocity along its normal and a bound on its acceleration. A quadratic
+//! equation gives the time for which it stays on its side, and with all corners the whole triangle does. Then the next
+//! plane follows. The bound holds for any plane: rounding can make a plane useless, never wrong.
 
 use crate::constants::{
     HEIGHT_ROUNDOFFS, LEAST_LENGTH, MAX_STEPS, SHORTEST_STEP, STEPS_WHEN_NEAR, TIME_ROUNDING, UNIT_ROUNDOFF,
@@ -176,7 +176,7 @@ impl<'a> View<'a> {
     fn is_clear(&self, n: &Point, span: f64) -> bool {
         let (heights, rates, acceleration) = self.heights(&self.facing(n));
         let bend = 0.5 * acceleration * span * span;
-        // The bound curves downwards, so what is above zero at both ends is above it between them. Written so that NaN is not.
+        // The bound curves downwards, so a bound above zero at both ends is above it between them. Written so that NaN is not.
         (0..3).all(|i| heights[i] > 0.0 && heights[i] + rates[i] * span > bend * (1.0 + TIME_ROUNDING))
     }
 

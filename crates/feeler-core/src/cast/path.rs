@@ -1,4 +1,4 @@
-//! A whole path: each segment on its own, in parallel.
+//! A whole path: each segment separately, in parallel.
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::scratch_pool::ScratchPool;
 use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
 
-/// What a path meets; [`hits`](Self::hits) is empty where it is free.
+/// The impacts on a path; [`hits`](Self::hits) is empty if it is free.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct PathCheck {
@@ -23,7 +23,7 @@ pub struct PathCheck {
 
 /// One cast for each motion, in parallel on the current rayon pool.
 ///
-/// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
+/// Every segment is looked at, also those after an impact. `progress` is called after each wave of segments. Errors: as
 /// `cast`, and a request to stop.
 pub(crate) fn check_path(
     index: &Index,

@@ -1,12 +1,14 @@
-//! What never meets on a way, however far it goes: triangles whose shadows are apart.
+//! Triangles that never collide during a motion, however long it is, because their shadows are apart.
 //!
-//! A slide casts shadows on the plane across it. A turn or a screw casts them on the half-plane of radius and height, where the height is
-//! taken back by what the screw rises for the angle at which a point is: each point of the tool keeps its place there on all of the way. In
-//! a tight fit, a bore or a thread, many thousands of triangles stay near each other all along, and to follow each pair of them takes
-//! seconds; their shadows lie along one outline each, so that a few oriented boxes hold nearly all apart.
+//! A slide casts shadows on the plane across it. A rotation or a screw casts them on the half-plane of radius and
+//! height, with the height reduced by the screw's rise for the angle of a point: each point of the tool keeps its place
+//! there during the whole motion. In a tight fit, a bore or a thread, many thousands of triangles stay near each other
+//! all along, and following each pair of them takes seconds; their shadows lie along one outline each, so that a few
+//! oriented boxes separate nearly all of them.
 //!
-//! A shadow is the triangle through the corners' shadows, grown by a bound on how far the shadow of a flat triangle curves off that, and by
-//! what the way itself may be off a screw. Boxes of a tree are oriented by the spread of what is in them.
+//! A shadow is the triangle through the corners' shadows, grown by a bound on how far the shadow of a flat triangle
+//! curves off it, and by how far the motion may deviate from a screw. Boxes of a tree are oriented by the spread of
+//! their content.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,7 +24,7 @@ const MOST_BISECTIONS: u32 = 8;
 
 type Flat = [f64; 2];
 
-/// On what shadows fall.
+/// The surface on which shadows fall.
 #[derive(Debug, Clone, Copy)]
 pub struct Screen {
     steady: Steady,
@@ -100,7 +102,7 @@ impl Screen {
         }
     }
 
-    /// Of a triangle in the axes of the screen, the last of them the screw's; halved so many times at most.
+    /// Of a triangle in the axes of the screen, the last of them the screw's; halved at most `halvings` times.
     fn cast_turned(
         &self,
         number: u32,
@@ -205,8 +207,8 @@ impl Screen {
         shadow
     }
 
-    /// Offers the pairs of shadows, `of_tool` and `of_mockup`, that may meet: their numbers; it answers whether to go on. At most so many
-    /// tests of boxes are made. Whether all was offered.
+    /// Offers the pairs of shadows, `of_tool` and `of_mockup`, that may overlap, by number; the callback returns
+    /// whether to go on. Makes at most that many tests of boxes. Returns whether all pairs were offered.
     pub fn meeting(
         &self,
         of_tool: &Shadows,

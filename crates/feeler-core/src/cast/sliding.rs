@@ -1,9 +1,9 @@
-//! One triangle on its way against one that stands still, where they may touch: when they first overlap by more than a tolerance.
+//! A moving triangle against a fixed one where touching is free: when they first overlap by more than a tolerance.
 //!
-//! As in [`pair`](super::pair) planes hold the two apart; once they are within the tolerance a plane may be overlapped by the
-//! tolerance. Two triangles that slide along each other are so held apart all the way. From one plane to the next the normal turns
-//! by no more than a right angle, and never to the inner side of a solid that lies in the plane: a flat face does not pass through
-//! another, however thin.
+//! As in [`pair`](super::pair) planes separate the two; once they are within the tolerance, they may overlap a plane by
+//! the tolerance. This separates two triangles that slide along each other during the whole motion. From one plane to
+//! the next the normal turns by at most a right angle, and never to the inner side of a solid that lies in the plane: a
+//! flat face does not pass through another, however thin.
 
 use super::pair::{Moving, View};
 use crate::constants::{MAX_STEPS, SAME_AXIS, SEARCHED_SHARE, TIME_ROUNDING, UNIT_ROUNDOFF};

@@ -1,7 +1,9 @@
-//! The cast in windows of time: the store offers the pairs that may meet in a window, and each of these is followed through it.
+//! The cast in windows of time: the store offers the pairs that may collide in a window, and each of these is followed
+//! through it.
 //!
-//! A long window is a loose one: boxes around the tool's whole way meet much that the tool passes by. A short one costs a
-//! descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is longer.
+//! A long window is loose: boxes around the tool's whole motion overlap much that the tool passes by. A short one costs
+//! a descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is
+//! longer.
 
 use super::impact::{Impact, Touching};
 use super::pair::Moving;
@@ -31,11 +33,11 @@ const TIMES_BESIDE: usize = 8;
 /// What a cut leaves of a window.
 const CUT: f64 = 0.25;
 
-/// Up to this share of its own size in a window a tool is not near what it sweeps: the first cuts make windows so short. Each cut
+/// Up to this share of its own size in a window a tool is not near the parts that it sweeps past: the first cuts make windows so short. Each cut
 /// beyond allows twice as many pairs.
 const STRIDE: f64 = 0.125;
 
-/// A window that offers so many times the pairs that the tool standing still does would not get much better by a cut.
+/// A window that offers at most this many times the pairs of the tool standing still would gain little by a cut.
 const TIMES_STILL: usize = 4;
 
 /// Most cuts of either kind, so that float64 can tell the ends of a window apart. After the last one pairs are followed as they
@@ -48,7 +50,7 @@ const MOST_CUTS: u32 = 8;
 /// take longer; more: those along tight fits do.
 const SHADOWS_AFTER: usize = 4096;
 
-/// Where that takes too much, it is asked again after so many times as many pairs.
+/// Where that takes too long, the next try is after this many times as many pairs.
 const SHADOWS_LATER: usize = 4;
 
 /// Pairs that were followed for each triangle nearby; else there are too many to cast shadows.
@@ -62,10 +64,10 @@ const LEFT_A_SHADOW: usize = 32;
 /// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
 const CUTS_IN_CONTACT: u32 = 2;
 
-/// Pairs that are followed until it is asked whether to go on: some milliseconds at most.
+/// Pairs that are followed between two checks for a stop: some milliseconds at most.
 const PAIRS_BETWEEN: usize = 256;
 
-/// What a cast is asked for.
+/// The options of a cast.
 #[derive(Clone, Copy)]
 pub struct How<'a> {
     /// Metres.
@@ -143,7 +145,7 @@ pub(super) fn first_impact(
     let mut from = 0.0;
     let (mut before, mut after) = (Vec::new(), Vec::new());
     let mut cuts = coarse.saturating_sub(1);
-    // Pairs offered so far, and at how many it is asked for shadows.
+    // Pairs offered so far, and the number at which shadows are tried.
     let (mut spent, mut ask_at) = (0, SHADOWS_AFTER);
     // Pairs offered with the tool standing still, and when.
     let (mut still, mut still_at) = (0, -1.0);
@@ -277,7 +279,7 @@ fn pairs_in_shadow(
     all_seen.then_some(left)
 }
 
-/// The triangles of the mock-up in a box, and some beside it; `None` where they are more than so many.
+/// The triangles of the mock-up in a box, and some beside it; `None` where they are more than the limit.
 fn triangles_within(index: &Index, bounds: &Aabb, most: usize, store: &mut SweepScratch) -> Option<Vec<u32>> {
     let [a, b] = [bounds.lower, bounds.upper];
     // A side of the box, on its way to the opposite one.

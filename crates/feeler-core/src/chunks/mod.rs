@@ -1,4 +1,4 @@
-//! Meshes as pictures need them: few large pieces with 16-bit indices, the part of each vertex, positions in float32.
+//! Meshes for drawing: few large pieces with 16-bit indices, the part of each vertex, positions in float32.
 
 pub mod pack;
 pub mod packed;

@@ -14,11 +14,11 @@ pub struct Packed {
     pub order: Vec<u32>,
     /// The packed triangle of each of the mesh; `u32::MAX` for defects, which are not drawn.
     pub places: Vec<u32>,
-    /// What positions are relative to, metres: the middle of the mesh's box.
+    /// The origin of positions, metres: the middle of the mesh's box.
     pub middle: Point,
 }
 
-/// What is drawn at once: whole small parts, or the share of a large one.
+/// One draw call: whole small parts, or a section of a large one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PackedPiece {
     /// Metres, from the middle of the mesh. Of one part no two are the same, but where the part is cut.
@@ -45,7 +45,7 @@ pub enum PartNumbers {
 }
 
 impl PartNumbers {
-    /// None yet, with room for `vertices`, of a mesh with so many parts.
+    /// Empty, with room for `vertices`, of a mesh with `parts` parts.
     pub(super) fn with_capacity(parts: usize, vertices: usize) -> PartNumbers {
         if parts > usize::from(u16::MAX) {
             PartNumbers::Long(Vec::with_capacity(vertices))

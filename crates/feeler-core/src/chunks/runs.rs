@@ -1,4 +1,4 @@
-//! The order in which a mesh is packed, cut into runs: triangles of one part, so few that a piece holds any run.
+//! The order in which a mesh is packed, cut into runs: triangles of one part, few enough for a piece.
 
 use rayon::prelude::*;
 

@@ -23,7 +23,7 @@ pub struct WeldTable {
 }
 
 impl WeldTable {
-    /// The corners of a run's triangles relative to `middle`; those that float32 does not tell apart are one.
+    /// The corners of a run's triangles relative to `middle`; corners that are equal in float32 are one.
     ///
     /// The caller makes sure that there are at most 65,536 corners.
     pub fn weld(&mut self, mesh: &Mesh, triangles: &[u32], middle: &Point) -> WeldedRun {

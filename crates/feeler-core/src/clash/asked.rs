@@ -1,4 +1,4 @@
-//! Which pairs of parts are asked, and what is asked of each.
+//! Which pairs of parts to check, and with which limits.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::geometry::bounds::Aabb;
 use crate::index::pair_set::pair_key;
 
-/// Which pairs of parts are asked, and what is asked of each: by classes of parts, a table for each two of them.
+/// Which pairs of parts to check, and with which limits: by classes of parts, a table for each two of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairLimits {
     /// `(parts,)`: the class of each part; empty: all are of class 0.
@@ -36,7 +36,7 @@ pub struct PairLimitTables {
     /// `(classes, classes)`, row by row, symmetric: how deep (metres) parts of two classes may be in each other, or how far apart, and
     /// still count as in contact.
     pub contact: Vec<f64>,
-    /// `(parts,)`: what each part adds to that of its pairs, metres; empty: nothing.
+    /// `(parts,)`: added to the contact of each part's pairs, metres; empty: nothing.
     pub contact_of_part: Vec<f64>,
     /// Pairs of parts that are never asked, in any order.
     pub excluded: Vec<[u32; 2]>,
@@ -65,10 +65,10 @@ impl PairLimits {
         PairLimits::new(tables, 0)
     }
 
-    /// Checks the tables for a mock-up of so many parts.
+    /// Checks the tables for a mock-up with that number of parts.
     ///
-    /// Errors: arrays of other lengths, classes that are not in the tables, lengths that are no numbers, negative contacts, tables that
-    /// are not symmetric, and parts that the mock-up does not have.
+    /// Errors: arrays of other lengths, classes that are not in the tables, invalid lengths, negative contacts, tables
+    /// that are not symmetric, and parts that the mock-up does not have.
     pub fn new(tables: PairLimitTables, parts: usize) -> Result<PairLimits> {
         let PairLimitTables { class_of_part, clearance, contact, contact_of_part, excluded } = tables;
         let classes = class_of_part.iter().map(|class| *class as usize + 1).max().unwrap_or(1);
@@ -111,7 +111,7 @@ impl PairLimits {
         Ok(PairLimits { class_of_part, classes, clearance, contact, contact_of_part, rounding_of_part, excluded })
     }
 
-    /// The same, with contacts that are no less than the rounding of the parts' coordinates.
+    /// The same, with contacts at least as large as the rounding of the parts' coordinates.
     pub fn with_rounding(&self, part_bounds: &[Aabb]) -> PairLimits {
         PairLimits { rounding_of_part: part_bounds.iter().map(coordinate_rounding).collect(), ..self.clone() }
     }
@@ -142,7 +142,7 @@ impl PairLimits {
         contact.max(self.rounding(a, b))
     }
 
-    /// Beyond what gap a pair is of no interest, metres; `None` where the pair is not asked.
+    /// The largest relevant gap of a pair, metres; `None` if the pair is skipped.
     pub fn reach(&self, a: u32, b: u32) -> Option<f64> {
         self.clearance(a, b).map(|clearance| clearance.max(self.contact(a, b)))
     }
@@ -170,7 +170,7 @@ pub fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Pairs of parts with what is known of them, by key; for results that were found by several tasks.
+/// Pairs of parts with their findings, by key; for results that several tasks found.
 pub(crate) fn merged<T: Copy>(
     found: impl Iterator<Item = ([u32; 2], T)>,
     merge: impl Fn(T, T) -> T,

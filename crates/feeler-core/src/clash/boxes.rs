@@ -1,4 +1,4 @@
-//! Boxes under a tree of boxes: which of them does another overlap?
+//! Boxes under a tree of boxes: finds those that overlap another box.
 
 use crate::geometry::bounds::Aabb;
 

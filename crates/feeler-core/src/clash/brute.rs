@@ -30,7 +30,7 @@ pub fn meeting_of_all_pairs(mockup: &Mockup, limits: &PairLimits) -> Vec<Meeting
     met.into_iter().map(|(parts, meets)| MeetingParts { parts, meets }).collect()
 }
 
-/// See [`near_parts`](super::near::near_parts): without the pairs that meet.
+/// See [`near_parts`](super::near::near_parts): without colliding pairs.
 pub fn gaps_of_all_parts(mockup: &Mockup, limits: &PairLimits) -> Vec<PartGap> {
     let mesh = mockup.mesh();
     let mut nearest: BTreeMap<[u32; 2], PartGap> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! Parts that are one and the same: each triangle of the one is one of the other, by its corners.
+//! Duplicate parts: each triangle of one has the corners of a triangle of the other.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::mesh::mockup::Mockup;
 /// A triangle's corners as numbers that are equal where the coordinates are, in order.
 type Corners = [[u64; 3]; 3];
 
-/// Parts that have the same triangles, each set in order; of those for which `is_there` says so. Equal are equal coordinates, with 0.0
+/// Sets of parts with the same triangles, in order, among those with `is_there`. Coordinates must be equal, with 0.0
 /// equal to -0.0, in any order and winding. Triangles that cannot be queried do not count.
 pub fn same_parts(mockup: &Mockup, is_there: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
     // The boxes tell nearly all apart.
@@ -43,7 +43,7 @@ pub fn same_parts(mockup: &Mockup, is_there: impl Fn(u32) -> bool) -> Vec<Vec<u3
     sets
 }
 
-/// The pairs of parts of such sets that are asked, the lesser part first; sorted.
+/// The pairs of parts of such sets to check, the lesser part first; sorted.
 pub fn duplicate_pairs(sets: &[Vec<u32>], limits: &PairLimits) -> Vec<[u32; 2]> {
     let pairs = sets
         .iter()

@@ -1,5 +1,5 @@
-//! Parts that hold others without touching them: a connected surface that meets nothing of a closed part lies inside it or outside,
-//! and one of its corners tells.
+//! Parts that contain others without touching them: a connected surface that does not collide with a closed part lies
+//! inside it or outside, and one of its corners decides.
 
 use rayon::prelude::*;
 
@@ -20,8 +20,8 @@ pub struct Held {
     pub by: u32,
 }
 
-/// Every pair of parts that is asked, does not meet (those in `meeting`, sorted, the lesser part first, do) and of which one holds a
-/// connected surface of the other; in order. In parallel on the current rayon pool.
+/// Every pair of parts to check that does not collide (colliding ones are in `meeting`, sorted, the lesser part first)
+/// and of which one contains a connected surface of the other; in order. In parallel on the current rayon pool.
 pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeting: &[[u32; 2]]) -> Vec<Held> {
     let (mockup, selection) = (index.mockup(), index.selection());
     let there: Vec<u32> = (0..mockup.part_bounds().len() as u32)

@@ -1,4 +1,4 @@
-//! Where a point lies to parts: inside, outside or on the surface, by exact signs.
+//! The location of a point relative to parts: inside, outside or on the surface, by exact signs.
 
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::intersect_triangle_triangle::intersect_triangle_triangle;

@@ -1,4 +1,4 @@
-//! Which pairs of parts meet, and whether they cross or only touch: the index held against itself once.
+//! Which pairs of parts collide, and whether they cross or only touch: one descent of the index against itself.
 
 use super::asked::{merged, PairLimits};
 use super::meets::{MeetingParts, Meets, Touch};
@@ -8,12 +8,13 @@ use crate::index::blocks::{MeetingBlocks, MeetingScratch};
 use crate::progress::Progress;
 use crate::scratch_pool::ScratchPool;
 
-/// What [`meeting_parts`] found.
+/// The result of [`meeting_parts`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Meeting {
     /// In order.
     pub pairs: Vec<MeetingParts>,
-    /// Of each of them two triangles that meet so, that of the lesser part first. Which ones depends on the shares of the search.
+    /// For each of them two colliding triangles, that of the lesser part first. Which ones depends on the shares of the
+    /// search.
     pub examples: Vec<[u32; 2]>,
     /// All pairs of triangles of the parts that only touch, in order, each once.
     pub touches: Vec<Touch>,
@@ -30,8 +31,9 @@ impl Meeting {
     }
 }
 
-/// Every pair of parts that is asked and meets, without those `decided` beforehand (sorted, the lesser part first). Exact: parts meet
-/// where two of their triangles do, and cross where two of them cross. In parallel on the current rayon pool.
+/// Every pair of parts to check that collides, without those `decided` beforehand (sorted, the lesser part first).
+/// Exact: parts collide if two of their triangles do, and cross if two of them cross. In parallel on the current rayon
+/// pool.
 pub fn meeting_parts(
     index: &SelfIndex<'_>,
     limits: &PairLimits,

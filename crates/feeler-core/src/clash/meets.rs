@@ -1,10 +1,10 @@
-//! How two parts meet, and where they touch.
+//! How two parts collide, and where they touch.
 
 use super::asked::in_order;
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::mesh::mockup::Mockup;
 
-/// How two parts meet.
+/// How two parts collide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meets {
     /// Triangles touch or lie in one plane, and none cross.
@@ -13,7 +13,7 @@ pub enum Meets {
     Crossing,
 }
 
-/// Two parts that meet.
+/// Two colliding parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeetingParts {
     /// The lesser first.
@@ -29,7 +29,7 @@ pub struct Touch {
     pub parts: [u32; 2],
     /// A triangle of each.
     pub triangles: [u32; 2],
-    /// How they meet: not crossing.
+    /// The kind of contact: not crossing.
     pub kind: PairKind,
 }
 

@@ -1,4 +1,4 @@
-//! The mock-up against itself: which pairs of its parts meet, which are near, which hold each other, and which are one and the same.
+//! The mock-up against itself: which pairs of its parts collide, are near, contain each other, or are duplicates.
 
 pub mod asked;
 mod boxes;

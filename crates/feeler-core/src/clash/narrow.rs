@@ -1,5 +1,5 @@
-//! The narrow phase of a mock-up against itself: pairs of triangles in batches, in lanes first, and by exact signs what these leave in
-//! doubt; no more of two parts than is needed to tell whether they cross.
+//! The narrow phase of a mock-up against itself: pairs of triangles in batches, in lanes first, then by exact signs for
+//! the undecided ones; for two parts only until it is known whether they cross.
 
 use super::asked::{in_order, PairLimits};
 use super::meets::{Meets, Touch};
@@ -67,7 +67,8 @@ pub(crate) struct MeetingNarrow<'a> {
     pub decided: &'a [[u32; 2]],
     pub lanes: Checked,
     pub scratch: &'a mut NarrowScratch,
-    /// Parts that meet, as far as this share of the search found out, and two of their triangles that do so, that of the lesser part first.
+    /// Colliding parts found by this share of the search, and two of their colliding triangles, that of the lesser part
+    /// first.
     pub found: Vec<([u32; 2], Meets, [u32; 2])>,
     /// Pairs of triangles that touch, of parts of which none was known to cross.
     pub touches: Vec<Touch>,
@@ -196,7 +197,7 @@ struct Test<'a> {
     doubt: &'a mut [u16; PLACES / LANES],
 }
 
-/// Triangles whose corners are asked for ahead of their test.
+/// Triangles whose corners are prefetched ahead of their test.
 const TRIANGLES_AHEAD: usize = 2 * LANES;
 
 impl Kernel for Test<'_> {
@@ -207,7 +208,7 @@ impl Kernel for Test<'_> {
         let Test { mesh, lines, firsts, seconds, given, crossing, doubt } = self;
         let (faces, vertices) = (mesh.faces(), mesh.vertices());
         let part = s.part();
-        // Nothing is moved, so no place is rounded, and the smallest entries count as what they are.
+        // Nothing is moved, so no place is rounded, and the smallest entries count exactly.
         let (least, seen) = (part.splat(LEAST_ENTRY), Seen::at(&Pose::IDENTITY));
         let wide = 2 * S::Part::WIDE;
         for m in &seconds[..given.min(TRIANGLES_AHEAD)] {

@@ -1,4 +1,4 @@
-//! How far parts are apart that do not meet: the least distance of each two that are nearer than asked.
+//! Distances of parts that do not collide: the smallest distance of each pair nearer than its limit.
 
 use super::asked::{in_order, merged, PairLimits};
 use super::pair_table::PairTable;
@@ -26,9 +26,9 @@ pub struct PartGap {
     pub points: [Point; 2],
 }
 
-/// The least distance of every pair of parts that is asked and is no farther apart than its [reach](PairLimits::reach), in order, without
-/// those `decided` (sorted, the lesser part first): all that meet must be among these. Of several pairs of triangles at the same
-/// distance the one with the least ids. In parallel on the current rayon pool.
+/// The least distance of every pair of parts to check that is no farther apart than its [reach](PairLimits::reach), in
+/// order, without those `decided` (sorted, the lesser part first), which must include all colliding pairs. Of several
+/// pairs of triangles at the same distance the one with the least ids. In parallel on the current rayon pool.
 pub fn near_parts(
     index: &SelfIndex<'_>,
     limits: &PairLimits,

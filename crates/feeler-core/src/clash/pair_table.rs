@@ -1,4 +1,4 @@
-//! What is known of pairs of parts so far, by pair.
+//! Intermediate results by pair of parts.
 
 use crate::index::pair_set::pair_key;
 
@@ -15,12 +15,12 @@ const FREE: u64 = u64::MAX;
 const FIRST_SLOTS: usize = 1024;
 
 impl<T: Copy> PairTable<T> {
-    /// An empty table; `empty` fills what is not taken.
+    /// An empty table; `empty` marks free entries.
     pub fn new(empty: T) -> PairTable<T> {
         PairTable { slots: vec![(FREE, empty); FIRST_SLOTS], len: 0, empty }
     }
 
-    /// What is known of a pair (the lesser part first), made first by `make` where nothing is.
+    /// The entry of a pair (the lesser part first), made by `make` if it is new.
     #[inline]
     pub fn of(&mut self, a: u32, b: u32, make: impl FnOnce() -> T) -> &mut T {
         if 2 * self.len >= self.slots.len() {

@@ -1,4 +1,4 @@
-//! A search of the index held against itself, in shares and in parallel; one that is stopped keeps what it found.
+//! A search of the index against itself, in shares and in parallel; an interrupted search keeps its results.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::index::store::Store;
 use crate::mesh::pieces::default_piece_size;
 use crate::progress::Progress;
 
-/// Shares of which is told, and after which a search may be stopped.
+/// Shares of a search, after each of which it reports progress and may be stopped.
 const WAVE: usize = 128;
 
 /// The blocks of an index and whose pieces they hold. Of other stores than blocks they are built for the occasion.
@@ -21,7 +21,7 @@ pub struct SelfIndex<'a> {
     parts: BlockParts,
 }
 
-/// What shares of a search found, and whether it went to its end.
+/// The results of the shares of a search, and whether it was completed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found<T> {
     /// In order.
@@ -60,7 +60,7 @@ impl<'a> SelfIndex<'a> {
         &self.parts
     }
 
-    /// Works on all shares of a search in parallel on the current rayon pool; `work` tells what one found.
+    /// Works on all shares of a search in parallel on the current rayon pool; `work` returns the findings of one.
     pub(crate) fn search<T: Send>(
         &self,
         reach: f32,

@@ -1,4 +1,4 @@
-//! The parts of a mock-up one by one: their triangles, how these hang together, and their insides; each found when first needed.
+//! The parts of a mock-up one by one: their triangles, their connectivity, and their insides; each computed on demand.
 
 use once_cell::race::OnceBox;
 

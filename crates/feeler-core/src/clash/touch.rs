@@ -1,8 +1,10 @@
-//! Two parts whose triangles touch or lie in one plane, and none cross: whether one enters the other, holds it, or only touches it.
+//! Two parts whose triangles touch or are coplanar, and none cross: whether one enters the other, contains it, or only
+//! touches it.
 //!
-//! By sides first, as of a tool (`collide::touching`): where triangles meet, whether the one goes on into the other's
-//! material. The same with the material outside tells whether it goes on out of it. What the sides leave open (corners that meet
-//! corners, surfaces that meet nothing) points tell: each connected piece of a surface that meets nothing of the other is on one side.
+//! First by sides, as for a tool (`collide::touching`): whether one part continues into the other's material where
+//! triangles touch. The same test with the material outside shows whether it continues out of it. Points decide what
+//! the sides leave open (corners that touch corners, surfaces without contact): each connected piece of a surface
+//! without a collision lies on one side of the other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +17,7 @@ use crate::constants::NONE;
 use crate::geometry::bounds::{Aabb, Point};
 use crate::index::mockup_index::Index;
 
-/// What two parts do to each other that meet and do not cross.
+/// The relation of two parts that collide and do not cross.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touching {
     /// They are outside each other.

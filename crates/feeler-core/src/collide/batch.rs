@@ -1,4 +1,4 @@
-//! The pairs that meet at many poses, in parallel.
+//! The colliding pairs at many poses, in parallel.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -70,7 +70,7 @@ struct Task {
 
 /// Every pair that meets at each of many poses, in parallel on the current rayon pool.
 ///
-/// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
+/// The results are put together at the end, so that for a moment a pair is held twice. `progress` is called after each few
 /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
 pub(crate) fn collide_batch(
     index: &Index,

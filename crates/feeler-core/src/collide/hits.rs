@@ -1,10 +1,10 @@
-//! The pairs that a query found, and their order.
+//! The pairs found by a query, and their order.
 
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::index::pair_set::pair_key;
 use feeler_lanes::{Checked, Kernel, Simd, Sorter};
 
-/// A found pair and how it meets in one number, in the order of results.
+/// A found pair and its kind in one number, in the order of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hit(u64);
 
@@ -18,7 +18,7 @@ impl Hit {
         [(self.0 >> 34) as u32, (self.0 >> 2) as u32]
     }
 
-    /// How they meet.
+    /// The kind of collision.
     pub fn kind(self) -> PairKind {
         match self.0 & 3 {
             0 => PairKind::Coplanar,
@@ -28,7 +28,7 @@ impl Hit {
     }
 }
 
-/// What a query found so far, some pairs more than once; in the end all of it in order, each once.
+/// The results of a query so far, with repetitions; at the end sorted, each once.
 #[derive(Debug)]
 pub struct Hits(Sorter);
 

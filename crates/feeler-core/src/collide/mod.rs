@@ -1,4 +1,4 @@
-//! Which triangles meet: candidate pairs of the index through the exact triangle test.
+//! Colliding triangles: candidate pairs of the index, decided by the exact triangle test.
 
 pub(crate) mod batch;
 pub(crate) mod brute;

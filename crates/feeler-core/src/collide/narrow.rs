@@ -1,5 +1,5 @@
-//! The narrow phase: candidate pairs go through the paper's two filters (Borro et al. 2004: repeated pairs, boxes) to the triangle
-//! test, in batches: in lanes first, and one by one with exact signs what these leave in doubt.
+//! The narrow phase: candidate pairs go through the paper's two filters (Borro et al. 2004: repeated pairs, boxes) to
+//! the triangle test, in batches: in lanes first, then one by one with exact signs for the undecided ones.
 
 use crate::collide::hits::{Hit, Hits};
 use crate::geometry::bounds::Aabb;
@@ -13,8 +13,7 @@ use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
 use crate::tool::moving_tool::Tool;
 use feeler_lanes::{prefetch_at, Arithmetic, Kernel, Simd, LANES, WIDE_LANES};
 
-/// Which filters stand before the triangle test. Neither changes the answer; they can be switched off to measure what they
-/// bring.
+/// The filters before the triangle test. Neither changes the answer; they can be switched off to measure their effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Filters {
     /// Pairs met again (in another voxel, or by another piece) are skipped.
@@ -70,7 +69,7 @@ const BATCH: usize = 128;
 /// The same where the first pair found ends the query.
 const FIRST_BATCH: usize = 16;
 
-/// Places for candidate pairs: a batch, and what one more step may add.
+/// Places for candidate pairs: a batch, and the most that one more step adds.
 const PENDING_PLACES: usize = BATCH + 2 * LANES;
 
 /// Candidate pairs that wait for their test.
@@ -91,7 +90,7 @@ pub(crate) struct Pending {
     is_repeating: bool,
 }
 
-/// Repeats are looked for as long as one pair in so many is one: a look costs about a fifteenth of a test.
+/// Repeats are looked for as long as at least one pair in this many is one: a look costs about a fifteenth of a test.
 const MANY_REPEATS: usize = 16;
 
 /// Few: they are forgotten before each query.
@@ -282,7 +281,7 @@ impl Narrow<'_> {
         let Pending { slots, mockup_triangles, count, asked, asked_count, crossing, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
-        // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
+        // Corners are prefetched before they are used, so that their cache misses overlap: the mock-up's as the test goes.
         let lines = self.at.tool.lines();
         let asked = &asked[..std::mem::take(asked_count).min(PENDING_PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(lines, *slot as usize));
@@ -322,7 +321,7 @@ impl Narrow<'_> {
     }
 }
 
-/// Triangles whose corners are asked for before the first pair is looked at; those of the rest as the pairs go: more than a
+/// Triangles whose corners are prefetched before the first pair is looked at; those of the rest as the pairs go: more than a
 /// dozen lines at once do not come sooner.
 const CORNERS_AHEAD: usize = 24;
 

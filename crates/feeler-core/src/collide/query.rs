@@ -1,4 +1,4 @@
-//! Every pair of triangles that meets at a pose, or any.
+//! Every pair of triangles that collides at a pose, or whether there is any.
 
 use super::hits::{Hit, Hits};
 use super::narrow::{Filters, Narrow, Pending, PlacedBounds, Until};
@@ -11,15 +11,15 @@ use crate::index::pair_set::PairSet;
 use crate::index::sink::{PlacedTool, Stats};
 use crate::tool::moving_tool::Tool;
 
-/// The pairs of triangles that meet at one pose: `k` pairs and their kinds, in one order.
+/// The colliding pairs of triangles at one pose: `k` pairs and their kinds, sorted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Collision {
     /// `(k, 2)`: `[tool triangle, mock-up triangle]`, unique, sorted.
     pub pairs: Vec<[u32; 2]>,
-    /// `(k,)`: how each pair meets.
+    /// `(k,)`: the kind of each pair.
     pub kinds: Vec<PairKind>,
-    /// What the query did, to measure it; not part of what stays the same from version to version.
+    /// Counters of the query, for measurements; they may change from version to version.
     pub stats: Stats,
 }
 

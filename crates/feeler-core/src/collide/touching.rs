@@ -1,9 +1,10 @@
-//! Whether triangles that meet only touch, or whether a body enters another: by kinds, and where the kind does not tell, by sides.
+//! Whether colliding triangles only touch, or whether a body enters another: by kinds, and by sides if the kind does
+//! not decide.
 //!
-//! Pairs that cross enter. Coplanar ones do where they overlap in more than a line and both bodies lie on the same side. A
-//! triangle that touches the inside of another, or one of its edges, does where it goes on behind it, into the material. Sheets have
-//! no material: a surface that touches one from both sides goes through it. All signs are exact. What meets at corners of both
-//! alone is taken to touch.
+//! Crossing pairs enter. Coplanar ones do if they overlap in more than a line and both bodies lie on the same side. A
+//! triangle that touches the inside of another, or one of its edges, enters if it continues behind it, into the
+//! material. Sheets have no material: a surface that touches one from both sides goes through it. All signs are exact.
+//! Pairs that share only corners of both count as touching.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,7 @@ use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::predicates::{Sign, Signs};
 use crate::mesh::topology::adjacency::Adjacency;
 
-/// A triangle of either surface, with what is known of its surroundings.
+/// A triangle of either surface, with its known surroundings.
 struct Face<'a> {
     corners: Triangle,
     /// 1 or -1 where its surface bounds a solid: times the normal by the winding it is the outward one. 0 for a sheet.

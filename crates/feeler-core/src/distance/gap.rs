@@ -1,4 +1,4 @@
-//! How far a triangle of the tool is from one of the mock-up.
+//! The distance of a tool triangle and a mock-up triangle.
 
 use crate::geometry::bounds::Point;
 
@@ -13,7 +13,7 @@ pub struct Gap {
     pub part: u32,
     /// The tool's part that its triangle belongs to.
     pub tool_part: u32,
-    /// Metres; 0 if and only if the triangles meet.
+    /// Metres; 0 if and only if the triangles collide.
     pub distance: f64,
     /// The point of the tool's triangle that is closest to the other, world, metres.
     pub on_tool: Point,

@@ -1,7 +1,7 @@
-//! How far: pairs of triangles nearer than a distance, the gap to each part, the closest parts.
+//! Distances: pairs of triangles nearer than a limit, the gap to each part, the closest parts.
 //!
-//! One search serves all: tool tree and mock-up tree are descended together, nearest pairs of boxes first, and a pair of
-//! boxes farther apart than what is still of interest is dropped.
+//! One search serves all: tool tree and mock-up tree are descended together, nearest pairs of boxes first, and pairs of
+//! boxes farther apart than the current limit are dropped.
 
 pub(crate) mod batch;
 pub(crate) mod brute;

@@ -1,4 +1,4 @@
-//! The queries for what is near, one pose at a time.
+//! The distance queries, one pose at a time.
 
 use super::gap::Gap;
 use super::wanted::{Candidate, Goal, Wanted};
@@ -103,7 +103,7 @@ pub fn near_candidates(
     Ok((found.len() <= most).then_some(found))
 }
 
-/// One search: `scratch.gaps` afterwards holds what was found. False when there was more than memory allows.
+/// One search: `scratch.gaps` afterwards holds the gaps found. False when there were more than memory allows.
 pub(super) fn find_gaps(
     index: &Index,
     tool: &Tool,

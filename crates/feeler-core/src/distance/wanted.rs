@@ -1,18 +1,18 @@
-//! What a search is for: which gaps it keeps, and how far it still has to look.
+//! The goal of a search: which gaps it keeps, and its current limit.
 
 use super::gap::Gap;
 use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::geometry::distance_triangle_triangle::closest_within;
 use crate::index::sink::{NearSink, NearTool};
 
-/// Which gaps are asked for.
+/// The gaps to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Goal {
     /// Every pair up to a distance.
     Pairs,
     /// The closest pair of each part up to a distance.
     Parts,
-    /// The closest pair of each of the closest parts, so many.
+    /// The closest pair of each of the closest parts; their number.
     Nearest(usize),
     /// Pairs that may be within a distance, unmeasured: see [`Candidate`].
     Candidates,
@@ -171,7 +171,7 @@ impl<'a> Wanted<'a> {
         self.candidates.len() > self.most
     }
 
-    /// Into an empty list, whose memory is used, goes what was collected; back it comes.
+    /// Returns the collected gaps in the memory of an empty list.
     pub(crate) fn collect_into(&mut self, list: Vec<Candidate>) -> Vec<Candidate> {
         std::mem::replace(&mut self.candidates, list)
     }
@@ -211,7 +211,7 @@ impl<'a> Wanted<'a> {
         false
     }
 
-    /// Sorts what was found; true when there was room for all of it.
+    /// Sorts the gaps found; true when there was room for all of them.
     pub(crate) fn finish(self) -> bool {
         if self.goal != Goal::Pairs {
             for gap in self.gaps.iter() {

@@ -3,7 +3,7 @@
 /// A point or vector, metres.
 pub type Point = [f64; 3];
 
-/// Three corners, metres; the winding plays no part in whether and how triangles meet.
+/// Three corners, metres; the winding has no effect on collisions.
 pub type Triangle = [Point; 3];
 
 /// A convex quadrilateral in the triangle's plane, metres; where two corners coincide, a triangle.

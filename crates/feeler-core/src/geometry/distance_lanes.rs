@@ -9,8 +9,8 @@ use crate::geometry::distance_triangle_triangle::{closest_within, Closest};
 use crate::geometry::intersect_lanes::Vector;
 use feeler_lanes::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
 
-/// Where triangles that do **not meet** are closest, as [`closest_within`] has it: so many pairs, up to eight; `None` in what is
-/// beyond.
+/// The closest points of triangles that do **not collide**, as in [`closest_within`]: up to eight pairs; `None` in
+/// unused lanes.
 pub fn closest_apart<'a>(
     lanes: Checked,
     count: usize,
@@ -35,8 +35,9 @@ pub fn closest_apart<'a>(
     found
 }
 
-/// Which of so many pairs, up to eight, a plane along an edge of each surely holds farther apart than `within` (metres). Most that
-/// are apart and neither boxes nor the planes of the two hold so, this does, with far fewer operations than [`closest_apart`].
+/// Which of up to eight pairs a plane along an edge of each certainly separates by more than `within` (metres). It
+/// finds most of the pairs that are apart and that neither boxes nor the planes of the two separate, with far fewer
+/// operations than [`closest_apart`].
 pub fn held_apart<'a>(
     lanes: Checked,
     count: usize,
@@ -346,7 +347,7 @@ fn on_face<S: Simd>(s: S, side: &Side<S>, point: &Vector<S::F64>) -> Option<(Vec
     Some((along::<S>(&along::<S>(a, x, u), y, v), chosen))
 }
 
-/// The weights of `u` and `v`, whose product is `n`, in what is left to a point.
+/// The weights of `u` and `v`, whose product is `n`, in the rest to a point.
 #[inline(always)]
 fn weights<S: Simd>(
     left: &Vector<S::F64>,

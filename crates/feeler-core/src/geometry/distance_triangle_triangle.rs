@@ -18,20 +18,21 @@ use crate::geometry::vectors::{along, cross, dot, sub};
 /// Where two triangles are closest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closest {
-    /// Metres; 0 if and only if the triangles meet.
+    /// Metres; 0 if and only if the triangles collide.
     pub distance: f64,
     /// The point on the first triangle, metres.
     pub on_p: Point,
-    /// The point on the second; where they meet, the same point.
+    /// The point on the second; the same point if they collide.
     pub on_q: Point,
 }
 
-/// Where two triangles are closest. Corners must be finite, and at most 1e100 in size (a few times that at a pose).
+/// The closest points of two triangles. Corners must be finite, and at most 1e100 in size (a few times that at a pose).
 ///
-/// With L the largest difference of two of the corners' coordinates along one axis, the distance is right within
-/// 1.4e-14 L, and so is each point's distance from its triangle, beside rounding its coordinates to float64; where they meet, the
-/// common point is within 1e-9 L of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of
-/// the two may have lost its area (a segment, a point), as a tool's triangle can at a pose.
+/// With L the largest difference of two of the corners' coordinates along one axis, the error of the distance is at
+/// most 1.4e-14 L, and so is each point's distance from its triangle, beside rounding its coordinates to float64; if
+/// they collide, the common point is within 1e-9 L of both. The distance is 0 if and only if the triangles collide,
+/// which is decided exactly. One of the two may be degenerate (a segment, a point), as a tool's triangle can be at a
+/// pose.
 ///
 /// ```
 /// use feeler_core::closest_triangle_triangle;
@@ -88,7 +89,7 @@ pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest
 pub(crate) fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
     let mut squared = 0.0;
     for a in 0..3 {
-        // Each difference is rounded once, and so is what it is made of: leave a little.
+        // Each difference is rounded once, and so are its operands: leave a little.
         let gap = (q.lower[a] - p.upper[a]).max(p.lower[a] - q.upper[a]).max(0.0);
         squared += gap * gap;
     }
@@ -158,7 +159,7 @@ impl Side {
         let [a, _, _] = &self.corners;
         let (u, v) = (self.edges[0], [-self.edges[2][0], -self.edges[2][1], -self.edges[2][2]]);
         let is_sliver = nn * self.inverse[0] * self.inverse[2] < NARROW;
-        // Weights of u and v, corrected from what is left between point and foot until the slimmest slivers have it right.
+        // Weights of u and v, corrected by the rest between point and foot until the slimmest slivers have it right.
         let (mut s, mut t) = (0.0, 0.0);
         let mut foot = *a;
         for step in 0..4 {

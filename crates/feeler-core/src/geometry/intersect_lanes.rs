@@ -1,14 +1,14 @@
-//! Triangle pairs side by side, as many as a register of float32 holds (16, eight or four): what can be proven of them.
+//! Pairs of triangles side by side, as many as a register of float32 holds (16, eight or four): proven results only.
 //!
 //! The same test as [`intersect_triangle_triangle`](crate::geometry::intersect_triangle_triangle) (Möller 1997; Guigue and
-//! Devillers 2003), in float32 with a forward error bound as of a floating-point filter (Shewchuk 1997). A sign counts where the
-//! number is beyond what rounding may have done; a pair with any sign in doubt, about one in a hundred, is left to the test of
-//! one pair. So what is said here is exact.
+//! Devillers 2003), in float32 with a forward error bound as in a floating-point filter (Shewchuk 1997). A sign counts
+//! only if the number exceeds the possible rounding error; a pair with any uncertain sign, about one in a hundred, is
+//! left to the test of single pairs. So the results here are exact.
 //!
-//! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its rotation R
-//! inverted, A. A map that keeps what meets and what does not needs no more than to be invertible without mirroring, so A may be
-//! off. In that frame what the tool's triangles are does not depend on the pose and is kept (`line_of`), one cache line each;
-//! the mock-up's edges and one corner are taken there in float64. All is then rounded to float32.
+//! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its
+//! rotation R inverted, A. A map preserves collisions if it is invertible and does not mirror, so A may be inexact. In
+//! that frame the data of the tool's triangles does not depend on the pose and is kept (`line_of`), one cache line
+//! each; the mock-up's edges and one corner are transformed to it in float64. Everything is then rounded to float32.
 //!
 //! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`, P the
 //! larger of C and D, Q of A and B. Let T be the tool's largest coordinate, S three times that and the translation's, and
@@ -29,17 +29,17 @@ use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::pose::Pose;
 use feeler_lanes::{Arithmetic, CacheLine, Kernel, Level, LineLanes, Simd, LANES};
 
-/// What was proven of pairs, one bit each; in neither: in doubt.
+/// The proven results of pairs, one bit each; a pair in neither is undecided.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Verdict {
     /// They share no point.
     pub apart: u16,
-    /// They meet, [`Crossing`](crate::PairKind::Crossing).
+    /// Colliding pairs, [`Crossing`](crate::PairKind::Crossing).
     pub crossing: u16,
 }
 
-/// What can be proven of up to 16 pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs given
-/// are zero.
+/// Proves results of up to 16 pairs with an instruction set (the best one if the CPU lacks it). Bits beyond the given
+/// pairs are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
     prove_at(lanes, &Pose::IDENTITY, LEAST_ENTRY, pairs)
 }

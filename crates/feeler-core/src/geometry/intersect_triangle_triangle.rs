@@ -1,18 +1,18 @@
-//! Whether two triangles meet, and how: decided by exact signs alone.
+//! Whether and how two triangles collide, decided by exact signs alone.
 //!
 //! Follows T. Möller, *A fast triangle-triangle intersection test* (1997), in the form of P. Guigue and O. Devillers,
 //! *Fast and robust triangle-triangle overlap test using orientation predicates* (2003): instead of computing the two
-//! intervals on the planes' common line, their order is read from two orientation signs. Deviation: the signs are exact,
-//! triangles are closed, and the kind of meeting is found as well.
+//! intervals on the planes' common line, their order is read from two orientation signs. Deviation: the signs are
+//! exact, triangles are closed, and the kind of collision is found as well.
 //!
-//! One of the two may have lost its area: a tool triangle's corners are rounded at each pose and can end up on one line. As a
-//! closed set it is then a segment or a point. It has no plane to cross, so it meets another triangle `coplanar` where it lies
-//! in that triangle's plane and `touching` otherwise.
+//! One of the two may be degenerate: a tool triangle's corners are rounded at each pose and can end up on one line. As
+//! a closed set it is then a segment or a point. It has no plane to cross, so its collision with another triangle is
+//! `coplanar` if it lies in that triangle's plane and `touching` otherwise.
 
 use crate::geometry::bounds::Triangle;
 use crate::geometry::predicates::{is_collinear, Sign, Signs};
 
-/// How two triangles meet.
+/// How two triangles collide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum PairKind {
@@ -40,7 +40,7 @@ pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKin
     intersect_with(&mut Signs::default(), p, q)
 }
 
-/// The same, counting in `signs` how often float64 arithmetic could not tell.
+/// The same; counts in `signs` how often float64 arithmetic could not decide.
 #[inline]
 pub fn intersect_with(signs: &mut Signs, p: &Triangle, q: &Triangle) -> Option<PairKind> {
     // The side of each corner of q with respect to the plane of p, and the other way round.

@@ -1,10 +1,11 @@
 //! The point nearest to another among those that satisfy linear inequalities: the small quadratic program of every tick.
 //!
-//! In six coordinates of one scale (see [`Metric`](crate::tool::metric::Metric)) the proxy's motion is the nearest to the wished one that
-//! no contact row forbids: Gauss's principle of least constraint. Solved by the dual active-set method of D. Goldfarb and A. Idnani
-//! (*A numerically stable dual method for solving strictly convex quadratic programs*, 1983) with the identity for the Hessian: rows
-//! that are violated join the active ones one after the other, and leave where their multiplier would turn negative. The active rows
-//! are kept as an orthonormal basis, made anew at each change: six coordinates have at most six of them.
+//! In six coordinates of one scale (see [`Metric`](crate::tool::metric::Metric)) the proxy's motion is the one nearest
+//! to the device's that no contact row forbids: Gauss's principle of least constraint. Solved by the dual active-set
+//! method of D. Goldfarb and A. Idnani (*A numerically stable dual method for solving strictly convex quadratic
+//! programs*, 1983) with the identity for the Hessian: violated rows join the active ones one after the other, and leave
+//! if their multiplier would turn negative. The active rows are kept as an orthonormal basis, made anew at each change:
+//! six coordinates have at most six of them.
 
 use crate::constants::{LEAST_SINE, MOST_QP_STEPS, QP_SLACK};
 
@@ -67,7 +68,7 @@ impl ActiveSet {
     /// What of a normal is across all active ones, and its coefficients in them.
     fn split(&self, normal: &Six) -> (Six, Six) {
         let (mut across, mut inner) = (*normal, [0.0; DIMENSIONS]);
-        // Twice, so that what is left is across to the last digit.
+        // Twice, so that the rest is across to the last digit.
         for _ in 0..2 {
             for k in 0..self.count {
                 let part = dot(&self.basis[k], &across);
@@ -75,7 +76,7 @@ impl ActiveSet {
                 add_to(&mut across, -part, &self.basis[k]);
             }
         }
-        // Back substitution: the normal is the sum of the active ones times these, plus what is across.
+        // Back substitution: the normal is the sum of the active ones times these, plus the part across.
         let mut coefficients = [0.0; DIMENSIONS];
         for j in (0..self.count).rev() {
             let rest: f64 = (j + 1..self.count).map(|i| self.triangle[i][j] * coefficients[i]).sum();
@@ -203,7 +204,7 @@ mod tests {
         prop::array::uniform6(-most..most)
     }
 
-    /// Karush, Kuhn, Tucker: what makes a point the nearest, whoever found it.
+    /// Karush, Kuhn, Tucker: the conditions that make a point the nearest, however it was found.
     fn assert_is_nearest(target: &Six, rows: &[HalfSpace], found: &Nearest) -> Result<(), TestCaseError> {
         for row in rows {
             prop_assert!(dot(&row.normal, &found.point) >= row.offset - 1e-9, "{row:?} {found:?}");

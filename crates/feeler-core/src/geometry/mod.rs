@@ -1,4 +1,4 @@
-//! Points, boxes, poses, and two triangles: whether they meet, exactly, and how far they are apart.
+//! Points, boxes, poses, and pairs of triangles: whether they collide, exactly, and their distance.
 
 pub mod bounds;
 pub mod distance_lanes;

@@ -1,7 +1,7 @@
 //! Rigid poses and the one way a tool vertex is computed at a pose.
 //!
-//! A pose is a rotation matrix and a translation, used as given. What is rigid is told by the products of the matrix's rows and
-//! by its determinant.
+//! A pose is a rotation matrix and a translation, used as given. The products of the matrix's rows and its determinant
+//! decide whether it is rigid.
 
 use crate::constants::{LARGEST_COORDINATE, POSE_TOLERANCE};
 use crate::error::{Error, Result};

@@ -1,6 +1,6 @@
 //! Exact signs of orientation determinants.
 //!
-//! Three stages, each only where the one before cannot decide: float64 with an error bound, adaptive expansions
+//! Three stages, each only if the previous one cannot decide: float64 with an error bound, adaptive expansions
 //! (J. R. Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997; the
 //! `robust` crate), and big integers where expansions could under- or overflow.
 //!

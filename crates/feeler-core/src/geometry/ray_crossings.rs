@@ -4,12 +4,12 @@ use crate::constants::{RAYS_WITH_CRACKS, RAY_EXCESS};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::predicates::orient3d;
 
-/// Rays to the outside that are tried, each off the straight one by these shares of its length: odd ones, since a ray that meets an
-/// edge is undecided, and edges lie along axes and diagonals.
+/// Rays to the outside that are tried, each off the straight one by these shares of its length: odd ones, since a ray
+/// that hits an edge is undecided, and edges lie along axes and diagonals.
 pub const RAY_OFFSETS: [[f64; 2]; 6] =
     [[0.173, 0.091], [-0.059, 0.217], [-0.241, -0.127], [0.113, -0.281], [0.037, 0.053], [-0.331, 0.307]];
 
-/// Rays that are asked.
+/// Number of rays to use.
 pub fn ray_count(has_cracks: bool) -> usize {
     if has_cracks {
         RAYS_WITH_CRACKS
@@ -18,15 +18,15 @@ pub fn ray_count(has_cracks: bool) -> usize {
     }
 }
 
-/// What most rays say; 0 where there is none.
+/// The majority of the rays' results; 0 if there are none.
 pub fn median(mut windings: Vec<i32>) -> i32 {
     windings.sort_unstable();
     windings.get(windings.len() / 2).copied().unwrap_or(0)
 }
 
-/// The signed crossing of the ray from `p` to `q` with a triangle, by exact signs: 1 where it leaves along the winding's normal, -1
-/// where it enters against it, 0 where it misses; `None` where it meets the triangle's border or lies in its plane. Neither end may
-/// be on the triangle.
+/// The signed crossing of the ray from `p` to `q` with a triangle, by exact signs: 1 if it leaves along the winding's
+/// normal, -1 if it enters against it, 0 if it misses; `None` if it hits the triangle's border or lies in its plane.
+/// Neither end may be on the triangle.
 pub fn crossing(p: &Point, q: &Point, t: &Triangle) -> Option<i32> {
     let ray = Aabb::of_triangle(&[*p, *q, *q]);
     if !ray.is_overlapping(&Aabb::of_triangle(t)) {

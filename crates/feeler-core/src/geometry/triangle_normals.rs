@@ -5,8 +5,8 @@ use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::vectors::{cross, dot, normal, sub};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
-/// The unit normals of so many triangles, up to eight, as [`normal`] has them, `None` in what is beyond; and which of the triangles
-/// are thinner than a length, one bit each.
+/// The unit normals of up to eight triangles, as [`normal`] has them, `None` in unused lanes; and which of the
+/// triangles are thinner than a length, one bit each.
 pub fn eight_normals<'a>(
     lanes: Checked,
     count: usize,

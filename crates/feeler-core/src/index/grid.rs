@@ -64,7 +64,7 @@ impl VoxelGrid {
         self.counts.iter().map(|n| u64::from(*n)).product()
     }
 
-    /// The voxels that a box meets, clamped to the grid (the paper's equation 2).
+    /// The voxels that a box overlaps, clamped to the grid (the paper's equation 2).
     #[inline]
     pub fn range(&self, b: &Aabb) -> VoxelRange {
         VoxelRange { first: self.address(&b.lower), last: self.address(&b.upper) }
@@ -89,12 +89,12 @@ impl VoxelGrid {
     #[inline]
     fn address(&self, p: &Point) -> [u32; 3] {
         std::array::from_fn(|a| {
-            // A cast from float saturates, so what lies before the grid gets 0.
+            // A cast from float saturates, so places before the grid get 0.
             (((p[a] - self.origin[a]) * self.per_metre) as u32).min(self.counts[a] - 1)
         })
     }
 
-    /// Calls `visit` with every voxel that the closed triangle meets, and possibly a few it only nearly meets.
+    /// Calls `visit` with every voxel that the closed triangle overlaps, and possibly a few that it just misses.
     ///
     /// Large ranges are halved along their longest axis, and halves that the triangle misses are dropped whole, so the cost
     /// grows with the triangle's surface and not with the volume of its box.
@@ -136,7 +136,7 @@ impl VoxelGrid {
         }
     }
 
-    /// How many voxels a triangle meets at least: its shadow along each axis covers that many columns.
+    /// The least number of voxels that a triangle overlaps: its shadow along each axis covers that many columns.
     pub fn least_voxels(&self, t: &Triangle) -> f64 {
         let shadow = |u: usize, v: usize| {
             0.5 * ((t[1][u] - t[0][u]) * (t[2][v] - t[0][v]) - (t[1][v] - t[0][v]) * (t[2][u] - t[0][u])).abs()
@@ -157,7 +157,8 @@ impl VoxelGrid {
     }
 }
 
-/// Whether a triangle may meet the box with the given centre and half sides: false only when a separating axis is certain.
+/// Whether a triangle may overlap the box with the given centre and half sides: false only when a separating axis is
+/// certain.
 ///
 /// T. Akenine-Möller, *Fast 3D triangle-box overlap testing* (2001): three box normals, the triangle's normal, and the
 /// nine products of edges. Every comparison allows for the rounding of its own terms, so a touching box is never missed.

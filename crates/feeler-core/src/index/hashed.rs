@@ -1,7 +1,7 @@
 //! The hashed voxel array of Borro et al. (2004, equation 1): `key = (i*Nj + j)*Nk + k`, `H = key mod table size`.
 //!
-//! When several voxels fall into one slot, the slot holds the triangles of all of them, each once. A query that visits one
-//! of these voxels is offered the others' triangles too. They lie elsewhere, so the box filter or the triangle test
+//! If several voxels share a slot, the slot holds the triangles of all of them, each once. A query that visits one of
+//! these voxels is offered the others' triangles too. They lie elsewhere, so the box filter or the triangle test
 //! discards them: a hash collision costs time and never changes the answer.
 
 use super::lists::{ListedMesh, VoxelLists};

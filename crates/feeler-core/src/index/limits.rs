@@ -1,8 +1,8 @@
-//! What an index may take: bytes, and entries that 32-bit positions can address.
+//! Limits of an index: bytes, and entries that 32-bit positions can address.
 
 use crate::error::{Error, Result};
 
-/// Refuses what would need more than `limit` bytes.
+/// Refuses structures that would need more than `limit` bytes.
 pub fn check_memory(what: &'static str, needed: f64, limit: u64) -> Result<()> {
     if needed <= limit as f64 {
         return Ok(());

@@ -33,7 +33,7 @@ pub struct ListedMesh<'a> {
 }
 
 impl VoxelLists {
-    /// Puts every triangle into the slot `key % slots` of every voxel it meets.
+    /// Puts every triangle into the slot `key % slots` of every voxel that it overlaps.
     ///
     /// Two parallel passes over the triangles: count, then fill. The order in which threads fill a slot does not matter, as
     /// each list is sorted afterwards.
@@ -137,7 +137,7 @@ impl VoxelLists {
         self.entries.shrink_to_fit();
     }
 
-    /// Offers, for each tool triangle, the entries of every voxel its box meets.
+    /// Offers, for each tool triangle, the entries of every voxel that its box overlaps.
     pub fn offer_candidates<N: CandidateSink>(&self, tool: &Tool, narrow: &mut N) {
         for slot in 0..tool.ids().len() as u32 {
             let bounds = narrow.placed_bounds(slot);
@@ -196,7 +196,7 @@ impl VoxelLists {
         ]
     }
 
-    /// Every triangle is in the slot of every voxel it meets; lists ascend.
+    /// Every triangle is in the slot of every voxel that it overlaps; lists ascend.
     pub fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
         for slot in 0..self.slots as usize {
             if !self.slot(slot).windows(2).all(|w| w[0] < w[1]) {

@@ -1,4 +1,4 @@
-//! The query of a cast on lists of voxels: each tool triangle's way through a window of time, as a swept box.
+//! The query of a cast on lists of voxels: each tool triangle's motion through a window of time, as a swept box.
 
 use super::lists::ListedMesh;
 use super::pair_set::{pair_key, PairSet};
@@ -6,12 +6,12 @@ use super::sink::{Offer, Sweep};
 use crate::geometry::bounds::{Aabb, Triangle};
 use crate::index::grid::VoxelRange;
 
-/// A window costs too much when it looks up so many times the voxels that the tool meets standing still.
+/// A window costs too much when it looks up more than this many times the voxels that the tool meets standing still.
 const VOXELS_TOO_MANY: f64 = 8.0;
 
 impl ListedMesh<'_> {
-    /// Offers, for each tool triangle, the entries of every voxel that the box around its way meets, where the boxes of the two
-    /// meet. See [`Store::offer_swept`](super::Store::offer_swept).
+    /// Offers, for each tool triangle, the entries of every voxel that the box around its motion overlaps, if the boxes
+    /// of the two overlap. See [`Store::offer_swept`](super::Store::offer_swept).
     pub fn offer_swept(&self, sweep: &Sweep<'_>, seen: &mut PairSet, offer: Offer<'_>) -> bool {
         if sweep.may_give_up && self.is_too_much(sweep) {
             return false;

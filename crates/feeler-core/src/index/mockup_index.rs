@@ -1,4 +1,4 @@
-//! A mock-up with its index: what every query asks.
+//! A mock-up with its index: the target of every query.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::index::store::{Storage, Store};
 use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
 
-/// A mock-up and its store, and what of it is asked for. Immutable while it is queried; a copy shares mock-up and store.
+/// A mock-up and its store, with a selection. Immutable while it is queried; a copy shares mock-up and store.
 #[derive(Debug, Clone)]
 pub struct Index {
     mockup: Arc<Mockup>,
@@ -47,7 +47,7 @@ impl Index {
         Index { selection, ..self.clone() }
     }
 
-    /// What is asked for.
+    /// The selection of queries.
     pub fn selection(&self) -> &Selection {
         &self.selection
     }

@@ -1,6 +1,7 @@
-//! Which regions of a voxel grid hold anything: an octree of bits, two levels at a step, for queries that look for what is near.
+//! The occupied regions of a voxel grid: an octree of bits, two levels at a step, for distance queries.
 //!
-//! The lowest bit stands for a block of 4 x 4 x 4 voxels, so all bits together take less than a 2000th of 4 bytes a voxel.
+//! The lowest bit represents a block of 4 x 4 x 4 voxels, so all bits together take less than a 2000th of 4 bytes a
+//! voxel.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 

@@ -1,4 +1,4 @@
-//! The search in plain float64: for every store, and for tools so far away that float32 cannot tell near from far.
+//! The search in plain float64: for every store, and for tools so far away that float32 cannot separate near from far.
 //!
 //! Branch and bound over two trees of boxes, depth first, the nearer child first (N. Roussopoulos, S. Kelley and F. Vincent,
 //! *Nearest neighbor queries*, 1995; of pairs of boxes: E. Larsen, S. Gottschalk, M. Lin and D. Manocha, *Fast proximity queries
@@ -19,12 +19,12 @@ pub trait Cells {
     /// The node around everything.
     fn root(&self) -> Self::Cell;
 
-    /// Calls `visit` with what lies directly below a node and a box (world, metres) around it. Every triangle that reaches into
-    /// the node is below it, at least with the share that does; what is not there may be left out.
+    /// Calls `visit` with each child of a node and a box (world, metres) around it. Every triangle that reaches into
+    /// the node is below it, at least with the share that does; triangles that the selection leaves out may be missing.
     fn open(&self, cell: Self::Cell, selection: &Selection, visit: &mut dyn FnMut(Item<Self::Cell>, Aabb));
 }
 
-/// What lies below a node.
+/// The content of a node.
 #[derive(Debug, Clone, Copy)]
 pub enum Item<C> {
     /// A node.

@@ -1,6 +1,8 @@
-//! The search along a ray in plain float64: for every store, and for rays from so far away that float32 cannot tell where they pass.
+//! The search along a ray in plain float64: for every store, and for rays from so far away that float32 cannot resolve
+//! them.
 //!
-//! Boxes are met slab by slab (T. Kay and J. Kajiya, *Ray tracing complex scenes*, 1986), depth first, the nearer child first.
+//! Boxes are intersected slab by slab (T. Kay and J. Kajiya, *Ray tracing complex scenes*, 1986), depth first, the
+//! nearer child first.
 
 use super::plain_search::{Cells, Item};
 use super::selection::Selection;
@@ -17,9 +19,9 @@ pub(crate) struct RayPath<'a> {
     pub origin: Point,
     /// Not zero.
     pub direction: Point,
-    /// Where what is of interest begins, rounded down; shares of the direction.
+    /// Start of the relevant range, rounded down; shares of the direction.
     pub from: f64,
-    /// What is asked for. A hint: what is not may be offered all the same.
+    /// The selection. A hint: others may be offered all the same.
     pub selection: &'a Selection,
     /// The instruction set.
     pub lanes: Checked,
@@ -66,7 +68,7 @@ impl Slabs<'_> {
         Slabs { path, margin: RAY_ROUNDOFFS * UNIT_ROUNDOFF * size }
     }
 
-    /// Where the ray enters a box, within what is of interest; `None` where it surely does not.
+    /// Where the ray enters a box, within its searched part; `None` where it surely does not.
     fn enter(&self, b: &Aabb, limit: f64) -> Option<f64> {
         let RayPath { origin, direction, from, .. } = self.path;
         let (mut enters, mut leaves) = (*from, limit);

@@ -1,7 +1,7 @@
-//! What a query asks for: of the mock-up the parts that are there, and of pairs of parts those that are not ignored.
+//! The selection of a query: the present parts of the mock-up, and the pairs of parts that are not ignored.
 //!
-//! Both are laid over one index, which stays as it is. Nodes with nothing below them that is there are not looked into, and what
-//! is offered is asked for its triangle: a bit a triangle, and a bit a node.
+//! Both are laid over one index, which does not change. Nodes without present parts are skipped, and each offered
+//! triangle is checked: one bit per triangle, and one per node.
 
 use std::sync::Arc;
 
@@ -234,13 +234,13 @@ impl Selection {
             && self.presence.as_ref().is_none_or(|presence| is_set(&presence.triangles, triangle))
     }
 
-    /// Whether a pair of a tool's and a mock-up's part is asked for, or some surfaces of the two are.
+    /// Whether a pair of a tool part and a mock-up part is selected, or some surfaces of the two are.
     #[inline]
     pub fn wants_parts(&self, tool_part: u32, part: u32) -> bool {
         self.has_part(part) && self.ignored.as_ref().is_none_or(|ignored| !ignored.contains(tool_part, part))
     }
 
-    /// Whether a pair of triangles is asked for: the tool's by slot.
+    /// Whether a pair of triangles is wanted: the tool's by slot.
     #[inline(always)]
     pub(crate) fn wants(&self, tool: &Tool, mockup: &Mockup, slot: u32, triangle: u32) -> bool {
         if !self.has(triangle) {

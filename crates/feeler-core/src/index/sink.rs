@@ -1,4 +1,4 @@
-//! What the index is asked, and who takes what it offers: queries stand above it, and it knows them by these traits alone.
+//! The traits between index and queries: queries stand above the index, which knows them only by these.
 
 use feeler_lanes::{Checked, Simd, LANES};
 
@@ -23,7 +23,7 @@ pub(crate) struct PlacedTool<'a> {
     pub pose: &'a Pose,
     /// The instruction set.
     pub lanes: Checked,
-    /// What is asked for. A hint: what is not may be offered all the same.
+    /// The selection. A hint: others may be offered all the same.
     pub selection: &'a Selection,
 }
 
@@ -59,7 +59,7 @@ pub struct Stats {
     pub clusters_placed: u64,
     /// With blocks: mock-up pieces whose boxes were compared with those of a cluster's 16 pieces.
     pub pieces_scanned: u64,
-    /// Pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
+    /// Pairs of tool triangle and list entry; with blocks, pairs of pieces with overlapping boxes.
     pub entries_scanned: u64,
     /// Pairs that the boxes of their triangles do not hold apart; with blocks, pairs of pieces that neither boxes nor planes do.
     pub box_survivors: u64,
@@ -69,7 +69,7 @@ pub struct Stats {
     pub triangle_tests: u64,
     /// Triangle tests in which float64 arithmetic could not decide and exact arithmetic did.
     pub exact_tests: u64,
-    /// Distinct pairs that meet.
+    /// Distinct colliding pairs.
     pub pairs: u64,
 }
 
@@ -102,7 +102,7 @@ pub(crate) struct NearTool<'a> {
     pub pose: &'a Pose,
     /// The instruction set.
     pub lanes: Checked,
-    /// What is asked for. A hint: what is not may be offered all the same.
+    /// The selection. A hint: others may be offered all the same.
     pub selection: &'a Selection,
     /// Sorted by part. A hint: pairs they hold apart may be offered all the same.
     pub dividers: &'a [Divider],
@@ -161,7 +161,7 @@ pub(crate) trait RaySink {
 
 /// Takes pairs of triangles of different parts of one mock-up that may meet.
 pub(crate) trait SelfSink {
-    /// Whether a pair of parts (any order) is asked for, still.
+    /// Whether a pair of parts (any order) is still wanted.
     fn wants(&mut self, part: u32, other: u32) -> bool;
 
     /// Says that a block's pieces come next: their numbers mean others now.
@@ -193,7 +193,7 @@ pub(crate) struct Sweep<'a> {
     pub window: Window,
     /// The instruction set.
     pub lanes: Checked,
-    /// What is asked for. A hint: what is not may be offered all the same.
+    /// The selection. A hint: others may be offered all the same.
     pub selection: &'a Selection,
     /// Whether the store may give up where a shorter window would do better.
     pub may_give_up: bool,

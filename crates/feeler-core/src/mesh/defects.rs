@@ -1,5 +1,5 @@
-//! Triangles that cannot be queried, and exact duplicates: found (zero area by exact signs, duplicates by a hash of the corners),
-//! counted and listed, never dropped in silence.
+//! Triangles that cannot be queried, and exact duplicates: found (zero area by exact signs, duplicates by a hash of the
+//! corners), counted and listed, never dropped silently.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::constants::{DEFECT_IDS_KEPT, LARGEST_COORDINATE, SMALL_MESH};
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::predicates::is_collinear;
 
-/// What can be wrong with a triangle. A triangle is counted under the first that applies.
+/// The defects of a triangle. A triangle is counted under the first that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 #[non_exhaustive]

@@ -43,7 +43,7 @@ impl Cells {
     pub fn middle(&self, lower: &Point, upper: &Point) -> u64 {
         let cell = |a: usize| {
             let x = (0.5 * (lower[a] + upper[a]) - self.origin[a]) * self.per_unit;
-            // NaN is 0 too. Fewer instructions than `clamp` and a cast to what is wanted.
+            // NaN is 0 too. Fewer instructions than `clamp` and a cast to the type wanted.
             let x = if x > 0.0 { x } else { 0.0 };
             (if x < MASK as f64 { x } else { MASK as f64 }) as i32 as u64
         };
@@ -79,8 +79,8 @@ pub fn order<E: Entry>(entries: &mut [E], fan_out: usize) {
     }
 }
 
-/// The places of a leaf's entries, at most `N`, in order along the longest side of the box around their middles: its halves are
-/// apart then, and what is near to something lies in few registers.
+/// The places of a leaf's entries, at most `N`, in order along the longest side of the box around their middles: this
+/// separates its halves, and near entries lie in few registers.
 ///
 /// Counts for each entry how many come before it: no branch depends on them.
 #[inline(always)]
@@ -103,7 +103,7 @@ pub fn places_in_leaf<E: Entry, const N: usize>(leaf: &[E]) -> [i32; N] {
             (axis, longest) = (a, high - low);
         }
     }
-    // Cells, and then numbers: no two keys are equal, and what is not of the leaf comes last.
+    // Cells, and then numbers: no two keys are equal, and entries outside the leaf come last.
     let mut keys = [0i32; N];
     for i in 0..N {
         keys[i] = if i < leaf.len() { cells[axis][i] * N as i32 + i as i32 } else { i32::MAX };
@@ -117,7 +117,7 @@ pub fn places_in_leaf<E: Entry, const N: usize>(leaf: &[E]) -> [i32; N] {
     places
 }
 
-/// Entries that are looked at for choosing an axis: half of them, in any case so many, and at most so many.
+/// Entries that are looked at for choosing an axis: half of them, but at least and at most these numbers.
 const LEAST_SAMPLE: usize = 64;
 const SAMPLE: usize = 512;
 

@@ -71,7 +71,7 @@ impl Mockup {
         &self.part_of_face
     }
 
-    /// Asks for what [`part_of_face`](Self::part_of_face) will read.
+    /// Prefetches the data of [`part_of_face`](Self::part_of_face).
     #[inline]
     #[doc(hidden)]
     pub fn prefetch_part(&self, face: u32) {
@@ -110,7 +110,7 @@ impl Mockup {
         self.outlines.of(&self.mesh, self.adjacency(), triangle)
     }
 
-    /// Bytes held by what was found of how the triangles hang together; `None` before anybody asked.
+    /// Bytes of the connectivity of the triangles; `None` before its first use.
     pub(crate) fn topology_memory(&self) -> Option<usize> {
         self.adjacency.get().map(Adjacency::memory)
     }

@@ -1,4 +1,4 @@
-//! Meshes as given, what is wrong with them, how their triangles are cut and ordered, and how they hang together.
+//! Meshes as given, their defects, the cutting and ordering of their triangles, and their connectivity.
 
 pub(crate) mod defects;
 pub(crate) mod median;

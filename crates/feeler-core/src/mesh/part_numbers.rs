@@ -1,4 +1,4 @@
-//! Which part each triangle of a mesh belongs to, as given by a caller.
+//! The part of each triangle of a mesh, as given by a caller.
 
 use crate::error::{Error, Result};
 

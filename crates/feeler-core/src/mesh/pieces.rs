@@ -1,8 +1,8 @@
-//! Cutting long triangles into pieces, for the index only, and the piece size that keeps their number in bounds.
+//! Cuts long triangles into pieces, for the index only, and chooses the piece size that limits their number.
 //!
-//! Early split clipping (M. Ernst and G. Greiner 2007), by halving quadrilaterals instead of clipping at planes. A long triangle
-//! has a box that is nearly all empty; its pieces' boxes together hug it. Queries still test the whole, given triangle, so pieces
-//! need only cover it.
+//! Early split clipping (M. Ernst and G. Greiner 2007), by halving quadrilaterals instead of clipping at planes. A long
+//! triangle has a box that is nearly empty; the boxes of its pieces fit it closely. Queries still test the whole given
+//! triangle, so pieces need only cover it.
 
 use crate::constants::{CUT_ROUNDOFFS, LEAST_PIECE_ROUNDOFFS, MAX_CUT_DEPTH, UNIT_ROUNDOFF};
 use crate::geometry::bounds::{Aabb, Piece, Point, Triangle};
@@ -44,7 +44,7 @@ fn cut_long_triangle(t: &Triangle, size: f64, emit: &mut impl FnMut(&Piece)) {
     }
 }
 
-/// What cutting a triangle begins with: one piece, or two.
+/// The start of cutting a triangle: one piece, or two.
 pub fn first_cut(t: &Triangle, size: f64) -> (Piece, Option<Piece>) {
     let [shortest, middle, apex] = shortest_side_first(t);
     let (base, height) = base_and_height(t);

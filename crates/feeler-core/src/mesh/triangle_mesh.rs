@@ -1,4 +1,4 @@
-//! Triangle meshes as given, with what is wrong with them.
+//! Triangle meshes as given, with their defects.
 
 use rayon::prelude::*;
 
@@ -62,7 +62,7 @@ impl Mesh {
         &self.faces
     }
 
-    /// What is wrong with the mesh.
+    /// The defects of the mesh.
     pub fn defects(&self) -> &Defects {
         &self.defects
     }

@@ -8,7 +8,7 @@ use crate::index::selection::Selection;
 use crate::index::sink::RaySink;
 use crate::mesh::mockup::Mockup;
 
-/// The first triangle that a ray meets, as [`Scene::ray`](crate::Scene::ray).
+/// The first triangle that a ray hits, as [`Scene::ray`](crate::Scene::ray).
 pub fn first_of_all(
     mockup: &Mockup,
     selection: &Selection,

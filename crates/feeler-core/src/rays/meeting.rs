@@ -1,8 +1,8 @@
-//! Whether and where a ray meets a closed triangle, exactly.
+//! Whether and where a ray hits a closed triangle, exactly.
 //!
-//! By the signed volumes of the ray's direction and two corners each, seen from its origin (K. Segura and C. Feito, *Algorithms to
-//! test ray-triangle intersection*, 2001): the line meets the triangle where no two differ. Signs come from float64 with an error
-//! bound, and else from whole numbers.
+//! By the signed volumes of the ray's direction and two corners each, seen from its origin (K. Segura and C. Feito,
+//! *Algorithms to test ray-triangle intersection*, 2001): the line hits the triangle if no two differ in sign. Signs
+//! come from float64 with an error bound, else from whole numbers.
 
 use std::cmp::Ordering;
 
@@ -51,7 +51,7 @@ pub fn meet(ray: &Ray, triangle: &Triangle, span: &Span) -> Option<Meeting> {
     span.has(&mut place, || ratio(ray, triangle)).then_some(Meeting { place, facing })
 }
 
-/// Where a line meets a triangle's plane, for a triangle it is not in.
+/// The place where a line intersects the plane of a triangle that it does not lie in.
 pub fn ratio(ray: &Ray, triangle: &Triangle) -> Ratio {
     let [d, corners] = whole(ray, triangle);
     let [a, b, c] = [0, 3, 6].map(|i| &corners[i..i + 3]);
@@ -112,7 +112,7 @@ fn whole(ray: &Ray, triangle: &Triangle) -> [Vec<BigInt>; 2] {
     [w[..3].to_vec(), corners]
 }
 
-/// [`meet`] of a ray in the triangle's plane: what the line has in common with it is a point or a segment.
+/// [`meet`] of a ray in the triangle's plane: the line and the triangle share a point or a segment.
 #[cold]
 fn meet_in_plane(ray: &Ray, triangle: &Triangle, span: &Span) -> Option<Meeting> {
     let [d, corners] = whole(ray, triangle);

@@ -1,4 +1,4 @@
-//! Rays: the first triangle that each meets, decided exactly.
+//! Rays: the first triangle that each hits, decided exactly.
 
 pub mod brute;
 mod meeting;

@@ -1,4 +1,4 @@
-//! The first triangle that a ray meets, in a scene.
+//! The first triangle that a ray hits in a scene.
 
 use std::cmp::Ordering;
 
@@ -22,7 +22,7 @@ use crate::scratch_pool::ScratchPool;
 /// Rays a task handles at a time.
 const RAYS_TASK: usize = 16;
 
-/// The first triangle that a ray meets within `max` (metres) and what all sections keep.
+/// The first triangle that a ray hits within `max` (metres) and the intersection of all sections.
 pub fn first(
     index: &Index,
     ray: &Ray,
@@ -115,7 +115,7 @@ impl<'a> First<'a> {
         self.best = Some((meeting, id));
     }
 
-    /// What was met first.
+    /// The first hit.
     pub fn hit(&self) -> Option<RayHit> {
         let (Meeting { place, facing }, id) = self.best.as_ref()?;
         let wound = normal(&self.mockup.mesh().triangle(*id)).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Exact quotients of whole numbers: where along a ray something is.
+//! Exact quotients of whole numbers: positions along a ray.
 
 use std::cmp::Ordering;
 

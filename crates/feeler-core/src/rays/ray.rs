@@ -1,4 +1,4 @@
-//! What a ray query is given and what it answers.
+//! The input and the answer of a ray query.
 
 use crate::constants::LARGEST_COORDINATE;
 use crate::error::{Error, Result};
@@ -22,7 +22,7 @@ pub struct HalfSpace {
     pub offset: f64,
 }
 
-/// Where a ray first meets the mock-up.
+/// The first hit of a ray on the mock-up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
     /// From the ray's origin, metres.

@@ -1,4 +1,4 @@
-//! The share of a ray that sections keep: what lies in all half spaces, from where to where.
+//! The range of a ray that sections keep: its intersection with all half spaces.
 
 use std::cmp::Ordering;
 
@@ -21,7 +21,7 @@ pub struct Place {
 pub struct Span {
     /// 0 is without a ratio.
     pub from: Place,
-    /// `None`: there is no end.
+    /// `None`: no end.
     pub to: Option<Place>,
 }
 
@@ -33,7 +33,7 @@ impl Place {
         Place { t: ratio.to_f64(), ratio: Some(ratio) }
     }
 
-    /// Which of two places comes first: by their numbers, and where these are too close to tell, exactly.
+    /// Which of two places comes first: by their numbers, and exactly if these are too close.
     pub fn compare(
         &mut self,
         other: &mut Place,
@@ -51,7 +51,7 @@ impl Place {
 }
 
 impl Span {
-    /// What all sections keep of a ray; `None`: nothing.
+    /// The range of a ray that all sections keep; `None`: nothing.
     pub fn new(ray: &Ray, sections: &[HalfSpace]) -> Option<Span> {
         let mut span = Span { from: Place::ORIGIN, to: None };
         for section in sections {

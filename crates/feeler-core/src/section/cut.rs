@@ -1,4 +1,4 @@
-//! Cutting: the sides of all vertices first, so that each triangle is a look at three of them.
+//! Cutting: the sides of all vertices first, so that each triangle only looks up three of them.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Sections: what a plane cuts, as segments.
+//! Sections: the cut of a plane, as segments.
 
 pub mod cut;
 pub mod outline;

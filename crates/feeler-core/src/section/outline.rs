@@ -1,4 +1,4 @@
-//! What a plane cuts.
+//! The segments of a cut.
 
 use crate::geometry::bounds::Point;
 

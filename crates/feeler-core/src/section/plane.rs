@@ -1,4 +1,4 @@
-//! The plane of a section: on which side a point is, exactly.
+//! The plane of a section: the exact side of a point.
 
 use crate::constants::{DOT_BOUND, LARGEST_COORDINATE};
 use crate::error::{Error, Result};

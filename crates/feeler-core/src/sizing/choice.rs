@@ -1,4 +1,4 @@
-//! The voxel size that is taken where none is given, and the best for a tool.
+//! The default voxel size, and the best one for a tool.
 
 use super::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use super::piece_predictor::PiecePredictor;
@@ -11,10 +11,10 @@ use crate::tool::moving_tool::Tool;
 
 /// The voxel size a scene uses when none is given, metres.
 ///
-/// For `dense` and `hashed` the minimum of the paper's cost function with the area estimator; without a tool, one whose
-/// triangles are as long as the mock-up's own (mean longest edge) stands in. For `blocks` the piece size with which boxes of the
-/// tool meet the fewest of the mock-up's ([`PiecePredictor`]), as far as building stays below `limit` bytes; without a tool the
-/// one that spends a fixed share of extra pieces on the longest triangles.
+/// For `dense` and `hashed` the minimum of the paper's cost function with the area estimator; without a tool, for one
+/// whose triangles are as long as the mock-up's own (mean longest edge). For `blocks` the piece size with which boxes
+/// of the tool overlap the fewest of the mock-up's ([`PiecePredictor`]), as far as building stays below `limit` bytes;
+/// without a tool the one that spends a fixed share of extra pieces on the longest triangles.
 pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage, limit: u64) -> f64 {
     if storage == Storage::Blocks {
         if let Some(predictor) = tool.and_then(|tool| PiecePredictor::new(mesh, tool)) {

@@ -1,6 +1,6 @@
-//! What the steps of a query cost.
+//! The cost of the steps of a query.
 
-/// What the steps of a query cost on a machine, seconds each. The core has no clock: whoever has one measures them.
+/// The cost of each step of a query on a machine, in seconds. The core has no clock: a caller with one measures them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CostConstants {
@@ -14,7 +14,7 @@ pub struct CostConstants {
     pub entry: f64,
     /// A pair of triangles met for the first time: remembered, and its boxes compared.
     pub pair: f64,
-    /// A pair whose boxes meet: the triangle test.
+    /// A pair with overlapping boxes: the triangle test.
     pub test: f64,
 }
 

@@ -1,4 +1,4 @@
-//! How crowded the mock-up is where: surface in a volume, as a histogram on a coarse grid.
+//! The local density of the mock-up: surface in a volume, as a histogram on a coarse grid.
 
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::pieces::{edge_lengths, longest_edge, twice_area};
@@ -9,7 +9,7 @@ const CELLS: f64 = 131_072.0;
 /// Most points along an edge of a triangle larger than a cell.
 const SPREAD: f64 = 6.0;
 
-/// A triangle of the mock-up and what is asked of it more than once.
+/// A triangle of the mock-up with its repeatedly used measures.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured {
     pub corners: Triangle,
@@ -77,7 +77,7 @@ impl Crowd {
     fn cell(&self, p: &Point) -> Option<usize> {
         let mut cell = 0;
         for a in 0..3 {
-            // Below the origin and NaN are 0 as integers; both are told apart first.
+            // Below the origin and NaN are 0 as integers; both are sorted out first.
             let x = (p[a] - self.origin[a]) * self.over;
             if !(x >= 0.0 && x < self.cells[a] as f64) {
                 return None;
@@ -87,10 +87,10 @@ impl Crowd {
         Some(cell)
     }
 
-    /// How many triangles one of this area and outline meets there, turned anyhow, on average.
+    /// The average number of triangles that one of this area and outline collides with there, in any orientation.
     ///
-    /// The common points of two triangles are a segment; each of its ends is where an edge of one goes through the other. A
-    /// segment of length `l` meets surfaces of area `a` in a volume `a l / 2` times.
+    /// The common points of two triangles are a segment; each of its ends is where an edge of one goes through the
+    /// other. A segment of length `l` intersects surfaces of area `a` in a volume `a l / 2` times.
     pub fn met(&self, at: &Point, area: f64, outline: f64) -> f64 {
         self.cell(at).map_or(0.0, |cell| {
             let [areas, outlines] = self.density[cell].map(f64::from);
@@ -106,7 +106,7 @@ impl Crowd {
     }
 }
 
-/// Points along an edge of so many cells.
+/// Points along an edge of `cells` cells.
 fn steps(cells: f64) -> usize {
     cells.ceil().clamp(1.0, SPREAD) as usize
 }

@@ -1,4 +1,4 @@
-//! Which voxel size is best: the paper's cost function, and predictions from samples of both meshes.
+//! The best voxel size: by the paper's cost function, or by predictions from samples of both meshes.
 
 pub mod choice;
 pub mod cost;

@@ -1,4 +1,4 @@
-//! The piece size of blocks for a tool: where the fewest boxes meet.
+//! The piece size of blocks for a tool: the one with the fewest overlapping boxes.
 //!
 //! With a tool's piece anywhere, turned anyhow, the pieces of the mock-up whose boxes its box meets are on average as many as
 //! `product(b + e_a)`, summed over them, over the space: `b` is the mean width of the tool's piece, `e` the sides of the box of
@@ -24,12 +24,12 @@ const TRIANGLES_LOOKED_AT: usize = 25_000;
 /// Of these, the ones whose cutting is followed.
 const FOLLOWED: usize = 2000;
 
-/// What a query is expected to do at a piece size, per piece of the tool and in cubic metres: over the volume in which the tool
-/// may be it is how many meet. Only ratios between sizes mean something.
+/// The expected work of a query at a piece size, per piece of the tool and in cubic metres: divided by the volume in
+/// which the tool may be it is the number of overlaps. Only ratios between sizes mean something.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct PieceWork {
-    /// Pieces of the mock-up whose boxes that of a tool's piece meets.
+    /// Pieces of the mock-up whose boxes overlap that of a tool's piece.
     pub pairs: f64,
     /// The same for that of a cluster.
     pub cluster_pairs: f64,
@@ -38,7 +38,7 @@ pub struct PieceWork {
 }
 
 impl PieceWork {
-    /// What is to be small, in units of a pair of pieces.
+    /// The cost to minimise, in units of a pair of pieces.
     pub fn cost(&self) -> f64 {
         self.pairs + CLUSTER_SHARE * self.cluster_pairs
     }

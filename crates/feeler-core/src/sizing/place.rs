@@ -1,4 +1,4 @@
-//! Where the tool is put: as `feeler.sample_poses` does for poses at work, with an estimate in place of queries.
+//! Places for the tool: as `feeler.sample_poses` chooses them for working poses, with an estimate instead of queries.
 
 use super::crowd::Crowd;
 use super::random::Random;
@@ -30,8 +30,8 @@ pub struct Place {
 }
 
 impl Place {
-    /// A point of the tool on a point of the mock-up, turned at random, moved along the surface's normal until as many pairs of
-    /// triangles meet as at work, or as near to that as it gets.
+    /// A point of the tool on a point of the mock-up, turned at random, moved along the surface's normal until the
+    /// number of colliding pairs of triangles is that of a working pose, or as near to it as possible.
     pub fn at_work(statics: &Statics, tool: &Mesh, tool_ids: &[u32], crowd: &Crowd, seed: u64) -> Place {
         let mut random = Random::new(seed);
         let surface = Spot::new(|i| statics.triangles[i].corners, statics.triangles.len(), &mut random);

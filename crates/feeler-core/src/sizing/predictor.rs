@@ -11,11 +11,11 @@
 //! - a tool triangle and a mock-up triangle whose boxes overlap by `o_a` (negative: a gap) share `product(max(0, 1 + o_a / d))`
 //!   voxels of their boxes, of which the mock-up triangle is listed in the share that it is listed in of its own box.
 //!
-//! Two of them are met at most as often as their boxes share a voxel at all, `product(min(1, 1 + o_a / d))`.
+//! Two of them are paired at most as often as their boxes share a voxel at all, `product(min(1, 1 + o_a / d))`.
 //!
-//! The work times what each step costs on the machine ([`CostConstants`]) is the time. Of the places it is the relative times
-//! that are averaged ([`balance`](super::sample::balance)): each counts by how much longer a query takes there than at a likely
-//! size.
+//! The work times the cost of each step on the machine ([`CostConstants`]) is the time. The relative times of the
+//! places are averaged ([`balance`](super::sample::balance)): each counts by how much longer a query takes there than
+//! at a likely size.
 
 use super::cost_constants::CostConstants;
 use super::sample::Sample;
@@ -130,7 +130,7 @@ impl Predictor {
             }
         }
         if time == f64::INFINITY {
-            // Nothing fits up to here. The store's own check says what is too much.
+            // Nothing fits up to here. The store's own check reports the error.
             return size(most);
         }
         let (before, after) = (seconds(best - 1), seconds(best + 1));

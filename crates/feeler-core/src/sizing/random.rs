@@ -1,4 +1,4 @@
-//! The few random numbers that samples need: the same on every machine, for any number of threads.
+//! The few random numbers that samples need: the same on every machine and for any number of threads.
 
 /// SplitMix64 (G. Steele, D. Lea and C. Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
 #[derive(Debug, Clone)]

@@ -1,4 +1,4 @@
-//! What a prediction looks at: the tool at a few places on the mock-up's surface, a part of its triangles there, and the
+//! The data of a prediction: the tool at a few places on the mock-up's surface, a part of its triangles there, and the
 //! mock-up's triangles around each.
 
 use rayon::prelude::*;

@@ -130,7 +130,7 @@ fn a_place_counts_by_how_much_longer_it_takes() {
     let visitor = |weight| Visitor { extent: [0.1; 3], weight };
     let shape = Shape { extent: [0.01; 3], shadows: 1e-4 };
     let meeting = |weight| Meeting { overlap: [0.01; 3], shape, weight, gap: 0.0 };
-    // The second is a hundred times the first, but for what a query takes as such.
+    // The second is a hundred times the first, but for the fixed cost of a query.
     let mut found = [
         (vec![visitor(1e4)], vec![meeting(1e3), meeting(1e3)]),
         (vec![visitor(1e6)], vec![meeting(1e5), meeting(1e5)]),
@@ -192,7 +192,7 @@ fn a_memory_limit_is_kept() {
     let limit = (0.4 * free) as u64;
     let size = predictor.optimal_size(&constants, limit);
     assert!(predictor.bytes(size) <= limit as f64, "{size}");
-    // Nothing fits: still a size, and the store says what is wrong with it.
+    // Nothing fits: still a size, and the store reports the error.
     assert!(predictor.optimal_size(&constants, 0).is_finite());
 }
 

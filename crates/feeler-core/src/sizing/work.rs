@@ -15,7 +15,7 @@ pub struct Work {
     pub entries: f64,
     /// Distinct pairs of triangles among them.
     pub pairs: f64,
-    /// Pairs whose boxes meet.
+    /// Pairs with overlapping boxes.
     pub tests: f64,
 }
 
@@ -47,11 +47,11 @@ pub struct Meeting {
     pub shape: Shape,
     /// How many pairs of a pose it stands for.
     pub weight: f64,
-    /// The largest gap, metres; 0 where the boxes meet.
+    /// The largest gap, metres; 0 if the boxes overlap.
     pub gap: f64,
 }
 
-/// What decides how many voxels a triangle meets.
+/// The measures that decide how many voxels a triangle overlaps.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
     /// Sides of its box, metres.
@@ -94,7 +94,7 @@ pub fn listed(shape: &Shape, over: f64) -> f64 {
     1.0 + shape.extent.iter().sum::<f64>() * over + shape.shadows * over * over
 }
 
-/// Voxels that its box meets.
+/// Voxels that its box overlaps.
 pub fn boxed(shape: &Shape, over: f64) -> f64 {
     shape.extent.iter().map(|e| 1.0 + e * over).product()
 }

@@ -1,10 +1,10 @@
-//! What "nearest" means for poses: a length of motions at the tool's centre.
+//! The metric of poses: a length of motions at the tool's centre.
 //!
-//! By the tool's own inertia a motion is as long as the root of the mean square way of its surface (metres). The pose nearest to the
-//! device's is then what Gauss's principle of least constraint gives a body that is let go of there. But what a hand feels is a coupling:
-//! where its springs weigh turns otherwise, their wrench at that pose has a part along the surface that no contact holds, and closed
-//! motions gain and lose energy. By the coupling's own springs the wrench is held by the contacts alone, and is the gradient of half
-//! the square of the distance: of a potential.
+//! By the tool's own inertia a motion is as long as the root mean square travel of its surface (metres). The pose
+//! nearest to the device's is then the one that Gauss's principle of least constraint gives a body released there. A
+//! hand, however, feels a coupling: if its springs weigh rotations differently, their wrench at that pose has a part
+//! along the surface that no contact balances, and closed motions gain and lose energy. By the coupling's own springs
+//! the contacts alone balance the wrench, which is the gradient of half the squared distance: of a potential.
 
 use crate::constants::LEAST_GYRATION_SHARE;
 use crate::geometry::bounds::Point;
@@ -27,8 +27,8 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// Of a tool, as a shell of even thickness. Open surfaces have one as well as closed ones. What has none about an axis, as a
-    /// straight wire, gets a little, so that it does not spin freely.
+    /// The metric of a tool, as a shell of even thickness. Open surfaces have one as well as closed ones. A tool
+    /// without inertia about an axis, such as a straight wire, gets a little, so that it does not spin freely.
     pub fn new(tool: &Tool) -> Metric {
         let mesh = tool.mesh();
         let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);

@@ -1,4 +1,4 @@
-//! A moving tool: its triangles under a shallow tree of boxes, its places at a pose, its way between two.
+//! A moving tool: its triangles under a shallow tree of boxes, its places at a pose, its motion between two.
 
 pub mod metric;
 pub(crate) mod motion;

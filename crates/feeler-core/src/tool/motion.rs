@@ -1,13 +1,14 @@
-//! A tool's way from one pose to another, and what is certain about it.
+//! The motion of a tool from one pose to another, with proven bounds.
 //!
-//! The tool's *pivot* moves along a straight line at constant speed, and the tool turns about it at constant speed about a fixed axis.
-//! From one pose to another the pivot is mostly the middle of the tool's box, and the turn the shorter way round (slerp: K. Shoemake
-//! 1985): the tool's own origin plays no part, so a tool modelled far from its origin does not swing. On a screw the pivot is on the
-//! axis, the nearest point of it to that middle, and the turn of any angle.
+//! The tool's *pivot* moves along a straight line at constant speed, and the tool turns about it at constant speed
+//! about a fixed axis. Between poses the pivot is usually the middle of the tool's box, and the rotation the shorter
+//! way round (slerp: K. Shoemake 1985): the tool's own origin has no effect, so a tool modelled far from its origin
+//! does not swing. On a screw the pivot is the point of the axis nearest to that middle, and the rotation has any
+//! angle.
 //!
-//! Given poses are rigid only within 1e-6, and are used as given: what their matrices have beyond a rotation is added, and
-//! fades out within the first and the last `FADE` of the way. So the way begins and ends exactly at the given poses, and
-//! every pose on it is as rigid as they are.
+//! Given poses are rigid only within 1e-6, and are used as given: the deviation of their matrices from a rotation is
+//! added, and fades out within the first and the last `FADE` of the motion. So the motion begins and ends exactly at
+//! the given poses, and every pose on it is as rigid as they are.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -207,7 +208,7 @@ impl Motion {
         unit(&self.velocity).filter(|_| self.angle * self.reach <= self.rounding)
     }
 
-    /// What is left of it from a time on. Errors as [`screw`](Self::screw).
+    /// The rest of the motion from a time on. Errors as [`screw`](Self::screw).
     pub fn rest(&self, tool: &Tool, time: f64) -> Result<Motion> {
         let here = self.at(time);
         match &self.screw {
@@ -401,7 +402,7 @@ pub struct Chord {
 pub(crate) struct Limits {
     /// Largest acceleration, metres for the whole time squared, in a direction across the axis.
     pub acceleration: f64,
-    /// By how much a point's velocity may differ from what [`Motion::velocity`] says.
+    /// The largest error of [`Motion::velocity`] at a point.
     pub stray_velocity: f64,
     /// By how much a computed corner may be off its place on the way, metres per axis.
     pub rounding: f64,

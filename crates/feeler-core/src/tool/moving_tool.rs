@@ -1,4 +1,4 @@
-//! A moving tool, prepared once for every scene it is used with.
+//! A moving tool, prepared once for all scenes.
 
 use std::sync::Arc;
 
@@ -194,9 +194,9 @@ impl Tool {
         })
     }
 
-    /// Takes what is known of how its triangles share edges, unless that was found already.
+    /// Takes over how its triangles share edges, unless that is known already.
     pub(crate) fn take_adjacency(&self, adjacency: Adjacency) {
-        // Whoever found it meanwhile found the same.
+        // Another thread may have found it meanwhile: the same.
         let _ = self.adjacency.set(Box::new(adjacency));
     }
 

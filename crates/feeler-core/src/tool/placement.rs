@@ -1,7 +1,7 @@
 //! Sixteen boxes or pieces of a tool side by side, and their places at a pose, in float32.
 //!
-//! Lane `i` of each array belongs to entry `i`. Lanes that are not used repeat the last entry, so that no step needs to leave
-//! them out before the end.
+//! Lane `i` of each array belongs to entry `i`. Unused lanes repeat the last entry, so that no step needs to skip them
+//! before the end.
 
 use feeler_lanes::{along, greatest4, least4, load3, splat3, Box4, Lane32, LaneBoxes, Simd, LANES, TINY};
 
@@ -122,7 +122,7 @@ impl ToolUnit {
         ((x - self.centre[axis]) / self.metres) as f32
     }
 
-    /// A box in the tool's frame, metres, around what was rounded to these sides: tool units are at most 1, so a rounding is at
+    /// A box in the tool's frame, metres, around a box rounded to these sides: tool units are at most 1, so a rounding is at
     /// most 2^-24 of them.
     fn to_metres(self, sides: impl Fn(usize) -> (f32, f32)) -> Aabb {
         let rounding = 2f64.powi(-22);
@@ -259,7 +259,7 @@ impl Placement {
         Along { axes, at, slack }
     }
 
-    /// `margin` (metres) covers what is uncertain about the tool's coordinates at the pose in float64.
+    /// `margin` (metres) covers the uncertainty of the tool's coordinates at the pose in float64.
     ///
     /// The rest of the margin is float32's. With m the sum of a row's absolute entries and t the translation, a coordinate is
     /// `sum of three products + t`, at most m + t as tool units are at most 1: one rounding each of entry, coordinate, product

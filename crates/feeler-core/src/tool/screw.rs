@@ -1,4 +1,4 @@
-//! Screws: turns about an axis with an advance along it.
+//! Screws: rotations about an axis with an advance along it.
 
 use std::f64::consts::TAU;
 
@@ -9,8 +9,8 @@ use crate::geometry::pose::Pose;
 use crate::geometry::twist::{product, times, turn};
 use crate::geometry::vectors::{dot, scaled, sub, unit};
 
-/// A turn about an axis in the world with an advance along it, as of a bolt or of a door (J. Rossignac and J. Kim, *Computing and
-/// visualizing pose-interpolating 3D motions*, 2001).
+/// A rotation about an axis in the world with an advance along it, as of a bolt or a door (J. Rossignac and J. Kim,
+/// *Computing and visualizing pose-interpolating 3D motions*, 2001).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screw {
     axis: Point,

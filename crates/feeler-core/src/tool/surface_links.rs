@@ -1,4 +1,4 @@
-//! Ways between the connected surfaces of a tool.
+//! Links between the connected surfaces of a tool.
 
 use std::collections::BTreeMap;
 
@@ -11,8 +11,8 @@ use crate::mesh::topology::adjacency::Adjacency;
 use crate::mesh::topology::closed_shells::Surfaces;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// A corner of each connected surface of a tool, and ways from each to the next: where one meets nothing, both of its ends lie on
-/// one side of everything.
+/// A corner of each connected surface of a tool, and links from each to the next: if a link hits nothing, both of its
+/// ends lie on one side of everything.
 #[derive(Debug)]
 pub struct SurfaceLinks {
     /// Triangles whose first corners these are; neighbours in space are neighbours here.

@@ -1,4 +1,5 @@
-//! The service's messages, as much of them as is needed: states in, commands out. `make test-haply` holds both to the types of the maker's crate.
+//! The messages of the service, as far as needed: states in, commands out. `make test-haply` checks both with the types
+//! of the maker's crate.
 
 use feeler_core::Point;
 use feeler_haptics::Twist;
@@ -105,7 +106,7 @@ struct Buttons {
 /// What the grip tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
-    /// Of the grip (w, x, y, z), as told.
+    /// Of the grip (w, x, y, z), as received.
     pub quaternion: Option<[f64; 4]>,
     /// A bit each, from `a` on.
     pub buttons: u32,
@@ -125,7 +126,8 @@ impl State {
         self.inverse3.iter().map(|device| device.device_id.as_str()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The grip with an id, or the first that tells a rotation: custom ones first, which the service may list as wireless ones as well.
+    /// The grip with an id, or the first one with a rotation: custom ones first, which the service may list as wireless
+    /// ones as well.
     pub fn grip(&self, id: Option<&str>) -> Option<Held> {
         let grip = self.custom_verse_grip.iter().chain(&self.wireless_verse_grip).chain(&self.verse_grip).find(
             |grip| match id {
@@ -153,7 +155,7 @@ impl Inverse3 {
         self.state.cursor_velocity.map(|velocity| Twist { linear: velocity.point(), angular: [0.0; 3] })
     }
 
-    /// The preset that the service says it uses.
+    /// The preset in use by the service.
     pub fn preset(&self) -> Option<&str> {
         self.config.as_ref()?.preset.as_deref()
     }
@@ -164,7 +166,7 @@ impl Inverse3 {
         kind.is_some_and(|kind| kind == "minverse" || kind == 6)
     }
 
-    /// Whether it says that it is not calibrated.
+    /// Whether it reports that it is not calibrated.
     pub fn is_uncalibrated(&self) -> bool {
         self.status.calibrated == Some(false)
     }

@@ -1,14 +1,16 @@
-//! Haply's Inverse3, with the rotation of a VerseGrip where there is one, through the Inverse Service (3.5 or later) on this machine.
+//! Haply's Inverse3, with the rotation of a VerseGrip if there is one, through the Inverse Service (3.5 or later) on
+//! this machine.
 //!
-//! A thread owns the websocket. It answers each state of the service with the newest force, sends the force again when no state comes
-//! (the service stops telling when commands stop), and sends no force when the servo has not written for 50 ms. The service is asked
-//! for the preset `arm_front_centered`, which puts the origin into the middle of the workspace: x right, y away, z up, as here.
+//! A thread owns the websocket. It answers each state of the service with the newest force, sends the force again when
+//! no state comes (the service stops sending states when commands stop), and sends no force if the servo has not
+//! written for 50 ms. It requests the preset `arm_front_centered`, which puts the origin into the middle of the
+//! workspace: x right, y away, z up, as here.
 //!
-//! Three translations are driven. Rotation is sensed only if a VerseGrip told one while the device was opened; where it falls silent
-//! later, the rotation stays.
+//! Three translations are actuated. Rotation is sensed only if a VerseGrip sent one while the device was opened; if it
+//! falls silent later, the rotation stays.
 //!
-//! A service that closes the connection, or does not read any more, is [`DeviceError::Lost`] for good: open the device again. A state
-//! that cannot be is [`DeviceError::Nonsense`] until the next good one.
+//! If the service closes the connection, or stops reading, the device is [`DeviceError::Lost`] for good: open it again.
+//! An invalid state is [`DeviceError::Nonsense`] until the next valid one.
 
 mod messages;
 mod options;
@@ -29,7 +31,8 @@ pub struct Haply {
 }
 
 impl Haply {
-    /// Connects to the service and waits for the first pose, at most 3 s. Errors where there is no service or no device, with what to do.
+    /// Connects to the service and waits for the first pose, at most 3 s. Errors with advice if there is no service or
+    /// no device.
     pub fn open(options: &HaplyOptions) -> Result<Haply, DeviceError> {
         let mut servo = service::start(options)?;
         servo.wait_for_first()?;

@@ -1,4 +1,4 @@
-//! Which Inverse3, and how it is driven.
+//! Which Inverse3 to open, and its settings.
 
 use crate::constants::INVERSE_SERVICE;
 
@@ -10,9 +10,9 @@ pub struct HaplyOptions {
     pub address: String,
     /// The id of the Inverse3; `None`: the first that the service names.
     pub device_id: Option<String>,
-    /// The id of the VerseGrip; `None`: the first that tells a rotation.
+    /// The id of the VerseGrip; `None`: the first one with a rotation.
     pub grip_id: Option<String>,
-    /// The preset that the service is asked for; `None`: it keeps what its user has set, and so its own origin.
+    /// The preset to request from the service; `None`: it keeps its user's setting, and so its own origin.
     pub preset: Option<String>,
     /// Largest force, newtons; `None`: 5 N, half of the peak that the maker states. More than 10 N is never sent.
     pub force_n: Option<f64>,

@@ -58,7 +58,7 @@ pub(super) fn start(options: &HaplyOptions) -> Result<ServoEnd, DeviceError> {
 
 fn info(options: &HaplyOptions, id: &str, is_minverse: bool, has_grip: bool) -> DeviceInfo {
     let figures = if is_minverse { MINVERSE } else { INVERSE3 };
-    // The maker's peak, which cannot be held, is what a user may ask for.
+    // A user may ask for the maker's peak, although it cannot be held.
     let force_n =
         options.force_n.filter(|force| *force >= 0.0).map_or(figures.force_n, |force| force.min(2.0 * figures.force_n));
     let said = Said { stiffness_n_per_m: options.stiffness_n_per_m, ..Said::default() };

@@ -1,17 +1,17 @@
-//! A SpaceMouse, through the daemon spacenavd: a cap that springs back, and so a rate device. Its displacement is a velocity, which moves
-//! the pose from one read to the next. It drives nothing.
+//! A SpaceMouse, through the daemon spacenavd: a cap that springs back, and so a rate device. Its displacement is a
+//! velocity, which moves the pose from one read to the next. It has no actuators.
 //!
-//! **Axes.** The daemon tells x to the right, y up and z away from the hand's owner, and rotations about them by the same change of
-//! hands; here x is to the right, y away and z up.
+//! **Axes.** The daemon reports x to the right, y up and z away from the user, and rotations about them with the same
+//! change of handedness; here x is to the right, y away and z up.
 //!
-//! **Silence.** spacenavd sends an event when a number of the cap changes, and the cap's return to rest is such a change; it repeats
-//! nothing unless its `repeat-interval` is set. A cap that is held still, at its stop for example, is silent, so silence alone does not
-//! mean rest. But a serial device that is unplugged while it is held says nothing either. So a motion holds for `silence_s` (5 s) after
-//! its last event, and then counts as rest until the next event. A device that the daemon says was removed, and a daemon that is gone,
-//! count as rest at once.
+//! **Silence.** spacenavd sends an event when a value of the cap changes, including its return to rest; it repeats
+//! nothing unless its `repeat-interval` is set. A cap that is held still, at its stop for example, sends nothing, so
+//! silence alone does not mean rest. A serial device that is unplugged while it is held sends nothing either. Therefore
+//! a motion holds for `silence_s` (5 s) after its last event, and then counts as rest until the next event. If the
+//! daemon reports the device as removed, or is gone itself, this counts as rest at once.
 //!
-//! **A daemon that is gone** is [`DeviceError::Lost`]; the reader tries to connect again twice a second, and after that the device goes
-//! on from the pose where it was.
+//! **A missing daemon** is [`DeviceError::Lost`]; the reader tries to reconnect twice a second, and then the device
+//! continues from the pose where it was.
 
 mod options;
 mod protocol;
@@ -37,7 +37,7 @@ pub struct SpaceMouse {
 }
 
 impl SpaceMouse {
-    /// Connects to the daemon. Errors where there is none, with what to do.
+    /// Connects to the daemon. Errors with advice if there is none.
     #[cfg(unix)]
     pub fn open(options: &SpaceMouseOptions) -> Result<SpaceMouse, DeviceError> {
         options.check()?;

@@ -1,4 +1,4 @@
-//! How the cap moves the pose, and what a SpaceMouse is with that.
+//! How the cap moves the pose, and the resulting properties of a SpaceMouse.
 
 use std::path::PathBuf;
 
@@ -10,15 +10,16 @@ use crate::constants::{FULL_DEFLECTION_COUNTS, SPACEMOUSE, SPACEMOUSE_HZ};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SpaceMouseOptions {
-    /// The daemon's socket. `None`: what the environment variable `SPNAV_SOCKET` says, else `/var/run/spnav.sock`.
+    /// The daemon's socket. `None`: that of the environment variable `SPNAV_SOCKET`, else `/var/run/spnav.sock`.
     pub socket: Option<PathBuf>,
     /// Speed at full deflection, metres a second.
     pub speed_m_per_s: f64,
     /// Rate of turning at full deflection, radians a second.
     pub turn_rad_per_s: f64,
-    /// Counts that the daemon tells at full deflection.
+    /// Counts from the daemon at full deflection.
     pub full_deflection_counts: f64,
-    /// Part of full deflection that counts as rest, from 0 to below 1, beside the daemon's own dead zone. What is beyond it begins at 0.
+    /// Part of full deflection that counts as rest, from 0 to below 1, beside the daemon's own dead zone. Motion beyond
+    /// it begins at 0.
     pub dead_zone: f64,
     /// How far from its beginning the pose may go along each axis, metres.
     pub reach_m: f64,

@@ -1,5 +1,5 @@
-//! What spacenavd says on its socket: events of eight 32-bit numbers in the machine's byte order (protocol 0), and from version 1.0 on
-//! also a version of the protocol, agreed on by four bytes, and answers to requests (protocol 1).
+//! The protocol of spacenavd's socket: events of eight 32-bit numbers in the machine's byte order (protocol 0), and
+//! from version 1.0 on also a protocol version, agreed on by four bytes, and answers to requests (protocol 1).
 
 use crate::constants::{LARGEST_COUNTS, LARGEST_EVENT};
 
@@ -74,7 +74,7 @@ pub(super) struct Parser {
 }
 
 impl Parser {
-    /// Takes bytes and hands on each whole message. Errors at the first that cannot be; what follows it is out of step.
+    /// Takes bytes and passes on each whole message. Errors at the first invalid one; later bytes are out of step.
     pub fn push(&mut self, bytes: &[u8], mut on: impl FnMut(Message)) -> Result<(), Nonsense> {
         self.bytes.extend_from_slice(bytes);
         let mut at = 0;

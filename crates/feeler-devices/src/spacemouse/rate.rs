@@ -25,8 +25,9 @@ impl Rate {
         Rate { options: options.clone(), position: [0.0; 3], rotation: twist::rotation_of(&[0.0; 3]), last: None }
     }
 
-    /// Moves the pose by the time since the last step with the cap where it is now (counts, the daemon's axes). A time that is no number,
-    /// or earlier than the last, moves nothing; a break longer than [`LONGEST_STEP_S`] counts as that long.
+    /// Moves the pose by the time since the last step with the present displacement of the cap (counts, the daemon's
+    /// axes). A time that is not a number, or earlier than the last, moves nothing; a break longer than
+    /// [`LONGEST_STEP_S`] counts as that long.
     pub fn step(&mut self, counts: &[i32; 6], now: f64) -> Result<(Pose, Twist), DeviceError> {
         let mut twist = self.twist(counts);
         let dt = self.last.map_or(0.0, |last| now - last);

@@ -1,4 +1,4 @@
-//! The thread that listens to the daemon, connects again when it is gone, and keeps what the cap is at now.
+//! The thread that listens to the daemon, reconnects when it is gone, and keeps the cap's present state.
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -46,7 +46,7 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// Connects to a socket and listens. Errors where nobody answers there. Waits until the daemon has said what it is, at most twice
+    /// Connects to a socket and listens. Errors if nothing answers there. Waits for the daemon's version, at most twice
     /// [`DAEMON_ANSWER_WAIT`].
     pub fn start(socket: PathBuf, silence_s: f64) -> Result<Reader, DeviceError> {
         let stream = connect(&socket).map_err(|error| {

@@ -1,5 +1,5 @@
-//! 3D Systems' OpenHaptics HD API (`libHD`, headers `HD/hdDevice.h`, `hdScheduler.h`, `hdDefines.h`, version 3): millimetres, newtons,
-//! milliseconds for nothing; x to the right, y up, z towards the hand's owner. Errors pile up until they are asked for.
+//! 3D Systems' OpenHaptics HD API (`libHD`, headers `HD/hdDevice.h`, `hdScheduler.h`, `hdDefines.h`, version 3):
+//! millimetres, newtons; x to the right, y up, z towards the user. Errors accumulate until they are read.
 
 use std::ffi::{c_char, c_int, c_uint, c_ulong, c_ushort, c_void, CString};
 use std::panic::{catch_unwind, AssertUnwindSafe};
@@ -143,7 +143,7 @@ impl OpenHd {
         format!("{maker} {model}").trim().to_string()
     }
 
-    /// Rate of the scheduler, hertz; not above 0 where the device does not tell it.
+    /// Rate of the scheduler, hertz; not above 0 if the device does not report it.
     pub fn rate_hz(&self) -> i32 {
         self.integer(HD_UPDATE_RATE)
     }
@@ -167,13 +167,13 @@ impl OpenHd {
         number
     }
 
-    /// Begins a round: what is asked for is of one moment.
+    /// Begins a round: all values in it belong to one moment.
     pub fn begin_frame(&self) {
         // SAFETY: the device is initialised.
         unsafe { (self.calls.hdBeginFrame)(self.device) };
     }
 
-    /// Ends a round: what was set takes effect.
+    /// Ends a round: its outputs take effect.
     pub fn end_frame(&self) {
         // SAFETY: the device is initialised.
         unsafe { (self.calls.hdEndFrame)(self.device) };

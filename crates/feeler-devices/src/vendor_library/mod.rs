@@ -1,7 +1,7 @@
-//! Libraries of makers of devices, loaded while the program runs: who has no such device needs none of them.
+//! Libraries of device makers, loaded at run time: without such a device none of them is needed.
 //!
-//! All `unsafe` of this crate is here. A library is what its maker's documentation says, or not: that the file under that name has
-//! functions with these names is checked, what they do with their arguments cannot be.
+//! All `unsafe` of this crate is here. The code relies on the maker's documentation: it checks that the file has
+//! functions with these names, but it cannot check what they do with their arguments.
 
 pub(crate) mod dhd_calls;
 pub(crate) mod hd_calls;
@@ -20,7 +20,7 @@ pub(crate) struct Wanted {
     pub device: &'static str,
     /// Names of the file on this system, the most likely first.
     pub names: &'static [&'static str],
-    /// What to install.
+    /// Software to install.
     pub what_to_do: &'static str,
 }
 
@@ -44,7 +44,7 @@ impl Wanted {
         };
         let mut tried = vec![];
         for file in files {
-            // SAFETY: loading runs the initialisers of the file. It is the maker's library by its name, or what the user named.
+            // SAFETY: loading runs the initialisers of the file. It is the maker's library by its name, or the file that the user named.
             match unsafe { Library::new(&file) } {
                 Ok(library) => return Ok(Loaded { library: ManuallyDrop::new(library), file, wanted: *self }),
                 Err(error) => tried.push(format!("{} ({error})", file.display())),

@@ -1,4 +1,4 @@
-//! What the tests of drivers share.
+//! Shared helpers of the driver tests.
 #![allow(dead_code, reason = "each test file uses a part")]
 
 use std::path::PathBuf;

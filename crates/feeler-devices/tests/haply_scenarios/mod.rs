@@ -1,5 +1,5 @@
-//! What the driver does with an Inverse Service, and with one that fails. Run with two judges of the messages: the plain
-//! one of this crate's tests, and the types of the maker's crate, in `tools/haply_judge`.
+//! The driver with an Inverse Service, and with one that fails. Run with two judges of the messages: the plain one of
+//! this crate's tests, and the types of the maker's crate, in `tools/haply_judge`.
 
 mod service;
 

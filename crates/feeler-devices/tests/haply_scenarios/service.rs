@@ -1,5 +1,5 @@
-//! A stand-in for the Inverse Service. Each state that it tells and each command that it gets is put before the judge of
-//! the test.
+//! A stand-in for the Inverse Service. The judge of the test checks each state that it sends and each command that it
+//! receives.
 
 use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard};

@@ -1,5 +1,5 @@
-//! Numbers that make trouble: far from the origin, huge, denormal, decimal fractions, slivers; and first triangles that have
-//! lost their area.
+//! Difficult numbers: far from the origin, huge, denormal, decimal fractions, slivers; and first triangles without
+//! area.
 
 use feeler_core::{PairKind, Point, Triangle};
 

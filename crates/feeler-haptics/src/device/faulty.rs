@@ -1,4 +1,4 @@
-//! A device with something wrong with it for a while: to see what becomes of the force.
+//! A device with a temporary fault, to test the reaction of the force.
 
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::Pose;
@@ -6,12 +6,12 @@ use feeler_core::Pose;
 use super::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
 
-/// What is wrong.
+/// The kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
     /// Its velocity is not a number.
     NotANumber,
-    /// It says that what it told cannot be.
+    /// It reports that its reading cannot be right.
     Nonsense,
     /// It does not answer.
     Lost,

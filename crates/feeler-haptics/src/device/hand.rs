@@ -1,4 +1,4 @@
-//! A hand on a simulated device: where it wants to be, and how it gives way.
+//! A hand on a simulated device: its target, and its compliance.
 
 use feeler_core::geometry::twist::{displaced, displacement, Twist};
 use feeler_core::Pose;

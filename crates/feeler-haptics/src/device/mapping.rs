@@ -1,21 +1,21 @@
 //! From the device's frame to the world, and back: scale, clutch, and the border of the workspace.
 //!
 //! - **Motion.** The tool's frame is at the handle: `place = at + scale * B * handle`, `rotation = B * handle * H`.
-//!   `B`, which way the device's axes point in the world, is given; `at` and `H` are what the clutch changes.
-//! - **Clutch.** While its button is held the tool stays, and the hand moves the handle to where it has room. When it
-//!   is let go, the tool follows again from where it is, turned about the world's axes as the hand turns about the
-//!   device's. A wrench while the hand re-indexes would let it gain energy for nothing, so there is none:
-//!   [`Mapped::is_clutched`] belongs into [`ForceInput::in_doubt`](crate::ForceInput::in_doubt), and the force then
-//!   comes back gently.
+//!   `B`, the rotation of the device's axes into the world, is given; the clutch changes `at` and `H`.
+//! - **Clutch.** While its button is pressed the tool stays, and the hand moves the handle to where it has room. After
+//!   the release the tool follows again from where it is, turned about the world's axes as the hand turns about the
+//!   device's. A wrench during the re-indexing would let the hand gain energy for nothing, so there is none: pass
+//!   [`Mapped::is_clutched`] to [`ForceInput::in_doubt`](crate::ForceInput::in_doubt), and the force then returns
+//!   gently.
 //! - **Force.** The transpose of the motion, divided by the scale: the force is *unscaled*, so that a part weighs the
-//!   same whatever the scale, and the torque is divided by the scale, as arms are in the hand's world. All six powers
-//!   are then one factor of the tool's (`1 / scale`), and what is passive at the tool is passive at the hand. The hand
-//!   feels `scale` times the stiffness; that is why the coupling is limited to [`Mapping::info_in_world`].
-//! - **Rate control.** A device whose cap springs back tells velocities, and its pose is their sum. The tool then stays within what
-//!   the velocity takes it in 10 ms of the proxy: pushed into a wall for long, it comes back at once.
-//! - **Border.** A soft wall inside the workspace's border pushes the hand back, gently, before the mechanism does it
-//!   hard. Nothing drifts: the tool moves only when the hand does, which is what one relies on when clearances are
-//!   judged, and the clutch gives room.
+//!   same at any scale, and the torque is divided by the scale, because arms are in the hand's world. All six powers
+//!   are then one factor of the tool's (`1 / scale`), and a passive tool is passive at the hand. The hand feels `scale`
+//!   times the stiffness; therefore the coupling is limited to [`Mapping::info_in_world`].
+//! - **Rate control.** A device whose cap springs back reports velocities, and its pose is their sum. That pose stays as near to the proxy
+//!   as the velocity moves it in 10 ms: after a long push into a wall, the tool comes back at once.
+//! - **Border.** A soft wall inside the workspace's border pushes the hand back gently, before the mechanism does it
+//!   hard. Nothing drifts: the tool moves only when the hand does, which users rely on when they judge clearances; the
+//!   clutch gives room.
 
 use feeler_core::geometry::twist::{
     displaced, displacement, pose_of, product, times, transposed, Matrix, Twist, Wrench,
@@ -33,7 +33,7 @@ use crate::saturation::{added_within, saturated};
 pub struct Mapped {
     /// Where the hand wants the tool.
     pub world_from_tool: Pose,
-    /// How fast, at the tool frame's origin, world axes; where the device tells it. Zero while clutched.
+    /// Velocity at the tool frame's origin, world axes, if the device reports one. Zero while clutched.
     pub twist: Option<Twist>,
     /// The clutch is held.
     pub is_clutched: bool,
@@ -116,7 +116,7 @@ impl Mapping {
         })
     }
 
-    /// What the device is, as felt in the tool's world: what a coupling there is to be limited to.
+    /// The device's limits, as felt in the tool's world: a coupling there is limited to them.
     pub fn info_in_world(&self) -> DeviceInfo {
         let s = self.scale;
         let mut info = self.info.clone();
@@ -171,7 +171,7 @@ impl Mapping {
         })
     }
 
-    /// Re-indexes, so that the tool is at a pose with the handle where it was told last; the way a clutch does it.
+    /// Re-indexes, so that the tool is at a pose with the handle at its last reported place; the clutch does the same.
     pub fn set_tool(&mut self, world_from_tool: &Pose) {
         let turned = product(&self.world_from_device, self.handle.rotation());
         self.handle_from_tool = product(&transposed(&turned), world_from_tool.rotation());
@@ -182,7 +182,8 @@ impl Mapping {
         }
     }
 
-    /// Re-indexes where the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) takes it in 10 ms.
+    /// Re-indexes if the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) moves it in 10
+    /// ms.
     pub fn keep_near(&mut self, proxy: &Pose, twist: &Twist) -> Result<()> {
         let ahead = displacement(proxy, &self.tool()?, &[0.0; 3]);
         let share = |ahead: &Point, speed: &Point| (LEAD_S * length(speed) / length(ahead)).min(1.0);
@@ -196,9 +197,9 @@ impl Mapping {
         Ok(())
     }
 
-    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, of a wrench at the
-    /// tool frame's origin, world axes. The soft wall is in it, and nothing else while the clutch is held. What is not
-    /// finite is zero.
+    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, from a wrench at the
+    /// tool frame's origin, world axes. It includes the soft wall, and nothing else while the clutch is pressed. Values
+    /// that are not finite become zero.
     pub fn wrench_on_hand(&self, wrench: &Wrench) -> Wrench {
         self.wrench_with_wall(wrench, &self.wall())
     }
@@ -220,7 +221,7 @@ impl Mapping {
         added_within(&felt, &wall, limits.force_n, limits.torque_nm)
     }
 
-    /// The handle's pose as it was told last, `device_from_handle`.
+    /// The handle's pose as reported last, `device_from_handle`.
     pub(crate) fn handle(&self) -> &Pose {
         &self.handle
     }

@@ -1,4 +1,4 @@
-//! Devices: what a hand holds. One trait for all, whatever they sense and drive.
+//! Devices held by a hand: one trait for all, whatever they sense and actuate.
 
 #[doc(hidden)]
 pub mod faulty;
@@ -36,8 +36,8 @@ pub struct DeviceLimits {
     pub stiffness_n_per_m: f64,
     /// The same in rotation, newton metres a radian.
     pub rotational_stiffness_nm_per_rad: f64,
-    /// Its own viscous damping, newton seconds a metre: what bounds the stiffness that it can hold (Colgate). 0: not known, and it
-    /// bounds nothing.
+    /// Its own viscous damping, newton seconds a metre, which limits the stiffness that it can hold (Colgate). 0: not
+    /// known, no limit.
     pub damping_n_s_per_m: f64,
     /// The same in rotation, newton metre seconds a radian.
     pub rotational_damping_nm_s_per_rad: f64,
@@ -46,11 +46,11 @@ pub struct DeviceLimits {
     pub friction_n: f64,
     /// The same in rotation, newton metres.
     pub rotational_friction_nm: f64,
-    /// Smallest step of position that it tells, metres.
+    /// Smallest step of the measured position, metres.
     pub resolution_m: f64,
-    /// Smallest step of rotation that it tells, radians.
+    /// Smallest step of the measured rotation, radians.
     pub rotational_resolution_rad: f64,
-    /// How often it takes a force and tells a pose, hertz.
+    /// Rate of forces and poses, hertz.
     pub rate_hz: f64,
     /// From a motion of the handle to the force that answers it, seconds, beyond the hold of one tick: the pose's way
     /// in and the force's way out, of the device and its connection. It takes stiffness away, as the period does.
@@ -97,8 +97,8 @@ impl DeviceLimits {
         }
     }
 
-    /// The same for a device that is known to hold a stiffness (newtons a metre) in a loop of a rate (hertz): damping as much as
-    /// [`Coupling::limited`](crate::Coupling::limited) asks for it.
+    /// The same for a device known to hold a stiffness (newtons a metre) in a loop of a rate (hertz): with the damping
+    /// that [`Coupling::limited`](crate::Coupling::limited) requires for it.
     pub fn with_stiffness(self, stiffness_n_per_m: f64, rate_hz: f64) -> DeviceLimits {
         let share = HELD_SHARE * (1.0 - VIRTUAL_DAMPING_SHARE);
         DeviceLimits { stiffness_n_per_m, damping_n_s_per_m: stiffness_n_per_m * self.hold_s(rate_hz) / share, ..self }
@@ -121,7 +121,7 @@ impl DeviceLimits {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DeviceInfo {
-    /// Maker and model, or what the device says of itself.
+    /// Maker and model, or the device's own name for itself.
     pub name: String,
     /// Told by it.
     pub sensed: Freedoms,
@@ -129,7 +129,7 @@ pub struct DeviceInfo {
     pub driven: Freedoms,
     /// Half the edges of the box that its handle can reach, around its origin, device axes, metres.
     pub workspace: [f64; 3],
-    /// What it can do and hold.
+    /// Its limits.
     pub limits: DeviceLimits,
     /// Number of buttons.
     pub buttons: u32,
@@ -164,7 +164,7 @@ impl DeviceInfo {
 pub struct DeviceState {
     /// Of the handle; the rotation is the identity where none is sensed.
     pub pose: Pose,
-    /// Velocity of the handle's origin, where the device tells it; else it is found from the poses.
+    /// Velocity of the handle's origin, if the device reports it; else it is computed from the poses.
     pub twist: Option<Twist>,
     /// A bit each, the first is the lowest.
     pub buttons: u32,
@@ -213,7 +213,7 @@ pub enum DeviceError {
         why: String,
     },
     /// It told something that cannot be.
-    #[error("{device} told what cannot be: {what}")]
+    #[error("{device} reported an invalid value: {what}")]
     Nonsense {
         /// Which.
         device: String,
@@ -222,23 +222,23 @@ pub enum DeviceError {
     },
 }
 
-/// A haptic device, or any other thing that a hand moves. One of one's own implements this: `examples/own_device.rs`.
+/// A haptic device, or any other thing that a hand moves. Implement it for your own: `examples/own_device.rs`.
 ///
-/// Neither [`read`](Self::read) nor [`write`](Self::write) waits: they are called from a servo loop of 1 kHz and more.
-/// A driver that has to wait for a socket does so in a thread of its own, and keeps the newest.
+/// Neither [`read`](Self::read) nor [`write`](Self::write) may wait: a servo loop of 1 kHz and more calls them. A
+/// driver that has to wait for a socket does so in a thread of its own, and keeps the newest data.
 pub trait Device: Send {
-    /// What it is.
+    /// Its properties.
     fn info(&self) -> &DeviceInfo;
 
-    /// The newest state. `now`: seconds on the caller's clock. Errors when the device is lost, or told what cannot be;
-    /// the caller then takes the force away.
+    /// The newest state. `now`: seconds on the caller's clock. Errors if the device is lost, or reported an invalid value;
+    /// the caller then removes the force.
     fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError>;
 
-    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. What the device does not drive is
-    /// left out.
+    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. Components without an actuator are
+    /// ignored.
     fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError>;
 
-    /// Lets go of the force, whatever else fails. Called when a session ends; also by dropping the device.
+    /// Releases the force, whatever else fails. Called when a session ends; also by dropping the device.
     fn release(&mut self);
 
     /// Whether the hand sets a velocity and the pose is its sum. The tool then stays near the proxy, so that it comes back at once.

@@ -1,8 +1,7 @@
-//! A device that drives nothing: somebody sets where it is to be, at any rate, and it goes there smoothly.
+//! A device without actuators: another program sets its target, at any rate, and it follows smoothly.
 //!
-//! Each freedom is a critically damped second-order system, whose exact solution is taken between two targets: however
-//! seldom targets come and however unevenly it is read, pose and twist are continuous, and never overshoot a target
-//! that rests.
+//! Each degree of freedom is a critically damped second-order system, solved exactly between two targets: however rare
+//! the targets and uneven the reads, pose and twist are continuous, and never overshoot a resting target.
 
 use feeler_core::constants::SMALL_ANGLE;
 use feeler_core::geometry::twist::{pose_of, product, rotation_of, rotation_vector, transposed, Twist, Wrench};
@@ -13,7 +12,7 @@ use super::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms
 use crate::constants::{MOUSE_FREQUENCIES, MOUSE_FREQUENCY};
 use crate::error::{Error, Result};
 
-/// See the [module](self). Whoever has targets from another thread hands them over before a read.
+/// See the [module](self). If targets come from another thread, set them before a read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mouse {
     info: DeviceInfo,
@@ -90,7 +89,7 @@ impl Mouse {
         self.time = Some(until);
         let from = sub(self.pose.translation(), self.target.translation());
         let (place, velocity) = settled(&from, &self.twist.linear, self.frequency, dt);
-        // In rotation the same, on the rotation vector from the target; its rate and the angular velocity are told
+        // In rotation the same, on the rotation vector from the target; its rate and the angular velocity are reported
         // apart.
         let from = rotation_vector(&product(self.pose.rotation(), &transposed(self.target.rotation())));
         let rate = rate_of_vector(&from, &self.twist.angular);

@@ -1,8 +1,8 @@
-//! A device that is not there: mass, friction, encoders, delays and a hand, in simulated time.
+//! A simulated device: mass, friction, encoders, delays and a hand, in simulated time.
 //!
-//! Its physics goes on in steps of 50 us up to the time that [`read`](Device::read) or [`write`](Device::write) is
-//! told, so that the same calls give the same motion, bit for bit. Handle and hand are one rigid mass and one rigid
-//! inertia, the same in all directions and about all axes. Gravity is balanced.
+//! Its physics advances in steps of 50 us up to the time passed to [`read`](Device::read) or [`write`](Device::write),
+//! so that the same calls give the same motion, bit for bit. Handle and hand are one rigid mass and one rigid inertia,
+//! the same in all directions and about all axes. Gravity is balanced.
 
 use feeler_core::geometry::twist::{displaced, displacement, pose_of, rotation_of, rotation_vector, Twist, Wrench};
 use feeler_core::geometry::vectors::{along, length, scaled};
@@ -18,15 +18,15 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SimulatedOptions {
-    /// What it says of itself. Its damping, friction, resolution, bounds and freedoms are what is simulated; `rate_hz`
-    /// is for others to know: it tells and takes as often as it is asked. Its `delay_s` is set to what the two ways
-    /// below add up to.
+    /// The reported properties. Its damping, friction, resolution, limits and degrees of freedom are simulated;
+    /// `rate_hz` is only informative: it reports and accepts at any rate. Its `delay_s` is set to the sum of the two
+    /// delays below.
     pub info: DeviceInfo,
     /// Effective mass of the handle, kilograms.
     pub mass_kg: f64,
     /// Effective inertia of the handle, kilogram square metres.
     pub inertia_kg_m2: f64,
-    /// How old a pose is when it is told, seconds.
+    /// Age of a pose when it is reported, seconds.
     pub pose_delay_s: f64,
     /// How long a wrench takes until it acts, seconds.
     pub force_delay_s: f64,
@@ -66,7 +66,7 @@ pub struct SimulatedDevice {
     /// What was written and does not act yet: when it will (seconds since the start), and what. The oldest first.
     commands: Vec<(f64, Wrench)>,
     acting: Wrench,
-    /// The step of the pose that was told last.
+    /// The step of the pose reported last.
     told: u64,
 }
 
@@ -265,7 +265,7 @@ impl Device for SimulatedDevice {
         self.advance(now);
         let age = self.options.pose_delay_s + self.jitter();
         let back = (age / INNER_STEP_S).round() as u64;
-        // Never older than what was told before.
+        // Never older than the pose reported before.
         self.told = self.steps.saturating_sub(back).max(self.told);
         let start = self.start.unwrap_or(0.0);
         Ok(DeviceState {

@@ -7,7 +7,7 @@ use triple_buffer::{triple_buffer, Input, Output};
 use super::mouse::Mouse;
 use super::{Device, DeviceError, DeviceInfo, DeviceState};
 
-/// What is asked of it.
+/// The pose and the buttons requested.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wish {
     pose: Pose,
@@ -28,7 +28,7 @@ pub struct Steering {
     wishes: Input<Wish>,
 }
 
-/// A mouse at rest where it is, and what steers it.
+/// A mouse at rest at a pose, and its steering.
 pub fn steered(mouse: Mouse, at: Pose) -> (Steered, Steering) {
     let wish = Wish { pose: at, buttons: 0 };
     let (input, output) = triple_buffer(&wish);

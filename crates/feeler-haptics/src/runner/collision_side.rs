@@ -1,4 +1,5 @@
-//! The collision side: the newest target, the proxy, its contacts, handed over. Without a thread or a clock of its own.
+//! The collision side: takes the newest target, moves the proxy, and passes on its contacts. It has no thread or clock
+//! of its own.
 
 use std::sync::mpsc::SyncSender;
 use std::sync::Arc;
@@ -20,7 +21,7 @@ pub(super) enum Answer {
     Started(Start),
 }
 
-/// What is asked of the collision side, done between two ticks.
+/// Requests to the collision side, carried out between two ticks.
 pub(super) enum Wish {
     Start(Pose),
     Grip(Vec<u32>),
@@ -80,8 +81,8 @@ impl CollisionSide {
         !self.is_settled || self.targets.updated()
     }
 
-    /// One tick: moves the proxy towards the newest target, finds the contacts there, and hands them over. What fails is counted, and
-    /// the last set stays: it grows old, and the servo side lets go.
+    /// One tick: moves the proxy towards the newest target, finds the contacts there, and passes them on. Failures are
+    /// counted, and the last set stays: it grows old, and the servo side releases the force.
     pub fn tick(&mut self, now: f64) {
         let target = *self.targets.read();
         let is_of_now = target.number > 0 && target.start == self.start;

@@ -1,4 +1,4 @@
-//! What the threads hand each other, each through a triple buffer: nobody waits for anybody, and everybody has the newest.
+//! The exchange between the threads, through triple buffers: nobody waits, and everybody has the newest data.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;
@@ -44,11 +44,12 @@ pub struct View {
     pub ahead: Pose,
     /// Where the device wants the tool, `world_from_tool`.
     pub device: Pose,
-    /// On the hand, world axes, at the tool frame's origin; what the device was told, but for its own bounds and soft walls.
+    /// On the hand, world axes, at the tool frame's origin; as sent to the device, without its own bounds and soft
+    /// walls.
     pub wrench: Wrench,
     /// Of the constraints, seconds.
     pub age: f64,
-    /// What holds the proxy.
+    /// The state of the proxy.
     pub mode: Mode,
     /// Buttons that are held, a bit each.
     pub buttons: u32,

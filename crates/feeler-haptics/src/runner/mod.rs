@@ -1,15 +1,17 @@
-//! A session that runs: a servo thread and a collision thread, which hand each other the newest and never wait for each other.
+//! A running session: a servo thread and a collision thread, which exchange their newest results and never wait for
+//! each other.
 //!
-//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the force. No lock,
-//!   no allocation.
-//! - **Collision thread**: the newest target, the proxy to there, its contacts. What changes the scene (a start, a grip) is done
-//!   between two ticks; meanwhile the servo thread goes on with what it has.
-//! - **Picture**: takes a [`View`] when it wants to; nobody waits for it.
+//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the
+//!   force. No lock, no allocation.
+//! - **Collision thread**: moves the proxy to the newest target and finds its contacts. Changes of the scene (a start,
+//!   a grip) happen between two ticks; meanwhile the servo thread continues with its data.
+//! - **Picture**: takes a [`View`] at any time; nobody waits for it.
 //!
-//! What happens when one stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag, and
-//! lets the force go when they are older than half a second. A servo thread that stalls leaves the force to the device's own watchdog,
-//! and begins anew from zero. A device that fails, is silent or tells what cannot be gets no force, and is asked again each tick.
-//! A thread that panics, and a device that is broken, end the run; the force is let go first.
+//! If one thread stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag,
+//! and releases the force when they are older than half a second. A stalled servo thread leaves the force to the
+//! device's own watchdog, and restarts from zero. A device that fails, is silent or reports invalid values gets no
+//! force, and is read again each tick. A panic in a thread, and a broken device, end the run; the force is released
+//! first.
 
 mod collision_side;
 mod exchange;
@@ -76,7 +78,7 @@ pub struct Stopped {
     pub collision_error: Option<Error>,
 }
 
-/// What can be seen of a run by a third thread.
+/// The view of a run for a third thread.
 pub struct Watch {
     views: Output<View>,
     servo: Output<ServoRecord>,
@@ -105,13 +107,13 @@ impl Watch {
     }
 }
 
-/// Both sides of a session, connected, without threads: who wants to may drive them by hand.
+/// Both sides of a session, connected, without threads: the caller drives them.
 pub struct Sides {
     /// What the collision thread does.
     pub collision: CollisionSide,
     /// What the servo thread does.
     pub servo: ServoSide,
-    /// What others see.
+    /// The view for others.
     pub watch: Watch,
 }
 
@@ -228,7 +230,7 @@ impl Runner {
                 return Err(Box::new(Refused { error, session, device: servo.into_device() }));
             }
         };
-        // Until both have done what is to be done at their start, or one has gone by it.
+        // Until both threads are set up, or one has ended.
         for _ in 0..2 {
             let _ = has_begun.recv();
         }
@@ -245,12 +247,12 @@ impl Runner {
         !self.is_over.load(Ordering::Acquire)
     }
 
-    /// What can be seen of the run.
+    /// The view of the run.
     pub fn watch(&mut self) -> &mut Watch {
         &mut self.watch
     }
 
-    /// The coupling in use: what the device holds of the session's.
+    /// The coupling in use: the session's, limited to the device.
     pub fn coupling(&self) -> &Coupling {
         &self.coupling
     }
@@ -260,8 +262,9 @@ impl Runner {
         &self.limitations
     }
 
-    /// The same, a sentence for each number: what is left, what was asked for, and why; also where the servo runs clearly slower than it
-    /// was to, and its stiffness is that much less. Numbers are of the tool's world, as the coupling's are.
+    /// The same, a sentence for each number: the reduced value, the requested one, and the reason; also if the servo
+    /// runs clearly slower than requested, which reduces its stiffness. Numbers are in the tool's world, like the
+    /// coupling's.
     pub fn limitations_in_words(&mut self) -> Vec<String> {
         let mut said = self.limitations.in_words(&self.info, self.rate_hz);
         let Statistics { ticks, servo_hz, .. } = self.watch.statistics();

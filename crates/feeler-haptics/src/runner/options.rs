@@ -1,4 +1,4 @@
-//! How a session is to run.
+//! The options of a run.
 
 use std::fmt;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ impl MappingOptions {
 /// Called by each thread before its first tick.
 pub type OnThreadStart = Arc<dyn Fn(ThreadKind) + Send + Sync>;
 
-/// Calls what it is given, once.
+/// Calls its argument, once.
 pub type AroundWork = Arc<dyn Fn(&mut (dyn FnMut() + Send)) + Send + Sync>;
 
 /// How a session is to run.

@@ -1,5 +1,5 @@
-//! The servo side: device, mapping, the newest constraints, force. Without a thread or a clock of its own; takes no lock, and
-//! allocates nothing unless the device fails.
+//! The servo side: device, mapping, the newest constraints, force. It has no thread or clock of its own, takes no lock,
+//! and allocates nothing unless the device fails.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{length, scaled, sub};
@@ -67,7 +67,7 @@ impl Border {
 pub(super) struct Setting {
     pub mapping: Mapping,
     pub is_absolute: bool,
-    /// As the device holds it, and what was taken away for that.
+    /// As limited to the device.
     pub coupling: Coupling,
     pub limitations: Limitations,
     /// Where its springs act, tool frame.
@@ -82,7 +82,7 @@ pub struct ServoSide {
     mapping: Mapping,
     /// Where the device is in the world is as given, and a start does not change it.
     is_absolute: bool,
-    /// Where the tool is to be with the handle where it is told next.
+    /// The tool's pose for the handle's next reported pose.
     index_at: Option<Pose>,
     border: Border,
     servo: Servo,
@@ -132,7 +132,7 @@ impl ServoSide {
         })
     }
 
-    /// The coupling in use, and what the device took away of the wanted one.
+    /// The coupling in use, and how the device limited the wanted one.
     pub fn coupling(&self) -> (&Coupling, &Limitations) {
         (self.servo.coupling(), &self.limitations)
     }
@@ -190,7 +190,7 @@ impl ServoSide {
         }
     }
 
-    /// What the device tells, in the world; `None` where it tells nothing that can be believed.
+    /// The device's reading, in the world; `None` where it is not plausible.
     fn read(&mut self, now: f64) -> Option<Mapped> {
         let read = self.device.0.as_mut()?.read(now);
         let state = match read {

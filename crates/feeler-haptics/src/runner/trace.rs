@@ -1,4 +1,4 @@
-//! What happened in each tick of a run, through a queue of fixed length that the servo side never waits for.
+//! The ticks of a run, sent through a queue of fixed length for which the servo side never waits.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;
@@ -11,14 +11,14 @@ use crate::servo::Mode;
 pub struct TraceTick {
     /// Seconds on the caller's clock.
     pub time: f64,
-    /// Where the device wanted the tool, `world_from_tool`; the last place it told where it told none.
+    /// The pose of the device, `world_from_tool`; the last known one if it reported none.
     pub device: Pose,
     /// Where the collision side had the proxy, `world_from_tool`.
     pub proxy: Pose,
     /// On the hand, world axes, at the tool frame's origin.
     pub wrench: Wrench,
-    /// What held the proxy.
+    /// The state of the proxy.
     pub mode: Mode,
-    /// Whether the device told something that can be believed.
+    /// Whether the device reported a valid pose.
     pub has_device: bool,
 }

@@ -1,4 +1,4 @@
-//! What the tests of runs share: a plate, a sheet, a box, and a hand on a device.
+//! Shared helpers of the tests of runs: a plate, a sheet, a box, and a hand on a device.
 #![allow(dead_code, reason = "each test program uses some of it")]
 
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What kernels are written in: lanes, and the steps that each level takes on them.
+//! The vocabulary of kernels: lanes, and the operations that each level has on them.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
@@ -8,7 +8,7 @@ pub const LANES: usize = 16;
 /// Lanes of float64.
 pub const WIDE_LANES: usize = 8;
 
-/// Eight float64 in one cache line: half of what is read in lanes from anywhere lies in two, and takes twice as long.
+/// Eight float64 in one cache line: half of all unaligned reads in lanes span two, and take twice as long.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Wide(pub [f64; WIDE_LANES]);
@@ -42,8 +42,8 @@ pub struct CacheLine {
 /// Lines in as many lanes as there are of float32: the float64 of the lower half of them and of the upper half, and the float32.
 pub type LineLanes<A> = ([[<A as Arithmetic>::F64; 3]; 2], [<A as Arithmetic>::F32; 10]);
 
-/// A piece of work in lanes. `run` must be `#[inline(always)]`, as must be all it calls that takes lanes: only what is inlined
-/// into the entry of a level is compiled for that level.
+/// A piece of work in lanes. `run` must be `#[inline(always)]`, and so must everything it calls with lanes: only code
+/// inlined into the entry of a level is compiled for that level.
 pub trait Kernel {
     /// What it gives.
     type Output;
@@ -92,10 +92,10 @@ impl ByteBoxes {
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(32))]
 pub struct ByteLanes {
-    /// For each axis the least, for each box, that the upper side of a child may be that meets it; then the least that 255 minus
-    /// the lower side may be.
+    /// For each axis and box, the least upper side of a child that overlaps it; then the least value of 255 minus its
+    /// lower side.
     pub least: [[u8; 2 * LANES]; 3],
-    /// Which boxes lie outside the bytes: clamped onto the rim, they seem to meet what is there.
+    /// Which boxes lie outside the bytes: clamped onto the rim, they seem to overlap the content there.
     pub outside: u16,
 }
 
@@ -118,7 +118,7 @@ pub(super) fn close_up(to: &mut [u64; FEW], taken: u32) -> usize {
     count
 }
 
-/// What is computed lane by lane: sixteen float32 and eight float64, or the [part](Simd::Part) of them that a register holds.
+/// Lane-wise operations: on sixteen float32 and eight float64, or the [part](Simd::Part) of them in one register.
 /// Comparisons with NaN are false.
 pub trait Arithmetic: Copy {
     /// Lanes of float64.
@@ -127,7 +127,7 @@ pub trait Arithmetic: Copy {
     type F32: Copy + Add<Output = Self::F32> + Sub<Output = Self::F32> + Mul<Output = Self::F32>;
     /// Half as many lanes of float64.
     type F64: Copy + Add<Output = Self::F64> + Sub<Output = Self::F64> + Mul<Output = Self::F64>;
-    /// A choice per float32 lane; `|` chooses what either does, `^` what one does and the other does not.
+    /// A choice per float32 lane; `|` chooses the lanes of either, `^` those of exactly one.
     type M32: Copy + BitOr<Output = Self::M32> + BitXor<Output = Self::M32>;
     /// A choice per float64 lane.
     type M64: Copy;

@@ -8,7 +8,7 @@ use super::arithmetic::{
 };
 use super::x86::{is_apart, least_sides, numbers, One};
 
-/// Whether the CPU has what [`Avx2`] uses.
+/// Whether the CPU has the features of [`Avx2`].
 pub fn is_there() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("bmi2")
 }
@@ -16,7 +16,7 @@ pub fn is_there() -> bool {
 /// Runs a kernel with AVX2.
 ///
 /// # Safety
-/// The CPU must have what [`is_there`] asks for; the other features came before AVX2.
+/// The CPU must have the features of [`is_there`]; the other features came before AVX2.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub unsafe fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx2(OneRegister(())))

@@ -6,7 +6,7 @@ use super::arithmetic::{close_up, Arithmetic, ByteBoxes, CacheLine, Kernel, Line
 use super::avx2;
 use super::x86::{is_apart, least_sides, numbers, One};
 
-/// Whether the CPU has what [`Avx512`] uses.
+/// Whether the CPU has the features of [`Avx512`].
 pub fn is_there() -> bool {
     avx2::is_there()
         && is_x86_feature_detected!("avx512f")
@@ -18,7 +18,7 @@ pub fn is_there() -> bool {
 /// Runs a kernel with AVX-512.
 ///
 /// # Safety
-/// The CPU must have what [`is_there`] asks for; the other features came before AVX2.
+/// The CPU must have the features of [`is_there`]; the other features came before AVX2.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub unsafe fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx512(()))
@@ -39,7 +39,7 @@ fn is_within(places: __m256i, count: usize) -> bool {
     unsafe { _mm256_cmple_epu32_mask(places, _mm256_set1_epi32(last.min(u32::MAX as usize) as u32 as i32)) == 0xff }
 }
 
-/// Row `i` of what is given is column `i` of what is returned.
+/// Row `i` of the argument is column `i` of the result.
 #[inline(always)]
 fn transposed8(rows: &[__m512d; WIDE_LANES]) -> [__m512d; WIDE_LANES] {
     let mut columns = *rows;
@@ -67,7 +67,7 @@ fn transposed8(rows: &[__m512d; WIDE_LANES]) -> [__m512d; WIDE_LANES] {
 /// place, and leave some as they were. Returns which places are taken.
 #[inline(always)]
 fn put_in_place<const N: usize>(keys: &[u64], to: &mut [u64; FEW]) -> u32 {
-    // SAFETY: see above. Of each eight numbers as many are read as there are; what is not stands for more than any number.
+    // SAFETY: see above. Of each eight numbers only existing ones are read; a missing one counts as more than any number.
     unsafe {
         let none = _mm512_set1_epi64(-1);
         let mut eights = [none; N];

@@ -133,7 +133,7 @@ mod tests {
         }
     }
 
-    /// Comparisons and choices of single and double numbers: the bits of `a > b`, and what is chosen by them.
+    /// Comparisons and choices of single and double numbers: the bits of `a > b`, and the numbers chosen by them.
     struct Compared([f32; LANES], [f32; LANES]);
 
     impl Kernel for Compared {

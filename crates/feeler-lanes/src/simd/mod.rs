@@ -1,8 +1,9 @@
 //! Lanes: sixteen float32 or eight float64 at once, with the widest instructions the CPU has.
 //!
-//! Kernels are written once, generic over [`Simd`], as a type that implements [`Kernel`]. [`Checked::run`] compiles them for
-//! each instruction set and calls the one asked for; [`Level::best`] asks the CPU. All `unsafe` code of the core is here: each
-//! wrapper around an instruction relies on a token ([`Simd`]) that only [`Checked::run`] makes, for a level the CPU has.
+//! Kernels are written once, generic over [`Simd`], as a type that implements [`Kernel`]. [`Checked::run`] compiles
+//! them for each instruction set and calls the selected one; [`Level::best`] detects the CPU's. All `unsafe` code of
+//! the core is here: each wrapper around an instruction relies on a token ([`Simd`]) that only [`Checked::run`] makes,
+//! for a level the CPU has.
 //!
 //! No level fuses a multiplication with an addition unless the kernel says so ([`Arithmetic::mul_add`]), so float64 kernels give the
 //! same numbers on each.

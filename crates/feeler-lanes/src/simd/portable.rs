@@ -79,7 +79,7 @@ impl<const N: usize> BitXor for Array<u32, N> {
     }
 }
 
-// Choices are all ones or zeros, as wide as what they choose: so compilers find the CPU's own comparisons in lanes.
+// Choices are all ones or zeros, as wide as the numbers chosen: so compilers find the CPU's own comparisons in lanes.
 impl<const F: usize, const W: usize> Arithmetic for Arrays<F, W> {
     const WIDE: usize = W;
     type F32 = Array<f32, F>;

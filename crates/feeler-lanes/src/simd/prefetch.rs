@@ -1,4 +1,4 @@
-//! Cache lines asked for before they are read.
+//! Prefetches cache lines.
 
 /// Asks for the cache lines of a value that will be read soon.
 #[inline(always)]

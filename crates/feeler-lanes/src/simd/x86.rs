@@ -1,4 +1,4 @@
-//! What AVX2 and AVX-512 have in common.
+//! Code shared by AVX2 and AVX-512.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
@@ -62,8 +62,8 @@ pub fn is_apart(a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
     }
 }
 
-/// For each axis, in the lowest byte of a 32-bit lane: the least that 255 minus the lower side of a child may be that meets the
-/// box (first half), and the least that its upper side may be (second half).
+/// For each axis, in the lowest byte of a 32-bit lane: the least value of 255 minus the lower side of a child that
+/// overlaps the box (first half), and the least value of its upper side (second half).
 #[inline(always)]
 pub fn least_sides(boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> __m256i {
     // SAFETY: see above; both levels have AVX2.

@@ -1,4 +1,4 @@
-//! A way farther off what it passes.
+//! Moves a path farther away from its surroundings.
 
 use std::sync::Arc;
 
@@ -12,8 +12,9 @@ use crate::blocked::Tally;
 use crate::constants::{LONGER_FOR_CLEARANCE, MOST_PULLS, PULLED_SAMPLES, PULLS};
 use crate::error::Result;
 
-/// The way with the places where its legs meet moved off what is nearest along the legs beside them, in smaller and smaller steps, as long
-/// as that brings it farther off and it gets no longer than by [`LONGER_FOR_CLEARANCE`]. How far off it is, is looked at at samples.
+/// The path with the poses between its legs moved away from the nearest parts along the neighbouring legs, in smaller
+/// and smaller steps, as long as its distance grows and its length grows by at most [`LONGER_FOR_CLEARANCE`]. Its
+/// distance is measured at samples.
 pub fn pulled_up(
     around: &Surroundings,
     mut way: Vec<Leg>,

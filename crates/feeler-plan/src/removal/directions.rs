@@ -1,4 +1,4 @@
-//! Along which directions a part may come straight out: what its contacts, its own shape and its neighbours' shapes suggest.
+//! Directions in which a part may come straight out: from its contacts, its own shape and its neighbours' shapes.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{Point, Tool};
@@ -10,8 +10,8 @@ use feeler_world::Surroundings;
 
 /// Candidates (units, world), the likely ones first.
 ///
-/// In this order: the contact normals; the axes of the part's own faces, of its area, and of the world, both ways; what is along two
-/// contact planes, as the axis of a bore is, both ways; between two contact normals.
+/// In this order: the contact normals; the axes of the part's own faces, of its area, and of the world, both ways;
+/// directions along two contact planes, such as the axis of a bore, both ways; between two contact normals.
 pub fn directions(surroundings: &Surroundings) -> Result<(Vec<Point>, Vec<Wall>)> {
     let (tool, start) = (surroundings.tool(), surroundings.start());
     let margin = DIRECTION_MARGIN * surroundings.size();

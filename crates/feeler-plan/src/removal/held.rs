@@ -1,12 +1,13 @@
-//! The proof that a part cannot come out: its neighbours leave it some play, and no more.
+//! The proof that a part cannot come out: its neighbours leave it only some play.
 //!
-//! A point of the part that is over a triangle of a neighbour can't get behind it without meeting it, as long as it stays over it. To first
-//! order that is a half space of the part's small motions (displacement and turn: six numbers); what is left by all of them is the play.
-//! Where it is bounded, and less than the motions for which all of this is true, nothing leads out of it. The bound in each direction is the
-//! answer of a linear program, and its multipliers (Farkas, 1902) name the neighbours that hold the part.
+//! A point of the part over a triangle of a neighbour cannot get behind it without a collision, as long as it stays
+//! over it. To first order that is a half space of the part's small motions (displacement and rotation: six numbers);
+//! the intersection of all of them is the play. If it is bounded, and smaller than the motions for which all of this
+//! holds, nothing leads out of it. A linear program gives the bound in each direction, and its multipliers (Farkas,
+//! 1902) name the neighbours that hold the part.
 //!
-//! The proof has no tolerance: what second order and rounding may add is added. It is no proof of the contrary: a part with much play, or
-//! held by edges alone, may be held all the same.
+//! The proof has no tolerance: second-order and rounding errors are added. Its failure proves nothing: a part with much
+//! play, or held by edges alone, may be held all the same.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +20,7 @@ use crate::constants::{HELD_WITHIN, LEAST_HELD_WITHIN, MOST_HELD_PAIRS, MOST_WID
 use crate::error::Result;
 use crate::linear_program::least_cost;
 
-/// What holds a part.
+/// The parts that hold a part.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Held {

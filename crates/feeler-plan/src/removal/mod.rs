@@ -1,8 +1,8 @@
 //! How a part comes out of a mock-up.
 //!
-//! Straight ways first, along directions that the contacts and the shapes suggest; then pushes as a person tries them, and random trees.
-//! What is given was verified; where nothing is found it says what was in the way. That there is none is said only of parts that are shown
-//! to be held by their neighbours.
+//! Straight paths first, along directions that the contacts and the shapes suggest; then pushes as a person would try
+//! them, and random trees. Every returned path is verified; if none is found, the answer lists the blocking parts. Only
+//! parts that are proven to be held by their neighbours are reported as having no path.
 
 mod clearance;
 mod directions;
@@ -36,21 +36,21 @@ use crate::constants::{PUSH_CASTS, ROUND_CASTS, TREES};
 use crate::error::{Error, Result};
 use feeler_world::{Allowed, Body, Environment, Surroundings};
 
-/// What is to come out.
+/// The task.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct RemovalTask {
-    /// What moves: parts of the mock-up, and what grips them.
+    /// The moving body: parts of the mock-up, and their gripper.
     pub tool: Arc<Tool>,
-    /// How many of its parts are the mock-up's: those before what grips.
+    /// How many of its parts are the mock-up's: those before the gripper's.
     pub own_parts: u32,
     /// Its pose where the parts are.
     pub start: Pose,
-    /// What may meet.
+    /// The allowed contacts.
     pub allowed: Allowed,
     /// Directions to try first, world; of any length.
     pub directions: Vec<Point>,
-    /// How far it stays off what is not seated, metres.
+    /// The distance that it keeps from everything but seats, metres.
     pub clearance: f64,
     /// Of the random samples.
     pub seed: u64,
@@ -115,7 +115,7 @@ pub enum Method {
     Tree(u64),
 }
 
-/// A way out, or what was in the way.
+/// A path out, or the blocking parts.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Removal {
@@ -129,12 +129,12 @@ pub struct Removal {
     pub path_length: f64,
     /// How far the tool turns in all, radians.
     pub rotation: f64,
-    /// The least distance along the way of what is not seated, metres; infinite where nothing is there, NaN where time was up before it was
-    /// known.
+    /// The least distance along the path to everything but seats, metres; infinite without other parts, NaN if time ran
+    /// out before it was measured.
     pub clearance: f64,
-    /// What stopped it, the worst first.
+    /// The blocking parts, most frequent first.
     pub blockers: Vec<Blocker>,
-    /// What holds it, where it is shown that no way leads out.
+    /// The parts that hold it, if this proves that no path exists.
     pub held: Option<Held>,
     /// Casts made.
     pub casts: u64,
@@ -160,7 +160,7 @@ impl Removal {
     }
 }
 
-/// Takes a tool out of the scene that a solver is of, in parallel on the current rayon pool.
+/// Takes a tool out of the scene of a solver, in parallel on the current rayon pool.
 ///
 /// Errors: numbers that cannot be, a tool that grips and meets something at the start, a request to stop.
 pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOptions<'_>) -> Result<Removal> {
@@ -280,7 +280,7 @@ type Way = (Verified, Vec<Pose>);
 type Found = (Method, Way);
 
 /// A way with shortcuts, or as it is where there is no time for them; and the casts made. `None` where it is not free by finer steps.
-/// Shortcuts that are blocked say nothing of what is in the way out.
+/// Blocked shortcuts say nothing about parts in the way out.
 fn short_way(
     surroundings: &Surroundings,
     legs: Vec<Leg>,

@@ -1,5 +1,6 @@
-//! Pushes as a person tries them, breadth first: along the contacts, the part's own axes and the bores, as far as it goes; turns about
-//! axes and along threads; and wherever a push came along, whether something is free there across it.
+//! Pushes as a person would try them, breadth first: along the contacts, the part's own axes and the bores, as far as
+//! possible; turns about axes and along threads; and at each point that a push reached, whether a direction across it
+//! is free.
 //!
 //! After Y. Tian, J. Xu and others, *Assemble them all: physics-based planning for generalizable assembly by disassembly* (2022), who find
 //! such pushes by physics; here each is a cast. Poses that differ little are one.
@@ -43,7 +44,7 @@ pub struct Pushes<'a> {
     others: Vec<Point>,
     /// Done so far, in collisions.
     work: u64,
-    /// What was tried.
+    /// The attempts.
     pub tally: Tally,
     /// The motions of a way out.
     pub way: Option<Vec<Motion>>,
@@ -60,7 +61,7 @@ struct Node {
     depth: u32,
     /// Along which it is pushed from here, units, world.
     directions: Vec<Point>,
-    /// Contact normals there: along these it is probably off what is near.
+    /// Contact normals there: along these it probably leaves its neighbours.
     normals: Vec<Point>,
 }
 
@@ -78,7 +79,7 @@ enum What {
     /// To look around.
     Look,
     Pull(Point),
-    /// By so many radians.
+    /// By this, radians.
     Turn(Axis, f64),
     /// Along a motion that is free.
     Scan(Box<Motion>),
@@ -168,13 +169,13 @@ impl<'a> Pushes<'a> {
         directions.0
     }
 
-    /// Whether trees wait, which had so many rounds: what a person would find is found soon.
+    /// Whether trees wait, after that many rounds: paths that a person would find are found soon.
     pub fn are_alone(&self, tree_rounds: u32) -> bool {
         let waits = if tree_rounds < FIRST_TREE_ROUNDS { FIRST_PUSHES } else { YOUNG };
         self.level == 1.0 && self.work < waits && !self.tasks.is_empty()
     }
 
-    /// Tries on for as much work as so many casts, until a way is found, nothing is left to try, or for as long as there is time.
+    /// Continues for the work of that many casts, until a path is found, nothing is left to try, or time runs out.
     pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.work + WORK_OF_A_CAST * casts;
         while self.way.is_none() && self.work < until && (self.has_time)() {
@@ -229,7 +230,7 @@ impl<'a> Pushes<'a> {
         self.add(self.nodes.len() - 1, LOOK, What::Look);
     }
 
-    /// Finds what there is to try at a node.
+    /// Finds the pushes to try at a node.
     fn look(&mut self, at: usize) -> Result<()> {
         let around = self.around;
         let pose = self.nodes[at].pose;
@@ -239,7 +240,7 @@ impl<'a> Pushes<'a> {
         }
         let Footholds { normals, axes } = footholds(around, &pose, DIRECTION_MARGIN * around.size())?;
         let mut directions = Distinct(self.first.clone());
-        // As it is turned here, and as it was at the start: what is around it is mostly along these.
+        // As it is turned here, and as it was at the start: its neighbours are mostly along these.
         let turn = length(&displacement(around.start(), &pose, around.middle()).angular);
         let here = if turn > LITTLE_TURN { &pose } else { around.start() };
         for at in [here, around.start()] {
@@ -423,7 +424,7 @@ impl<'a> Pushes<'a> {
         Ok(())
     }
 
-    /// The middle of what a pose may move along an axis, at most a quarter of the pitch to each side.
+    /// The middle of a pose's free play along an axis, at most a quarter of the pitch to each side.
     fn middle_of_play(&mut self, seated: &Arc<Seated>, pose: &Pose, axis: &Axis) -> Result<Pose> {
         let far = 0.25 * axis.pitch.abs();
         let mut play = [0.0; 2];
@@ -453,7 +454,7 @@ impl<'a> Pushes<'a> {
         self.scan = Some(Scan { node, motion, samples, at: 0, directions, free });
     }
 
-    /// The next sample of a scan, or what the scan found.
+    /// The next sample of a scan, or the scan's result.
     fn go_on(&mut self, mut scan: Scan) -> Result<()> {
         if scan.at == scan.samples {
             return self.openings(&scan);

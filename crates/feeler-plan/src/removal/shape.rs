@@ -1,4 +1,4 @@
-//! What a part's own shape suggests: along its flat faces' normals, and about the axes of its cylinders.
+//! Directions from a part's own shape: its flat faces' normals, and the axes of its cylinders.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! A way made shorter, with fewer turns, and farther off what it passes.
+//! Makes a path shorter, with fewer turns, and farther away from its surroundings.
 
 use feeler_core::geometry::twist::{pose_of, times};
 use feeler_core::geometry::vectors::sub;
@@ -12,8 +12,9 @@ use crate::error::Result;
 use crate::random::Random;
 use feeler_world::{Surroundings, WalkOptions};
 
-/// The way with shortcuts: from each leg's begin straight to the last end that can be had, then between random places on it. What is
-/// seated at a pose is found again as the way is walked, since a shortcut may part a pair elsewhere. The work is bounded.
+/// The path with shortcuts: from each leg's begin straight to the last possible end, then between random places on it.
+/// The seats at a pose are found again while walking the path, since a shortcut may separate a pair elsewhere. The work
+/// is bounded.
 pub fn shortened(
     around: &Surroundings,
     legs: Vec<Leg>,

@@ -1,4 +1,4 @@
-//! Straight ways out.
+//! Straight removal paths.
 
 use feeler_core::{Leg, Point};
 

@@ -1,8 +1,8 @@
-//! A random tree of poses that a part can reach, grown until one of them is out.
+//! A random tree of reachable poses of a part, grown until one of them is out.
 //!
-//! After rapidly exploring random trees (S. LaValle, 1998): a pose far away is drawn, and the nearest node moves towards it. Motions
-//! are cast, so they are as long as they are free, and where one is stopped it slides on: the rest of the motion is what the contacts
-//! leave of it. There is no goal but being out; from new nodes straight ways out are tried.
+//! After rapidly exploring random trees (S. LaValle, 1998): a random distant pose is drawn, and the nearest node moves
+//! towards it. Motions are cast, so they go as far as they are free, and a stopped one slides on: the rest of the
+//! motion is projected onto the contacts. There is no goal but being out; straight paths out are tried from new nodes.
 
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ pub struct Tree<'a> {
     nodes: Vec<Node>,
     /// How often it began anew, and once more.
     lives: u64,
-    /// What was tried.
+    /// The attempts.
     pub tally: Tally,
     /// Where the legs of a way out end.
     pub way: Option<Vec<Pose>>,
@@ -87,7 +87,7 @@ impl<'a> Tree<'a> {
         tree
     }
 
-    /// Grows by so many casts, until a way is found, or for as long as there is time.
+    /// Grows by that many casts, until a path is found or time runs out.
     pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.tally.casts + casts;
         while self.way.is_none() && self.tally.casts < until && (self.has_time)() {

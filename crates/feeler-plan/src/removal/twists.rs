@@ -1,4 +1,4 @@
-//! What the contacts leave free: turns about the axes of bores and hinges, and the screws of threads.
+//! Motions that the contacts leave free: rotations about the axes of bores and hinges, and the screws of threads.
 
 use feeler_core::geometry::twist::Twist;
 use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub, unit};
@@ -20,7 +20,7 @@ pub struct Axis {
     pub pitch: f64,
 }
 
-/// What the contacts at a pose tell: their normals, and the screws that they leave free.
+/// The contacts at a pose: their normals, and the screws that they leave free.
 #[derive(Debug, Clone, Default)]
 pub struct Footholds {
     /// Units, world.

@@ -1,4 +1,4 @@
-//! Whether a way is free, leg by leg, with the same allowances and finer steps.
+//! Verifies a path, leg by leg, with the same allowances and finer steps.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -59,7 +59,7 @@ pub fn is_free(
     tally: &mut Tally,
 ) -> Result<bool> {
     let mut seated = around.seated_at_start();
-    // Without seats nothing depends on what was before.
+    // Without seats nothing depends on the earlier motion.
     let first = if around.has_seats() { 0 } else { from };
     for motion in &Motion::of_legs(around.tool(), around.start(), way)?[first..] {
         let walk = around.walk_along(&seated, motion, WalkOptions::search(&[], has_time), &mut |_| ())?;
@@ -72,8 +72,9 @@ pub fn is_free(
     Ok(true)
 }
 
-/// The same way as poses, from one to the next as [`Motion::new`] moves: screws are cut into pieces, the fewest that are
-/// verified as free; where they turn more than once around, so many that no point is off by more than [`SAME_PLACE_M`], as each is a cast.
+/// The same path as poses, with motions of [`Motion::new`] between them: screws are cut into the fewest pieces that are
+/// verified as free; if they turn more than once around, into enough pieces that no point is off by more than
+/// [`SAME_PLACE_M`], as each is a cast.
 pub fn as_poses(
     around: &Surroundings,
     legs: &[Leg],
@@ -104,7 +105,7 @@ pub fn as_poses(
     Ok(None)
 }
 
-/// The ends of the pieces of a motion: one, or of a screw so many for a quarter of a turn.
+/// The ends of the pieces of a motion: one, or for a screw `pieces` a quarter of a turn.
 fn cut(motion: &Motion, pieces: usize) -> Vec<Pose> {
     let quarters = match motion.leg() {
         Leg::To(_) => 0.0,

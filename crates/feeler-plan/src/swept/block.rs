@@ -1,4 +1,4 @@
-//! One block: values at its nodes, what of them is inside the tool, and the surface between.
+//! One block: values at its nodes, which of them are inside the tool, and the surface between.
 
 use feeler_contacts::ToolSolid;
 use feeler_core::geometry::vectors::{add, cross, dot, scaled, sub};
@@ -9,13 +9,13 @@ use super::hull::{Hull, Plane, Until};
 use super::steps::Steps;
 use crate::constants::{BLOCK, DISTANCE_TOLERANCE, HULL_SHARE, LEVEL, LONGEST_EDGE, SPACING};
 
-/// Where nodes are, and what their values mean. Metres.
+/// The places of nodes, and the meaning of their values. Metres.
 pub struct Grid {
     /// Its lowest node, from the steps' origin.
     pub corner: Point,
     pub spacing: f64,
     level: f64,
-    /// Values beyond are not told apart: no cell that the surface passes has one.
+    /// Larger values are not distinguished: no cell on the surface has one.
     pub far: f64,
     /// Of distances.
     pub tolerance: f64,
@@ -61,7 +61,7 @@ pub struct Solid<'a> {
 
 /// Working memory.
 pub struct Scratch {
-    /// Hulls near the block and what is taken off distances to them, those first that are nearest its middle.
+    /// Hulls near the block and the amounts taken off distances to them, those first that are nearest its middle.
     hulls: Vec<(Hull, f64)>,
     order: Vec<(f64, u32)>,
     values: [f64; NODE_COUNT],
@@ -211,7 +211,7 @@ impl Field<'_> {
 
     /// Counts nodes outside as swept where they are inside the tool: of those that hang together, one is asked.
     fn fill(&self, at: [u32; 3], solid: &Solid<'_>, scratch: &mut Scratch) {
-        // What is inside the mesh need not be asked, nor what was seen.
+        // Nodes inside the mesh need no test, nor do those seen.
         let Scratch { values, next, is_inside: is_seen, .. } = scratch;
         for first in 0..NODE_COUNT {
             if is_seen[first] {

@@ -116,7 +116,7 @@ impl March<'_> {
         }
     }
 
-    /// The vertex on the edge between two corners of a cell: computed the same wherever it is asked for.
+    /// The vertex on the edge between two corners of a cell: computed the same everywhere.
     fn vertex(&mut self, cell: [usize; 3], [a, b]: [usize; 2]) -> u32 {
         let (low, direction) = (a & b, a ^ b);
         let from: [usize; 3] = std::array::from_fn(|x| cell[x] + (low >> x & 1));

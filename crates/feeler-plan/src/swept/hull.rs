@@ -1,7 +1,7 @@
 //! The distance of a point to the convex hull of six others: the algorithm of E. Gilbert, D. Johnson and S. Keerthi (1988).
 //!
 //! Each step has a point of the hull, which bounds the distance from above, and a plane before the hull, which bounds it from below.
-//! Callers say what they need to know, so that a few steps are enough.
+//! Callers pass the required accuracy, so that a few steps are enough.
 
 use feeler_core::geometry::vectors::{along, cross, dot, scaled, sub};
 use feeler_core::{Aabb, Point};
@@ -28,7 +28,7 @@ pub struct Bounds {
     pub lower: f64,
     /// Never below it.
     pub upper: f64,
-    /// What tells points far from the hull.
+    /// A plane that shows that points are far from the hull.
     pub plane: Plane,
 }
 
@@ -72,7 +72,7 @@ impl Hull {
         Hull { corners: by_axis, bounds }
     }
 
-    /// Whether a point is within some metres; where that cannot be told of one at just that distance: no.
+    /// Whether a point is within some metres; false if it cannot be decided at just that distance.
     pub fn is_within(&self, p: &Point, within: f64) -> bool {
         self.distance(p, &Until { enough: within, little: within, tolerance: 0.0 }).upper <= within
     }

@@ -16,7 +16,7 @@ pub fn joined(pieces: Vec<Piece>) -> Result<(Vec<Point>, Vec<[u32; 3]>)> {
     }
     let mut vertices: Vec<Point> = Vec::with_capacity(vertex_count);
     let mut faces = Vec::with_capacity(face_count);
-    // Who asks knows the key: the order in which a map keeps its entries does not show.
+    // The caller knows the key: the order in which a map keeps its entries does not show.
     let mut vertex_of_edge: HashMap<u64, u32> = HashMap::new();
     let mut number = Vec::new();
     for piece in pieces {

@@ -23,7 +23,7 @@ pub struct Steps {
     triangles: Vec<Triangle>,
     poses: Vec<Pose>,
     steps: Vec<Step>,
-    /// What coordinates are relative to, metres: corners of hulls, and all that is compared with them.
+    /// The origin of coordinates, metres: of corners of hulls, and of all values compared with them.
     pub origin: Point,
     /// The box around everything, from the origin.
     pub bounds: Aabb,
@@ -137,7 +137,7 @@ impl Steps {
         corners
     }
 
-    /// A step's hull, from the origin, and what is taken off distances to it.
+    /// A step's hull, from the origin, and the correction subtracted from distances to it.
     pub fn hull(&self, number: u32) -> (Hull, f64) {
         let step = &self.steps[number as usize];
         (Hull::new(&self.corners(step)), f64::from(step.slack))
@@ -181,7 +181,7 @@ fn halves_of(triangle: &Triangle, error: f64) -> Option<[Triangle; 2]> {
     Some([[a, middle, c], [middle, b, c]])
 }
 
-/// Of poses and coordinates that are not exact enough: `within` so many metres.
+/// Of poses and coordinates that are not exact enough: only to `within` metres.
 fn too_exact(within: f64, error: f64) -> Error {
     let needed = format!(
         "coordinates that are exact, and poses that are rigid, within {:.1e} m, where these are within {within:.1e} m",

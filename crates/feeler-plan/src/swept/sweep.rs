@@ -1,4 +1,4 @@
-//! The whole: steps, grid, search, surface.
+//! The whole computation: steps, grid, search, surface.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Mutex;
@@ -98,7 +98,7 @@ pub fn swept(tool: &Tool, poses: &[Pose], error: f64, options: &SweptOptions<'_>
     Ok(Swept { vertices, faces })
 }
 
-/// Steps, and where the surface may be: what an error needs is known by then.
+/// Steps, and where the surface may be: by then the cost of an error is known.
 struct Plan {
     steps: Steps,
     grid: Grid,

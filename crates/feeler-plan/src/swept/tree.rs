@@ -1,4 +1,4 @@
-//! Space, halved down to blocks with the steps that are near each.
+//! Space, halved down to blocks, with the steps near each.
 
 use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::Point;

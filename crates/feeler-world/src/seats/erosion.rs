@@ -1,8 +1,8 @@
 //! Erosion: a part of the tool made smaller by its depth in a neighbour, so that the pair can be cast exactly.
 //!
-//! Each surface moves inwards by its own depth at the start plus a play, and each corner so that the faces at it do. So a collar that is
-//! flush stays flush where the shaft beside it crosses its bore by facets. The eroded part is free of the neighbour at the start. While it
-//! stays free, no surface gets deeper than at the start by more than its play.
+//! Each surface moves inwards by its own depth at the start plus a play, and each corner moves with the faces at it. So
+//! a flush collar stays flush while the shaft beside it crosses its bore by facets. The eroded part is free of the
+//! neighbour at the start. While it stays free, no surface gets deeper than at the start by more than its play.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,9 +1,9 @@
-//! Which pairs of parts, and which of their surfaces, meet where the tool starts.
+//! Which pairs of parts, and which of their surfaces, are in contact at the tool's start.
 //!
-//! A pair in contact at the start is a seat until it parts. If it touches or overlaps a little, the tool's part is
-//! [eroded](super::erosion) and cast exactly. If it overlaps more, it is sunk, like a bolt modelled through a solid plate: it may not move
-//! against a contact plane that it has penetrated, and its surface may cross the neighbour's only within the volume that it filled at
-//! the start.
+//! A pair in contact at the start is a seat until it separates. If it touches or overlaps a little, the tool's part is
+//! [eroded](super::erosion) and cast exactly. If it overlaps more, it is sunk, like a bolt modelled through a solid
+//! plate: it may not move against a contact plane that it has penetrated, and its surface may cross the neighbour's
+//! only within the volume that it filled at the start.
 //!
 //! The original part is cast exactly, except for the pairs of surfaces in contact at the start and the surfaces next to them across
 //! convex edges: the facets of a pin cross the face around its hole when it leaves.
@@ -20,11 +20,11 @@ use crate::constants::TOUCH;
 use crate::error::{Error, Result};
 use crate::surfaces::Surfaces;
 
-/// What may meet.
+/// The allowed contacts.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Allowed {
-    /// Pairs that meet at the start may, until they part, no deeper than then.
+    /// Pairs in contact at the start, until they separate, no deeper than then.
     pub start: bool,
     /// Every pair may be this deep in each other, metres.
     pub overlap: f64,
@@ -54,7 +54,7 @@ pub enum SeatKind {
 }
 
 impl SeatKind {
-    /// Whether they meet.
+    /// Whether they collide.
     pub fn meets(self) -> bool {
         self != SeatKind::Near
     }
@@ -70,11 +70,12 @@ pub struct Seat {
     pub part: u32,
     /// How it is at the start.
     pub kind: SeatKind,
-    /// How deep it is, metres: by how much the tool's part has to be smaller to be free, of what is sunk the deepest contact plane.
+    /// Its depth, metres: by how much the tool's part must shrink to be free; for a sunk part the deepest contact
+    /// plane.
     pub depth: f64,
 }
 
-/// The pairs of one body that are together at the start, sorted; and those that meet there though nothing allows it.
+/// The seats of one body at the start, sorted; and the contacts there that are not allowed.
 #[derive(Debug, Default)]
 pub struct Start {
     pub seats: Vec<Seat>,
@@ -84,7 +85,7 @@ pub struct Start {
     pub regions: Option<Regions>,
 }
 
-/// The pairs of surfaces of seats that may meet.
+/// The pairs of surfaces of seats that may collide.
 #[derive(Debug)]
 pub struct Regions {
     tool: Surfaces,
@@ -120,7 +121,7 @@ impl Regions {
             let is_own = |[t, m]: &&[u32; 2]| [tool.part_of_face(*t), mockup.part_of_face(*m)] == parts;
             let numbers = |[t, m]: &[u32; 2]| Some([of_tool.numbers.of(*t)?, of_body.numbers.of(*m)?]);
             let pairs: BTreeSet<[u32; 2]> = met.iter().filter(is_own).filter_map(numbers).collect();
-            // Of what is sunk any surface may come to where it leaves.
+            // Any surface of a sunk part may come to where it leaves.
             let own = ours.iter().copied().filter(|t| tool.part_of_face(*t) == seat.tool_part);
             let sunk = if seat.kind == SeatKind::Sunk { of_tool.of(&own.collect::<Vec<u32>>()) } else { Vec::new() };
             for [t, m] in pairs {
@@ -135,10 +136,10 @@ impl Regions {
     }
 }
 
-/// Finds the seats of one body at `start`. `solver` and `scene` leave out the parts that are always allowed. Tool parts from `own_parts` on
-/// are grippers.
+/// Finds the seats of one body at `start`. `solver` and `scene` exclude the parts that are always allowed. Tool parts
+/// from `own_parts` on are grippers.
 ///
-/// Errors: a gripper in contact; where `goes_on` says so, a request to stop.
+/// Errors: a gripper in contact; a request to stop, by `goes_on`.
 pub fn find_seats(
     (solver, scene): (&ContactSolver, &Scene),
     tool: &Tool,

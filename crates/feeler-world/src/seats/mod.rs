@@ -1,4 +1,4 @@
-//! Seats: what the tool meets where it starts, surface by surface, and what it may meet until it has parted from that.
+//! Seats: the contacts at the tool's start, surface by surface, and the contacts allowed until they have separated.
 
 mod erosion;
 mod find;

@@ -1,9 +1,10 @@
-//! The place of the tool at the start, as if its neighbours had a hole there.
+//! The volume of the tool at the start, treated as a hole in its neighbours.
 //!
-//! In many models bolts have no holes: bolt and plate are in each other. The bolt may leave, and where it goes through the plate's surface
-//! it has to be within its own place, as it would be in a hole. So each point that a crossing of the two surfaces passes through lies in
-//! the tool as it was at the start, or near it: the ridges of a thread leave through where its grooves were. So does each sample of the
-//! tool's surface while it is inside the neighbour: where faces are flush, surfaces need not cross.
+//! In many models bolts have no holes: bolt and plate overlap. The bolt may leave, but where it goes through the
+//! plate's surface it must be within its initial volume, as in a hole. So each point of the crossing of the two
+//! surfaces lies in the tool as it was at the start, or near it: the ridges of a thread leave through the place of its
+//! grooves. The same holds for each sample of the tool's surface while it is inside the neighbour: where faces are
+//! flush, surfaces need not cross.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Tool, Triangle};

@@ -1,4 +1,4 @@
-//! The seats that have not parted yet, and the queries of each body that follow from them.
+//! The seats that have not separated yet, and the queries of each body that follow from them.
 
 use std::sync::Arc;
 
@@ -29,14 +29,14 @@ impl Seated {
     }
 }
 
-/// What is asked of one body.
+/// The queries of one body.
 #[derive(Debug)]
 pub struct SeatedBody {
-    /// All but the surfaces that may meet.
+    /// All but the surfaces that may collide.
     pub ordinary: ContactSolver,
     /// All pairs but those that are seated in any way: these keep the clearance.
     pub clear: Scene,
-    /// All pairs but those that meet and are seated: the least distance is of these.
+    /// All pairs except colliding seats: the least distance is over these.
     pub apart: Scene,
     /// Parts that touch or fit.
     pub smaller: Vec<SmallerPart>,
@@ -46,7 +46,7 @@ pub struct SeatedBody {
     pub all: Option<Scene>,
 }
 
-/// A part of the tool that is smaller by what it is in a neighbour.
+/// A part of the tool, smaller by its depth in a neighbour.
 #[derive(Debug)]
 pub struct SmallerPart {
     /// Which of the body's seats.
@@ -57,7 +57,7 @@ pub struct SmallerPart {
     pub solver: ContactSolver,
 }
 
-/// What is known of one body.
+/// The data of one body.
 #[derive(Debug)]
 pub struct Makings {
     pub solver: ContactSolver,

@@ -1,8 +1,8 @@
-"""An engine's accessory gearbox, drawn as real ones are, with its truth.
+"""An engine's accessory gearbox, modelled like real ones, with its known facts.
 
 `solid.py` and `polygon.py` build closed solids; `fits.py` has the tables; `standard.py`, `train.py`, `bodies.py` and
 `housing.py` draw parts; `layout.py`, `design.py`, `accessories.py`, `lines.py`, `stand.py` and `build.py` put them
-together; `assembly.py` keeps what is true of them; `sample.py` cuts it to a size; `faults.py` plants faults.
+together; `assembly.py` keeps the truth about them; `sample.py` cuts it to a size; `faults.py` plants faults.
 """
 
 from .faults import FAULTS

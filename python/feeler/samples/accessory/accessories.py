@@ -1,4 +1,4 @@
-"""What is mounted on the gearbox: input drive, covers, pump, starter, generator, filter, drain plug. Millimetres."""
+"""The gearbox's accessories: input drive, covers, pump, starter, generator, filter, drain plug. Millimetres."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The assembly in the making: parts at their poses, and in the same place what is true of them."""
+"""The assembly under construction: parts at their poses, with their known facts."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ Vector = Sequence[float] | Floats
 
 FLUSH = "line to line"
 ROUNDING_MM = 2.0 * float(np.sqrt(3.0)) / 2.0 * VERTEX_GRID_M * 1e3
-"""By how much two parts may be deeper in each other because their corners are rounded to the vertex grid."""
+"""How much deeper two parts may overlap because their corners are rounded to the vertex grid."""
 WIDER_MM = 0.02
-"""By how much the radius of a hole is at most above the nominal one that its fit is named for."""
+"""The most by which a hole's radius exceeds the nominal one of its fit."""
 SOCKET_MM = 62.0
 """How far a socket and the head below it reach: longer, and fasteners wait for pipes that are beyond the tool."""
 
@@ -59,7 +59,7 @@ MATERIALS = {
 
 @dataclass
 class Part:
-    """A part in the making. `pose` (4, 4), millimetres."""
+    """A part under construction. `pose` (4, 4), millimetres."""
 
     path: str
     make: Make
@@ -100,7 +100,7 @@ class Leg:
 
 @dataclass
 class Step:
-    """Parts that come out together, along legs, after the parts that the patterns name."""
+    """Parts that come out together, along legs, after the parts named by patterns."""
 
     parts: list[str]
     legs: list[Leg]
@@ -109,7 +109,7 @@ class Step:
     rigid: bool
     removes: bool
     blocked_by: list[str] = field(default_factory=list)
-    """Names of the faults that are in its own way."""
+    """Names of the faults that block it directly."""
 
 
 @dataclass
@@ -127,7 +127,7 @@ class Fastener:
 
 @dataclass
 class Joint:
-    """What turns about an axis, millimetres and radians; see `feeler.samples.accessory.truth.Joint`."""
+    """A joint, millimetres and radians; see `feeler.samples.accessory.truth.Joint`."""
 
     name: str
     parts: list[str]
@@ -153,7 +153,7 @@ class Planted:
 
 @dataclass
 class Assembly:
-    """Parts by path, their fits by pair, the steps of taking apart, fasteners and joints."""
+    """Parts by path, their fits by pair, the disassembly steps, fasteners and joints."""
 
     cut: Cut
     seed: int
@@ -192,7 +192,7 @@ class Assembly:
         self.parts[path] = Part(path, make, args, place, material)
         return path
 
-    # --- what is true of them ---------------------------------------------------------------------------------------
+    # --- the truth about them ---------------------------------------------------------------------------------------
 
     def fit(self, a: str, b: str, kind: str, play: float, radius: float = 0.0, chords: float = 0.0) -> None:
         """Names a fit. `radius`: of the hole, whose chords take from the play; `chords`: what else they take.
@@ -228,7 +228,7 @@ class Assembly:
     ) -> None:
         """Names a step of taking apart: what comes out, how, and after what (paths or patterns).
 
-        `rigid=False`: what has to be bent to come out. `removes=False`: what is only loosened.
+        `rigid=False`: the parts must be bent to come out. `removes=False`: they are only loosened.
         """
         moved = [parts] if isinstance(parts, str) else list(parts)
         self.steps.append(Step(moved, list(legs), list(after), door_open, rigid, removes))
@@ -331,7 +331,7 @@ class Assembly:
             if fastener.path == path:
                 fastener.swing = min(fastener.swing, most)
 
-    # --- what is made of them ---------------------------------------------------------------------------------------
+    # --- the results ------------------------------------------------------------------------------------------------
 
     def solid(self, part: Part) -> Solid:
         """The solid of a part in its own frame; parts of one shape share it."""
@@ -346,7 +346,7 @@ class Assembly:
         return self._meshes[part.shape]
 
     def forget(self) -> None:
-        """Lets go of solids and meshes; they are drawn again when they are asked for."""
+        """Frees solids and meshes; they are made again on demand."""
         self._solids.clear()
         self._meshes.clear()
 
@@ -380,12 +380,12 @@ def _room(part: Part) -> tuple[float, float, float] | None:
 
 
 def pull(axis: Vector, distance: float) -> Leg:
-    """A straight way."""
+    """A straight motion."""
     return Leg("pull", _unit(axis), distance)
 
 
 def turn(axis: Vector, point: Vector, angle: float) -> Leg:
-    """A turn about an axis."""
+    """A rotation about an axis."""
     return Leg("turn", _unit(axis), 0.0, float(angle), (float(point[0]), float(point[1]), float(point[2])))
 
 

@@ -1,4 +1,4 @@
-"""The gearbox: its parts put together, and in the same calls their fits, fasteners and ways out. Millimetres."""
+"""The design of the gearbox: its parts, and with them their fits, fasteners and removal paths. Millimetres."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .layout import (
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 AWAY = 120.0
-"""How far parts go at the end of their way: beyond all that is beside them."""
+"""How far parts go at the end of their path: beyond all neighbours."""
 OUT = "housing/"
 TRAIN = "gear_train/"
 
@@ -56,7 +56,7 @@ def frame(origin: Vector, z: Vector, x: Vector | None = None) -> Floats:
 
 
 class Workshop:
-    """What puts things together: joints of bolts, bearings, covers."""
+    """Joins parts: by bolts, bearings, covers."""
 
     def __init__(self, asm: Assembly, plan: Layout) -> None:
         self.asm, self.plan = asm, plan
@@ -84,7 +84,7 @@ class Workshop:
         """A bolt with its washer through a stack of parts into a tapped hole of `into`.
 
         `seat`: z outwards, where the washer lies. `grip`: thickness of the stack; `deep`: of the tapped hole.
-        Returns the paths of what was added.
+        Returns the paths of the parts added.
         """
         asm, m = self.asm, METRIC[size]
         thick = m.thick if washer else 0.0

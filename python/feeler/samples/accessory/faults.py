@@ -1,4 +1,4 @@
-"""Ten kinds of faults that can be planted in the gearbox, each with what a check must say of it."""
+"""Ten kinds of faults to plant in the gearbox, each with the expected result of a check."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CLASH_MM = 3.0
 WITHIN_MM, OFF_MM = 10.0, 20.0
 """How far the lost ball is under the beam's face, and the lost washer above it."""
 RULE_MM, NEARER_MM = 5.0, 0.5
-"""The clearance that a rule asks of pipes, and by how much two parts are nearer."""
+"""The clearance that a rule requires of pipes, and by how much less two parts have."""
 NARROW_MM = 2.0
 INCH_MM = 25.4
 GUARDED_SWINGS = {
@@ -30,7 +30,7 @@ GUARDED_SWINGS = {
     "fuel_pipe": float(np.deg2rad(100.0)),
     "oil_pipe": float(np.deg2rad(40.0)),
 }
-"""How far wrenches turn beside the guards of two faults, radians; see `feeler.samples.accessory.lines.SWINGS`."""
+"""How far wrenches swing beside the guards of two faults, radians; see `feeler.samples.accessory.lines.SWINGS`."""
 
 
 def _leg(asm: Assembly, pipe: str) -> tuple[float, float]:
@@ -141,7 +141,7 @@ def _duplicate(asm: Assembly) -> Planted:
             pair = (copy, b) if a == path else (a, copy)
             asm.fits[pair] = replace(fit, a=pair[0], b=pair[1])
     for step in asm.steps:
-        if path in step.parts:  # each would hold what the other one holds: they come out together
+        if path in step.parts:  # each would hold the parts that the other one holds: they come out together
             step.parts.append(copy)
     return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice, 0 mm apart")
 
@@ -192,7 +192,7 @@ def block_ring(asm: Assembly, path: str, meshes: dict[str, Mesh]) -> None:
             corners = mesh.vertices[mesh.faces] / MM
             least, most = corners[:, :, 2].min(axis=1) + min(lift, 0.0), corners[:, :, 2].max(axis=1) + max(lift, 0.0)
             corners = corners[(least <= high) & (most >= low), :, :2]
-            for leg in step.legs:  # what has been turned moves on as it is then
+            for leg in step.legs:  # parts already rotated move on in their present orientation
                 angle = leg.angle * leg.axis[2]
                 spun = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
                 corners = np.concatenate([corners, times(corners - leg.point[:2], spun) + leg.point[:2]])
@@ -226,9 +226,9 @@ def _hull(points: Floats) -> Floats:
 
 
 def _meets_ring(shapes: Floats, outer: Floats, inner: Floats) -> bool:
-    """Whether one of convex shapes (n, k, 2) meets what is between two convex polygons, the inner one in the outer one.
+    """Whether one of convex shapes (n, k, 2) intersects the region between two convex polygons, one inside the other.
 
-    It does if it meets the outer one and is not inside the inner one.
+    It does if it intersects the outer one and is not inside the inner one.
     """
 
     def beyond(points: Floats, polygon: Floats) -> npt.NDArray[np.bool_]:
@@ -265,11 +265,11 @@ FAULTS: dict[str, Callable[[Assembly], Planted]] = {
     "mirrored": _mirrored,
     "wrong_unit": _wrong_unit,
 }
-"""By name, what plants a fault."""
+"""The function that plants each fault, by name."""
 
 
 def plant(asm: Assembly, names: Sequence[str]) -> list[Planted]:
-    """Plants the named faults; returns what is true of them."""
+    """Plants the named faults; returns their descriptions."""
     for name in names:
         if name not in FAULTS:
             raise OptionError(f"no fault is called {name!r}; choose from {', '.join(FAULTS)}")

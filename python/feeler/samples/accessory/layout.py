@@ -1,4 +1,4 @@
-"""Where things stand: the gear train and the housing's outline, from a seed. Millimetres; z along the shafts, y up."""
+"""Places: the gear train and the housing's outline, from a seed. Millimetres; z along the shafts, y up."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ NORMALS = np.deg2rad([0.0, 62.0, 90.0, 136.0, 180.0, 270.0])
 
 
 LEAST_FLAT = 25.0
-"""Least length of the flats that carry the mounts: between two of their holes, and what is beside these."""
+"""Least length of the flats that carry the mounts: between two of their holes, and the material beside these."""
 
 
 def layout(seed: int, rng: np.random.Generator, bolts: int) -> Layout:

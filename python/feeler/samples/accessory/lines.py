@@ -40,8 +40,8 @@ SWINGS = {
     "oil_pipe/union_nut_1": 110.0,
     "oil_pipe/union_nut_2": 70.0,
 }
-"""Degrees through which an open-end wrench at least turns what is only reached from the side: the least of several
-seeds, as `bench/gearbox_judge.py` measures it, less one step. Larger, and a seed may not have them."""
+"""Least swing in degrees of an open-end wrench on a fastener that is reached only from the side: the least of several
+seeds, as `bench/gearbox_judge.py` measures it, less one step. With larger values some seed might fall short."""
 
 
 def swing_of(path: str) -> float:

@@ -1,4 +1,4 @@
-"""The gearbox as arrays at a number of triangles, and its truth."""
+"""The gearbox as arrays for a number of triangles, and its known facts."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Drawn:
 
 Built = tuple[Assembly, list[tuple[Part, Mesh]]]
 _last: tuple[Hashable, Built] | None = None
-"""The gearbox that was built last, by its arguments: arrays and truth are mostly asked for one after the other."""
+"""The last gearbox, by its arguments: arrays and facts are mostly requested one after the other."""
 
 
 def _built(triangles: int, seed: int, faults: Sequence[str], progress: Progress | None = None) -> Built:
@@ -160,7 +160,7 @@ def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Pr
 
 @lru_cache(maxsize=2)
 def gearbox_truth(triangles: int, seed: int, faults: tuple[str, ...]) -> Truth:
-    """The truth of `gearbox_parts` with the same arguments."""
+    """The known facts of `gearbox_parts` with the same arguments."""
     made, meshes = _built(triangles, seed, faults)
     return truth_of(made, {part.path: mesh for part, mesh in meshes}, seed)
 
@@ -172,7 +172,7 @@ def volume(mesh: Mesh) -> float:
 
 
 def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
-    """What the assembly says, in metres and with full paths; `meshes`: in the world, by the assembly's paths.
+    """The facts of the assembly, in metres and with full paths; `meshes`: in the world, by the assembly's paths.
 
     Without meshes masses are 0.
     """
@@ -243,7 +243,7 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
 
 
 def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:
-    """The steps in an order that respects what each needs, with their needs as paths."""
+    """The steps in a valid order, with their prerequisites as paths."""
     needs = [asm.matching(step.after) if step.after else [] for step in asm.steps]
     steps_of: dict[str, set[int]] = {path: set() for path in asm.parts}
     for k, step in enumerate(asm.steps):
@@ -252,7 +252,7 @@ def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:
     before: list[set[int]] = []
     for k, step in enumerate(asm.steps):
         wanted = {j for path in needs[k] for j in steps_of[path]}
-        if step.removes:  # what is loosened is loosened before it is taken out
+        if step.removes:  # parts are loosened before they are taken out
             wanted |= {j for path in step.parts for j in steps_of[path] if j != k and not asm.steps[j].removes}
         before.append(wanted - {k})
     out: list[int] = []

@@ -24,7 +24,7 @@ RAILS = {"front": (-5.0, 15.0), "rear": (120.5, 140.5)}
 PANEL = (17.0, 117.5)
 PANEL_THICK, RAIL_THICK, LEAF = 4.0, 10.0, 3.0
 DOOR_OPEN = np.deg2rad(178.0)
-"""The panel is folded under the rear rail: there it meets the screws of the fixed leaves."""
+"""The panel is folded under the rear rail: it would collide there with the screws of the fixed leaves."""
 HINGE_Z, HINGE_LOW, KNUCKLE, PIN = 119.0, 3.4, 3.45, 1.6
 LATCH_Z, LATCH_ROD = 34.0, 2.0
 LATCH_BAR = (-14.0, 22.0, 7.0)
@@ -63,7 +63,7 @@ class Stand:
 
 
 def across(x: float) -> Floats:
-    """The frame of what is drawn along x: its own x is -z, its own y is y."""
+    """The frame of shapes extruded along x: its own x is -z, its own y is y."""
     return frame((x, 0.0, 0.0), X, (0.0, 0.0, -1.0))
 
 

@@ -1,4 +1,4 @@
-"""What is true of the gearbox: fits, what holds what, ways out, tools, joints, masses.
+"""The known facts of the gearbox: fits, fastened parts, removal paths, tools, joints, masses.
 
 SI units. Points and axes are in the mock-up's coordinates: z along the shafts, y up. Parts are named by their paths.
 """
@@ -13,12 +13,13 @@ from ...errors import OptionError
 
 Vector = tuple[float, float, float]
 STOP_RAD = 0.035
-"""No stop of a joint is farther beyond its limit, two degrees: larger, and limits say less of the stops."""
+"""How far a joint's stop may be beyond its limit, at most: two degrees. With a larger value, limits say less about
+stops."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Two parts that touch or fit into each other. Pairs that no fit names neither touch nor cross.
+    """Two parts that touch or fit into each other. Pairs without a fit neither touch nor cross.
 
     A pair has one entry, the same at any number of triangles: that of the cylinder, thread, spline or teeth, if it has
     such a fit; otherwise "line to line".
@@ -30,24 +31,24 @@ class Fit:
     kind: str
     """"H7/g6" and the like, "line to line", "thread as cylinders", "thread as helices", "ball in raceway", ..."""
     play_m: float
-    """The least gap between the two curved surfaces, normal to them, as drawn without chords; negative for a press.
+    """The smallest gap between the two curved surfaces, normal to them, without facets; negative for a press.
 
     Of gears, splines and helices: normal to the flanks, on each side of a tooth, with the tooth in the middle."""
     deepest_m: float
-    """How deep the parts as drawn may be in each other, metres: the press, the chords of curved faces, and the rounding
-    of coordinates, less than a micrometre."""
+    """How deep the modelled parts may overlap, metres: the press, the facets of curved faces, and the rounding of
+    coordinates, less than a micrometre."""
     flush: bool
     """They touch, plane on plane, whatever the play of the fit: a gear on its seat also leans on the shoulder."""
 
 
 @dataclass(frozen=True)
 class Leg:
-    """One motion of a way out."""
+    """One motion of a removal path."""
 
     kind: str
     """"pull", "turn" or "screw" (both at once, in proportion)."""
     axis: Vector
-    """A unit vector: where the parts go, and about what they turn."""
+    """A unit vector: the direction of motion, and the axis of rotation."""
     point_m: Vector
     """On the axis of a turn or screw; zero for a pull."""
     distance_m: float
@@ -63,19 +64,19 @@ class Step:
     parts: tuple[str, ...]
     """Paths; the first one gives the unit its name."""
     legs: tuple[Leg, ...]
-    """In turn, from where the parts are in the mock-up or where an earlier step left them."""
+    """In order, from the place of the parts in the mock-up, or where an earlier step left them."""
     after: tuple[str, ...]
-    """Paths of parts that have to be out, or loosened, before, in the order of the parts."""
+    """Paths of parts to remove or loosen before, in the order of the parts."""
     door_open: bool
-    """The joint "door" has to be at its `high`."""
+    """Whether the joint "door" must be at its `high`."""
     rigid: bool
     """False: the part has to be bent to come out (a circlip is spread); it has no legs."""
     removes: bool
     """False: the parts are only loosened; a later step takes them out."""
     blocked_by: tuple[str, ...] = ()
-    """Names of the planted faults that block this step or one that it needs. Empty: the way is free as the legs say.
+    """Names of the planted faults that block this step or one that it needs. Empty: the path of the legs is free.
 
-    Otherwise the legs are the way without these faults, and the parts do not come out."""
+    Otherwise the legs are the path without these faults, and the parts do not come out."""
 
 
 @dataclass(frozen=True)
@@ -93,40 +94,40 @@ class Fastener:
     top_m: Vector
     """The middle of the top of the head, metres."""
     axis: Vector
-    """A unit vector outwards, from where the tool comes."""
+    """A unit vector outwards, towards the tool."""
     swing_rad: float
-    """A swing of the tool that is free: a full turn for sockets and keys, 0 where a fault is in the tool's way. For an
-    open-end wrench it is a lower bound of the largest swing: the least of several seeds. A wrench is about nine flats
-    long and loosens counter-clockwise; 60 degrees take it from flat to flat."""
+    """A free swing of the tool: a full turn for sockets and keys, 0 if a fault blocks the tool. For an open-end wrench
+    it is a lower bound of the largest swing: the least of several seeds. A wrench is about nine flats long and loosens
+    counter-clockwise; 60 degrees take it from flat to flat."""
     holds: tuple[str, ...]
-    """Paths of the parts that come loose with it, from the head inwards; a sensor or plug that is screwed in by its own
-    thread holds itself."""
+    """Paths of the parts that come loose with it, from the head inwards; a sensor or plug with its own thread fastens
+    itself."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Parts that turn together about an axis, all others at rest. 0 is where they are in the mock-up."""
+    """Parts that rotate together about an axis, with all others at rest. 0 is their pose in the mock-up."""
 
     name: str
     """"main_shaft", "main_shaft/rear_bearing" (its cage and balls), "filter_bowl", "door", "latch", ..."""
     kind: str
     """"revolute", or "continuous": it has no limits."""
     parts: tuple[str, ...]
-    """All that moves, paths; of a shaft also what is pressed, keyed or splined on it."""
+    """All moving parts, paths; with a shaft also the parts pressed, keyed or splined on it."""
     axis: Vector
     """A unit vector."""
     point_m: Vector
     """On the axis, metres."""
     low: float | None
     high: float | None
-    """Limits, radians, counter-clockwise seen against the axis; None where there are none. Strictly between them the
-    parts are free of all that no fit names; no more than `STOP_RAD` beyond them they meet a stop."""
+    """Limits, radians, counter-clockwise seen against the axis; None without limits. Strictly between them the parts
+    collide with no part except through named fits; at most `STOP_RAD` beyond them they hit a stop."""
     follows: str
-    """The joint that turns it: a gear in mesh, a shaft for the cages of its bearings. Empty: it turns by itself."""
+    """The joint that drives it: a gear in mesh, a shaft for the cages of its bearings. Empty: it turns by itself."""
     ratio: float
-    """Its angle by the angle of the joint that it follows; 1 where it follows none."""
+    """Ratio of its angle to that of the driving joint; 1 without one."""
     needs: tuple[str, ...]
-    """Joints that have to be at their `high` before: a door opens when its latch is turned."""
+    """Joints that must be at their `high` first: a door opens after its latch is turned."""
 
 
 @dataclass(frozen=True)
@@ -138,53 +139,53 @@ class Body:
     """Its name: "cast aluminium", "hardened steel", "polyamide", ..."""
     density_kg_per_m3: float
     mass_kg: float
-    """Of the part as drawn."""
+    """Of the part as modelled."""
     colour: Vector
     """sRGB, 0 to 1."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that was planted, and what a check must say of it."""
+    """A planted fault, and the expected result of a check."""
 
     name: str
     """One of `feeler.samples.FAULTS`."""
     parts: tuple[str, ...]
-    """Paths of the parts that are concerned: one or two."""
+    """Paths of the affected parts: one or two."""
     expects: str
     """"clash", "too near", "no tool access", "no way out", "no hole", "duplicate", "inside", "floating", "mirrored" or
     "unit"."""
     value: float
-    """By design; what a check measures differs by the chords of the two, at most `chord_m` (a pipe is a polygon, and so
-    less deep in its support). In metres: how deep the two are in each other ("clash" and "no hole"), the gap between
-    them ("too near", "no tool access", "duplicate", "inside"), the gap to the next part ("floating"), or by how much
-    the way is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1 ("mirrored")."""
+    """By design; a measured value differs by the facets of the two parts, at most `chord_m` (a pipe is a polygon, and
+    so less deep in its support). In metres: how deep the two overlap ("clash" and "no hole"), the gap between them
+    ("too near", "no tool access", "duplicate", "inside"), the gap to the next part ("floating"), or by how much the
+    path is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1 ("mirrored")."""
     says: str
     """In words."""
     moved: tuple[str, ...] = ()
-    """Paths of parts beside these that sit elsewhere with the fault; nothing is wrong with them. The guard of
-    "blocked_bolt" is held by a plug, which it lifts by its own thickness."""
+    """Paths of other parts that the fault displaces; they are correct. The guard of "blocked_bolt" is held by a plug,
+    which it lifts by its own thickness."""
 
 
 @dataclass(frozen=True)
 class Truth:
-    """The truth of one gearbox; see `feeler.sample_truth`."""
+    """The known facts of one gearbox; see `feeler.sample_truth`."""
 
     seed: int
     """As given to `feeler.sample`."""
     chord_m: float
-    """The largest distance from an arc to its chords. Faces that are curved both ways, as those of balls and of the
-    bends of hoses, have the errors of two arcs: they are up to twice this from the surface that they stand for."""
+    """The largest distance from an arc to its chords. Faces with double curvature, as those of balls and of the bends
+    of hoses, have the errors of two arcs: they are up to twice this from the true surface."""
     bodies: tuple[Body, ...]
     """One for each part, in the order of the mock-up's parts."""
     fits: tuple[Fit, ...]
     """One for each pair that touches or fits."""
     steps: tuple[Step, ...]
-    """In one order of taking apart that is right."""
+    """In one valid order of disassembly."""
     fasteners: tuple[Fastener, ...]
     joints: tuple[Joint, ...]
     faults: tuple[Fault, ...]
-    """In the order in which they were asked for."""
+    """In the given order."""
 
     def fit(self, a: str, b: str) -> Fit | None:
         """The fit of two parts, or None: they neither touch nor cross. Raises OptionError for an unknown path."""
@@ -215,7 +216,7 @@ class Truth:
         return path
 
     def needed(self, step: Step) -> tuple[Step, ...]:
-        """The steps, in order, that have to come before a step. Raises OptionError for a step of another truth."""
+        """The steps, in order, that a step requires. Raises OptionError for a step of another truth."""
         if not isinstance(step, Step):
             raise OptionError(f"step is {step!r}; give one of the truth's `steps`, as `way(path)` does too")
         if step not in self.steps:
@@ -231,7 +232,7 @@ class Truth:
 
 
 def steps_before(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:
-    """The steps, in order, that have to come before a step; all may, where it is not one of them."""
+    """The steps, in order, that a step requires; all of them if it is not in the list."""
     wanted = set(step.after)
     loose = set(step.parts) if step.removes else set()
     chosen = []

@@ -39,7 +39,7 @@ class Arguments:
         """Raises `WorkbenchError` for values that are not objects, and for names unknown to the command."""
         self.command, self._shape = command, shape
         if not isinstance(given, Mapping):
-            raise WorkbenchError("the arguments are no object", command, "send names with their values")
+            raise WorkbenchError("the arguments are not an object", command, "send names with their values")
         self._given: Mapping[str, Any] = given
         expected = list(shape)
         for name in given:
@@ -81,21 +81,21 @@ class Arguments:
         """A finite number within bounds."""
         value: Any = self.raw(name, float)
         if not is_number(value) or not low <= value <= high:
-            raise self.fail(name, f"{_shown(value)} is no number from {low:g} to {high:g}", "send one that is")
+            raise self.fail(name, f"{_shown(value)} is not a number from {low:g} to {high:g}", "send one that is")
         return float(value)
 
     def whole(self, name: str, low: int = 0, high: int = 2**53) -> int:
         """A whole number within bounds."""
         value = self.raw(name, int)
         if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-            raise self.fail(name, f"{_shown(value)} is no whole number from {low} to {high}", "send one that is")
+            raise self.fail(name, f"{_shown(value)} is not a whole number from {low} to {high}", "send one that is")
         return value
 
     def text(self, name: str) -> str:
         """A text, not empty."""
         value = self.raw(name, str)
         if not isinstance(value, str) or not value.strip() or len(value) > _MOST_TEXT:
-            raise self.fail(name, f"{_shown(value)} is no text, or too long", f"send 1 to {_MOST_TEXT} characters")
+            raise self.fail(name, f"{_shown(value)} is not text, or too long", f"send 1 to {_MOST_TEXT} characters")
         return value
 
     def choice(self, name: str, choices: Iterable[str]) -> str:
@@ -117,7 +117,7 @@ class Arguments:
         value: Any = self.raw(name, list[Vec3])
         if not is_sequence(value) or not least <= len(value) <= most:
             count = f"{least}" if least == most else f"{least} to {most}"
-            raise self.fail(name, f"{_shown(value)} is no list of {count} points", "send lists of three numbers")
+            raise self.fail(name, f"{_shown(value)} is not a list of {count} points", "send lists of three numbers")
         return tuple(self._triple(name, each) for each in value)
 
     def unit(self, name: str) -> Point:

@@ -476,7 +476,7 @@ def _is_outside(box: motion.Floats, place: motion.Floats, bounds: motion.Floats)
 
 def _measured(given: Arguments, known: Known) -> Measured:
     if known.measured is None:
-        raise WorkbenchError("nothing was measured", given.command, "send what to measure")
+        raise WorkbenchError("nothing was measured", given.command, "send an object to measure")
     return known.measured
 
 
@@ -486,5 +486,5 @@ def _measure(number: int, name: str, found: Measured) -> Measure:
 
 def _findings(document: Document, given: Arguments) -> Any:
     if document.findings is None:
-        raise WorkbenchError("there are no findings", given.command, "open what feeler clash --json wrote")
+        raise WorkbenchError("there are no findings", given.command, "open findings of feeler clash --json")
     return document.findings

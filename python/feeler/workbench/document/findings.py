@@ -35,7 +35,7 @@ def read_findings(path: str | Path) -> Any:
     try:
         data = json.loads(text_of(file))
     except FileNotFoundError:
-        raise MissingFileError(f"{file} does not exist: give what feeler clash --json wrote") from None
+        raise MissingFileError(f"{file} does not exist: give findings of feeler clash --json") from None
     except (OSError, ValueError, RecursionError) as error:
         raise LoadError(f"{file} cannot be read as JSON: {error}") from None
     _clashes(data, str(file))
@@ -72,7 +72,7 @@ def grouped(data: Any, parts: Parts, absent: Collection[int] = (), where: str = 
 def _clashes(data: Any, where: str) -> Any:
     found: Any = data.get("clashes") if isinstance(data, Mapping) else None
     if not is_sequence(found):
-        raise LoadError(f'{where} holds no list "clashes": give what feeler clash --json wrote')
+        raise LoadError(f'{where} holds no list "clashes": give findings of feeler clash --json')
     if data.get("version", VERSION) != VERSION:
         raise LoadError(f"{where} is of version {data.get('version')!r}: this feeler reads {VERSION}")
     return found
@@ -118,7 +118,7 @@ def _sentence(a: str, b: str, verdict: str, depth: float | None, gap: float | No
     elif gap is not None and gap > 0.0:
         text = f"{one} is {length(gap)} from {other}"
     else:
-        text = f"{one} meets {other}"
+        text = f"{one} collides with {other}"
     if isinstance(rule, str) and rule:
         text += f", against the rule {rule}"
     return text + "."

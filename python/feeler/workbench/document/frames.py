@@ -145,7 +145,7 @@ def unpack(frame: str | bytes, messages: Iterable[type]) -> Any:
         raise ProtocolError(f"a binary frame of {len(frame)} bytes is shorter than its prefix of {_PREFIX.size}")
     version, size = _PREFIX.unpack_from(frame)
     if version != VERSION:
-        raise ProtocolError(f"a binary frame of version {version}: {VERSION} is spoken here")
+        raise ProtocolError(f"a binary frame of version {version}: {VERSION} is expected")
     start = _PREFIX.size + size
     if size > _MOST_HEADER_BYTES or size % 8 or start > len(frame):
         raise ProtocolError(f"a header of {size} bytes in a binary frame of {len(frame)}")
@@ -178,7 +178,7 @@ def id_of(frame: str | bytes) -> int | None:
 
 def _json_object(text: str) -> dict[str, Any]:
     def refuse(word: str) -> float:
-        raise ProtocolError(f"{word} is no number of JSON")
+        raise ProtocolError(f"{word} is not a JSON number")
 
     try:
         value = json.loads(text, parse_constant=refuse)
@@ -330,7 +330,7 @@ def _string(value: str, where: str) -> str:
         try:
             value.encode()
         except UnicodeEncodeError:
-            raise ProtocolError("has half of a surrogate pair, which is no text", where) from None
+            raise ProtocolError("has half of a surrogate pair, which is not text", where) from None
     return value
 
 
@@ -342,7 +342,7 @@ def _whole(value: int, where: str) -> int:
 
 def _finite(value: float, where: str) -> float:
     if not math.isfinite(value):
-        raise ProtocolError("is no finite number", where)
+        raise ProtocolError("is not a finite number", where)
     return value
 
 

@@ -45,7 +45,9 @@ def checked(given: Any, where: str) -> Floats:
             raise ValueError("a number that is not finite, or is out of all reach")
         return nearest_rigid(pose, _NEARLY_RIGID)
     except (TypeError, ValueError) as error:
-        raise WorkbenchError(f"this is no pose: {error}", where, "give 16 numbers, row by row, rigid, metres") from None
+        raise WorkbenchError(
+            f"this is not a pose: {error}", where, "give 16 numbers, row by row, rigid, metres"
+        ) from None
 
 
 def shifted(offset: npt.ArrayLike) -> Floats:

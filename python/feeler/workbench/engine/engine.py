@@ -427,7 +427,7 @@ class Engine:
         metres = float(np.linalg.norm(way)) if normal is None else max(0.0, -float(normal @ way))
         return metres / self._wish_elapsed
 
-    # ---- what has lower rates ----
+    # ---- results with lower rates ----
 
     def _look_around(self, begun: float, is_busy: bool) -> bool:
         """Computes stale results that are due, within the budget; then those due soon. Returns whether there were any.

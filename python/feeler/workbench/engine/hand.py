@@ -83,7 +83,7 @@ class Hands:
     def geometry(self, version: int) -> HeldGeometry:
         """The geometry of the hand's content, for pages. Raises `WorkbenchError` for a version that never existed."""
         if version not in self._keys:
-            raise WorkbenchError(f"there is no version {version} of what the hand holds", "held", "reload the page")
+            raise WorkbenchError(f"there is no version {version} of the hand's content", "held", "reload the page")
         return _kept(self._geometries, version, lambda: HeldGeometry(self._tool(self._keys[version]), version))
 
     def _tool(self, key: HeldKey) -> Tool:

@@ -61,7 +61,7 @@ class Client:
         self._shot: tuple[int | None, list[str]] = _NO_SHOT
         self._early: list[tuple[int, str]] | None = []  # events from before the welcome was ready
 
-    # ---- what the server calls ----
+    # ---- called by the server ----
 
     async def serve(self, missed_after: int | None, welcome: Callable[[], protocol.Welcome]) -> None:
         """Runs until the page is gone. missed_after: its newest event, if it returns to the same session."""
@@ -262,7 +262,7 @@ def trouble(error: Exception, where: str) -> protocol.Trouble:
     if isinstance(error, FeelerError):
         return {"what": str(error), "where": where, "do": ""}
     what = f"something went wrong in the server ({type(error).__name__})"
-    return {"what": what, "where": where, "do": "see what the terminal says, and report it"}
+    return {"what": what, "where": where, "do": "see the terminal, and report the error"}
 
 
 def _answer(work: Callable[[str, dict[str, Any]], Any], request: protocol.Command | protocol.Ask) -> str:
@@ -282,5 +282,5 @@ def _png(text: str) -> bytes:
     except (binascii.Error, ValueError):
         data = b""
     if not data.startswith(b"\x89PNG\r\n\x1a\n"):
-        raise WorkbenchError("png_base64 is no PNG file in base64", "shot", "send what canvas.toBlob gives")
+        raise WorkbenchError("png_base64 is not a PNG file in base64", "shot", "send the result of canvas.toBlob")
     return data

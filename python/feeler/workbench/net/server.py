@@ -335,7 +335,7 @@ class Server:
         try:
             text = event_frame(event)
         except protocol.ProtocolError as error:
-            log.error("an event that cannot be told: %s", error)
+            log.error("an event could not be sent: %s", error)
             return
         for client in self._clients:
             client.tell(event["n"], text)
@@ -359,7 +359,7 @@ class Server:
                 frame = packed
             except Exception as error:
                 # The next state may be valid again: the pages keep the last one.
-                log.error("a state that cannot be told", exc_info=error)
+                log.error("a state could not be sent", exc_info=error)
             self._state = (number, frame)
         return None if frame is None else (number, frame)
 

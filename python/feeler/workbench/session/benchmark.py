@@ -48,7 +48,7 @@ def report(figures: Figures, document: Mapping[str, Any], opened: Opened) -> dic
         }
     except (KeyError, TypeError):
         raise WorkbenchError(
-            "the page's figures are not what was asked for", "benchmark", "reload the page, and start again"
+            "the page sent unexpected figures", "benchmark", "reload the page, and start again"
         ) from None
     mockup, tool = document["mockup"], document["tool"]
     return {
@@ -96,7 +96,7 @@ def rows(written: Mapping[str, Any]) -> list[tuple[str, str]]:
         ]
     except (KeyError, TypeError, ValueError):
         raise WorkbenchError(
-            "the page's figures are not what was asked for", "benchmark", "reload the page, and start again"
+            "the page sent unexpected figures", "benchmark", "reload the page, and start again"
         ) from None
     return found
 

@@ -134,7 +134,7 @@ def read_record(path: str | Path) -> Record:
     try:
         data = file.read_bytes()
     except FileNotFoundError:
-        raise MissingFileError(f"{file} does not exist: give what feeler view --record wrote") from None
+        raise MissingFileError(f"{file} does not exist: give a record of feeler view --record") from None
     except OSError as error:
         raise LoadError(f"{file} cannot be read: {error.strerror or error}") from None
     lines = data.split(b"\n")
@@ -148,7 +148,7 @@ def read_record(path: str | Path) -> Record:
         else:
             entries.append(entry)
     if not entries or entries[0].get("kind") != "header":
-        raise LoadError(f"{file} is no record of a session: its first line is no header")
+        raise LoadError(f"{file} is not a record of a session: its first line is not a header")
     header = entries[0]
     if header.get("format") != FORMAT:
         raise LoadError(f"{file} has format {header.get('format')!r}: this feeler reads {FORMAT}")

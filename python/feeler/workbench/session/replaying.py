@@ -150,7 +150,7 @@ class Replay:
         except (KeyError, TypeError, ValueError) as error:
             if isinstance(error, FeelerError):
                 raise
-            raise LoadError(f"{self._record.path} is no record this feeler can read: {error!r}") from None
+            raise LoadError(f"{self._record.path} is not a record that this feeler can read: {error!r}") from None
 
     def _step(self, number: int, entry: dict[str, Any]) -> Parted | None:
         kind = entry["kind"]
@@ -176,9 +176,11 @@ class Replay:
         then, now = self._recorded, set(ticked.hits.mockup_triangles.tolist())
         missing, added = sorted(then - now)[:_MOST_IDS], sorted(now - then)[:_MOST_IDS]
         if missing or added:
-            return Parted(number, "other triangles of the mock-up meet", tuple(missing), tuple(added))
+            return Parted(number, "other triangles of the mock-up collide", tuple(missing), tuple(added))
         if hits_digest(ticked.hits) != entry["hits"]:
-            return Parted(number, "the same triangles of the mock-up meet others of the tool, or meet them otherwise")
+            return Parted(
+                number, "the same triangles of the mock-up collide, but with others of the tool or in another way"
+            )
         if motion.row(ticked.pose) != tuple(entry["pose"]):
             off = float(np.abs(np.subtract(motion.row(ticked.pose), entry["pose"])).max())
             return Parted(number, f"the hand comes elsewhere, by {off:.3g}")

@@ -169,7 +169,7 @@ class Session:
         self._tell_snapshot()
         return ticked
 
-    # ---- what is so ----
+    # ---- state ----
 
     def document(self) -> DocumentFields:
         """The document as JSON."""
@@ -249,7 +249,7 @@ class Session:
         """A file written by a job. Raises `WorkbenchError`."""
         return self._requests.export(name)
 
-    # ---- what is asked ----
+    # ---- requests ----
 
     def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
         """Sets the target of the hand; only the newest counts. Raises `WorkbenchError` for an invalid pose."""

@@ -1,5 +1,5 @@
-//! Which parts the pieces of each block are of, and which nodes are of one part alone: what is asked before the tree is held against
-//! itself, so that no part is held against itself.
+//! The parts of each block's pieces, and the nodes of a single part: checked before the tree is compared with itself,
+//! so that no part is compared with itself.
 
 use rayon::prelude::*;
 
@@ -10,12 +10,12 @@ use feeler_lanes::{prefetch, LANES};
 
 /// A node with pieces of several parts.
 pub(super) const MANY: u32 = u32::MAX;
-/// A node with nothing below it that is asked for.
+/// A node with no wanted part below it.
 pub(super) const NOTHING: u32 = u32::MAX - 1;
 
 /// Blocks that a task looks at.
 const BLOCKS_A_TASK: usize = 1024;
-/// Blocks that are asked for before they are looked at.
+/// Blocks that are prefetched before they are looked at.
 const TASK_BLOCKS_AHEAD: usize = 8;
 
 /// The pieces of one part in a block.
@@ -37,7 +37,7 @@ pub struct BlockParts {
 }
 
 impl BlockParts {
-    /// Of the parts for which `is_asked` says so.
+    /// For the parts with `is_asked`.
     pub fn new(blocks: &Blocks, mockup: &Mockup, is_asked: impl Fn(u32) -> bool + Sync) -> BlockParts {
         let chunks: Vec<(Vec<u32>, Vec<PartPieces>)> = (0..blocks.pieces.len())
             .step_by(BLOCKS_A_TASK)

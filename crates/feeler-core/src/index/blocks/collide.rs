@@ -1,6 +1,6 @@
-//! The query: tool tree and block tree are descended together (two trees: S. Gottschalk, M. Lin and D. Manocha, *OBBTree*, 1996),
-//! here the tool's depth first, each of its entries with the list of nodes it meets, and one box against all children of a node
-//! in lanes.
+//! The query: tool tree and block tree are descended together (two trees: S. Gottschalk, M. Lin and D. Manocha,
+//! *OBBTree*, 1996), the tool's depth first, each of its entries with the list of nodes that it overlaps, and one box
+//! against all children of a node in lanes.
 
 use super::node::Node;
 use super::node::FANOUT;
@@ -305,7 +305,8 @@ impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
     }
 }
 
-/// Appends which of a tool entry's children, at their places, meet the own box of each node; returns which meet any.
+/// Appends the tool entry's children that overlap the own box of each node, at their places; returns the nodes with
+/// any.
 pub struct Children<'a> {
     pub placed: &'a LaneBoxes,
     pub used: u16,

@@ -1,15 +1,17 @@
-//! The outlines of a tool's pieces, as seen along the axis that is nearest to across them. A box beyond a side of one is apart
-//! from the piece; planes leave many such boxes where the mock-up's pieces are the smaller ones.
+//! The outlines of a tool's pieces, projected along the coordinate axis that is nearest to their normal. A box beyond a
+//! side of an outline is apart from the piece; separating planes miss many such boxes where the mock-up's pieces are
+//! the smaller ones.
 //!
-//! These are separating axes across an edge and a coordinate axis, as of a triangle and a box (Akenine-Möller 2001). As with
-//! planes, an axis that keeps two intervals apart by more than their uncertainty is proof whatever the axis is.
+//! These are separating axes across an edge and a coordinate axis, as for a triangle and a box (Akenine-Möller 2001).
+//! As with planes, any axis that separates two intervals by more than their uncertainty is a proof.
 
 use crate::tool::placement::PlacedPieces;
 use feeler_lanes::{greatest4, load3, Arithmetic, Lane32, Simd, LANES, TINY};
 
 use super::pieces::HalfBlock;
 
-/// The planes and outlines of sixteen pieces: what lies beside the plane, or beyond a side of the outline, is apart from a piece.
+/// The planes and outlines of sixteen pieces: a box beside the plane, or beyond a side of the outline, is apart from a
+/// piece.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub struct Outlines {
@@ -56,7 +58,7 @@ impl Outlines {
     pub const ZERO: Outlines =
         Outlines { near: [0.0; LANES], far: [0.0; LANES], sides: [[[0.0; LANES]; 5]; 3], along: [0; 2] };
 
-    /// Of pieces whose normals are made. `slack` is what coordinates may be off, per axis, for planes and for boxes.
+    /// For pieces with known normals. `slack`: the largest error of coordinates, per axis, for planes and for boxes.
     #[inline(always)]
     pub fn make<S: Simd>(&mut self, s: S, pieces: &PlacedPieces, of_corners: &[f32; 3], of_boxes: f32) {
         let n = load3(s, &pieces.normals);

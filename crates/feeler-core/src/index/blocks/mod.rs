@@ -8,9 +8,9 @@
 //! own box, and their corners as steps within those. Blocks of blocks make the tree: the children of node `i` are the entries
 //! `32 i` to `32 i + 31` of the level below, so there are no lists and no pointers.
 //!
-//! Boxes are compared after rounding to float32 and then to bytes. Both steps are monotone functions applied to both sides
-//! alike, and `x <= y` implies `f(x) <= f(y)`: boxes that meet are never found apart, whatever the rounding. Where numbers are
-//! unpacked instead, their uncertainty is added.
+//! Boxes are compared after rounding to float32 and then to bytes. Both steps are monotone functions applied to both
+//! sides alike, and `x <= y` implies `f(x) <= f(y)`: overlapping boxes never appear apart, whatever the rounding. Where
+//! numbers are unpacked instead, their uncertainty is added.
 
 mod block_parts;
 mod build;

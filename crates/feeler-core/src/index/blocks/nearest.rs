@@ -1,8 +1,8 @@
-//! The search for what is near, in lanes: branch and bound as in [`plain_search`](crate::index::plain_search), pairs of a tool
-//! entry and a node go down together, nearest first.
+//! The distance search in lanes: branch and bound as in [`plain_search`](crate::index::plain_search); pairs of a tool
+//! entry and a node are descended together, nearest first.
 //!
-//! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
-//! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
+//! Bounds are squared distances in frame units, between float32 boxes that cover their content; they are compared with
+//! [`Search::limit`], which is rounded up, so nothing relevant is dropped.
 
 use super::nearest_leaf::Candidate;
 use super::node::Node;
@@ -50,7 +50,7 @@ struct Waiting(Sorter);
 /// tests, so that there are more of them.
 const MOST_WAITING: usize = if cfg!(test) { 16 } else { 4096 };
 
-/// Arrivals before which the pieces of a block are asked for.
+/// Arrivals by which the pieces of a block are prefetched ahead.
 const ARRIVALS_AHEAD: usize = 12;
 
 impl Waiting {
@@ -205,14 +205,14 @@ impl Blocks {
     }
 }
 
-/// What stays the same during a search, and the limit.
+/// The constants of a search, and its limit.
 pub struct Search<'a, W> {
     pub blocks: &'a Blocks,
     pub at: NearTool<'a>,
     pub placement: Placement,
     /// The square of the largest distance of interest, frame units, rounded up.
     pub limit: f32,
-    /// From tool to mock-up where they were found closest so far: along it, most pairs farther apart show it.
+    /// From tool to mock-up at the closest pair so far: along it, most pairs farther apart are separated.
     pub direction: [f32; 3],
     pub dividers: Vec<Dividers>,
     pub wanted: &'a mut W,

@@ -1,5 +1,5 @@
-//! The last steps of the search for what is near: a cluster of the tool against a block, by gaps between boxes and along three
-//! separating axes; each is a bound from below.
+//! The last steps of the distance search: a cluster of the tool against a block, by gaps between boxes and along three
+//! separating axes; each is a lower bound.
 
 use super::nearest::{gaps, NearScratch, Search};
 use super::node::FANOUT;

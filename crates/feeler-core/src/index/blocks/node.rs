@@ -123,30 +123,30 @@ impl Node {
         Box4 { lower: self.boxes.origin, upper: self.upper }
     }
 
-    /// Which children's boxes meet a box.
+    /// Which children's boxes overlap a box.
     #[inline(always)]
     pub fn overlapping<S: Simd>(&self, s: S, b: &Box4) -> u32 {
-        // What lies outside would be clamped onto the node's rim and seem to meet what is there.
+        // Boxes outside would be clamped onto the node's rim and seem to meet the boxes there.
         if s.is_apart([&self.boxes.origin, &self.upper], [&b.lower, &b.upper]) {
             return 0;
         }
         self.overlapping_inside(s, b)
     }
 
-    /// The same for a box that meets the node's own.
+    /// The same for a box that overlaps the node's own.
     #[inline(always)]
     pub fn overlapping_inside<S: Simd>(&self, s: S, b: &Box4) -> u32 {
         s.children_meeting(&self.boxes, [&b.lower, &b.upper]) & self.valid
     }
 
-    /// Which lanes' boxes meet the node's own.
+    /// Which lanes' boxes overlap the node's own.
     #[inline(always)]
     pub fn overlapping_lanes<S: Simd>(&self, s: S, boxes: &LaneBoxes) -> u16 {
         let [[lx, ly, lz, _], [ux, uy, uz, _]] = [self.boxes.origin, self.upper];
         boxes.meeting(s, &[lx, ly, lz], &[ux, uy, uz])
     }
 
-    /// Unpacks half of the children's boxes: the sides of what their bytes may stand for.
+    /// Unpacks half of the children's boxes: bounds of the sides that their bytes represent.
     #[inline(always)]
     pub fn unpack<S: Simd>(&self, s: S, half: usize, lower: &mut [Lane32; 3], upper: &mut [Lane32; 3]) {
         for first in (0..LANES).step_by(few_lanes::<S>()) {

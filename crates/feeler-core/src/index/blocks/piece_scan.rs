@@ -1,6 +1,6 @@
-//! The last steps of the descent where blocks are small beside clusters: each of the tool's pieces, one at a time, against a
-//! block's 32, and not each of these against a cluster's 16 as in [`scan`](super::scan). Few pieces of a cluster then meet a
-//! block, and many of the block's the cluster.
+//! The last steps of the descent where blocks are small beside clusters: each of the tool's pieces, one at a time,
+//! against a block's 32, instead of each of these against a cluster's 16 as in [`scan`](super::scan). Few pieces of a
+//! cluster then overlap a block, and many of the block's overlap the cluster.
 //!
 //! All blocks that a group reached go from list to list together.
 
@@ -98,7 +98,7 @@ const NUMBERS: [[u32; LANES]; LANES] = {
     numbers
 };
 
-/// A group's clusters, of which those `needed` are placed, and blocks with what may meet them.
+/// A group's clusters, of which those `needed` are placed, and blocks with their possible partners.
 pub struct Rows<'a, N> {
     pub lanes: Checked,
     pub blocks: &'a Blocks,
@@ -162,7 +162,7 @@ impl<N: CandidateSink> Kernel for Rows<'_, N> {
 }
 
 impl<N: CandidateSink> Rows<'_, N> {
-    /// Finds which boxes meet, at the blocks, and asks for what the rest of these need.
+    /// Finds which boxes meet, at the blocks, and prefetches the data of the remaining stages.
     #[inline(always)]
     fn reach<S: Simd>(&mut self, s: S) {
         let Rows { blocks, clusters: tool, needed, nodes, masks, tight, placed, scratch, slack, narrow, .. } = self;
@@ -288,10 +288,10 @@ impl<N: CandidateSink> Rows<'_, N> {
     }
 }
 
-/// Runs that are asked for before they are come to. Not all at once: a core waits for a dozen lines or so at a time.
+/// Runs that are prefetched before their turn. Not all at once: a core waits for a dozen lines or so at a time.
 const RUNS_AHEAD: usize = 8;
 
-/// Asks for what a run needs, counted over all parts.
+/// Prefetches the data of a run, counted over all parts.
 #[inline(always)]
 fn ask<S: Simd>(blocks: &Blocks, runs: &[Vec<(u32, u32)>; MOST_PARTS], at: usize) {
     let mut place = at;

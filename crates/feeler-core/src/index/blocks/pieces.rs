@@ -23,8 +23,8 @@ impl PackedPieces {
     pub const ZERO: PackedPieces = PackedPieces { corners: [[[0; LANES]; 4]; 2], triangles: [0; FANOUT] };
 }
 
-/// The most that a corner of any piece of a block may be off, per axis: as [`HalfBlock::slack`] for a box as large as the block's
-/// own, and a hundredth for what bytes may stand for beyond that.
+/// The largest error of a corner of any piece of a block, per axis: as [`HalfBlock::slack`] for a box as large as the
+/// block's own, and a hundredth for the quantisation of bytes beyond that.
 #[inline(always)]
 pub fn most_slack(node: &Node, slack: f32) -> [f32; 3] {
     let Box4 { lower, upper } = node.bounds();
@@ -43,7 +43,7 @@ const CORNER_STEPS: f32 = 1023.0;
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub struct HalfBlock {
-    /// Sides of what their boxes in bytes may stand for.
+    /// Bounds of the sides of their boxes in bytes.
     pub lower: [Lane32; 3],
     /// See `lower`.
     pub upper: [Lane32; 3],
@@ -94,7 +94,7 @@ impl HalfBlock {
         b
     }
 
-    /// Unpacks the corners, after the boxes. `slack` is what coordinates may be off beside what packing does.
+    /// Unpacks the corners, after the boxes. `slack`: the error of coordinates beside that of packing.
     #[inline(always)]
     pub fn unpack_corners<S: Simd>(&mut self, s: S, packed: &PackedPieces, half: usize, slack: f32) {
         for first in (0..LANES).step_by(few_lanes::<S>()) {
@@ -201,7 +201,7 @@ impl HalfBlock {
         [s.splat(self.normals[0][piece]), s.splat(self.normals[1][piece]), s.splat(self.normals[2][piece])]
     }
 
-    /// Which of sixteen boxes, by their sides, meet the box of one piece.
+    /// Which of sixteen boxes, by their sides, overlap the box of one piece.
     #[inline(always)]
     pub fn boxes_meeting<S: Simd>(&self, s: S, lower: &[S::F32; 3], upper: &[S::F32; 3], piece: usize) -> u16 {
         let of_piece = [

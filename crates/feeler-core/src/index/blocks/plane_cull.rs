@@ -1,17 +1,17 @@
-//! Clusters of a fine tool beside large pieces of the mock-up: whole clusters lie to one side of the plane of each piece whose box
-//! they meet, and need not be placed.
+//! Clusters of a fine tool beside large pieces of the mock-up: a cluster that lies wholly to one side of the plane of
+//! each overlapping piece need not be placed.
 
 use super::node::Node;
 use super::pieces::{HalfBlock, PackedPieces};
 use crate::tool::placement::{BoxLanes, Placement};
 use feeler_lanes::{load3, Kernel, Simd, LANES};
 
-/// Clusters of a group that meet pieces of a block by their boxes.
+/// Clusters of a group that overlap pieces of a block by their boxes.
 pub struct Beside<'a> {
     pub node: &'a Node,
     pub packed: &'a PackedPieces,
     pub placement: &'a Placement,
-    /// The boxes of the group's clusters, and for each which pieces it meets.
+    /// The boxes of the group's clusters, and the pieces that each overlaps.
     pub boxes: &'a BoxLanes,
     pub hits: &'a [u32; LANES],
     /// How far coordinates may be off.

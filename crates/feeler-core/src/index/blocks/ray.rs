@@ -1,7 +1,7 @@
 //! The search along a ray, in lanes: the 32 children of a node at once, nearest first.
 //!
-//! The ray is brought to the mock-up's box in float64; from there on float32 in frame units tells apart all that is more than
-//! [`RAY_GROWTH`] away from it.
+//! The ray is clipped to the mock-up's box in float64; from there on float32 in frame units distinguishes everything
+//! that is more than [`RAY_GROWTH`] away from it.
 
 use super::node::{Node, FANOUT};
 use super::tree::Blocks;
@@ -19,7 +19,7 @@ struct FrameRay {
     origin: [f32; 3],
     /// One over each entry of the unit direction.
     per_slope: [f32; 3],
-    /// Where what is of interest begins.
+    /// Where the searched part of the ray begins.
     from: f32,
     /// Frame units along the ray for each share of the direction given, and where its origin is.
     per_share: f64,
@@ -27,7 +27,7 @@ struct FrameRay {
 }
 
 impl Blocks {
-    /// Hands `wanted` every triangle that the ray may meet within its limit, nearest boxes first.
+    /// Calls `wanted` with every triangle that the ray may hit within its limit, nearest boxes first.
     pub fn search_ray<W: RaySink>(&self, mesh: &Mesh, path: &RayPath<'_>, scratch: &mut RayScratch, wanted: &mut W) {
         let (scale, bounds) = (self.frame.scale, mesh.bounds());
         let per_share = any_length(&path.direction) * scale;
@@ -78,7 +78,7 @@ impl<W: RaySink> Along<'_, '_, W> {
     /// Where nothing is of interest any more.
     #[inline(always)]
     fn limit(&self) -> f32 {
-        // Far more than the rounding to float32 of what lies in the box, which is at most two units long.
+        // Far more than the rounding to float32 of places in the box, which is at most two units long.
         (self.wanted.limit() * self.ray.per_share - self.ray.start) as f32 + RAY_GROWTH
     }
 }

@@ -1,7 +1,7 @@
 //! The last steps of the descent: the clusters of a tool's group against the blocks the group reached.
 //!
-//! Separating axes in lanes: the boxes' three, then the normals of either piece. Stage by stage, each a loop that appends what
-//! passes to a list: which entries pass is not to be foreseen, so there is no branch.
+//! Separating axes in lanes: the boxes' three, then the normals of either piece. In stages, each a loop that appends
+//! the remaining entries to a list without a branch, because which entries remain is unpredictable.
 
 use std::ops::Range;
 
@@ -177,7 +177,7 @@ impl<N: CandidateSink> Kernel for Scan<'_, N> {
                 narrow,
             });
         }
-        // Pieces of each block that a cluster's box meets. What the next stages need of a block is asked for already.
+        // Pieces of each block that a cluster's box meets. The data that the next stages need of a block are prefetched here.
         runs.clear();
         let mut count = 0;
         for (&block, mask) in nodes.iter().zip(group_masks) {
@@ -269,7 +269,7 @@ impl<N: CandidateSink> Kernel for Scan<'_, N> {
     }
 }
 
-/// Clusters that meet a block's pieces by their loose boxes, so many that it is worth asking for the planes of these first.
+/// Least number of clusters that meet a block's pieces by their loose boxes for which it pays to compare planes first.
 const MANY_CLUSTERS: u32 = 4;
 /// If they meet no more each, in the mean: pieces that are not much larger than clusters have few of these beside them.
 const FEW_PIECES: u32 = 3;

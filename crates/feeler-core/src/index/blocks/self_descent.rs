@@ -1,7 +1,9 @@
-//! The tree held against itself: each node with the list of nodes of its level that it reaches and that come after it, down to
-//! blocks (one tree's depth first, as a tool's in [`super::collide`]). Each two blocks come up once.
+//! The descent of the tree against itself: each node with the list of nodes of its level that it reaches and that come
+//! after it, down to blocks (one tree's depth first, as a tool's in [`super::collide`]). Each pair of blocks occurs
+//! once.
 //!
-//! Nodes of one and the same part are not held against each other: of a mock-up of many parts, that is most of what is near.
+//! Nodes of the same single part are not compared with each other: in a mock-up of many parts, those are most of the
+//! near ones.
 
 use std::ops::Range;
 

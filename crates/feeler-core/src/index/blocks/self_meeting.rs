@@ -1,4 +1,5 @@
-//! The last step of the tree held against itself, where triangles may meet: a block's pieces against those of the blocks it reaches.
+//! The last step of the tree against itself, for collisions: a block's pieces against those of the blocks that it
+//! reaches.
 
 use super::block_parts::{BlockParts, PartPieces};
 use super::node::FANOUT;
@@ -40,7 +41,7 @@ impl<N: SelfSink> BlockSink for MeetingBlocks<'_, N> {
         let (mut has_boxes, mut has_corners) = (false, 0u32);
         narrow.begin_block();
         for &other in others {
-            // Of each part of the block, pieces of the other that are asked for.
+            // Of each part of the block, pieces of the other that are wanted.
             let mut asked = [0u32; FANOUT];
             let mut wanted = 0;
             for (asked, PartPieces { part, pieces }) in asked.iter_mut().zip(own_parts) {

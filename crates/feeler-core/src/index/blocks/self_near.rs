@@ -1,5 +1,5 @@
-//! The last step of the tree held against itself, for what is near: a block's pieces against those of the blocks that are no farther
-//! than the limit of their parts, by gaps between boxes and along the normals of both; each is a bound from below.
+//! The last step of the tree against itself, for distances: a block's pieces against those of the blocks that are no
+//! farther than the limit of their parts, by gaps between boxes and along the normals of both; each is a lower bound.
 
 use super::block_parts::BlockParts;
 use super::nearest::gaps;

@@ -1,4 +1,4 @@
-//! Planes between the tool and parts of the mock-up, in lanes: they hold pairs of pieces apart before anything else is asked.
+//! Planes between the tool and parts of the mock-up, in lanes: they separate pairs of pieces before any other test.
 
 use super::node::Frame;
 use super::pieces::HalfBlock;

@@ -1,7 +1,7 @@
-//! Sixteen boxes or pieces of a tool side by side, and what they sweep through a window of time, in a frame, in float32.
+//! Sixteen boxes or pieces of a tool side by side, and their sweep through a window of time, in a frame, in float32.
 //!
-//! A point of the tool stays within the window's margin of the straight line between its places at both ends, so the box around
-//! both places, grown by the margin, holds all of its way, and so does its interval along any axis.
+//! A point of the tool stays within the window's margin of the straight line between its places at both ends, so the
+//! box around both places, grown by the margin, contains its whole motion, and so does its interval along any axis.
 
 use super::node::Frame;
 use super::pieces::HalfBlock;
@@ -17,7 +17,7 @@ pub struct SweptPlacement {
     pub slack: f32,
 }
 
-/// What up to 16 pieces sweep.
+/// The swept bounds of up to 16 pieces.
 pub struct SweptPieces {
     ends: [PlacedPieces; 2],
     /// Boxes around the ways of the pieces.
@@ -35,7 +35,7 @@ impl SweptPlacement {
         SweptPlacement { ends, slack }
     }
 
-    /// What pieces sweep.
+    /// Computes the swept bounds of pieces.
     #[inline(always)]
     pub fn place_pieces<S: Simd>(&self, s: S, pieces: &PieceLanes, out: &mut SweptPieces) {
         self.ends[0].place_pieces(s, pieces, &mut out.ends[0]);

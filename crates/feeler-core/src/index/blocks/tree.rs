@@ -1,4 +1,4 @@
-//! The tree: nodes over blocks of pieces, as they are kept.
+//! The stored tree: nodes over blocks of pieces.
 
 use super::node::{Frame, Node, FANOUT};
 use super::pieces::PackedPieces;
@@ -7,7 +7,7 @@ use crate::index::selection::TrianglesThere;
 use crate::mesh::triangle_mesh::Mesh;
 use feeler_lanes::{prefetch, Box4, Kernel, Level, Simd, LANES};
 
-/// Blocks that are asked for before their triangles are looked at.
+/// Blocks that are prefetched before their triangles are looked at.
 const BLOCKS_AHEAD: usize = 16;
 
 /// See the module.
@@ -36,7 +36,7 @@ impl Blocks {
     /// For each level of nodes a word a node: which of its children have a triangle below them that is there. None of blocks.
     pub fn children_there(&self, there: TrianglesThere<'_>) -> Vec<Vec<u32>> {
         let is_any_there = |(block, node): (usize, &Node)| {
-            // Of each block little is read, and the next ones are asked for before they are come to.
+            // Of each block little is read, and the next ones are prefetched before their turn.
             if let Some(later) = self.pieces.get(block + BLOCKS_AHEAD) {
                 prefetch(&later.triangles[0]);
                 prefetch(&later.triangles[LANES]);

@@ -1,5 +1,5 @@
-//! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Found once for a mesh, when contacts
-//! are first asked for.
+//! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Computed once for a
+//! mesh, at the first contact query.
 
 use crate::constants::{EDGES_PER_OPEN_EDGE, LOOSE_EDGES_TRIED, NONE, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
@@ -23,7 +23,7 @@ pub struct Adjacency {
     /// is the nearest of several.
     pub neighbours: Vec<[u32; 3]>,
     /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
-    /// surface is open, or doubled, and the winding tells nothing.
+    /// surface is open, or doubled, and the winding has no meaning.
     pub outward: Vec<i8>,
     /// The region of each triangle.
     pub smooth_regions: Vec<SmoothRegion>,
@@ -52,7 +52,7 @@ impl Adjacency {
         prefetch_at(&self.smooth_regions, triangle as usize);
     }
 
-    /// Of given neighbours, all closed, with nothing else known; for tests of what walks over them.
+    /// From given neighbours, all closed, with nothing else known; for tests of traversals.
     #[doc(hidden)]
     pub fn of_neighbours(neighbours: Vec<[u32; 3]>) -> Adjacency {
         Adjacency {

@@ -1,4 +1,4 @@
-//! The points that span a convex body, found when first asked for and kept.
+//! The points that span a convex body, computed on demand and cached.
 
 use std::collections::HashMap;
 use std::sync::{Arc, RwLock};

@@ -1,8 +1,9 @@
-//! Which way closed surfaces are wound: outward normals of each shell, also where a part is several solids, some of them mirrored,
-//! and some with hollows.
+//! The winding of closed surfaces: outward normals of each shell, also if a part is several solids, some of them
+//! mirrored, and some with hollows.
 //!
-//! A shell alone is wound as its volume says. One inside the material of others is a hollow or a solid in a solid, and is wound as
-//! what holds it; one inside a hollow stands alone again. Who holds whom is told by a ray from each shell, with exact signs.
+//! The volume of a single shell shows its winding. A shell inside the material of others is a hollow or a solid in a
+//! solid, and is wound like the one around it; one inside a hollow is again on its own. A ray from each shell, with
+//! exact signs, finds the nesting.
 
 use crate::constants::{NONE, SENSE_GRID_SIDE, SENSE_LARGE_CELLS, SENSE_RAYS};
 use crate::geometry::bounds::{Aabb, Point};
@@ -20,7 +21,7 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// What hangs together across edges.
+    /// The connected surfaces across edges.
     pub fn new(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Surfaces {
         let (mut first, mut of, mut next) = (Vec::new(), vec![NONE; neighbours.len()], Vec::new());
         for t in mesh.queried() {

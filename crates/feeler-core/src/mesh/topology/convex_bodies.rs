@@ -1,10 +1,10 @@
-//! Convex bodies: smooth regions of a surface that bulge together. Found once for a mesh, so that a contact keeps its identity
-//! while the tool slides over triangles and regions.
+//! Convex bodies: smooth regions of a surface that bulge together. Computed once for a mesh, so that a contact keeps
+//! its identity while the tool slides over triangles and regions.
 //!
-//! Greedy growth over the adjacency of smooth regions, as in approximate convex decomposition (J.-M. Lien, N. Amato: *Approximate
-//! convex decomposition of polyhedra*, 2007), but of the surface: from the largest region that has no body yet, a neighbour joins
-//! where none of its points stands out over the plane of a member, nor a member's over its own. Of an open surface, whose normals have
-//! no sense, neighbours join where the surface turns little between them.
+//! Greedy growth over the adjacency of smooth regions, as in approximate convex decomposition (J.-M. Lien, N. Amato:
+//! *Approximate convex decomposition of polyhedra*, 2007), but of the surface: starting from the largest region without
+//! a body, a neighbour joins if none of its points extends over the plane of a member, nor a member's over its own. On
+//! an open surface, whose normals have no sense, neighbours join if the surface turns little between them.
 
 use rayon::prelude::*;
 

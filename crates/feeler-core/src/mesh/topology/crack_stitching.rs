@@ -22,9 +22,9 @@ struct Across {
     area: f64,
 }
 
-/// Joins border edges across cracks, each with the edge nearest to its middle, on surfaces that nothing else opens. So a long edge
-/// has one of several short ones as its neighbour, and is the neighbour of all of them. `border` is grouped by part; what stays open
-/// is left in it. Returns whether there are cracks.
+/// Joins border edges across cracks, each with the edge nearest to its middle, on surfaces without other openings. So a
+/// long edge has one of several short ones as its neighbour, and is the neighbour of all of them. `border` is grouped
+/// by part; open edges stay in it. Returns whether there are cracks.
 pub fn close_cracks(
     mesh: &Mesh,
     closed: &[bool],

@@ -1,4 +1,4 @@
-//! The edges of a mesh's triangles, and which of several triangles around an edge are neighbours.
+//! The edges of a mesh's triangles, and which of several triangles at an edge are neighbours.
 
 use crate::constants::SAME_ANGLE;
 use crate::geometry::bounds::Point;

@@ -1,4 +1,5 @@
-//! The topology of a mesh: adjacency, closed surfaces and smooth regions. Found once for a mesh, when a query first needs it.
+//! The topology of a mesh: adjacency, closed surfaces and smooth regions. Computed once for a mesh, when a query first
+//! needs it.
 
 pub mod adjacency;
 pub mod body_outlines;

@@ -1,6 +1,6 @@
-//! Smooth regions: connected triangles of nearly one normal, in one plane or on one curved surface. Found once for a mesh by region
-//! growing from seeds (Besl and Jain: *Segmentation through variable-order surface fitting*, 1988), of constant order and with the
-//! seed's plane as the fit, so that no query has to.
+//! Smooth regions: connected triangles of nearly one normal, in one plane or on one curved surface. Computed once for a
+//! mesh by region growing from seeds (Besl and Jain: *Segmentation through variable-order surface fitting*, 1988), of
+//! constant order and with the seed's plane as the fit.
 
 use crate::constants::{COORDINATE_ROUNDING, NONE, ONE_PLANE, REGION_PLANE_ROUNDING, SAME_REGION_COSINE};
 use crate::geometry::bounds::Triangle;
