@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
+use feeler_core::geometry::twist::{pose_of, rotation_of};
+use feeler_core::tool::metric::Metric;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::metric::Metric;
-use feeler_haptics::proxy::{Proxy, ProxyOptions};
-use feeler_haptics::twist::{pose_of, rotation_of};
-use feeler_haptics::Coupling;
+use feeler_haptics::internals::Proxy;
+use feeler_haptics::{Coupling, ProxyOptions};
 use feeler_shapes::{box_mesh, joined, Arrays};
 use feeler_world::{Body, Surroundings};
 
 fn around((vertices, faces): Arrays, tool: Arrays, start: &Pose) -> Surroundings {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
-    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
     let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
     Surroundings::around(bodies, Arc::new(Tool::new(tool.0, tool.1).unwrap()), start).unwrap()
 }
@@ -55,7 +55,7 @@ fn a_motion_that_is_stopped_ends_half_a_skin_off() {
     for turn in [[0.0; 3], [0.4, 0.2, 0.0]] {
         let start = at([0.0, 0.0, 0.05], turn);
         let around = around(box_mesh([0.0, 0.0, -0.01], [0.2, 0.2, 0.02], 1), block(), &start);
-        let options = ProxyOptions { rounds: 1, ..ProxyOptions::default() };
+        let options = ProxyOptions::default().with_rounds(1);
         let mut proxy = proxy(&around, options);
         let done = proxy.advance(&around, &at([0.0, 0.0, -0.05], turn)).unwrap();
         assert_eq!((done.rounds, done.stopped), (1, 1));

@@ -62,7 +62,7 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
     let put_down = PutDown::new(1, scene(&[block(0.03)]));
     let bar = tool(&[box_mesh([0.0; 3], [0.1, 0.02, 0.01], 1)]);
     let over = at([0.015, 0.0, 0.0155]);
-    let world = World::new(mockup.clone(), bar.clone(), &[put_down.clone()]).unwrap();
+    let world = World::new(mockup.clone(), bar.clone(), std::slice::from_ref(&put_down)).unwrap();
     let environment = Environment::new(&mockup, &[put_down]).unwrap();
     let (contacts, _) = environment.contacts(&bar, &over, 0.001, None).unwrap();
     let found: BTreeSet<(u32, u64)> = contacts.planes.iter().map(|plane| (plane.part, plane.id)).collect();
@@ -139,10 +139,10 @@ fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
     let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
     for long in [0.02, 0.03] {
         let bolt = tool(&[box_mesh([0.0, 0.0, 0.5 * (long - 0.02)], [0.01, 0.01, long], 1)]);
-        let around = around(&[plate.clone()], &bolt, &Pose::IDENTITY);
+        let around = around(std::slice::from_ref(&plate), &bolt, &Pose::IDENTITY);
         assert_eq!(around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
         let start = around.seated_at_start();
-        let walk = |by| around.walk(&start, (&Pose::IDENTITY, &at(by)), Care::search(&[], &|| true)).unwrap();
+        let walk = |by| around.walk(&start, (&Pose::IDENTITY, &at(by)), WalkOptions::default()).unwrap();
         for by in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.03, 0.04, 0.0]] {
             let aside = walk(by);
             let far = aside.fraction * 0.05;
@@ -161,11 +161,12 @@ fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
             let shank = box_mesh([0.0, 0.0, 0.5 * (low + high)], [0.01, 0.01, high - low], 1);
             let on_top = box_mesh([0.0, 0.0, 0.0125], [0.02, 0.02, 0.005], 1);
             let (vertices, faces) = joined(if head { vec![shank, on_top] } else { vec![shank] });
-            let around = around(&[plate.clone()], &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
+            let around =
+                around(std::slice::from_ref(&plate), &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
             let start = around.seated_at_start();
             let is_free = |z: f64| {
                 let to = at([0.0, 0.0, z]);
-                around.walk(&start, (&Pose::IDENTITY, &to), Care::search(&[], &|| true)).unwrap().stop.is_none()
+                around.walk(&start, (&Pose::IDENTITY, &to), WalkOptions::default()).unwrap().stop.is_none()
             };
             assert_eq!([is_free(0.06), is_free(-0.06)], [true, !head], "from {low} to {high}, head: {head}");
         }

@@ -140,7 +140,7 @@ mod tests {
         let posts = posts.iter().map(|[x, y]| box_mesh([*x, *y, 0.0], [0.002, 0.002, 0.02], 1));
         let (around, of) = joined(posts);
         let mockup = Mockup::new(around, of, vec![], 1).unwrap();
-        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
         let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
         let (tool, what) = (Arc::new(Tool::new(vertices, faces).unwrap()), (&Allowed::default(), 0.0));
         Surroundings::new(Environment { bodies }, tool, 1, &Pose::IDENTITY, what, &|| true).unwrap()

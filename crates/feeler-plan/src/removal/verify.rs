@@ -132,7 +132,7 @@ mod tests {
         let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 1);
         let (post, of_post) = box_mesh([0.1, 0.1, 0.0], [0.01; 3], 1);
         let scene = Mockup::new(post, of_post, vec![], 1).unwrap();
-        let scene = Scene::build(Arc::new(scene), &SceneOptions::default(), &|_, _| true).unwrap();
+        let scene = Scene::build(Arc::new(scene), &SceneOptions::default()).unwrap();
         let environment =
             Environment { bodies: vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }] };
         let (tool, what) = (Arc::new(Tool::new(vertices, faces).unwrap()), (&Allowed::default(), 0.0));
