@@ -65,7 +65,7 @@ def document(protocol: str, frames: str, commands: str, asking: str) -> str:
     blocks += [
         tables.interface("Commands", "COMMANDS", "The arguments of commands.", has_answers=False),
         tables.interface("Questions", "ASKS", "The arguments of questions, and their answers.", has_answers=True),
-        tables.interface("Jobs", "JOBS", "The arguments of jobs, and what they come to.", has_answers=True),
+        tables.interface("Jobs", "JOBS", "The arguments of jobs, and their results.", has_answers=True),
         TABLES,
     ]
     blocks.append(

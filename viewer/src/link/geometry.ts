@@ -55,7 +55,7 @@ export class Geometry {
     this.#send({ kind: "scene", load: this.#loads, base: this.#base, token: this.#token });
   }
 
-  /** Loads what the hand holds. Rejects with what went wrong. */
+  /** Loads the hand's load. Rejects with the error. */
   loadHeld(version: number): Promise<ArrayBuffer> {
     this.#loads++;
     const load = this.#loads;

@@ -482,7 +482,7 @@ export class Stage {
   }
 
   #aim(width: number, height: number, pixelRatio: number): void {
-    // Not of what moves: the kept layer's depths are read by the planes that it was drawn with.
+    // Not of moving parts: the kept layer's depths are read by the planes that it was drawn with.
     const { bounds, middle, sections } = this.#model;
     const box = isEmpty(bounds) ? this.#over.held.box() : bounds;
     const isReversed = this.renderer.capabilities.reversedDepthBuffer;
