@@ -153,7 +153,7 @@ impl Proxy {
         self.set.time = now;
     }
 
-    /// What nearest means, and how far the device pulls, from now on; the centre is the same.
+    /// Sets the metric, and how far the device pulls, from now on; the centre is the same.
     pub(crate) fn set_metric(&mut self, metric: Metric, options: ProxyOptions) {
         let radius = self.set.metric.radius;
         self.set.metric = metric;

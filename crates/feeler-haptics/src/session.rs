@@ -31,7 +31,7 @@ pub struct SessionOptions {
     pub driven: Freedoms,
     /// Whether the force on the facets of a curved surface is that on the surface which they stand for.
     pub shading: bool,
-    /// What the device holds; `None`: as much as the coupling asks.
+    /// The device's limits; `None`: those of the coupling.
     pub limits: Option<DeviceLimits>,
 }
 
@@ -96,7 +96,7 @@ pub struct Seating {
     pub way_out: Option<Penetration>,
 }
 
-/// What a step gives.
+/// The result of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// `world_from_tool`, free by the exact test but for seats, and reached by a free motion.
@@ -122,7 +122,7 @@ struct Ticked {
 pub struct Session {
     options: SessionOptions,
     world: World,
-    /// What lies elsewhere from the beginning.
+    /// Parts that lie elsewhere from the beginning.
     put_down: Vec<PutDown>,
     /// The metric of "nearest" by the tool's own inertia, and the one in use.
     inertia: Metric,
@@ -393,7 +393,7 @@ impl Session {
         Ok(())
     }
 
-    /// What the world is changed to is the proxy's from now on.
+    /// Hands the changed world to the proxy.
     fn hand_over(&mut self) -> Result<()> {
         let Some(proxy) = &mut self.proxy else { return Ok(()) };
         proxy.set_world(self.world.around())
@@ -432,7 +432,7 @@ impl Session {
         }
     }
 
-    /// What the tool is still seated on.
+    /// The parts on which the tool is still seated.
     pub fn seats(&self) -> Vec<Seat> {
         let seats = self.world.around().seats();
         self.proxy.as_ref().map_or(Vec::new(), |proxy| proxy.seated().of(seats))
@@ -454,7 +454,7 @@ impl Session {
         self.constraints().into_iter().flat_map(|set| set.planes()).filter(|plane| held.contains(&plane.id))
     }
 
-    /// What the last search for contacts took.
+    /// The time of the last search for contacts.
     pub fn last_advance(&self) -> Advance {
         self.advance
     }

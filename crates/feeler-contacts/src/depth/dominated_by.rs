@@ -19,7 +19,7 @@ use crate::depth::region_bodies::RegionBodies;
 use crate::patch::body::Facets;
 use feeler_core::geometry::vectors::dot;
 
-/// What is known of a pair's own plane.
+/// A pair's own plane, as far as it is known.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum OwnPlane<'a> {
     /// Nothing, but that a body of the pair is walled in by others of its surface and meets what they meet. Instead of the first

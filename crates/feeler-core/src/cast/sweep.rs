@@ -27,10 +27,10 @@ const MOST_DIRECTIONS: usize = 16;
 /// Pairs that a window may offer before it is cut, for a small tool; a large one's descents cost more, and bring more.
 const FEW_PAIRS: usize = 96;
 
-/// So many times as many where directions are given, along which most are held apart without following them.
+/// This many times as many where directions are given, along which most are held apart without following them.
 const TIMES_BESIDE: usize = 8;
 
-/// What a cut leaves of a window.
+/// Share of a window that a cut leaves.
 const CUT: f64 = 0.25;
 
 /// Up to this share of its own size in a window a tool is not near the parts that it sweeps past: the first cuts make windows so short. Each cut

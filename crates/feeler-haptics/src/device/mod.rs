@@ -23,7 +23,7 @@ pub struct Freedoms {
     pub rotation: bool,
 }
 
-/// What a device can do and hold.
+/// The limits of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeviceLimits {
     /// Largest force, newtons; 0 where it drives none.
@@ -98,7 +98,7 @@ impl DeviceLimits {
     }
 }
 
-/// What a device is.
+/// The description of a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeviceInfo {
     /// Maker and model, or the device's own name for itself.
@@ -138,7 +138,7 @@ pub enum DeviceError {
     NotFound {
         /// Which.
         device: String,
-        /// What was tried, and what to do.
+        /// The attempts, and the remedy.
         why: String,
     },
     /// The connection is lost.
@@ -146,7 +146,7 @@ pub enum DeviceError {
     Lost {
         /// Which.
         device: String,
-        /// What the system said.
+        /// The system's message.
         why: String,
     },
     /// Its driver failed and does not go on: a run with it ends.
@@ -154,7 +154,7 @@ pub enum DeviceError {
     Broken {
         /// Which.
         device: String,
-        /// What it failed of.
+        /// The reason.
         why: String,
     },
     /// It told something that cannot be.

@@ -58,7 +58,7 @@ pub struct Refused {
     pub device: Option<Box<dyn Device>>,
 }
 
-/// What a run leaves.
+/// The outcome of a run.
 pub struct Stopped {
     /// To be stepped or run again, the proxy where it was; `None` where the collision thread panicked.
     pub session: Option<Session>,
@@ -105,9 +105,9 @@ impl Watch {
 
 /// Both sides of a session, connected, without threads: the caller drives them.
 pub struct Sides {
-    /// What the collision thread does.
+    /// The work of the collision thread.
     pub collision: CollisionSide,
-    /// What the servo thread does.
+    /// The work of the servo thread.
     pub servo: ServoSide,
     /// The view for others.
     pub watch: Watch,
@@ -253,7 +253,7 @@ impl Runner {
         &self.coupling
     }
 
-    /// What the device took away of it.
+    /// How the device limited it.
     pub fn limitations(&self) -> &Limitations {
         &self.limitations
     }

@@ -102,7 +102,7 @@ impl SmallMotions {
         None
     }
 
-    /// What a height may be off.
+    /// Error bound of a height.
     fn rounding(&self) -> f64 {
         1e-12 * (self.reach + length(&self.centre))
     }

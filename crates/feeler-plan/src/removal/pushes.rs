@@ -36,10 +36,10 @@ pub struct Pushes<'a> {
     shape: Shape,
     nodes: Vec<Node>,
     tasks: BinaryHeap<Task>,
-    /// So many tasks there were: the next one's number.
+    /// The number of tasks so far: the next one's number.
     count: u64,
     scan: Option<Scan>,
-    /// What counts as little, as a share of the largest: where nothing is left to try, it begins anew with less.
+    /// Bound of a little motion, as a share of the largest: where nothing is left to try, it begins anew with less.
     level: f64,
     others: Vec<Point>,
     /// Done so far, in collisions.
@@ -117,7 +117,7 @@ struct Scan {
     free: Vec<Vec<f64>>,
 }
 
-/// What a task costs beside the depth of its node.
+/// Cost of a task beside the depth of its node.
 const LOOK: u32 = 0;
 const PULL: u32 = 1;
 const OTHER_PULL: u32 = 2;
@@ -161,7 +161,7 @@ impl<'a> Pushes<'a> {
         }
     }
 
-    /// What it is pushed along at the start anyway.
+    /// Directions along which it is pushed at the start anyway.
     fn start_directions(&self) -> Vec<Point> {
         let mut directions = Distinct(self.first.clone());
         let start = self.around.start().rotation();
