@@ -100,7 +100,7 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Granted:
-    """What the system and the device granted to a run."""
+    """The privileges and limits that the system and the device granted to a run."""
 
     priority: str
     """Priority of the servo thread, or why it has none; empty if not requested."""
@@ -239,7 +239,7 @@ class Runs(_core.HapticsSession):
         return Trace(times, devices, proxies, wrenches, tuple(modes), has_device)
 
     def granted(self) -> Granted:
-        """What the system and the device granted."""
+        """The privileges and limits that the system and the device granted."""
         run = self._running()
         numbers, limitations = run.coupling()
         servo, collision, memory = (said or (False, "") for said in run.granted())

@@ -80,7 +80,7 @@ export class Workbench {
     return this.told(this.turns.first(() => this.sendNow(["place", { pose }])));
   }
 
-  /** What waited for the tool to be put down goes on. */
+  /** Actions that waited for the tool to be put down go on. */
   goOn(): void {
     this.turns.go();
   }

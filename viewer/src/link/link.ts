@@ -22,7 +22,7 @@ import {
 } from "./protocol";
 import { BROWSER_TIMERS } from "./turns";
 
-/** What was not done, where it failed, and what to do. */
+/** The error, its place and a remedy. */
 export class LinkError extends Error {
   constructor(
     readonly what: string,
@@ -221,7 +221,7 @@ export class Link {
     } as const;
   }
 
-  /** What the answer is, protocol.py says. */
+  /** protocol.py defines the answers. */
   private request<Answer>(
     kind: "command" | "ask" | "job",
     name: string,
@@ -250,7 +250,7 @@ export class Link {
     try {
       message = decodeFrame(data);
     } catch {
-      // Whatever spoke is no server of this protocol: a new connection starts from a whole document.
+      // The other side is not a server of this protocol: a new connection starts from a whole document.
       this.restart();
       return;
     }

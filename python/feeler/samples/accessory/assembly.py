@@ -71,7 +71,7 @@ class Part:
 
     @property
     def shape(self) -> Hashable:
-        """What parts of the same shape share."""
+        """Data that parts of the same shape share."""
         return (self.make, self.args)
 
 
