@@ -564,7 +564,7 @@ def _real(what: str, value: float) -> float:
     except (TypeError, ValueError) as error:
         raise OptionError(f"{what} is {value!r}: a number is needed") from error
     except OverflowError as error:
-        raise OptionError(f"{what} is beyond the range of a float64: a smaller number is needed") from error
+        raise OptionError(f"{what} is beyond what a float64 can hold: a smaller number is needed") from error
 
 
 def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.float64]:

@@ -454,7 +454,7 @@ impl Session {
         self.constraints().into_iter().flat_map(|set| set.planes()).filter(|plane| held.contains(&plane.id))
     }
 
-    /// The time of the last search for contacts.
+    /// What the last search for contacts took.
     pub fn last_advance(&self) -> Advance {
         self.advance
     }

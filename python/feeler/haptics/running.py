@@ -239,7 +239,7 @@ class Runs(_core.HapticsSession):
         return Trace(times, devices, proxies, wrenches, tuple(modes), has_device)
 
     def granted(self) -> Granted:
-        """The privileges and limits that the system and the device granted."""
+        """What the system and the device granted."""
         run = self._running()
         numbers, limitations = run.coupling()
         servo, collision, memory = (said or (False, "") for said in run.granted())

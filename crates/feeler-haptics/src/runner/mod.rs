@@ -58,7 +58,7 @@ pub struct Refused {
     pub device: Option<Box<dyn Device>>,
 }
 
-/// The outcome of a run.
+/// What a run leaves.
 pub struct Stopped {
     /// To be stepped or run again, the proxy where it was; `None` where the collision thread panicked.
     pub session: Option<Session>,
@@ -253,7 +253,7 @@ impl Runner {
         &self.coupling
     }
 
-    /// How the device limited it.
+    /// What the device took away of it.
     pub fn limitations(&self) -> &Limitations {
         &self.limitations
     }
