@@ -114,7 +114,7 @@ def contacts(opened: Any, contact: list[float], move_s: float) -> Result:
 
 
 def stops(opened: Any, contact: list[float]) -> Result:
-    """Where the tool comes to rest when the hand goes on through what stops it, at each speed."""
+    """Where the tool comes to rest when the hand moves on through an obstacle, at each speed."""
     start = [*contact]
     start[11] += STOP_WAY_M / 2
     poses = [

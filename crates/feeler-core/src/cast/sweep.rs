@@ -46,7 +46,7 @@ const MOST_COARSE_CUTS: u32 = 16;
 /// See above.
 const MOST_CUTS: u32 = 8;
 
-/// Pairs after which it is asked which of them never meet, however far the tool goes: see [`super::shadow`]. Fewer: casts that end soon
+/// Pairs after which those that never meet, however far the tool goes, are sorted out: see [`super::shadow`]. Fewer: casts that end soon
 /// take longer; more: those along tight fits do.
 const SHADOWS_AFTER: usize = 4096;
 

@@ -95,7 +95,7 @@ impl Default for Nearest {
     }
 }
 
-/// Measures the pairs that one share of a search comes to.
+/// Measures the pairs that one share of a search reaches.
 struct NearParts<'a> {
     mockup: &'a Mockup,
     blocks: &'a Blocks,

@@ -72,7 +72,7 @@ struct Wall {
     part: u32,
 }
 
-/// Small motions of a part: how far its middle moves along the axes, and its turns about them, as what they move the farthest corner, all in
+/// Small motions of a part: how far its middle moves along the axes, and its turns about them, as the distance that the farthest corner moves, all in
 /// metres.
 struct SmallMotions {
     pairs: Vec<Facing>,

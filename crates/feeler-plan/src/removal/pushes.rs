@@ -218,7 +218,7 @@ impl<'a> Pushes<'a> {
         self.push_after((pose, seated), parent, motions, false);
     }
 
-    /// The same; `is_odd`: its motion is along nothing that the part or its contacts suggest.
+    /// The same; `is_odd`: neither the part nor its contacts suggest the motion's direction.
     fn push_after(&mut self, (pose, seated): (Pose, Arc<Seated>), parent: usize, motions: Vec<Motion>, is_odd: bool) {
         if self.nodes.len() >= MOST_NODES || self.nodes.iter().any(|node| self.is_same(&node.pose, &pose)) {
             return;
@@ -291,7 +291,7 @@ impl<'a> Pushes<'a> {
         turns * std::f64::consts::TAU
     }
 
-    /// Moves from a node as far as that is free. Returns the motion until there (`None` if it is no more than play), what is still seated,
+    /// Moves from a node as far as that is free. Returns the motion until there (`None` if it is no more than play), the parts still seated,
     /// and whether all of it was free.
     fn walk(
         &mut self,
