@@ -4,8 +4,8 @@
 //! The proxy stays where the facets stop it; only the force is turned. With facets on both sides the point of contact
 //! jumps from corner to corner of the surface that bends more, so it says little by itself. But both surfaces are known
 //! to second order around it: `n` and `m` are the normals of mock-up and tool there, `S` and `T` their curvatures. Two
-//! smooth surfaces touch where their normals agree, which is `d = (S + T)⁻¹ (m - n)` farther along, with the normal `n
-//! + S d`: the same from every starting point, and so without jumps. For a ball of radius r on one of radius R it is
+//! smooth surfaces touch where their normals agree, which is `d = (S + T)⁻¹ (m - n)` farther along, with the normal
+//! `n + S d`: the same from every starting point, and so without jumps. For a ball of radius r on one of radius R it is
 //! the line of the centres.
 //!
 //! If the tool moves by `t` and turns by `w`, that normal changes by `S (S + T)⁻¹ (T t + w × n)`: the servo side

@@ -3,14 +3,12 @@
 //! - J. E. Colgate and J. M. Brown, *Factors Affecting the Z-Width of a Haptic Display*, ICRA 1994 (and Colgate and
 //!   Schenkel, J. Robotic Systems 14(1), 1997): a sampled wall of stiffness K and damping B is passive if and only if
 //!   `b > K T / 2 + |B|`, with b the device's own damping and T the period. A delay t adds to the hold time:
-//!   `b > K (T / 2 + t) + |B|` (J. J. Gil, E. Sánchez, T. Hulin, C. Preusche and G. Hirzinger, *Stability Boundary for
-//! Haptic
-//!   Rendering: Influence of Damping and Delay*, J. Computing and Information Science in Engineering 9(1), 2009, have
-//!   it as the bound of stability for small damping).
+//!   `b > K (T / 2 + t) + |B|` (J. J. Gil, E. Sánchez, T. Hulin, C. Preusche and G. Hirzinger, *Stability Boundary
+//!   for Haptic Rendering: Influence of Damping and Delay*, J. Computing and Information Science in Engineering 9(1),
+//!   2009, have it as the bound of stability for small damping).
 //! - J. J. Abbott and A. M. Okamura, *Effects of Position Quantization and Sampling Rate on Virtual-Wall Passivity*,
 //!   IEEE Trans. Robotics 21(5), 2005: with a resolution Δ, Coulomb friction f must also absorb the energy of the
-//! steps:
-//!   `K <= 2 f / Δ`.
+//!   steps: `K <= 2 f / Δ`.
 //!
 //! Both hold in translation and in rotation. If the tool's centre is an arm r from the handle, the spring of
 //! translation turns the handle too: in the plane of arm and force the condition is `C w wᵀ <= diag(b, a)`, with `w =
