@@ -41,7 +41,7 @@ LONG = 5.0  # seconds; such a build is done once
 
 @dataclass
 class Build:
-    """What it took to build an index. Seconds are the best of `runs`."""
+    """Time and memory to build an index. Seconds are the best of `runs`."""
 
     engine: str
     runs: int

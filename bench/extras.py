@@ -61,7 +61,7 @@ def batch(scene: feeler.Scene, tool: feeler.Tool, count: int, seed: int) -> dict
     if "batch_2" in best:
         row["two_over_one"] = best["batch_2"] / best["batch_1"]
         row["apart_over_one"] = best["apart_2"] / best["batch_1"]
-        row["cores_had"] = cores  # CPU time over wall time, at best: below 2, somebody else was on the machine
+        row["cores_had"] = cores  # CPU time over wall time, at best: below 2, other processes were running
     return row
 
 
@@ -81,7 +81,7 @@ def python_call(mockup: feeler.Mockup, tool: feeler.Tool, calls: int = 2000) -> 
 def fine_and_coarse(
     scene: feeler.Scene, coarse: feeler.Tool, fine: feeler.Tool, poses: Floats, rounds: int
 ) -> dict[str, Any]:
-    """What the fine tool costs beside its coarse twin, at the coarse one's nominal poses."""
+    """The cost of the fine tool beside its coarse twin, at the coarse one's nominal poses."""
     tools = (coarse, fine)
     wall = np.full((2, rounds, len(poses)), np.inf)
     pairs = np.array([[len(scene.collide(tool, pose).pairs) for pose in poses] for tool in tools])

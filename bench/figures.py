@@ -89,7 +89,7 @@ def show(rows: Sequence[Row]) -> None:
 
 
 def of_one(rows: Sequence[Row]) -> list[Table]:
-    """What the rows of one machine say beside the times of cells."""
+    """The rows of one machine other than the times of cells."""
     asked = (builds, funnel, agreement, growth, limit, levels)
     return [table for make in asked if (table := make(rows)) is not None]
 
@@ -162,7 +162,7 @@ def _faster(best: goals.Best | None) -> str:
 
 
 def builds(rows: Sequence[Row]) -> Table | None:
-    """What an index takes."""
+    """Time and memory of an index."""
     lines: list[list[str]] = []
     for row in _of(rows, "build"):
         line: list[str] = [f"{row['triangles']:,}", str(NAMES.get(row["engine"], row["engine"]))]
@@ -180,7 +180,7 @@ def builds(rows: Sequence[Row]) -> Table | None:
 
 
 def funnel(rows: Sequence[Row]) -> Table | None:
-    """What a `collide` does, stage by stage."""
+    """Counts of a `collide`, stage by stage."""
     shown = _at_shown_size([row for row in _of(rows, "cell") if row["voxels_visited"] is not None])
     lines = [[row["tool"], row["kind"], *(f"{row[stage]:,.0f}" for stage in STAGE_NAMES)] for row in shown]
     heads = ["tool", "pose", *STAGE_NAMES.values()]
@@ -189,7 +189,7 @@ def funnel(rows: Sequence[Row]) -> Table | None:
 
 
 def agreement(rows: Sequence[Row]) -> Table | None:
-    """What each peer answers otherwise, all cells together."""
+    """Answers of each peer that differ, all cells together."""
     counted = [row for row in _of(rows, "cell") if row["agreed"] is not None]
     lines = []
     for query, engine in dict.fromkeys((row["query"], row["engine"]) for row in counted):

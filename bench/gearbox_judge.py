@@ -259,7 +259,7 @@ class Fits:
 
 
 def leg_pose(leg: Leg, share: float) -> Floats:
-    """What a leg has moved its parts by at a share of it, (4, 4)."""
+    """The motion of a leg's parts at a share of it, (4, 4)."""
     x, y, z = leg.axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     angle = leg.angle_rad * share
@@ -272,7 +272,7 @@ def leg_pose(leg: Leg, share: float) -> Floats:
 
 
 def joint_pose(joint: Joint, angle: float) -> Floats:
-    """What a joint at an angle has moved its parts by, (4, 4)."""
+    """The motion of a joint's parts at an angle, (4, 4)."""
     return leg_pose(Leg("turn", joint.axis, joint.point_m, 0.0, angle), 1.0)
 
 

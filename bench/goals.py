@@ -32,7 +32,7 @@ MEASURES = {"median": "times_faster", "p95": "times_faster_p95"}
 
 @dataclass(frozen=True)
 class Goal:
-    """What was wanted and found; `met` is None where the machine was too busy to tell."""
+    """A goal and its result; `met` is None where the machine was too busy to tell."""
 
     goal: str
     wanted: str

@@ -37,7 +37,7 @@ def machine() -> dict[str, Any]:
 
 
 def name(cpu: str, flags: Sequence[str]) -> str:
-    """What sets a kind of machine apart: its CPU, and the best lanes it has."""
+    """The name of a kind of machine: its CPU, and the best lanes it has."""
     lanes = next((name for flag, name in _LANES.items() if flag in flags), "neither AVX2 nor AVX-512")
     plain = re.sub(r"\((R|TM)\)|\b(CPU|Processor)\b|@.*$", " ", cpu, flags=re.IGNORECASE)
     return f"{' '.join(plain.split())}, {lanes}"

@@ -100,7 +100,7 @@ def shared_points(p: Sequence[Point], q: Sequence[Point]) -> set[Homogeneous]:
 
 
 def _cut(polygon: list[Homogeneous], outward: Point, corner: Point) -> list[Homogeneous]:
-    """What remains of a convex polygon (also a segment or a point) in a closed half-space."""
+    """The part of a convex polygon (also a segment or a point) in a closed half-space."""
     plane = (*outward, -_dot(outward, corner))
     heights = [sum(a * b for a, b in zip(plane, x, strict=True)) for x in polygon]  # times w, which is positive
     kept = []

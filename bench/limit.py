@@ -92,7 +92,7 @@ class Machine:
 
 @dataclass
 class Needed:
-    """What one query has to do at least."""
+    """The least work of one query."""
 
     scattered: int  # lines here and there: corners of the mock-up's triangles that were found
     in_row: int  # lines in one go: clusters placed, and data packed side by side
@@ -101,7 +101,7 @@ class Needed:
 
 
 def measured(index_bytes: int) -> Machine:
-    """What this core can do. Each figure is the best of a few; a busy machine can only take away."""
+    """The speed of this core. Each figure is the best of a few; a busy machine can only take away."""
     library = native.compile_cpp(native.HERE / "limit_kernels.cpp", [])
     native.declare(library, FUNCTIONS)
     sizes = sorted({*SIZES, index_bytes})
@@ -150,7 +150,7 @@ def _best(call: Callable[[], Any]) -> int:
 
 
 def needed(faces: Any, pairs: Any, stats: dict[str, int]) -> Needed:
-    """What must be done for these pairs, by a query with this funnel. `faces` are the mock-up's."""
+    """The least work for these pairs, by a query with this funnel. `faces` are the mock-up's."""
     tool_triangles, found = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
     scattered = _distinct_lines(found, FACE) + _distinct_lines(np.unique(faces[found]), VERTEX)
     in_row = CLUSTER * stats["clusters_placed"] + TOOL_TRIANGLE * len(tool_triangles) + PIECE * len(found)
@@ -245,7 +245,7 @@ def _again(engine: engines.FeelerEngine, pose: engines.Floats) -> float:
 
 
 def prices(core: Machine) -> figures.Table:
-    """What the machine can do."""
+    """The speed of the machine."""
     heads = ["buffer, MiB", *(f"{size / MIB:,.3g}" for size in core.bytes)]
     lines = []
     for of, said in (

@@ -63,7 +63,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
         if getattr(options, name) not in (full, 0):
             options.short.append(f"--{name} is {getattr(options, name):,}, not {full:,}")
     if not options.most_rounds:
-        options.short.append("no further rounds are asked of the best engines")
+        options.short.append("the best engines get no further rounds")
     if options.seed:
         options.short.append(f"--seed is {options.seed}, not 0")
     try:

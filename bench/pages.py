@@ -45,7 +45,7 @@ def judged(goals: Sequence[Goal]) -> int:
 
 
 def bold(text: str, is_met: bool) -> str:
-    """What misses its goal stands out."""
+    """Makes missed goals stand out."""
     return text if is_met else f"**{text}**"
 
 
@@ -87,7 +87,7 @@ def measured(
     peers: Mapping[str, str],
     absent: Result,
 ) -> Result:
-    """What an experiment finds, and where it comes from. peers: versions by name; absent: who is left out, and why."""
+    """The results of an experiment, and their origin. peers: versions by name; absent: peers left out, and why."""
     before = host.load_average()
     found = way()
     return {

@@ -168,7 +168,7 @@ class Run:
         return mockup
 
     def _without_folders(self, text: str) -> str:
-        """Paths relative to the folder: where it lies on this machine is nobody's business."""
+        """Paths relative to the folder: its place on this machine stays private."""
         for folder in (self.options.folder, self.options.folder.resolve(), self.scratch, self.scratch.resolve()):
             text = text.replace(f"{folder}{os.sep}", "")
         return text

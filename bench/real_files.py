@@ -38,13 +38,13 @@ class Model:
     offsets: list[tuple[str, float]] = field(default_factory=list)
 
     def files(self, scratch: Path) -> list[Path]:
-        """What to load; a packed file is unpacked into `scratch`."""
+        """The paths to load; a packed file is unpacked into `scratch`."""
         return _unpack(self.path, scratch / self.name) if self.path.suffix.lower() == ".xz" else [self.path]
 
 
 @dataclass(frozen=True)
 class Known:
-    """What a SOURCE.txt says that the file itself does not."""
+    """Facts from a SOURCE.txt that the file itself lacks."""
 
     unit: str | None = None
     scale: float = 1.0

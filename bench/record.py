@@ -56,7 +56,7 @@ class RecordError(Exception):
 
 
 def elsewhere(reasons: Sequence[str]) -> str:
-    """What is said of a run that does not go into bench/records."""
+    """The note on a run that does not go into bench/records."""
     return f"This run does not go into bench/records: {'; '.join(reasons)}."
 
 

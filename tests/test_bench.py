@@ -220,7 +220,7 @@ def test_what_may_not_go_into_the_record(
     [
         (["--quick"], "--poses is 40, not 100"),
         (["--poses", "300"], "--poses is 300, not 100"),
-        (["--rounds", "5"], "no further rounds are asked of the best engines"),
+        (["--rounds", "5"], "the best engines get no further rounds"),
         (["--seed", "1"], "--seed is 1, not 0"),
         (["--sizes", "10k", "--tools", "torque", "--worst", "0", "--batch", "0"], None),
     ],

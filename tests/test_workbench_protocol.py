@@ -473,7 +473,7 @@ export interface Questions {
   };
 }
 
-/** The arguments of jobs, and what they come to. */
+/** The arguments of jobs, and their results. */
 export interface Jobs {
   readonly outline: { readonly args: { readonly at: Pose }; readonly answer: Outline };
   readonly csv: { readonly args: Record<string, never>; readonly answer: Written };

@@ -148,8 +148,8 @@ def test_a_line_that_a_crash_cut_off_is_told_and_left_out(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "no record"),
-        ("{}\n", "no record"),
+        ("", "not a record"),
+        ("{}\n", "not a record"),
         ("no json\n{}\n", "line 1 is broken"),
         ('{"kind": "header", "format": 99}\n', "format 99"),
         ('{"kind": "header", "format": 1}\nbroken\n{"kind": "tick"}\n', "line 2 is broken"),
@@ -168,7 +168,7 @@ def test_entries_that_lack_something_are_told(tmp_path: Path) -> None:
     lines = (tmp_path / "a.jsonl").read_text().splitlines()
     (tmp_path / "b.jsonl").write_text(lines[0] + '\n{"kind": "tick"}\n')
     mockup = stand()
-    with pytest.raises(LoadError, match="no record this feeler can read"):
+    with pytest.raises(LoadError, match="not a record that this feeler can read"):
         replay(read_record(tmp_path / "b.jsonl"), mockup, feeler.Scene(mockup), cube())
 
 

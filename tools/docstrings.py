@@ -110,7 +110,7 @@ def closed(head: list[str]) -> bool:
 
 
 def named(head: list[str], name: str) -> str:
-    """What Python calls it."""
+    """Its name in Python."""
     if any("#[new]" in line for line in head):
         return "__new__"
     other = NAMED.search("\n".join(head))

@@ -26,7 +26,7 @@ HEAD = """\
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks binary data.
 """
 RENAMED = {"Event": "ServerEvent", "DocumentFields": "Document"}
-"""What has another name in the page: `Event` is a type of the browser."""
+"""Types with another name in the page: `Event` is a type of the browser."""
 SIMPLE = {"int": "number", "float": "number", "str": "string", "bool": "boolean", "None": "null", "Any": "unknown"}
 LINE = 120
 Object = dict[str, "str | Object"]
@@ -65,7 +65,7 @@ def document(protocol: str, frames: str, commands: str, asking: str) -> str:
     blocks += [
         tables.interface("Commands", "COMMANDS", "The arguments of commands.", has_answers=False),
         tables.interface("Questions", "ASKS", "The arguments of questions, and their answers.", has_answers=True),
-        tables.interface("Jobs", "JOBS", "The arguments of jobs, and what they come to.", has_answers=True),
+        tables.interface("Jobs", "JOBS", "The arguments of jobs, and their results.", has_answers=True),
         TABLES,
     ]
     blocks.append(
@@ -130,7 +130,7 @@ class Tables:
                             yield name, kind, False
 
     def _answer(self, row: ast.expr) -> str:
-        """What the function of a row returns, or the type in what makes the row."""
+        """The type that the function of a row returns, or that in the row's maker."""
         match row:
             case ast.Call(func=ast.Name(id=maker)) if maker in self._functions:
                 match self._functions[maker].returns:
@@ -263,7 +263,7 @@ def array_spec(node: ast.expr) -> str | None:
 
 
 def listed(node: ast.expr) -> ast.expr:
-    """What is between the brackets of a type, as a tuple always."""
+    """The types between the brackets of a type, always as a tuple."""
     return node if isinstance(node, ast.Tuple) else ast.Tuple(elts=[node], ctx=ast.Load())
 
 

@@ -34,7 +34,7 @@ PUMP, GEARBOX_TRIANGLES = "gearbox/fuel_pump/body", 400_000
 
 
 def along(tool: feeler.Tool, poses: Floats, count: int) -> list[Floats]:
-    """So many poses of a way, evenly spread over its legs."""
+    """Poses of a way, evenly spread over its legs."""
     middle = tool.bounds.mean(axis=0)
     times = np.linspace(0.0, len(poses) - 1.0, count)
     legs = np.minimum(times.astype(int), len(poses) - 2)

@@ -119,7 +119,7 @@ class Module:
 
 
 class Item(NamedTuple):
-    """What a name stands for, and the module that defines it."""
+    """The meaning of a name, and the module that defines it."""
 
     name: str
     module: Module
@@ -177,7 +177,7 @@ class Reader:
         return self.tokens[i].text if i < len(self.tokens) else ""
 
     def attributes(self, i: int) -> tuple[int, list[list[str]], bool]:
-        """What is past the attributes at `i`, the attributes, and whether a `#![..]` leaves all around to tests."""
+        """The place past the attributes at `i`, the attributes, and whether a `#![..]` leaves all around to tests."""
         found, all_test = [], False
         while self.text(i) == "#" and self.text(j := i + 1 + (self.text(i + 1) == "!")) == "[":
             attribute = [token.text for token in self.tokens[j + 1 : self.partner[j]]]
@@ -374,7 +374,7 @@ class Crate:
     def resolve(
         self, module: Module, path: Sequence[str], blocks: Blocks = (), seen: frozenset[object] = frozenset()
     ) -> Module | Item | None:
-        """What a path in a module leads to: a module or an item of this crate, or None for anything else."""
+        """The target of a path in a module: a module or an item of this crate, or None for anything else."""
         first, last = path[0], len(path) - 1
         here: Module | Item | None
         if first in {"crate", "self", "super"}:
@@ -396,7 +396,7 @@ class Crate:
     def look_up(
         self, module: Module, name: str, is_last: bool, blocks: Blocks = (), seen: frozenset[object] = frozenset()
     ) -> Module | Item | None:
-        """What a name in a module stands for: a block's imports, then the module's own, then what globs bring."""
+        """The meaning of a name in a module: a block's imports, then the module's own, then those of globs."""
         if (module, name, is_last) in seen:
             return None
         seen = seen | {(module, name, is_last)}

@@ -77,13 +77,13 @@ class Desk:
         self.command("place", pose=pose.ravel().tolist())
 
     def seen(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> dict[str, Any]:
-        """What a ray meets first."""
+        """The first hit of a ray."""
         found = self.session.ask("ray", {"origin": origin, "direction": direction})
         assert found is not None, "the ray meets the mock-up"
         return found
 
     def above(self, path: str) -> dict[str, Any]:
-        """What a ray from high above the middle of a part meets first."""
+        """The first hit of a ray from high above the middle of a part."""
         x, y, z = self.middle(path)
         return self.seen((x, y, z + 1.0), (0.0, 0.0, -1.0))
 
@@ -165,7 +165,7 @@ def measures(desk: Desk) -> None:
 
 
 def findings(desk: Desk) -> None:
-    """What a clash check found: a pipe that was drawn into its bracket, and the threads, which are cylinders."""
+    """The findings of a clash check: a pipe drawn into its bracket, and the threads, which are cylinders."""
     found = [row for row in feeler.clash(desk.session.scene.mockup) if row.depth > DEEP_M]
     clashes = [
         {"id": row.id, "a": row.path_a, "b": row.path_b, "depth": row.depth, "point_a": list(row.point_a)}
@@ -182,7 +182,7 @@ def findings(desk: Desk) -> None:
 
 @dataclass(frozen=True)
 class Picture:
-    """What is shown, of which mock-up: a name of `feeler.sample`, its triangles, the faults that are planted."""
+    """A picture and its mock-up: a name of `feeler.sample`, its triangles, the faults planted."""
 
     show: Callable[[Desk], None]
     sample: tuple[str, int, tuple[str, ...]] = ("gearbox", 400_000, ())

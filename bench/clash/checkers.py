@@ -25,7 +25,7 @@ Faces = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Answer:
-    """What a checker says of a pair of parts.
+    """A checker's answer for a pair of parts.
 
     figure: metres; the gap of a clearance, 0 of a contact, else the depth; None where it says none. kind: how sure
     the depth is, where it says.
@@ -38,7 +38,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Whole:
-    """What a checker makes of a whole mock-up: seconds, its "index" and each query; and the pairs of each query.
+    """A checker's results on a whole mock-up: seconds, its "index" and each query; and the pairs of each query.
 
     pairs[query]: part indices, the lesser first.
     """

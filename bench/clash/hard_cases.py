@@ -36,7 +36,7 @@ def asked(checkers: Sequence[Checker], is_quick: bool) -> Result:
 
 
 def _row(answer: Answer) -> list[Any]:
-    """As the record has it: seven digits are enough."""
+    """Rounded for the record: seven digits are enough."""
     figure = None if answer.figure is None else float(f"{answer.figure:.7g}")
     return [answer.verdict, figure, *([] if answer.kind is None else [answer.kind])]
 

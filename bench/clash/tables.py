@@ -46,7 +46,7 @@ def tables(result: Result) -> dict[str, str]:
 
 
 def page(result: Result) -> str:
-    """What a run found, as a page of its own."""
+    """The results of a run, as a page of its own."""
     heads = {"cases": "Hard pairs", "judge": "Random pairs whose depth is known", "times": "Times"}
     made = tables(result)
     return "# Clash\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)
@@ -81,7 +81,7 @@ def _answers(case: Result, checker: str) -> list[Answer]:
 
 
 def _right(case: Result) -> str:
-    """What is right of a pair. Of a contact nobody asks how far."""
+    """The right answer for a pair; without a figure for a contact."""
     has_figure = case["figure"] is not None and case["verdict"] != "contact"
     return f"{case['verdict']}, {length(case['figure'])}" if has_figure else str(case["verdict"])
 

@@ -32,7 +32,7 @@ class Removal:
 
 
 def removals(scene: feeler.Scene) -> list[Removal]:
-    """What comes out of an engine, with the way out."""
+    """A part that comes out of an engine, with the way out."""
     return [fan_blade(scene), bearing_cage(scene)]
 
 

@@ -17,7 +17,7 @@ TICK_S = 0.001
 
 
 class StepLike(Protocol):
-    """What a step of a session says."""
+    """The result of a step of a session."""
 
     @property
     def world_from_proxy(self) -> Floats:
@@ -33,7 +33,7 @@ class StepLike(Protocol):
 
 
 class Face(Protocol):
-    """What can be felt."""
+    """A haptic session to measure."""
 
     def start(self, pose: Floats) -> object:
         """Begin with the tool at a free pose, world_from_tool."""

@@ -31,5 +31,5 @@ def unshaded(face: str) -> MakeFace | None:
 
 
 def makers() -> dict[str, MakeFace]:
-    """Whatever can be felt, by name."""
+    """All faces, by name."""
     return {"feeler": feeler_session, "penalty": Penalty, "point-shell": PointShell}

@@ -85,7 +85,7 @@ LOOSE = Grip(
     damping_ns_per_m=0.3,
     rotational_damping_nms_per_rad=1e-4,
 )
-"""A device that nobody holds: its mass and a little friction."""
+"""A released device: its mass and a little friction."""
 
 
 class Hand:
@@ -158,6 +158,6 @@ def unsure(axis_top: Floats, depth: float, seed: int, *, above: float, speed: fl
 
 
 def work_j(before: Floats, after: Floats, force: Floats, torque: Floats) -> float:
-    """What a wrench on a device does while it moves from one pose to another: positive where the device is driven."""
+    """The work of a wrench on a device that moves from one pose to another: positive where the device is driven."""
     shift = after[:3, 3] - before[:3, 3]
     return float(force @ shift + torque @ rotation_vector(after[:3, :3] @ before[:3, :3].T))

@@ -95,7 +95,7 @@ def _samples(vertices: Floats, faces: npt.NDArray[np.integer], spacing: float) -
 
 
 def flooded(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """What of the free voxels can be reached from the grid's outside, over faces."""
+    """The free voxels that can be reached from the grid's outside, over faces."""
     reached = np.zeros_like(free)
     for axis in range(3):
         for end in (0, -1):

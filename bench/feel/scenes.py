@@ -57,7 +57,7 @@ def wire(half: float = THIN_HALF_M, radius: float = WIRE_RADIUS_M) -> Mesh:
 
 
 def strips(half: float = THIN_HALF_M, pitch: float = WIRE_PITCH_M, width: float = 2 * WIRE_RADIUS_M) -> Mesh:
-    """As `wires`, of strips without thickness: two triangles each, hundreds of times as long as wide."""
+    """Like `wires`, with strips without thickness: two triangles each, hundreds of times as long as wide."""
     count = math.floor(half / pitch)
     made = []
     for k in range(-count, count + 1):

@@ -41,7 +41,7 @@ def straight_ways(size: int, every: int) -> Result:
 
 
 def rate(size: int, count: int, seconds: float) -> Result:
-    """So many parts of an engine, evenly spread over its list, one after the other on one core."""
+    """Parts of an engine, evenly spread over its list, one after the other on one core."""
     mockup = feeler.sample("engine", size)
     scene = feeler.Scene(mockup, threads=1)
     print(f"{mockup.triangle_count:,} triangles: {count} parts", file=sys.stderr)

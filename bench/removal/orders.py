@@ -97,7 +97,7 @@ def cost_of(made: Assembly, order: feeler.RemovalOrder) -> int:
 
 
 def faults(made: Assembly, order: feeler.RemovalOrder) -> list[str]:
-    """What is wrong with an order, by samples of each step: volumes of parts in each other, parts that are not out."""
+    """The faults of an order, by samples of each step: volumes of parts in each other, parts that are not out."""
     solids = [_solid(*mesh) for mesh in made.meshes()]
     found: list[str] = []
     there = set(range(made.count))

@@ -22,7 +22,7 @@ def tables(result: Result) -> dict[str, str]:
 
 
 def page(result: Result) -> str:
-    """What a run found, as a page of its own."""
+    """The results of a run, as a page of its own."""
     heads = {"puzzles": "Puzzles", "engine": "The sample engine"}
     made = tables(result)
     return "# Removal\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)

@@ -56,7 +56,7 @@ def parts(browser: Any, repeats: int) -> list[Result]:
 
 
 def boxes(count: int) -> feeler.Mockup:
-    """So many boxes in a grid, in groups of a hundred."""
+    """Boxes in a grid, in groups of a hundred."""
     corner = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * 0.008
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     faces = np.array([[q[0], q[i], q[i + 1]] for q in quads for i in (1, 2)])
@@ -114,7 +114,7 @@ def contacts(opened: Any, contact: list[float], move_s: float) -> Result:
 
 
 def stops(opened: Any, contact: list[float]) -> Result:
-    """Where the tool comes to rest when the hand goes on through what stops it, at each speed."""
+    """Where the tool comes to rest when the hand moves on through an obstacle, at each speed."""
     start = [*contact]
     start[11] += STOP_WAY_M / 2
     poses = [
@@ -162,7 +162,7 @@ def _soaked(opened: Any, program: stand.Viewing, seconds: float) -> Result:
 
 
 def engine(browser: Any, mockup: str) -> Result:
-    """What the core and the jobs take, and one HTML file to send, as it opens."""
+    """Times of the core and the jobs, and the opening of one HTML file to send."""
     _, name, size = mockup.split(":")
     world = feeler.sample(name, int(size))
     scene = feeler.Scene(world)
@@ -196,7 +196,7 @@ def engine(browser: Any, mockup: str) -> Result:
 
 
 def bundle() -> Result:
-    """What the built page weighs."""
+    """Size of the built page."""
     static = files.static_files()
     return {
         "files": len({id(each) for each in static.values()}),

@@ -45,7 +45,7 @@ def scorecard(result: Result) -> str:
 
 
 def drawing(result: Result) -> str:
-    """What the page draws, at each size of the picture."""
+    """Drawing of the page, at each size of the picture."""
     lines = []
     for mockup, experiments in result["mockups"].items():
         for name in ("large", "small", "parts"):
@@ -89,7 +89,7 @@ def _spread(spread: Mapping[str, Any], unit: str = "ms") -> list[str]:
 
 
 def standing(result: Result) -> str:
-    """What the page and the engine weigh, and what they stand."""
+    """Sizes and endurance of the page and the engine."""
     lines = []
     for mockup, experiments in result["mockups"].items():
         for name, rows in (("large", _opening), ("page", _weight), ("soak", _soak), ("engine", _engine)):

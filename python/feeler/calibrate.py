@@ -34,7 +34,7 @@ _LAYOUT = 1  # of the file; a file with another number is measured anew
 _SIZES_M = (0.008, 0.014, 0.024, 0.042, 0.072)
 _POSES = 8
 _ROUNDS = 3
-_PULL = 0.02  # weight of the typical ratios, which decide what the measurements cannot separate
+_PULL = 0.02  # weight of the typical ratios, which decide where the measurements cannot separate the weights
 
 _lock = threading.Lock()
 _known: Constants | None = None

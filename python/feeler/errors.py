@@ -1,8 +1,8 @@
 """The exceptions feeler raises.
 
 Every one is a `FeelerError`. Each also derives from the built-in that a caller would expect (`ValueError`,
-`FileNotFoundError`, `MemoryError`), so existing handlers keep working. A message says what is wrong, where, and what to
-do.
+`FileNotFoundError`, `MemoryError`), so existing handlers keep working. A message names the error, its place and a
+remedy.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def closed_motions() -> dict[str, tuple[Mesh, Mesh, Floats]]:
 
 
 def closed(make: Callable[..., Face], seed: int = 0) -> dict[str, Any]:
-    """What each closed motion cost, and what of it came back."""
+    """The energy that each closed motion cost, and the share that came back."""
     rows = []
     for name, (mockup, tool, path) in closed_motions().items():
         scene = feeler.Scene(mockup_of(mockup), threads=1)

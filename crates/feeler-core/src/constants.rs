@@ -100,7 +100,7 @@ pub(crate) const LEAST_ENTRY: f32 = 1.0 / 4_294_967_296.0;
 /// at a pose is off by.
 pub(crate) const PLACE_ROUNDING: f64 = 1.0 / 1_048_576.0;
 
-/// What the normal of a mock-up's triangle may be off by, in products of its edges' largest entries: 2^-22.
+/// Error bound of the normal of a mock-up's triangle, in products of its edges' largest entries: 2^-22.
 pub(crate) const MOCKUP_NORMAL_ROUNDING: f32 = 1.0 / 4_194_304.0;
 
 /// The same of a tool's triangle, whose corners are off by their places at the pose as well: 2^-20.
@@ -179,7 +179,7 @@ pub(crate) const TOOL_CUT_PIECES_EACH: f64 = 2.5;
 /// the pose: 4 for the triangle's corners, 4 for the piece's, 16 for a box's centre and reach, and a factor of two to spare.
 pub(crate) const TRANSFORM_ROUNDOFFS: f64 = 48.0;
 
-/// What a placed coordinate may be off by in float32, as a share of the sum of the numbers it is made of: 2^-20, twice its eight
+/// Error bound of a placed coordinate in float32, as a share of the sum of the numbers it is made of: 2^-20, twice its eight
 /// roundings of 2^-24. The derivation stands at `Placement::new`.
 pub(crate) const PLACEMENT_ROUNDING: f64 = 1.0 / 1_048_576.0;
 
@@ -189,14 +189,14 @@ pub(crate) const LEAST_MARGIN: f64 = 1e-30;
 /// Numbers of a placement from which on float32 could overflow (frame units): its boxes are endless then, and nothing is dropped.
 pub(crate) const LARGEST_PLACEMENT: f64 = 1e30;
 
-/// What coordinates unpacked from bytes may be off by rounding, frame units: 2^-21, eight roundings of coordinates that are at
+/// Rounding error bound of coordinates unpacked from bytes, frame units: 2^-21, eight roundings of coordinates that are at
 /// most 1.
 pub(crate) const UNPACK_ROUNDING: f32 = 1.0 / 2_097_152.0;
 
 /// Half a byte, or half a step, and a little for the roundings on the way there (steps).
 pub(crate) const HALF_STEP: f32 = 0.51;
 
-/// What a side of a box in float32 may be off by, frame units: 2^-23, coordinates are at most 1 and were rounded once; twice that.
+/// Error bound of a side of a box in float32, frame units: 2^-23, coordinates are at most 1 and were rounded once; twice that.
 pub(crate) const SIDE_ROUNDING: f64 = 1.0 / 8_388_608.0;
 
 // --- The search for near triangles, in float32 lanes ---
@@ -229,7 +229,7 @@ pub(crate) const TIME_SURE: f64 = 1.0 / (1u64 << 40) as f64;
 /// By how much the end of the searched part of a ray is rounded up, as a share of it: 2^-36, far above the former.
 pub(crate) const RAY_LIMIT_ROUNDING: f64 = 1.0 / (1u64 << 36) as f64;
 
-/// What the sides of boxes, seen from a ray's origin, may be off by in float64, in unit roundoffs of the largest coordinate in play:
+/// Error bound of the sides of boxes, seen from a ray's origin, in float64, in unit roundoffs of the largest coordinate in play:
 /// two roundings, and room to spare.
 pub(crate) const RAY_ROUNDOFFS: f64 = 16.0;
 
@@ -237,7 +237,7 @@ pub(crate) const RAY_ROUNDOFFS: f64 = 16.0;
 /// rounded once (2^-23 along the box), a place along it four times (2^-21), and what came before adds [`FAR_RAY`].
 pub(crate) const RAY_GROWTH: f32 = 1.0 / 524_288.0;
 
-/// What a ray's origin may be off by in float64 when brought to the mock-up's box, frame units: 2^-22. Beyond, the plain search
+/// Error bound of a ray's origin in float64 when brought to the mock-up's box, frame units: 2^-22. Beyond, the plain search
 /// takes over.
 pub(crate) const FAR_RAY: f64 = 1.0 / 4_194_304.0;
 
@@ -361,8 +361,8 @@ pub(crate) const NO_COLLISION_PROBABILITY: f64 = 0.99;
 /// Cost of a triangle test over the cost of a voxel visit (the paper's `rt`).
 pub(crate) const TEST_TO_VISIT_RATIO: f64 = 100.0;
 
-/// What a pair of a tool's cluster and a piece costs, over what one of the sixteen pairs of pieces in it does if their boxes
-/// meet, per piece of the tool (no unit). Found on the samples carcass, differential and engine of 200,000 triangles; from half to
+/// Cost of a pair of a tool's cluster and a piece, over that of one of the sixteen pairs of pieces in it if their boxes meet,
+/// per piece of the tool (no unit). Found on the samples carcass, differential and engine of 200,000 triangles; from half to
 /// twice of it the chosen size is within 6 % of the best on all (docs/voxel-size.md).
 pub(crate) const CLUSTER_SHARE: f64 = 0.04;
 

@@ -24,7 +24,7 @@ pub enum Error {
     /// More triangles, vertices or parts than 32-bit ids can name.
     #[error("{count} {what} is more than the {limit} that 32-bit ids can name: split the mesh")]
     TooMany {
-        /// What was counted.
+        /// The thing counted.
         what: &'static str,
         /// How many there were.
         count: u64,
@@ -132,13 +132,13 @@ pub enum Error {
     /// A structure that would need more memory than allowed.
     #[error("{what} would need at least {needed} bytes but {allowed} are allowed: {advice}")]
     Memory {
-        /// What would be allocated.
+        /// The data to allocate.
         what: &'static str,
         /// Bytes it needs.
         needed: u64,
         /// Bytes allowed.
         allowed: u64,
-        /// What to do.
+        /// The remedy.
         advice: &'static str,
     },
     /// A table of pairs that says another thing of a pair than of the same pair the other way round.
@@ -182,7 +182,7 @@ pub enum Error {
         ray: usize,
         /// The entries given.
         value: [f64; 3],
-        /// What is needed.
+        /// The requirement.
         must: &'static str,
     },
     /// A half space with a number that is not finite or too large, or without a normal.

@@ -509,7 +509,7 @@ impl Scene {
     }
 }
 
-/// What is looked at, without a tool.
+/// Queries without a tool.
 impl Scene {
     /// The first triangle that a ray hits, `None` without a hit within `max` (metres) and all `sections`.
     ///

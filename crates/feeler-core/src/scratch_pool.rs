@@ -57,7 +57,7 @@ impl<T: Default> ScratchPool<T> {
         self.others().and_then(|mut others| others.pop()).unwrap_or_default()
     }
 
-    /// What others left, unless somebody holds it. It is held for an instant, so another look or two nearly always helps.
+    /// The memory that others left, unless it is in use. It is held for an instant, so another look or two nearly always helps.
     fn others(&self) -> Option<MutexGuard<'_, Vec<Box<T>>>> {
         for _ in 0..LOOKS {
             match self.others.try_lock() {

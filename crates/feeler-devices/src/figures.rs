@@ -210,7 +210,7 @@ pub(crate) const MINVERSE: Figures = Figures { name: "Haply Minverse", workspace
 pub const FIGURES: [Figures; 12] =
     [OMEGA, DELTA, SIGMA, LAMBDA, OTHER_DHD, FALCON, TOUCH, TOUCH_X, PREMIUM_15, PREMIUM_30, INVERSE3, MINVERSE];
 
-/// What its user says of a device.
+/// A user's figures of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Said {
     pub force_n: Option<f64>,

@@ -99,8 +99,8 @@ impl Drop for OpenHaptics {
     }
 }
 
-/// What the device says of itself, and the middle of its workspace in the library's frame, metres. Force, stiffness, workspace and
-/// rate are the device's own where it tells them.
+/// The device's own figures, and the middle of its workspace in the library's frame, metres. Force, stiffness, workspace and
+/// rate are the device's own where it reports them.
 fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
     let name = open.name();
     let known = of_3d_systems(&name);

@@ -30,7 +30,7 @@ const EARLIER: u32 = 6;
 /// Faults kept with their words.
 pub(crate) const KEPT: usize = 20;
 
-/// What many casts gave.
+/// The results of many casts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
     /// Casts judged: the tool surely meets the mock-up on its way.

@@ -19,7 +19,7 @@ pub type Found = Vec<([u32; 2], PairKind)>;
 /// All three stores.
 pub const STORES: [Storage; 3] = [Storage::Blocks, Storage::Dense, Storage::Hashed { level: 0.7 }];
 
-/// What is wrong with the core's view of a pair whose true answer is known; `None` when nothing is.
+/// The core's error on a pair whose true answer is known; `None` where it is right.
 pub fn fault_of_pair(p: &Triangle, q: &Triangle, truth: Option<PairKind>) -> Option<String> {
     for (what, a, b) in [("first against second", p, q), ("second against first", q, p)] {
         let answer = intersect_triangle_triangle(a, b);

@@ -45,8 +45,8 @@ impl Figures for ContactsFound {
 
 type Tally = crate::tally::Tally<ContactsFound>;
 
-/// So many contacts of each of some families (all where none is named), from a number on, of solids cut into up to about so many
-/// triangles; case `i` depends on the seed, `i` and that number alone.
+/// Runs `cases` contacts of each of some families (all where none is named), from a number on, of solids cut into up to about
+/// `most_triangles` triangles; case `i` depends on the seed, `i` and that number alone.
 /// `progress` is called as contacts finish.
 ///
 /// Errors: a family that there is not.
@@ -75,7 +75,7 @@ struct Placed {
     what: String,
 }
 
-/// What rounding may do. A corner is off by a few roundings of its coordinates, and a normal by that over the shortest edge; over the
+/// Bounds of the rounding. A corner is off by a few roundings of its coordinates, and a normal by that over the shortest edge; over the
 /// length of the solids a normal turns into a depth.
 struct Tolerance {
     normal: f64,

@@ -20,7 +20,7 @@ const SAMPLES: usize = 60;
 const CLIMBERS: usize = 3;
 const CLIMBS: usize = 120;
 
-/// What rounding may do, over the roundings of coordinates: strips of surface that thin count as nothing.
+/// Bound of the rounding, over the roundings of coordinates: strips of surface that thin count as nothing.
 const ROUNDINGS: f64 = 64.0;
 
 /// Counts of the depth judge. `worst` is the largest excess of a point's depth over the depth told.
@@ -50,7 +50,7 @@ impl Figures for DepthsFound {
 
 type Tally = crate::tally::Tally<DepthsFound>;
 
-/// So many pairs of each of some families (all where none is named), from a number on; pair `i` depends on the seed and `i` alone.
+/// Runs `cases` pairs of each of some families (all where none is named), from a number on; pair `i` depends on the seed and `i` alone.
 /// `progress` is called as pairs finish.
 ///
 /// Errors: a family that there is not.
@@ -74,7 +74,7 @@ struct Placed {
     turn: [(usize, f64); 3],
     /// Where the tool's origin is, units.
     origin: Spot,
-    /// What rounding may do to a depth, units.
+    /// Bound of the rounding of a depth, units.
     tolerance: f64,
 }
 

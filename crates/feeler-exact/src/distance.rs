@@ -142,7 +142,7 @@ fn between_insides(a: &Vector, a1: &Vector, b: &Vector, b1: &Vector) -> Option<Q
     Some(Quotient(dot(&left, &left), &determinant * &determinant))
 }
 
-/// What the core's distance of a pair is off by, over the largest difference of coordinates: of the distance, and of the two
+/// The error of the core's distance of a pair, over the largest difference of coordinates: of the distance, and of the two
 /// witness points from their triangles. An error: a 0 for a pair that does not meet, or no 0 for one that does.
 pub fn errors_of_pair(p: &Triangle, q: &Triangle) -> Result<[f64; 3], String> {
     let closest = closest_triangle_triangle(p, q);

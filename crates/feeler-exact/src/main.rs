@@ -104,7 +104,7 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
-    /// What exact arithmetic and the core say about one line of the corpus; exit code 1 when they differ.
+    /// Answers of exact arithmetic and of the core on one line of the corpus; exit code 1 when they differ.
     Pair {
         /// `name | 9 numbers | 9 numbers | answer`
         line: String,

@@ -54,7 +54,7 @@ pub const GENERATORS: [Generator; 15] = [
     Generator { name: "lattice-soup", about: "whole numbers at poses that round", share: 2, make: Make::Scenes(scenes::lattice_soup) },
 ];
 
-/// What was counted.
+/// The counts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
     /// Pairs decided by the oracle and the core, those of scenes included.
@@ -69,7 +69,7 @@ pub struct Tally {
     pub scene_queries: u64,
     /// Stores not built because they would take too much memory for a test.
     pub skipped: u64,
-    /// What the core got wrong: a corpus line each, after a comment that says what. At most [`MISMATCHES_SHOWN`].
+    /// The core's wrong answers: a corpus line each, after a comment that says what is wrong. At most [`MISMATCHES_SHOWN`].
     pub mismatches: Vec<String>,
     /// How many there were.
     pub mismatch_count: u64,

@@ -111,7 +111,7 @@ impl HalfSpace {
         dot(&self.outward, &x.xyz) - &self.offset * &x.w
     }
 
-    /// What remains of a convex polygon (also one that is only a segment or a point) inside.
+    /// The part inside of a convex polygon (also one that is only a segment or a point).
     fn cut(&self, polygon: &[Rational]) -> Vec<Rational> {
         let heights: Vec<BigInt> = polygon.iter().map(|x| self.height(x)).collect();
         let mut kept = Vec::with_capacity(polygon.len() + 1);

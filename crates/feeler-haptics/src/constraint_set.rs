@@ -125,8 +125,8 @@ impl ConstraintSet {
         self.strayed = 0.0;
     }
 
-    /// Takes the rows along to a pose: planes stay, points move with the tool, and what no row stands for is that much nearer. False, and
-    /// nothing is done, if any point of the tool is then farther than `most` (metres) from where the rows were found.
+    /// Takes the rows along to a pose: planes stay, points move with the tool, and surfaces without a row are that much nearer. False, and
+    /// no change, if any point of the tool is then farther than `most` (metres) from where the rows were found.
     pub(crate) fn take_along(&mut self, pose: &Pose, most: f64) -> bool {
         let centre = self.metric.centre;
         let reach = displacement(&self.taken_at, pose, &centre).reach(self.metric.radius);

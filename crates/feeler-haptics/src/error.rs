@@ -31,7 +31,7 @@ pub enum Error {
     /// The system gave no thread.
     #[error("no thread for the run: {why}")]
     Thread {
-        /// What the system said.
+        /// The system's message.
         why: String,
     },
     /// An option that is out of its range.
@@ -41,7 +41,7 @@ pub enum Error {
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it may be, in words.
+        /// Its range, in words.
         range: &'static str,
     },
 }

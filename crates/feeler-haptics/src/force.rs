@@ -15,7 +15,7 @@ use crate::passivity::Passivity;
 use crate::saturation::{added_within, saturated};
 use crate::shading::Shading;
 
-/// What a tick is given.
+/// The input of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceInput {
     /// Where the device wants the tool, `world_from_tool`.
@@ -75,7 +75,7 @@ pub struct ForceLoop {
     last: Option<Last>,
 }
 
-/// What is kept of the last tick.
+/// The state kept of the last tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Last {
     device: Pose,

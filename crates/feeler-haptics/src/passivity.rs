@@ -27,7 +27,7 @@ pub struct Passivity {
     rotational_damping: f64,
     largest_deficit: f64,
     surplus: f64,
-    /// What shading has given, joules: not above zero.
+    /// Energy given by shading, joules: not above zero.
     lent: f64,
 }
 
@@ -101,7 +101,7 @@ impl Passivity {
     }
 }
 
-/// What is left of 1 after a time, at a time constant.
+/// The share left after a time, at a time constant.
 fn leaked(dt: f64, constant: f64) -> f64 {
     constant / (constant + dt)
 }

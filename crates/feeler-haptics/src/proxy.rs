@@ -164,7 +164,7 @@ impl Proxy {
         self.set.time = now;
     }
 
-    /// What nearest means, and how far the device pulls, from now on; the centre is the same.
+    /// Sets the metric, and how far the device pulls, from now on; the centre is the same.
     pub(crate) fn set_metric(&mut self, metric: Metric, options: ProxyOptions) {
         let radius = self.set.metric.radius;
         self.set.metric = metric;
@@ -360,7 +360,7 @@ impl Proxy {
         metric.coordinates(pose, &way).iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Below the gaps there are, so that what is near at the start of a motion does not stop it.
+    /// Below the existing gaps, so that near surfaces at the start of a motion do not stop it.
     fn cast_tolerance(&self) -> f64 {
         let least = self.set.least_gap().min(self.set.skin);
         (CAST_SHARE * least).clamp(LEAST_CAST_TOLERANCE, LARGEST_CAST_TOLERANCE)
@@ -471,7 +471,7 @@ impl Proxy {
         true
     }
 
-    /// The skin for the rows there are: what it was, or half the clearance where that is less; and wider again where that does not push
+    /// The skin for the current rows: the last one, or half the clearance where that is less; and wider again where that does not push
     /// the tool away. The clearance is what all rows can be off at once. In a wedge it is the less the deeper the tool is, so a skin
     /// that rows allow at all is not less than that of a squeeze: it keeps the tool from the wedge's end.
     fn fit_skin(&mut self) -> f64 {

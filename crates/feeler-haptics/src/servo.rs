@@ -17,7 +17,7 @@ use crate::force::{ForceInput, ForceLoop};
 use crate::shading::Shading;
 use crate::velocity::VelocityEstimate;
 
-/// What a tick is given.
+/// The input of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoInput {
     /// Where the device wants the tool, `world_from_tool`.
@@ -32,7 +32,7 @@ pub struct ServoInput {
     pub in_doubt: bool,
 }
 
-/// What holds the proxy.
+/// The constraints on the proxy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
     /// Nothing: it is where the device is.
@@ -46,7 +46,7 @@ pub enum Mode {
     Doubt,
 }
 
-/// What a tick gives.
+/// The result of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoOutput {
     /// On the hand, world axes, at the device frame's origin.

@@ -32,7 +32,7 @@ pub struct SessionOptions {
     pub driven: Freedoms,
     /// Whether the force on the facets of a curved surface is that on the surface which they stand for.
     pub shading: bool,
-    /// What the device holds; `None`: as much as the coupling asks.
+    /// The device's limits; `None`: those of the coupling.
     pub limits: Option<DeviceLimits>,
 }
 
@@ -108,7 +108,7 @@ pub struct Seating {
     pub way_out: Option<Penetration>,
 }
 
-/// What a step gives.
+/// The result of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Step {
@@ -135,7 +135,7 @@ struct Ticked {
 pub struct Session {
     options: SessionOptions,
     world: World,
-    /// What lies elsewhere from the beginning.
+    /// Parts that lie elsewhere from the beginning.
     put_down: Vec<PutDown>,
     /// The metric of "nearest" by the tool's own inertia, and the one in use.
     inertia: Metric,
@@ -407,7 +407,7 @@ impl Session {
         Ok(())
     }
 
-    /// What the world is changed to is the proxy's from now on.
+    /// Hands the changed world to the proxy.
     fn hand_over(&mut self) -> Result<()> {
         let Some(proxy) = &mut self.proxy else { return Ok(()) };
         proxy.set_world(self.world.around())
@@ -444,7 +444,7 @@ impl Session {
         }
     }
 
-    /// What the tool is still seated on.
+    /// The parts on which the tool is still seated.
     pub fn seats(&self) -> Vec<Seat> {
         let seats = self.world.around().seats();
         self.proxy.as_ref().map_or(Vec::new(), |proxy| proxy.seated().of(seats))

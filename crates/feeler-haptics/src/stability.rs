@@ -21,7 +21,7 @@ use crate::constants::{ARM_ROOM, ARM_SHARE, HELD_SHARE, VIRTUAL_DAMPING_SHARE};
 use crate::coupling::Coupling;
 use crate::device::DeviceInfo;
 
-/// What a number of a coupling was limited by.
+/// The reason why a number of a coupling was limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Bound {
     /// The device's own damping, its rate and its delay: Colgate and Brown.
@@ -179,7 +179,7 @@ impl Coupling {
         self.limited_at(info, rate_hz, 0.0)
     }
 
-    /// What a device holds of this coupling at a rate, with the tool's centre `arm_m` (metres) from the handle's
+    /// This coupling limited to a device at a rate, with the tool's centre `arm_m` (metres) from the handle's
     /// origin.
     ///
     /// Spring and damper together stay within 0.8 of Colgate's bound, the damper within a fifth of that; stiffness also

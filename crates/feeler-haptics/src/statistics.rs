@@ -75,7 +75,7 @@ impl Durations {
     }
 }
 
-/// What the servo thread counts.
+/// Counts of the servo thread.
 #[derive(Debug, Clone, Default)]
 pub struct ServoRecord {
     /// From when a tick was due to when it began.
@@ -98,7 +98,7 @@ pub struct ServoRecord {
     pub span: [f64; 2],
 }
 
-/// What the collision thread counts.
+/// Counts of the collision thread.
 #[derive(Debug, Clone, Default)]
 pub struct CollisionRecord {
     /// Of a search for contacts and the motion to there.

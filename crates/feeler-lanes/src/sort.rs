@@ -158,7 +158,7 @@ mod tests {
         }
     }
 
-    /// What a level makes of numbers: those not above a pivot, and the rest, each put in order; and the first few in order.
+    /// A level's result on numbers: those not above a pivot, and the rest, each put in order; and the first few in order.
     struct Steps<'a>(&'a [u64], u64);
 
     impl Kernel for Steps<'_> {

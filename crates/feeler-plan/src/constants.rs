@@ -170,7 +170,7 @@ pub const STEP: f64 = 0.5;
 /// The share of samples towards which the nearest node moves without a turn.
 pub const STRAIGHT_SHARE: f64 = 0.3;
 
-/// What a turn weighs when the nearest node is sought: a lever, as a share of the tool's radius.
+/// Weight of a turn in the search for the nearest node: a lever, as a share of the tool's radius.
 pub const TURN_WEIGHT: f64 = 0.5;
 
 /// Most times that a motion slides on.

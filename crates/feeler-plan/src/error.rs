@@ -17,7 +17,7 @@ pub enum Error {
         what: &'static str,
         /// As given.
         value: f64,
-        /// What is needed.
+        /// The requirement.
         must: &'static str,
     },
 }

@@ -7,7 +7,7 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
-    /// What grips the part is not free where it starts.
+    /// The gripping tool is not free where it starts.
     #[error("the tool's part {tool_part} collides with part {part} at the start: start it where it is free, or allow that part by name")]
     GripMeets {
         /// Of the tool.
@@ -18,7 +18,7 @@ pub enum Error {
     /// A second grip.
     #[error("the tool holds part {part} already: release it first")]
     HoldsAlready {
-        /// What it holds.
+        /// The part that it holds.
         part: u32,
     },
     /// A release without a grip.

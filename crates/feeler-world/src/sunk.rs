@@ -27,7 +27,7 @@ pub struct SunkPlane {
 }
 
 impl Surroundings {
-    /// Finds at the start what sunk parts are asked for on their way. Tool parts from `own_parts` on are what grips.
+    /// Finds at the start the data that sunk parts need on their way. Tool parts from `own_parts` on are the gripping tool.
     pub(crate) fn know_sunk(&mut self, own_parts: u32) -> Result<()> {
         let sunk = self.seats().filter(|seat| seat.kind == SeatKind::Sunk);
         self.least_sunk = sunk.map(|seat| seat.depth).fold(f64::INFINITY, f64::min);

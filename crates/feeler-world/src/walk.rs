@@ -251,7 +251,7 @@ impl Surroundings {
         }
     }
 
-    /// What is deeper than it may be: sunk parts, and by how much all may overlap.
+    /// The pairs that are deeper than they may be: sunk parts, and by how much all may overlap.
     fn too_deep(&self, seated: &Seated, pose: &Pose) -> Result<Option<Stop>> {
         for (number, asked) in seated.bodies.iter().enumerate() {
             if let Some(part) = self.too_deep_in(number, asked, pose)? {

@@ -1,4 +1,4 @@
-"""What changed from one check to the next."""
+"""Changes from one check to the next."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class Clash:
     status: str
     """One of `"new"`, `"active"`, `"reviewed"`, `"approved"`, `"resolved"`."""
     by: str
-    """Who set the status; else empty."""
+    """The person who set the status; else empty."""
     note: str
     changed: str
     """`"renamed"` or `"renumbered"` if `Clashes.diff` found a part under another key, else empty."""

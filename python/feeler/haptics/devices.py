@@ -75,7 +75,7 @@ class Simulated(Device):
 
     - `preset`: `desktop_3dof` (12 N, no torque), `desktop_6dof` (12 N, 0.4 Nm) or `large_6dof` (60 N, 3 Nm).
     - `hand`: `(times, poses)`: the target of the hand, `device_from_handle` `(n, 4, 4)`, metres, at times `(n,)`,
-      seconds since the first run began, interpolated linearly. None: nobody holds it.
+      seconds since the first run began, interpolated linearly. None: the device is not held.
     - `grip`: the stiffness of that hand, `firm` or `loose`.
     - `delay_s`: of the measured pose and of the force, half each; `jitter_s`: the most by which each half grows at
       random; `seed`: of the jitter.

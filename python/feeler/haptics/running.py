@@ -100,7 +100,7 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Granted:
-    """What the system and the device granted to a run."""
+    """The privileges and limits that the system and the device granted to a run."""
 
     priority: str
     """Priority of the servo thread, or why it has none; empty if not requested."""

@@ -58,7 +58,7 @@ class Step:
     age: float
     """Age of the contact planes, seconds."""
     mode: str
-    """What holds the proxy: `free`, `contact`, `bound` (it reached the limit of the planes and moves on with the next
+    """The proxy's constraint: `free`, `contact`, `bound` (it reached the limit of the planes and moves on with the next
     ones), `doubt` (no force: the pose was invalid, or the planes are too old)."""
 
 

@@ -1,4 +1,4 @@
-"""Formats that feeler does not read, by file name: what the file is, and what to export instead."""
+"""Formats that feeler does not read, by file name: the kind of file, and the export to use instead."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ import { add, distance, dot, type Point, scale, subtract, type Vec3 } from "../m
 import type { MeasurePick } from "../model/store";
 import type { Workbench } from "./workbench";
 
-/** What each measure asks for, pick by pick. */
+/** The prompts of each measure, pick by pick. */
 export const PICKS: Readonly<Record<MeasureType, readonly string[]>> = {
   point: ["Click the first point", "Click the second point"],
   edge: ["Click near an edge"],

@@ -36,7 +36,7 @@ export function toggleSections(wb: Workbench): Promise<boolean> {
   });
 }
 
-/** What keeps the other side. */
+/** The command that keeps the other side of a section. */
 export function flipped(section: Section): CommandRequest {
   return ["section_move", { id: section.id, normal: opposite(section.normal), offset: -section.offset }];
 }

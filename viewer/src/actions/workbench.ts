@@ -56,7 +56,7 @@ export class Workbench {
     return this.store.document.peek();
   }
 
-  /** Something that was asked for is not in the document yet. */
+  /** A change that was requested is not in the document yet. */
   get isBusy(): boolean {
     return this.turns.isBusy;
   }
@@ -66,7 +66,7 @@ export class Workbench {
     return this.told(this.send(...request));
   }
 
-  /** Sends what `choose` makes of the document, once all that was asked for before is in it; whether it was done. */
+  /** Sends the changes that `choose` makes of the document, once all earlier requests are in it; whether it was done. */
   runOf(choose: (document: Document) => readonly CommandRequest[]): Promise<boolean> {
     const work = async (): Promise<void> => {
       const { document } = this;
@@ -80,7 +80,7 @@ export class Workbench {
     return this.told(this.turns.first(() => this.sendNow(["place", { pose }])));
   }
 
-  /** What waited for the tool to be put down goes on. */
+  /** Actions that waited for the tool to be put down go on. */
   goOn(): void {
     this.turns.go();
   }

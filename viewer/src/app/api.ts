@@ -42,7 +42,7 @@ export interface FeelerApi {
   pixel(point: Vec3): [number, number] | null;
   /** The picture as PNG. */
   shot(width?: number, height?: number): Promise<Blob>;
-  /** What this machine draws, camera and tool moving for `seconds` each; waits until the page is ready. */
+  /** Measures drawing on this machine, camera and tool moving for `seconds` each; waits until the page is ready. */
   benchmark(seconds?: number): Promise<Figures>;
   /** The same of the tool alone, to and fro about where the hand wishes it. */
   moveAround(seconds?: number): Promise<ToolMotion>;

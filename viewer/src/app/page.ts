@@ -90,7 +90,7 @@ export class Page {
     store.connection.value = "offline";
     const replay = new OfflineReplay(store);
     this.loop.each_frame.add((now) => replay.frame(now));
-    // The hand and what it held stayed with the engine.
+    // The hand and its load stayed with the engine.
     store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
     wb.stage.setManifest(manifest);
     store.manifest.value = manifest;

@@ -41,7 +41,7 @@ export interface Impact {
   readonly strength: number;
 }
 
-/** What came of the states and impacts since the step before. */
+/** The events in the states and impacts since the previous step. */
 export interface Felt {
   readonly impacts: readonly Impact[];
   /** Parts that are no longer touched. */

@@ -242,7 +242,7 @@ export class Sound {
     this.isSilent = isMuted;
     this.applyLevel();
     if (!isMuted) {
-      // Who unmutes does so by a gesture, and may have made none before.
+      // Unmuting is a gesture, perhaps the user's first.
       void this.unlock();
       return;
     }

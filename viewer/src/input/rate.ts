@@ -10,7 +10,7 @@ export interface SixRates {
   readonly rotation: Vec3;
 }
 
-/** What full deflection means. */
+/** The speed at full deflection. */
 export interface RateSpeeds {
   readonly translation_m_per_s: number;
   readonly rotation_rad_per_s: number;

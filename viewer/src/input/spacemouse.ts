@@ -82,7 +82,7 @@ export class Cap {
     return found.size;
   }
 
-  /** Takes a report: what it does not tell stays. */
+  /** Takes a report: axes and buttons that it does not contain stay. */
   report(id: number, data: DataView): void {
     let buttons: Set<number> | null = null;
     for (const field of this.fields.get(id) ?? []) {

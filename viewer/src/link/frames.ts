@@ -132,7 +132,7 @@ function view(
   return new make(frame, start + offset, count);
 }
 
-/** The shape of so many numbers; at most one length is free. */
+/** The shape of `count` numbers; at most one length is free. */
 function shapeOf(count: number, wanted: readonly (number | string)[], name: string): number[] {
   const row = wanted.reduce<number>((product, each) => product * (typeof each === "number" ? each : 1), 1);
   const shape = wanted.map((each) => (typeof each === "number" ? each : count / row));

@@ -2,7 +2,7 @@
 
 import type { Manifest } from "./protocol";
 
-/** What the worker says. */
+/** Messages of the worker. */
 export type GeometryMessage =
   | { kind: "manifest"; load: number; manifest: Manifest }
   | { kind: "piece"; load: number; k: number; data: ArrayBuffer }
@@ -10,7 +10,7 @@ export type GeometryMessage =
   | { kind: "held"; load: number; data: ArrayBuffer }
   | { kind: "failed"; load: number; what: string };
 
-/** What the page asks the worker for. A new load ends the one before. */
+/** The page's requests to the worker. A new load ends the one before. */
 export type GeometryWish =
   | { kind: "scene"; load: number; base: string; token: string }
   | { kind: "held"; load: number; base: string; token: string; version: number }
@@ -55,7 +55,7 @@ export class Geometry {
     this.#send({ kind: "scene", load: this.#loads, base: this.#base, token: this.#token });
   }
 
-  /** Loads what the hand holds. Rejects with what went wrong. */
+  /** Loads the hand's load. Rejects with the error. */
   loadHeld(version: number): Promise<ArrayBuffer> {
     this.#loads++;
     const load = this.#loads;
@@ -97,7 +97,7 @@ export class Geometry {
       return;
     }
     const scene = this.#scene;
-    // What was under way when a load was given up still arrives.
+    // Data under way when a load was given up still arrives.
     if (!scene || scene.load !== message.load) return;
     switch (message.kind) {
       case "manifest":

@@ -22,7 +22,7 @@ import {
 } from "./protocol";
 import { BROWSER_TIMERS } from "./turns";
 
-/** What was not done, where it failed, and what to do. */
+/** The error, its place and a remedy. */
 export class LinkError extends Error {
   constructor(
     readonly what: string,
@@ -38,7 +38,7 @@ export type LinkStatus = "connecting" | "open" | "lost" | "refused" | "outdated"
 
 export interface LinkListener {
   onStatus(status: LinkStatus): void;
-  /** Everything, after each connection: what was before no longer counts. */
+  /** Everything, after each connection: earlier state no longer counts. */
   onWelcome(welcome: Welcome): void;
   onState(state: State): void;
   onEvent(event: ServerEvent): void;
@@ -64,7 +64,7 @@ export interface LinkOptions {
   now?: () => number;
 }
 
-/** Where the hand wants to be: what a pose message tells. */
+/** Where the hand wants to be: the content of a pose message. */
 export interface Wish {
   readonly pose: Pose;
   readonly source: Source;
@@ -89,7 +89,7 @@ const FIRST_DELAY_MS = 200;
 /** Slowly enough that a cut of two seconds is over within another one. */
 const DELAY_GROWTH = 1.5;
 const MOST_DELAY_MS = 5000;
-/** The server waits two seconds for hello: one that came later was refused for that, and not for what it says. */
+/** The server waits two seconds for hello: one that came later was refused for that, and not for its content. */
 const LATE_MS = 1500;
 /** Of a picture in one message; a multiple of 4, so that each piece is base64 by itself. */
 const SHOT_CHARACTERS = 1 << 19;
@@ -221,7 +221,7 @@ export class Link {
     } as const;
   }
 
-  /** What the answer is, protocol.py says. */
+  /** protocol.py defines the answers. */
   private request<Answer>(
     kind: "command" | "ask" | "job",
     name: string,
@@ -250,7 +250,7 @@ export class Link {
     try {
       message = decodeFrame(data);
     } catch {
-      // Whatever spoke is no server of this protocol: a new connection starts from a whole document.
+      // The other side is not a server of this protocol: a new connection starts from a whole document.
       this.restart();
       return;
     }

@@ -9,7 +9,7 @@ import type { Camera, Document, Manifest } from "./protocol";
 const VERSION = 1;
 const PREFIX_BYTES = 8;
 
-/** What the file carries. */
+/** The content of the file. */
 export interface OfflinePage {
   document: Document;
   /** From where it is seen at first; null: as the page likes. */
@@ -26,7 +26,7 @@ export class OfflineError extends Error {
   override name = "OfflineError";
 }
 
-/** What the element `#feeler-page` carries; null where there is none. Throws `OfflineError`. */
+/** The content of the element `#feeler-page`; null where there is none. Throws `OfflineError`. */
 export async function readOffline(
   root: { getElementById(id: string): { textContent: string | null } | null } = document,
 ): Promise<OfflinePage | null> {

@@ -1,8 +1,8 @@
 // Work that runs a few at a time and comes back in order.
 
 /**
- * Runs `work(k)` for k = 0 to `count` - 1, the first alone, so that it comes soon; after `hasFirst`, which whoever takes it may
- * delay, at most `atOnce` at a time. Gives [k, result] in order of k. The first failure ends it.
+ * Runs `work(k)` for k = 0 to `count` - 1, the first alone, so that it comes soon; after `hasFirst`, which the caller may delay,
+ * at most `atOnce` at a time. Gives [k, result] in order of k. The first failure ends it.
  */
 export async function* inOrder<T>(
   count: number,

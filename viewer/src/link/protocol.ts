@@ -352,7 +352,7 @@ export interface Replayed {
   readonly verdict: string;
 }
 
-/** An error: what is wrong, where, and what to do; "where" and "do" may be empty. */
+/** An error, its place and a remedy; "where" and "do" may be empty. */
 export interface Trouble {
   readonly what: string;
   readonly where: string;
@@ -708,7 +708,7 @@ export interface Questions {
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
 }
 
-/** The arguments of jobs, and what they come to. */
+/** The arguments of jobs, and their results. */
 export interface Jobs {
   /** The exact outlines of the active sections, or of one plane. */
   readonly outline: { readonly args: { readonly normal?: Vec3; readonly offset?: number }; readonly answer: Outline };

@@ -15,7 +15,7 @@ export interface Notice {
 export type Panel = "pose" | "sections" | "measures" | "sequence" | "findings";
 export const PANELS: readonly Panel[] = ["pose", "sections", "measures", "sequence", "findings"];
 
-/** What covers the page. */
+/** The cover of the page. */
 export type Dialog = "palette" | "help" | "settings" | null;
 
 export interface ContextMenu {

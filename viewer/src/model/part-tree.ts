@@ -88,7 +88,7 @@ export class PartTree {
   /**
    * The lines to show, from the top down.
    *
-   * Without a query: what lies in open groups. With one: what matches and the groups above it, all open but those in
+   * Without a query: the parts in open groups. With one: the parts that match and the groups above them, all open but those in
    * `shut`.
    */
   rows(open: ReadonlySet<number>, query = "", shut: ReadonlySet<number> = new Set()): TreeRow[] {

@@ -13,7 +13,7 @@ import type { TypedMove } from "./typed-move";
 
 /** How many notices are kept in sight. */
 const MOST_NOTICES = 4;
-/** What needs no answer goes by itself. */
+/** Notices that need no answer vanish by themselves. */
 const INFO_MS = 10_000;
 
 /** The current measurement: the points clicked so far, and the one under the pointer. */

@@ -46,7 +46,7 @@ export class Composer {
     this.#over.draw(renderer, this.#eye);
   }
 
-  /** Adds a picture drawn a part of a pixel aside: what lies over the kept layer gets smooth edges as well. */
+  /** Adds a picture drawn a part of a pixel aside: the shapes over the kept layer get smooth edges as well. */
   addSample(kept: Kept, lit: WebGLRenderTarget, isAnyLit: boolean, average: Average): void {
     const [x, y] = JITTER[average.samples] as [number, number];
     const { width, height } = average.sum;

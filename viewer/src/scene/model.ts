@@ -61,7 +61,7 @@ export class Model {
     return this.#pieces.add(k, data);
   }
 
-  /** Whether shapes are to be drawn anew since this was asked last. */
+  /** Whether shapes are to be drawn anew since the last call. */
   takeShapes(): boolean {
     const version = this.#table?.shapeVersion ?? this.#shapeVersion;
     const isNew = version !== this.#shapeVersion;

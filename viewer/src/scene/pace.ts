@@ -29,7 +29,7 @@ export class Pace {
     return this.#isKnown ? Math.max(LEAST_TRIANGLES, ms / this.#msPerTriangle) : LEAST_TRIANGLES;
   }
 
-  /** What `triangles` will take, ms. */
+  /** Expected time for `triangles`, ms. */
   estimate(triangles: number): number {
     return triangles * this.#msPerTriangle;
   }

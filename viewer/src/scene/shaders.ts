@@ -137,7 +137,7 @@ void main() {
   #if SECTIONS > 0
   float slope = fwidth(gl_FragCoord.z);
   gl_FragDepth = gl_FragCoord.z;
-  // The eye is in what is cut away: a back face is then the inside of something solid.
+  // The eye is in the part cut away: a back face is then the inside of something solid.
   if (!gl_FrontFacing && isCut(cameraPosition)) {
     uint h = hashOf(vPart + 1u);
     float across = (h & 1u) != 0u ? gl_FragCoord.x + gl_FragCoord.y : gl_FragCoord.x - gl_FragCoord.y;
@@ -205,8 +205,8 @@ void main() {
 `;
 
 // The kept picture at the size of the screen, with its lit parts. They are tinted here, by their ids, so that lighting one redraws
-// nothing of the mock-up. A rim around what is selected is seen whatever colour it has, and on a bolt of a few pixels; what is
-// hit or near, which changes from frame to frame, has none, as looking for it takes time.
+// nothing of the mock-up. A rim around selected parts is visible on any colour, and on a bolt of a few pixels; parts that
+// are hit or near change from frame to frame and have none, as looking for it takes time.
 export const tintFragment = `${PRECISION}/* glsl */
 uniform sampler2D kept;
 uniform vec2 keptScale;

@@ -81,7 +81,7 @@ export class Stage {
   readonly renderer: WebGLRenderer;
   readonly eye = new PerspectiveCamera();
   readonly rig = new Group();
-  /** What other modules draw over the picture (the gizmo): children in world coordinates. */
+  /** Shapes that other modules draw over the picture (the gizmo): children in world coordinates. */
   readonly overlay = new Group();
   stats: FrameStats = {
     drawn: false,
@@ -401,7 +401,7 @@ export class Stage {
     for (const f of this.#restored) f();
   };
 
-  /** What lies over the mock-up is to be drawn anew. */
+  /** The shapes over the mock-up are to be drawn anew. */
   #touch(): void {
     this.#isOverlayNew = true;
     this.#average.samples = 0;
@@ -482,7 +482,7 @@ export class Stage {
   }
 
   #aim(width: number, height: number, pixelRatio: number): void {
-    // Not of what moves: the kept layer's depths are read by the planes that it was drawn with.
+    // Not of moving parts: the kept layer's depths are read by the planes that it was drawn with.
     const { bounds, middle, sections } = this.#model;
     const box = isEmpty(bounds) ? this.#over.held.box() : bounds;
     const isReversed = this.renderer.capabilities.reversedDepthBuffer;

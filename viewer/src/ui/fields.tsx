@@ -88,7 +88,7 @@ interface FigureProps {
   value: number;
   kind: "length" | "angle";
   unit: Unit;
-  /** What an arrow key or a button adds; Shift: a tenth. */
+  /** Step of an arrow key or a button; Shift: a tenth. */
   step: number;
   disabled?: boolean;
   change: (value: number) => void;

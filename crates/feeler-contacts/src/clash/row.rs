@@ -33,7 +33,7 @@ pub struct Clash {
     pub depth: f64,
     /// How much more the depth can be, metres: no more than a thousandth of it, or a nanometre; NaN of an estimate by contact planes.
     pub depth_error: f64,
-    /// What the depth is.
+    /// The kind of the depth.
     pub kind: DepthKind,
     /// Moves `a` out of `b`, metres, world: the shortest translation known, an upper bound; `b` moves the other way.
     /// Zero where they are in contact or apart.

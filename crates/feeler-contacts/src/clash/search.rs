@@ -336,7 +336,7 @@ impl<'a> ClashSearch<'a> {
         self.first_of_set(pair) == Some(pair)
     }
 
-    /// The first pair that is asked of the set of two parts that are the same.
+    /// The first pair to check in the set of identical parts of a pair.
     fn first_of_set(&self, pair: [u32; 2]) -> Option<[u32; 2]> {
         let set = &self.sets[*self.set_of_part.get(&pair[0])?];
         let pairs = (0..set.len()).flat_map(|i| set[i + 1..].iter().map(move |b| [set[i], *b]));

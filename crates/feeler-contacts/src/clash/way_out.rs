@@ -18,7 +18,7 @@ use crate::point_depth::body::Body;
 use crate::query::{ContactQuery, ContactScratch};
 use feeler_core::scratch_pool::ScratchPool;
 
-/// What the contact planes say of a tool and a part.
+/// The way out of a tool and a part by their contact planes.
 #[derive(Debug, Clone)]
 pub struct WayOut {
     /// Moves the tool out of the part.

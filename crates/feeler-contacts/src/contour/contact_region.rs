@@ -39,7 +39,7 @@ impl Face {
     }
 }
 
-/// What a pair of triangles that meet shares.
+/// The points shared by a pair of triangles that meet.
 #[derive(Debug, Clone)]
 pub(crate) struct Segment {
     /// The two faces, in [`ContactRegions::faces`].

@@ -13,7 +13,7 @@ use feeler_lanes::prefetch_at;
 /// How many triangles ahead in the queue the corners of the neighbours are prefetched.
 const FILL_PREFETCH: usize = 4;
 
-/// What fills of one surface found, and their working memory. A fill is known by the segment that it started from.
+/// The findings of fills of one surface, and their working memory. A fill is known by the segment that it started from.
 #[derive(Debug, Default)]
 pub(crate) struct Filled {
     /// The enclosed triangles, each with the segment of its fill.

@@ -8,7 +8,7 @@ use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use feeler_core::geometry::vectors::{along, cross, dot, length, sub};
 
-/// What a segment tells about the side of a corner.
+/// The side of a corner, as a segment implies it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SideEvidence {
     pub segment: u32,

@@ -19,7 +19,7 @@ use crate::depth::region_bodies::RegionBodies;
 use crate::patch::body::Facets;
 use feeler_core::geometry::vectors::dot;
 
-/// What is known of a pair's own plane.
+/// A pair's own plane, as far as it is known.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum OwnPlane<'a> {
     /// Nothing, but that a body of the pair is walled in by others of its surface and meets what they meet. Instead of the first
@@ -107,8 +107,8 @@ fn separated_depth(pair: &BodyPair<'_>, plane: &Depth, face_depth: f64, scratch:
     is_separated.then(|| tried.depth())
 }
 
-/// Whether a pair overlaps along a plane's normal by no more than the plane's own bodies do. Where that is asked once more for the
-/// same tool body, it is asked for all that the mock-up has in the region first: mostly none of it overlaps by more.
+/// Whether a pair overlaps along a plane's normal by no more than the plane's own bodies do. From the second test of the
+/// same tool body on, all of the mock-up in the region is tested first: mostly none of it overlaps by more.
 fn overlaps_no_more(
     context: &QueryContext<'_>,
     pair: &BodyPair<'_>,
@@ -246,7 +246,7 @@ mod tests {
         let lanes = context.lanes;
         let mut scratch = DepthScratch::default();
         scratch.clear([1, 3]);
-        // In an order in which the whole mock-up is asked before each of them was.
+        // In an order in which the whole mock-up is tested before each of them was.
         for (most, asked) in [(0.0010001, [0, 2, 1, 2]), (0.0020001, [0, 2, 1, 0]), (0.0019999, [2, 1, 0, 1])] {
             let plane = plane([0, 0], up, 0.0, -0.01, Overlap::Measured(most));
             for i in asked {

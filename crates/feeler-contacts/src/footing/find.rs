@@ -165,7 +165,7 @@ struct Carrier<'a> {
 }
 
 impl Carrier<'_> {
-    /// What spans the body of the first.
+    /// The points that span the body of the first.
     fn outline(&self) -> Vec<Foot> {
         (self.outline)(self.seeds[0]).iter().map(|p| (self.foot)(p)).collect()
     }

@@ -130,7 +130,7 @@ impl Kernel for Lowest<'_> {
     }
 }
 
-/// What of a hull is over another, made wider by a little; heights are those of the first.
+/// The part of a hull over another, made wider by a little; heights are those of the first.
 pub(crate) fn clipped(feet: &[Foot], other: &[Foot], wider: f64) -> Vec<Foot> {
     if other.is_empty() {
         return Vec::new();
@@ -138,7 +138,7 @@ pub(crate) fn clipped(feet: &[Foot], other: &[Foot], wider: f64) -> Vec<Foot> {
     cut_to(feet, &half_planes(other, wider))
 }
 
-/// What of a convex polygon is within half-planes.
+/// The part of a convex polygon within half-planes.
 pub(crate) fn cut_to(feet: &[Foot], within: &[([f64; 2], f64)]) -> Vec<Foot> {
     let mut left = Vec::new();
     Cutter::default().cut_to(feet, within, &mut left);

@@ -57,7 +57,7 @@ pub(crate) struct Fragment {
     /// Whether its surface is closed.
     pub closed: bool,
     /// Unit, outward. `None` for whole triangles in the plane of a closed surface: there the winding gives it, and few
-    /// are asked.
+    /// are needed.
     pub(super) normal: Option<Point>,
 }
 

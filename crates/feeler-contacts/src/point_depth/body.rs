@@ -31,7 +31,7 @@ pub struct Closest {
 pub struct Body {
     origin: Point,
     bounds: Aabb,
-    /// What rounding may move points of it by, metres.
+    /// How far rounding may move points of it, metres.
     rounding: f64,
     triangles: Vec<Triangle>,
     /// The plane of each: its unit normal, and the height of the origin below it; all zero where it has no area.

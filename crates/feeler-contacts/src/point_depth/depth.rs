@@ -5,7 +5,7 @@ use feeler_core::Point;
 use super::body::Body;
 use super::farthest::{farthest, Asked, Counted, Direction, Farthest};
 
-/// What a depth is. The numbers are those of `feeler.clashes.verdict.DEPTH_KINDS`.
+/// The kind of a depth. The numbers are those of `feeler.clashes.verdict.DEPTH_KINDS`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum DepthKind {

@@ -60,7 +60,7 @@ struct Entry {
     what: What,
 }
 
-/// What is left of a direction.
+/// A region still to be searched along a direction.
 enum What {
     /// A node of the tree. bounds: its box in the frame of the other body. closest: to the middle of the box. is_settled: all of it
     /// counts.
@@ -108,7 +108,7 @@ const OFF_SURFACE: f64 = 16.0;
 struct Search<'a, const N: usize> {
     directions: [Direction<'a>; N],
     asked: Asked,
-    /// What does not count as a length, metres.
+    /// Lengths up to this count as 0, metres.
     least: f64,
     lower: f64,
     /// The direction, and the points in its order.

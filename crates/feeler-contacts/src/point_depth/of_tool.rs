@@ -22,7 +22,7 @@ pub struct PartDepth {
     pub depth: f64,
     /// How much more it can be, metres: no more than a thousandth of it, or a nanometre.
     pub error: f64,
-    /// What the depth is; of two open surfaces there is none, and it is 0.
+    /// The kind of the depth; two open surfaces have none, and it is 0.
     pub kind: DepthKind,
     /// The point of the tool and that of the part where that is, world, metres.
     pub points: [Point; 2],

@@ -30,7 +30,7 @@ pub struct Screen {
     steady: Steady,
     /// Units, across the axis or the way, and each other.
     across: [Point; 2],
-    /// What a screw rises for a radian, metres; 0 of a slide or a turn.
+    /// Rise of a screw per radian, metres; 0 of a slide or a turn.
     rise: f64,
     /// Heights that are one, metres: what a screw rises for a turn; 0: none are.
     period: f64,

@@ -12,7 +12,7 @@ use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use crate::geometry::pose::Pose;
 use crate::geometry::vectors::{dot, scaled, sub, unit};
 
-/// What a pair is until a time.
+/// The state of a pair until a time.
 #[derive(Debug, Clone, Copy)]
 pub enum Slide {
     /// Free; the normal that holds the two apart then, from the one that stands still, where they touch.

@@ -27,10 +27,10 @@ const MOST_DIRECTIONS: usize = 16;
 /// Pairs that a window may offer before it is cut, for a small tool; a large one's descents cost more, and bring more.
 const FEW_PAIRS: usize = 96;
 
-/// So many times as many where directions are given, along which most are held apart without following them.
+/// This many times as many where directions are given, along which most are held apart without following them.
 const TIMES_BESIDE: usize = 8;
 
-/// What a cut leaves of a window.
+/// Share of a window that a cut leaves.
 const CUT: f64 = 0.25;
 
 /// Up to this share of its own size in a window a tool is not near the parts that it sweeps past: the first cuts make windows so short. Each cut
@@ -46,7 +46,7 @@ const MOST_COARSE_CUTS: u32 = 16;
 /// See above.
 const MOST_CUTS: u32 = 8;
 
-/// Pairs after which it is asked which of them never meet, however far the tool goes: see [`super::shadow`]. Fewer: casts that end soon
+/// Pairs after which those that never meet, however far the tool goes, are sorted out: see [`super::shadow`]. Fewer: casts that end soon
 /// take longer; more: those along tight fits do.
 const SHADOWS_AFTER: usize = 4096;
 

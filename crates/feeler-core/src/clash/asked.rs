@@ -116,7 +116,7 @@ impl PairLimits {
         PairLimits { rounding_of_part: part_bounds.iter().map(coordinate_rounding).collect(), ..self.clone() }
     }
 
-    /// What the rounding of the coordinates of two parts may move their surfaces by, metres.
+    /// How far the rounding of the coordinates of two parts may move their surfaces, metres.
     pub fn rounding(&self, a: u32, b: u32) -> f64 {
         let of_part = |part: u32| self.rounding_of_part.get(part as usize).copied().unwrap_or(0.0);
         of_part(a).max(of_part(b))

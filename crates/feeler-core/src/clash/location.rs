@@ -30,7 +30,7 @@ pub struct LocationScratch {
     pub(super) marks: Vec<Mark>,
 }
 
-/// What a flood over a surface knows of a triangle.
+/// State of a triangle in a flood over a surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Mark {
     #[default]

@@ -15,11 +15,11 @@ use feeler_lanes::{prefetch_at, Arithmetic, CacheLine, Checked, Kernel, Simd, LA
 
 /// Pairs tested at a time, as for a tool.
 const PAIRS_A_BATCH: usize = 128;
-/// What one step may add.
+/// The most that one step adds.
 const STEP: usize = 2 * LANES;
 const PLACES: usize = PAIRS_A_BATCH + STEP;
 
-/// What is known of a pair of parts.
+/// The findings on a pair of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Known {
     /// The pair is not asked, or its answer is known.

@@ -59,10 +59,10 @@ impl PartGap {
     }
 }
 
-/// What is known of a pair of parts.
+/// The findings on a pair of parts.
 #[derive(Debug, Clone, Copy)]
 struct Known {
-    /// What is farther is of no interest, metres; negative: the pair is not asked.
+    /// Farther triangles are of no interest, metres; negative: the pair is not wanted.
     within: f64,
     /// The same as the index compares with it.
     limit: f32,
@@ -95,14 +95,14 @@ impl Default for Nearest {
     }
 }
 
-/// Measures the pairs that one share of a search comes to.
+/// Measures the pairs that one share of a search reaches.
 struct NearParts<'a> {
     mockup: &'a Mockup,
     blocks: &'a Blocks,
     limits: &'a PairLimits,
     decided: &'a [[u32; 2]],
     lanes: Checked,
-    /// What bounds from boxes and the distance of triangles may be off, metres.
+    /// Error of bounds from boxes and of the distance of triangles, metres.
     margin: f64,
     nearest: &'a mut Nearest,
     found: Vec<PartGap>,

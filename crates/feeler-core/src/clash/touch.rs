@@ -128,7 +128,7 @@ fn points_aside(
             points.push(solid.triangle(first)[0]);
         }
     }
-    // A corner of a piece that is asked for already needs no asking.
+    // A corner of a piece that is queued already need not be queued again.
     let key = |corner: &Point| corner.map(|x| (x + 0.0).to_bits());
     let mut alone: BTreeMap<[u64; 3], Point> = BTreeMap::new();
     let mut around = Aabb::EMPTY;

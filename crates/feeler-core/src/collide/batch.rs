@@ -28,7 +28,7 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// What the tasks of so many poses found, put together in parallel. New pages are first touched by the threads that fill them:
+    /// The findings of the tasks of some poses, put together in parallel. New pages are first touched by the threads that fill them:
     /// to make one takes the system longer than all that is written to it takes.
     fn of_tasks(tasks: Vec<Task>, poses: usize) -> Batch {
         let mut sum = 0;
@@ -61,7 +61,7 @@ impl Batch {
 /// Poses of a batch that one thread works on at a time.
 const COLLIDE_TASK: usize = 16;
 
-/// What they found.
+/// The findings of one task.
 struct Task {
     hits: Vec<Hit>,
     /// Of each pose; the last task of a batch may have fewer poses.

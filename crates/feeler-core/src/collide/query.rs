@@ -36,7 +36,7 @@ pub(crate) struct CollideScratch {
 }
 
 impl CollideScratch {
-    /// What the last query found, in order, each once.
+    /// The pairs that the last query found, in order, each once.
     pub(super) fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
         self.hits.sorted()
     }

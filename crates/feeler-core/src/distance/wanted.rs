@@ -78,7 +78,7 @@ impl NearSink for Wanted<'_> {
     }
 
     /// By how much (metres, per axis) the tool's boxes must grow, so that no bound from boxes is above the distance that the
-    /// triangle test computes: what is uncertain about the tool's place, and what that test may be off by.
+    /// triangle test computes: the uncertainty of the tool's place, and the error of that test.
     fn margin(&self) -> f64 {
         let mockup = self.at.mockup.mesh().bounds().largest_coordinate();
         let tool = 2.0 * self.at.tool.mesh().bounds().largest_coordinate() + self.at.pose.largest_translation();

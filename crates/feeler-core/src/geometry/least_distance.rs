@@ -24,7 +24,7 @@ pub struct HalfSpace {
     pub offset: f64,
 }
 
-/// What came out.
+/// The result of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
     /// The nearest point, or where the steps ended.

@@ -135,7 +135,7 @@ fn determinant(r: &[[f64; 3]; 3]) -> f64 {
         + r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0])
 }
 
-/// What is wrong with a matrix that is not a pose.
+/// The error of a matrix that is not a pose.
 #[cold]
 fn fault(m: &[[f64; 4]; 4], r: &[[f64; 3]; 3]) -> Error {
     if let Some(i) = m.as_flattened().iter().position(|value| !is_within(*value)) {

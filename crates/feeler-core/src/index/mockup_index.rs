@@ -72,7 +72,7 @@ impl Index {
         self.memory_limit
     }
 
-    /// Who offers candidate pairs.
+    /// The source of candidate pairs.
     pub(crate) fn store(&self) -> &Store {
         &self.store
     }

@@ -203,7 +203,7 @@ impl Selection {
         Selection { ignored, ..self.clone() }
     }
 
-    /// Of the parts that are there one alone, and all pairs: made in no time. Each triangle that is looked at is asked for its part, so
+    /// Of the visible parts one alone, and all pairs: made in no time. The part of each triangle is checked in the query, so
     /// this is for tools that are near little else.
     pub(crate) fn of_one_part(&self, mockup: &Arc<Mockup>, part: u32) -> Selection {
         Selection { ignored: None, only: Some(OnlyPart { part, mockup: mockup.clone() }), ..self.clone() }

@@ -49,7 +49,7 @@ pub(crate) trait CandidateSink {
     fn offer_row<S: Simd>(&mut self, s: S, slot: u32, chosen: u16, ask: u16, triangles: &[u32; LANES]) -> bool;
 }
 
-/// What a query did, stage by stage.
+/// Counts of a query, stage by stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Stats {

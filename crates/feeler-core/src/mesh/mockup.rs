@@ -19,8 +19,8 @@ pub struct Mockup {
     part_of_face: Vec<u32>,
     part_bounds: Vec<Aabb>,
     part_triangles: Vec<u32>,
-    /// Made when first asked for, by everyone who asks meanwhile: whoever waits for another thread waits for ever in a forked
-    /// process, where that thread is not.
+    /// Made at first use, by every thread that needs it meanwhile: waiting for another thread would never end in a forked
+    /// process, which lacks that thread.
     adjacency: OnceBox<Adjacency>,
     outlines: BodyOutlines,
 }

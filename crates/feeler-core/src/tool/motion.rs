@@ -44,7 +44,7 @@ pub struct Motion {
     slack: f64,
     /// Along which it is; `None` from pose to pose.
     screw: Option<Screw>,
-    /// What the given matrices have beyond a rotation.
+    /// Deviation of the given matrices from a rotation.
     beyond: [Matrix; 2],
     /// Bounds for the whole tool, metres: distance from the axis, displacement by `beyond`, rounding per axis.
     reach: f64,
@@ -244,7 +244,7 @@ impl Motion {
         self.screw.map_or(Leg::To(self.ends[1]), Leg::Screw)
     }
 
-    /// What is left of it from a time on, where that is a slide or a screw.
+    /// The rest of it from a time on, where that is a slide or a screw.
     pub(crate) fn steady(&self, from: f64) -> Option<Steady> {
         let (rest, along) = (1.0 - from, dot(&self.velocity, &self.axis));
         if self.angle * self.reach <= self.rounding {
@@ -313,7 +313,7 @@ impl Motion {
         }
     }
 
-    /// What the tool sweeps between two times.
+    /// The tool's sweep between two times.
     pub(crate) fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
         let poses = [self.at(from), self.at(to)];
         // A point on a circle, taken for one on the chord at the same time, is off by at most an eighth of its acceleration.

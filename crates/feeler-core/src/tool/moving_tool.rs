@@ -41,14 +41,14 @@ pub struct Tool {
     /// About which it turns, tool frame.
     pivot: Point,
     widths: Widths,
-    /// Made when contacts are first asked for; by everyone who asks meanwhile, as of a mock-up.
+    /// Made at the first query for contacts; by every thread that needs it meanwhile, as of a mock-up.
     adjacency: OnceBox<Adjacency>,
     outlines: BodyOutlines,
-    /// Made when penetration is first asked for where the tool meets nothing.
+    /// Made at the first query for penetration where the tool meets nothing.
     links: OnceBox<SurfaceLinks>,
 }
 
-/// Mean widths, over all directions, of what a tool consists of: the means of them, of their squares and of their cubes.
+/// Mean widths, over all directions, of the parts of a tool: the means of them, of their squares and of their cubes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Widths {
     /// Of the pieces; metres, square metres, cubic metres.

@@ -224,7 +224,7 @@ pub struct Along<S: Simd> {
     /// The tool's axes along them, and its place.
     axes: [S::F32; 3],
     at: S::F32,
-    /// What rounding may do.
+    /// Bound of the rounding.
     slack: S::F32,
 }
 

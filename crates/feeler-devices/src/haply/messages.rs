@@ -103,7 +103,7 @@ struct Buttons {
     f: bool,
 }
 
-/// What the grip tells.
+/// The grip's readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
     /// Of the grip (w, x, y, z), as received.

@@ -212,7 +212,7 @@ impl Service {
         Ok(())
     }
 
-    /// What a state says of the device; nothing where it does not name it.
+    /// The device's entry in a state; `None` without one.
     fn measured(&mut self, state: &State) -> Result<Option<Measured>, DeviceError> {
         let Some(device) = state.device(Some(&self.id)) else { return Ok(None) };
         let Some(position) = device.position() else { return Ok(None) };

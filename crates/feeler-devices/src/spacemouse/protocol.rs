@@ -46,7 +46,7 @@ pub(super) enum Message {
     Other,
 }
 
-/// What cannot be an event.
+/// A packet that cannot be an event.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nonsense(pub String);
 

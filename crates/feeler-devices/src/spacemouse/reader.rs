@@ -20,7 +20,7 @@ pub(super) use super::protocol::Cap;
 /// Not known yet.
 const UNKNOWN: u32 = u32::MAX;
 
-/// What the thread keeps.
+/// The state of the thread.
 #[derive(Debug, Clone, Default)]
 struct Kept {
     cap: Cap,
@@ -29,7 +29,7 @@ struct Kept {
     fault: Option<DeviceError>,
 }
 
-/// What the daemon said of itself.
+/// The daemon's own description.
 #[derive(Debug)]
 struct Daemon {
     protocol: AtomicU32,

@@ -53,7 +53,7 @@ pub(crate) struct OpenDhd {
     id: c_char,
 }
 
-/// What the device is.
+/// The type of the device.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DhdModel {
     pub name: String,

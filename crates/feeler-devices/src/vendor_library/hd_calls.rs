@@ -228,7 +228,7 @@ impl Drop for OpenHd {
     }
 }
 
-/// What the scheduler calls, as long as it gives true.
+/// The scheduler's callback, called as long as it returns true.
 type Job = Box<dyn FnMut() -> bool + Send>;
 
 /// A job in the library's scheduler, whose thread it starts.

@@ -28,7 +28,7 @@ use crate::constants::{LEAD_S, SCALES, WALL_DEPTH, WALL_FORCE_SHARE, WALL_SHARE}
 use crate::error::{Error, Result};
 use crate::saturation::{added_within, saturated};
 
-/// What a device's state is in the world.
+/// A device's state in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mapped {
     /// Where the hand wants the tool.

@@ -24,7 +24,7 @@ pub struct Freedoms {
     pub rotation: bool,
 }
 
-/// What a device can do and hold.
+/// The limits of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct DeviceLimits {
@@ -117,7 +117,7 @@ impl DeviceLimits {
     }
 }
 
-/// What a device is.
+/// The description of a device.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DeviceInfo {
@@ -193,7 +193,7 @@ pub enum DeviceError {
     NotFound {
         /// Which.
         device: String,
-        /// What was tried, and what to do.
+        /// The attempts, and the remedy.
         why: String,
     },
     /// The connection is lost.
@@ -201,7 +201,7 @@ pub enum DeviceError {
     Lost {
         /// Which.
         device: String,
-        /// What the system said.
+        /// The system's message.
         why: String,
     },
     /// Its driver failed and does not go on: a run with it ends.
@@ -209,7 +209,7 @@ pub enum DeviceError {
     Broken {
         /// Which.
         device: String,
-        /// What it failed of.
+        /// The reason.
         why: String,
     },
     /// It told something that cannot be.

@@ -14,7 +14,7 @@ use super::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms
 use crate::constants::{COMMANDS_ON_THE_WAY, INNER_STEP_S, LONGEST_CATCH_UP_S, LONGEST_DELAY_S};
 use crate::error::{Error, Result};
 
-/// What a simulated device is made of.
+/// Mechanics and timing of a simulated device.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SimulatedOptions {
@@ -63,7 +63,7 @@ pub struct SimulatedDevice {
     twist: Twist,
     /// Past poses, of step `i` at `i` modulo the length.
     past: Vec<Pose>,
-    /// What was written and does not act yet: when it will (seconds since the start), and what. The oldest first.
+    /// Wrenches written that do not act yet: when they will (seconds since the start), and the wrench. The oldest first.
     commands: Vec<(f64, Wrench)>,
     acting: Wrench,
     /// The step of the pose reported last.
@@ -276,7 +276,7 @@ impl Device for SimulatedDevice {
         })
     }
 
-    /// What is not finite is taken as a release. Force and torque are cut to the device's bounds, the direction kept.
+    /// A wrench that is not finite is taken as a release. Force and torque are cut to the device's bounds, the direction kept.
     fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
         if !wrench.is_finite() {
             self.release();

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::session::{Session, Start};
 use crate::statistics::CollisionRecord;
 
-/// What a command answers.
+/// The answer to a command.
 pub(super) enum Answer {
     Done,
     Started(Start),

@@ -40,7 +40,7 @@ pub struct View {
     pub time: f64,
     /// Where the collision side has the proxy, `world_from_tool`: free by the exact test. Where there is none, the device's pose.
     pub proxy: Pose,
-    /// Where the servo side has it: ahead of that, by what the last constraints allow, and not checked yet.
+    /// Where the servo side has it: ahead of that, as far as the last constraints allow, and not checked yet.
     pub ahead: Pose,
     /// Where the device wants the tool, `world_from_tool`.
     pub device: Pose,

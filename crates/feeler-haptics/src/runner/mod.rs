@@ -109,9 +109,9 @@ impl Watch {
 
 /// Both sides of a session, connected, without threads: the caller drives them.
 pub struct Sides {
-    /// What the collision thread does.
+    /// The work of the collision thread.
     pub collision: CollisionSide,
-    /// What the servo thread does.
+    /// The work of the servo thread.
     pub servo: ServoSide,
     /// The view for others.
     pub watch: Watch,

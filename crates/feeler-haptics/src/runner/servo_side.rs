@@ -63,7 +63,7 @@ impl Border {
     }
 }
 
-/// What a servo side is to do.
+/// The settings of a servo side.
 pub(super) struct Setting {
     pub mapping: Mapping,
     pub is_absolute: bool,
@@ -137,7 +137,7 @@ impl ServoSide {
         (self.servo.coupling(), &self.limitations)
     }
 
-    /// What the device is, as felt in the tool's world.
+    /// The device's figures, as felt in the tool's world.
     pub fn info_in_world(&self) -> DeviceInfo {
         self.mapping.info_in_world()
     }

@@ -45,7 +45,7 @@ pub type LineLanes<A> = ([[<A as Arithmetic>::F64; 3]; 2], [<A as Arithmetic>::F
 /// A piece of work in lanes. `run` must be `#[inline(always)]`, and so must everything it calls with lanes: only code
 /// inlined into the entry of a level is compiled for that level.
 pub trait Kernel {
-    /// What it gives.
+    /// The result.
     type Output;
     /// Does the work.
     fn run<S: Simd>(self, s: S) -> Self::Output;

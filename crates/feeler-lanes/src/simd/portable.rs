@@ -4,7 +4,7 @@ use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::arithmetic::{gather, Arithmetic, ByteBoxes, CacheLine, LineLanes, Simd, LANES, WIDE_LANES};
 
-/// So many lanes of float32, and of float64.
+/// Lanes of float32, and of float64.
 #[derive(Debug, Clone, Copy)]
 pub struct Arrays<const F: usize, const W: usize>;
 

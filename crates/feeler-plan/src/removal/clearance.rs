@@ -62,8 +62,8 @@ fn length(around: &Surroundings, way: &[Leg]) -> Result<f64> {
     Ok(Motion::of_legs(around.tool(), around.start(), way)?.iter().map(Motion::longest_way).sum())
 }
 
-/// The sample of the leg to a place, and of the one from there, at which it is nearest to what is not seated there: how near (metres; `None`
-/// beyond `within`), and what is still seated.
+/// The sample of the leg to a place, and of the one from there, at which it is nearest to its unseated neighbours: how near (metres; `None`
+/// beyond `within`), and the parts still seated.
 fn nearest(around: &Surroundings, way: &[Leg], at: usize, within: f64) -> Result<Option<(f64, Pose, Arc<Seated>)>> {
     let motions = Motion::of_legs(around.tool(), around.start(), &way[..(at + 2).min(way.len())])?;
     let start = around.seated_at_start();

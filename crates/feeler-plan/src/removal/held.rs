@@ -73,7 +73,7 @@ struct Wall {
     part: u32,
 }
 
-/// Small motions of a part: how far its middle moves along the axes, and its turns about them, as what they move the farthest corner, all in
+/// Small motions of a part: how far its middle moves along the axes, and its turns about them, as the distance that the farthest corner moves, all in
 /// metres.
 struct SmallMotions {
     pairs: Vec<Facing>,
@@ -103,7 +103,7 @@ impl SmallMotions {
         None
     }
 
-    /// What a height may be off.
+    /// Error bound of a height.
     fn rounding(&self) -> f64 {
         1e-12 * (self.reach + length(&self.centre))
     }

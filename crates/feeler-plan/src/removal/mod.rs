@@ -234,7 +234,7 @@ pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOpti
     told(&surroundings, found.ok_or(true), &tally, has_time)
 }
 
-/// What came of work that ends with a request to stop where there is no more time; `None` if it did.
+/// The result of work that stops when its time is up; `None` if it stopped.
 fn within<T>(done: Result<T>, has_time: HasTime<'_>) -> Result<Option<T>> {
     match done {
         Err(Error::Core(feeler_core::Error::Cancelled)) if !has_time() => Ok(None),
@@ -320,7 +320,7 @@ fn check(task: &RemovalTask) -> Result<()> {
     }
 }
 
-/// What there is to say of a way; or, where there is none, whether time was up.
+/// The figures of a way; or, without one, whether time was up.
 fn told(
     surroundings: &Surroundings,
     found: std::result::Result<Found, bool>,

@@ -36,10 +36,10 @@ pub struct Pushes<'a> {
     shape: Shape,
     nodes: Vec<Node>,
     tasks: BinaryHeap<Task>,
-    /// So many tasks there were: the next one's number.
+    /// The number of tasks so far: the next one's number.
     count: u64,
     scan: Option<Scan>,
-    /// What counts as little, as a share of the largest: where nothing is left to try, it begins anew with less.
+    /// Bound of a little motion, as a share of the largest: where nothing is left to try, it begins anew with less.
     level: f64,
     others: Vec<Point>,
     /// Done so far, in collisions.
@@ -117,7 +117,7 @@ struct Scan {
     free: Vec<Vec<f64>>,
 }
 
-/// What a task costs beside the depth of its node.
+/// Cost of a task beside the depth of its node.
 const LOOK: u32 = 0;
 const PULL: u32 = 1;
 const OTHER_PULL: u32 = 2;
@@ -161,7 +161,7 @@ impl<'a> Pushes<'a> {
         }
     }
 
-    /// What it is pushed along at the start anyway.
+    /// Directions along which it is pushed at the start anyway.
     fn start_directions(&self) -> Vec<Point> {
         let mut directions = Distinct(self.first.clone());
         let start = self.around.start().rotation();
@@ -218,7 +218,7 @@ impl<'a> Pushes<'a> {
         self.push_after((pose, seated), parent, motions, false);
     }
 
-    /// The same; `is_odd`: its motion is along nothing that the part or its contacts suggest.
+    /// The same; `is_odd`: neither the part nor its contacts suggest the motion's direction.
     fn push_after(&mut self, (pose, seated): (Pose, Arc<Seated>), parent: usize, motions: Vec<Motion>, is_odd: bool) {
         if self.nodes.len() >= MOST_NODES || self.nodes.iter().any(|node| self.is_same(&node.pose, &pose)) {
             return;
@@ -291,7 +291,7 @@ impl<'a> Pushes<'a> {
         turns * std::f64::consts::TAU
     }
 
-    /// Moves from a node as far as that is free. Returns the motion until there (`None` if it is no more than play), what is still seated,
+    /// Moves from a node as far as that is free. Returns the motion until there (`None` if it is no more than play), the parts still seated,
     /// and whether all of it was free.
     fn walk(
         &mut self,

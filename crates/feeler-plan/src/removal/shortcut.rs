@@ -91,7 +91,7 @@ fn place(motions: &[Motion], at: f64) -> Option<(usize, f64)> {
     None
 }
 
-/// From each place where legs meet on to the last one that a free motion leads to, by halves: first the end is tried, then what is half
+/// From each place where legs meet on to the last one that a free motion leads to, by halves: first the end is tried, then the place half
 /// as far. A leg alone stays as it is.
 fn leapt(around: &Surroundings, way: Vec<Leg>, has_time: HasTime<'_>, tally: &mut Tally) -> Result<Vec<Leg>> {
     let motions = Motion::of_legs(around.tool(), around.start(), &way)?;

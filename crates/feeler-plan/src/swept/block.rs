@@ -179,8 +179,8 @@ impl Field<'_> {
         }
     }
 
-    /// Whether a point is so far from a hull that a bound of its distance would be at least `enough`, in whatever block it is asked
-    /// for: values must not depend on that, nor on the order of hulls. `plane`: of a point beside it.
+    /// Whether a point is so far from a hull that a bound of its distance would be at least `enough`, in any block:
+    /// values must not depend on that, nor on the order of hulls. `plane`: of a point beside it.
     #[inline(always)]
     fn is_clear(&self, hull: &Hull, plane: &Plane, p: &Point, enough: f64) -> bool {
         // Bounds are less than distances by up to the tolerance; and a little more for rounding.
@@ -209,7 +209,7 @@ impl Field<'_> {
         }
     }
 
-    /// Counts nodes outside as swept where they are inside the tool: of those that hang together, one is asked.
+    /// Counts nodes outside as swept where they are inside the tool: of connected ones, one is tested.
     fn fill(&self, at: [u32; 3], solid: &Solid<'_>, scratch: &mut Scratch) {
         // Nodes inside the mesh need no test, nor do those seen.
         let Scratch { values, next, is_inside: is_seen, .. } = scratch;

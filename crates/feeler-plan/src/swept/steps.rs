@@ -13,7 +13,7 @@ struct Step {
     triangle: u32,
     /// Numbers of the poses at both ends.
     poses: [u32; 2],
-    /// What is taken off distances, metres.
+    /// The amount taken off distances, metres.
     slack: f32,
 }
 

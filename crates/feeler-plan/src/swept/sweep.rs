@@ -149,7 +149,7 @@ fn fitting(tool: &Tool, poses: &[Pose], from: f64, memory: u64, progress: Progre
     Ok(error)
 }
 
-/// What can be told without a step: the box around the tool at the poses, and twice the largest triangle, are parts of it all.
+/// Checks the memory that is known without steps: the box around the tool at the poses, and twice the largest triangle.
 fn check_at_once(tool: &Tool, poses: &[Pose], error: f64, memory: u64) -> Result<()> {
     let mesh = tool.mesh();
     let mut bounds = Aabb::EMPTY;
@@ -228,7 +228,7 @@ fn pieces(field: &Field<'_>, cubes: Vec<Cube>, progress: Progress<'_>) -> Result
     Ok(pieces.into_iter().flatten().collect())
 }
 
-/// What a cube costs, about.
+/// Approximate cost of a cube.
 fn weight(cube: &Cube) -> f64 {
     1.0 + cube.near.len() as f64
 }

@@ -54,8 +54,8 @@ impl<'a> Erosion<'a> {
         let first = least.max(0.5 * FLUSH_PLAY);
         let corners = self.corners_of(part).clone();
         let (surfaces, scene) = (corners.surfaces, solver.scene());
-        // What is farther from its neighbour's box than corners move does not meet it: tries take what is near alone. What is inside what is
-        // asked of the whole.
+        // Triangles farther from the neighbour's box than corners move do not meet it: tries take near ones alone. Containment is
+        // tested with the whole.
         let own = &scene.mockup().part_bounds()[neighbour as usize];
         let mut nearby: BTreeMap<u64, Vec<[u32; 3]>> = BTreeMap::new();
         let mut near = |by: &[f64]| {

@@ -71,7 +71,7 @@ class Part:
 
     @property
     def shape(self) -> Hashable:
-        """What parts of the same shape share."""
+        """Data that parts of the same shape share."""
         return (self.make, self.args)
 
 
@@ -226,7 +226,7 @@ class Assembly:
         rigid: bool = True,
         removes: bool = True,
     ) -> None:
-        """Names a step of taking apart: what comes out, how, and after what (paths or patterns).
+        """Names a step of taking apart: the parts that come out, how, and after which others (paths or patterns).
 
         `rigid=False`: the parts must be bent to come out. `removes=False`: they are only loosened.
         """

@@ -421,7 +421,7 @@ class Replayed(TypedDict):
 
 
 class Trouble(TypedDict):
-    """An error: what is wrong, where, and what to do; "where" and "do" may be empty."""
+    """An error, its place and a remedy; "where" and "do" may be empty."""
 
     what: str
     where: str

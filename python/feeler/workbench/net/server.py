@@ -315,7 +315,7 @@ class Server:
             versions=_versions(),
         )
 
-    # ---- what comes from the session, in any thread ----
+    # ---- messages of the session, in any thread ----
 
     def _on_event(self, event: dict[str, Any]) -> None:
         self._soon(self._spread, event)

@@ -429,7 +429,7 @@ class Session:
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
-        # The user did not change what was opened meanwhile.
+        # The user did not change the mock-up opened meanwhile.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         self._engine_follows(now, after)
         self._history.stepped(name, now)

@@ -178,7 +178,7 @@ impl Kernel for Pack<'_> {
     }
 }
 
-/// What each chunk of triangles becomes. Refuses what memory or 32-bit ids cannot hold.
+/// Packs each chunk of triangles. Refuses meshes that memory or 32-bit ids cannot hold.
 fn count_pieces(mesh: &Mesh, ids: &[u32], size: f64, limit: u64) -> Result<Vec<Count>> {
     let least: f64 = ids.par_iter().map(|id| least_pieces(&mesh.triangle(*id), size)).sum();
     check_memory("the blocks", least * Blocks::BUILD_BYTES_PER_PIECE, limit)?;

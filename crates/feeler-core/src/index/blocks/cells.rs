@@ -42,7 +42,7 @@ impl Cells for Blocks {
 }
 
 impl Blocks {
-    /// What a piece's box in bytes may stand for: half a byte more on each side, and a little.
+    /// The largest box that a piece's box in bytes may stand for: half a byte more on each side, and a little.
     fn piece_bounds(&self, node: &Node, piece: usize) -> Aabb {
         let (boxes, upper) = node.byte_boxes();
         self.in_metres(|a| {

@@ -46,7 +46,7 @@ struct Pair {
 #[derive(Debug, Default)]
 struct Waiting(Sorter);
 
-/// So many wait where the order is of no use: they are looked into block by block, so that each block is unpacked once. Few in
+/// This many wait where the order is of no use: they are looked into block by block, so that each block is unpacked once. Few in
 /// tests, so that there are more of them.
 const MOST_WAITING: usize = if cfg!(test) { 16 } else { 4096 };
 

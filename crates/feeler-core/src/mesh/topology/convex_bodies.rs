@@ -125,7 +125,7 @@ fn grow(regions: &[Region], beside: &Lists, is_closed: bool) -> Vec<usize> {
     founders
 }
 
-/// What a body is like, whatever the number of its members: planes that no region may stand out over, and its outermost points.
+/// The shape of a body, for any number of members: planes that no region may stand out over, and its outermost points.
 struct Hull<'a> {
     /// Members of which no two have nearly one normal.
     planes: Vec<&'a Region>,
@@ -243,7 +243,7 @@ struct Lists {
 }
 
 impl Lists {
-    /// So many lists, of pairs of a list and an entry; each list in the order of the pairs.
+    /// The given number of lists, from pairs of a list and an entry; each list in the order of the pairs.
     fn new(count: usize, pairs: &[(u32, u32)]) -> Lists {
         let mut starts = vec![0u32; count + 1];
         pairs.iter().for_each(|(list, _)| starts[*list as usize + 1] += 1);

@@ -13,7 +13,7 @@ use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::topology::edges::Edge;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// What lies across a crack from a border edge.
+/// The surface across a crack from a border edge.
 #[derive(Debug, Clone, Copy)]
 struct Across {
     /// The edge of another triangle that runs along it the other way: an index into the border.
