@@ -54,12 +54,19 @@ fn a_part_goes_back_to_its_place_unless_the_tool_is_there() {
 
 #[test]
 fn surfaces_of_two_bodies_have_ids_of_their_own() {
-    // Two blocks of the same triangles, the second put down beside the first, and a bar over both.
-    let block = |x: f64| box_mesh([x, 0.0, 0.0], [0.02; 3], 2);
+    // Two blocks of the same triangles, the second put down beside the first, and a bar over both. Each scene alone gives their upper faces
+    // the same id.
+    let size = 1.0 / 64.0;
+    let block = |x: f64| box_mesh([x, 0.0, 0.0], [size; 3], 1);
     let mockup = scene(&[block(0.0), block(0.5)]);
-    let put_down = PutDown { part: 1, scene: scene(&[block(0.03)]) };
-    let bar = tool(&[box_mesh([0.0; 3], [0.1, 0.02, 0.01], 1)]);
-    let over = at([0.015, 0.0, 0.0155]);
+    let put_down = PutDown { part: 1, scene: scene(&[block(2.0 * size)]) };
+    let bar = tool(&[box_mesh([0.0; 3], [8.0 * size, size, 0.5 * size], 1)]);
+    let over = at([size, 0.0, 0.75 * size + 5e-4]);
+    let alone = [&mockup, &put_down.scene].map(|scene| {
+        let contacts = ContactSolver::new(scene.clone()).contacts(&bar, &over, 0.001, None).unwrap();
+        contacts.planes.iter().map(|plane| plane.id).collect::<Vec<_>>()
+    });
+    assert!(alone[0].len() == 1 && alone[0] == alone[1], "{alone:?}");
     let world = World::new(mockup.clone(), bar.clone(), &[put_down.clone()]).unwrap();
     let environment = Environment::new(&mockup, &[put_down]).unwrap();
     let (contacts, _) = environment.contacts(&bar, &over, 0.001, None).unwrap();
@@ -68,7 +75,7 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
     assert_eq!((contacts.planes.len(), ids.len()), (2, 2), "{contacts:?}");
     assert_eq!(found.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [0, 1]);
     // They are the same wherever the bar is above them.
-    let (lower, _) = environment.contacts(&bar, &at([0.016, 0.001, 0.0152]), 0.001, None).unwrap();
+    let (lower, _) = environment.contacts(&bar, &at([size + 1e-3, 1e-3, 0.75 * size + 2e-4]), 0.001, None).unwrap();
     assert_eq!(lower.planes.iter().map(|plane| (plane.part, plane.id)).collect::<BTreeSet<_>>(), found);
     // And those of manifolds.
     let (around, mut manifolds) = (world.around(), Manifolds::default());
