@@ -67,7 +67,7 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
         contacts.planes.iter().map(|plane| plane.id).collect::<Vec<_>>()
     });
     assert!(alone[0].len() == 1 && alone[0] == alone[1], "{alone:?}");
-    let world = World::new(mockup.clone(), bar.clone(), &[put_down.clone()]).unwrap();
+    let world = World::new(mockup.clone(), bar.clone(), std::slice::from_ref(&put_down)).unwrap();
     let environment = Environment::new(&mockup, &[put_down]).unwrap();
     let (contacts, _) = environment.contacts(&bar, &over, 0.001, None).unwrap();
     let found: BTreeSet<(u32, u64)> = contacts.planes.iter().map(|plane| (plane.part, plane.id)).collect();
@@ -141,10 +141,10 @@ fn the_least_distance_of_a_motion_is_refined_to_a_share_of_the_tool() {
 #[test]
 fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
     // Both ends of a bolt are in the planes of the plate's faces, or one stands out: as it moves aside, surfaces hardly cross.
-    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    let plate = [box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1)];
     for long in [0.02, 0.03] {
         let bolt = tool(&[box_mesh([0.0, 0.0, 0.5 * (long - 0.02)], [0.01, 0.01, long], 1)]);
-        let around = around(&[plate.clone()], &bolt, &Pose::IDENTITY);
+        let around = around(&plate, &bolt, &Pose::IDENTITY);
         assert_eq!(around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
         let start = around.seated_at_start();
         let walk = |by| around.walk(&start, (&Pose::IDENTITY, &at(by)), Care::search(&[], &|| true)).unwrap();
@@ -160,13 +160,13 @@ fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
 #[test]
 fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
     // Both ends flush, one, or none. The second: with a head on the plate, which the way down would press into it.
-    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    let plate = [box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1)];
     for (low, high) in [(-0.01, 0.01), (-0.01, 0.02), (-0.02, 0.01), (-0.015, 0.02), (-0.02, 0.02)] {
         for head in [false, true] {
             let shank = box_mesh([0.0, 0.0, 0.5 * (low + high)], [0.01, 0.01, high - low], 1);
             let on_top = box_mesh([0.0, 0.0, 0.0125], [0.02, 0.02, 0.005], 1);
             let (vertices, faces) = joined(if head { vec![shank, on_top] } else { vec![shank] });
-            let around = around(&[plate.clone()], &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
+            let around = around(&plate, &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
             let start = around.seated_at_start();
             let is_free = |z: f64| {
                 let to = at([0.0, 0.0, z]);
