@@ -56,8 +56,10 @@ fn a_part_goes_back_to_its_place_unless_the_tool_is_there() {
 
 #[test]
 fn surfaces_of_two_bodies_have_ids_of_their_own() {
-    // Two blocks of the same triangles, the second put down beside the first, and a bar over both.
-    let block = |x: f64| box_mesh([x, 0.0, 0.0], [0.02; 3], 2);
+    // Two blocks of the same triangles, the second put down beside the first, and a bar over both. Each scene alone gives their upper faces
+    // the same id.
+    let size = 1.0 / 64.0;
+    let block = |x: f64| box_mesh([x, 0.0, 0.0], [size; 3], 1);
     let mockup = scene(&[block(0.0), block(0.5)]);
     let put_down = PutDown::new(1, scene(&[block(0.03)]));
     let bar = tool(&[box_mesh([0.0; 3], [0.1, 0.02, 0.01], 1)]);
@@ -70,7 +72,7 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
     assert_eq!((contacts.planes.len(), ids.len()), (2, 2), "{contacts:?}");
     assert_eq!(found.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [0, 1]);
     // They are the same wherever the bar is above them.
-    let (lower, _) = environment.contacts(&bar, &at([0.016, 0.001, 0.0152]), 0.001, None).unwrap();
+    let (lower, _) = environment.contacts(&bar, &at([size + 1e-3, 1e-3, 0.75 * size + 2e-4]), 0.001, None).unwrap();
     assert_eq!(lower.planes.iter().map(|plane| (plane.part, plane.id)).collect::<BTreeSet<_>>(), found);
     // And those of manifolds.
     let (around, mut manifolds) = (world.around(), Manifolds::default());
@@ -136,7 +138,7 @@ fn the_least_distance_of_a_motion_is_refined_to_a_share_of_the_tool() {
 #[test]
 fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
     // Both ends of a bolt are in the planes of the plate's faces, or one stands out: as it moves aside, surfaces hardly cross.
-    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    let plate = [box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1)];
     for long in [0.02, 0.03] {
         let bolt = tool(&[box_mesh([0.0, 0.0, 0.5 * (long - 0.02)], [0.01, 0.01, long], 1)]);
         let around = around(std::slice::from_ref(&plate), &bolt, &Pose::IDENTITY);
@@ -155,7 +157,7 @@ fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
 #[test]
 fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
     // Both ends flush, one, or none. The second: with a head on the plate, which the way down would press into it.
-    let plate = box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1);
+    let plate = [box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1)];
     for (low, high) in [(-0.01, 0.01), (-0.01, 0.02), (-0.02, 0.01), (-0.015, 0.02), (-0.02, 0.02)] {
         for head in [false, true] {
             let shank = box_mesh([0.0, 0.0, 0.5 * (low + high)], [0.01, 0.01, high - low], 1);

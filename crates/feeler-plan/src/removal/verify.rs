@@ -139,7 +139,8 @@ mod tests {
         let around = Surroundings::new(environment, tool, 1, &Pose::IDENTITY, what, &|| true).unwrap();
         let poses = |off: f64, turns: f64, pitch: f64| {
             let screw = Screw::new(&[0.0, 0.0, 1.0], &[0.0, off, 0.0], turns * TAU, pitch).unwrap();
-            let poses = as_poses(&around, &[Leg::Screw(screw)], &|| true, &mut Tally::default()).unwrap().unwrap();
+            let mut tally = Tally::default();
+            let poses = as_poses(&around, &[Leg::Screw(screw)], &|| true, &mut tally).unwrap().unwrap();
             let whole = Motion::screw(around.tool(), around.start(), &screw).unwrap();
             let pieces = poses.len() - 1;
             // How far the middle of the cube is from the screw's.
@@ -147,16 +148,18 @@ mod tests {
                 let at = Motion::new(around.tool(), &poses[i], &poses[i + 1]).at(t);
                 length(&sub(at.translation(), whole.at((i as f64 + t) / pieces as f64).translation()))
             });
-            (pieces, off.fold(0.0, f64::max))
+            (pieces, off.fold(0.0, f64::max), tally.casts)
         };
         // A lever of 20 mm goes straight between the ends of its quarter of a turn.
-        let (pieces, off) = poses(0.02, 0.25, 0.0);
-        assert!(pieces == 1 && off > 5e-3, "{off}");
-        // About its own axis, to the least rounding, any number of turns are the same.
-        let (pieces, off) = poses(0.0, 3.0, 0.002);
-        assert!(pieces == 12 && off < 1e-12, "{pieces} {off}");
+        let (pieces, off, casts) = poses(0.02, 0.25, 0.0);
+        assert!(pieces == 1 && off > 5e-3 && casts > 0, "{off}");
+        // About its own axis poses are the same motion, and are not cast again.
+        for turns in [0.25, 3.0] {
+            let (pieces, off, casts) = poses(0.0, turns, 0.002);
+            assert!(pieces as f64 == 4.0 * turns && off < 1e-12 && casts == 0, "{pieces} {off} {casts}");
+        }
         // A thread that is a little off turns as exactly as it can be told, however free it would be with less.
-        let (pieces, off) = poses(1e-5, 3.0, 0.002);
-        assert!(pieces > 12 && off <= SAME_PLACE_M, "{pieces} {off}");
+        let (pieces, off, casts) = poses(1e-5, 3.0, 0.002);
+        assert!(pieces > 12 && off <= SAME_PLACE_M && casts == 0, "{pieces} {off} {casts}");
     }
 }
