@@ -257,7 +257,10 @@ def _convert(path: Path, source: Path, target: Path, tolerance: float, progress:
                 worker.kill()
                 worker.wait()
     if status == _NOT_INSTALLED:
-        raise LoadError(f"{path}: STEP files need the package cascadio; install it with: pip install cascadio")
+        raise LoadError(
+            f"{path}: STEP files are read through OpenCASCADE, which is not installed; install it with: "
+            'pip install "feeler[step]", or export glTF'
+        )
     if status or not target.is_file() or not target.stat().st_size:
         how = f"crashed (signal {-status})" if status < 0 else f"failed (status {status})"
         said = "".join(f": {line}" for line in _lines(log)[-2:])
