@@ -30,6 +30,7 @@ from feeler.io.step_text import one_section, plain_text, split_end
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
+from feeler.io.unread import ifc_schema
 from feeler.progress import Progress
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
@@ -90,6 +91,8 @@ def _text_of(path: Path) -> tuple[bytes, list[str], list[str]]:
             f"{path}: the closing 'END-ISO-10303-21;' is missing: the file is truncated; copy or export it again"
         )
     text, rest = split[0], split[1].strip(b"\0\x1a \t\n")
+    if schema := ifc_schema(text[: text.find(b"ENDSEC")]):
+        raise LoadError(f"{path}: {schema}")  # its header is longer than what tells the format
     if b"\nDATA" not in text and b"DATA;" not in text:
         raise LoadError(f"{path}: the STEP file has no DATA section; export it again")
     if not rest:
