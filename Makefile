@@ -286,7 +286,7 @@ lock: $(INSTALLED) ## make requirements.lock anew from pyproject.toml (newest ve
 	@{ echo '# Everything `make setup` installs, exactly, for Python 3.10 and later on Linux, macOS and Windows.'; \
 	   echo '# Made from pyproject.toml by `make lock`; not edited by hand.'; \
 	   $(BIN)/uv pip compile --quiet --universal --python-version 3.10 --generate-hashes --no-header --no-annotate \
-		--no-emit-index-url --no-emit-find-links --extra gltf --extra study --extra volume --extra xlsx --extra bench \
+		--no-emit-index-url --no-emit-find-links --extra step --extra gltf --extra study --extra volume --extra xlsx --extra bench \
 		--group build --group test --group lint pyproject.toml; } >requirements.lock.new
 	@mv requirements.lock.new requirements.lock
 

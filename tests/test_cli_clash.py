@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -242,8 +243,19 @@ def test_rules_that_need_another_check_say_so(tmp_path: Path, saved: Path) -> No
 
 
 def test_a_check_is_not_made_of_saved_findings(tmp_path: Path, saved: Path) -> None:
+    message = error_of("clash", saved, "--chord-tolerance", "0.1", "--up", "z")
+    assert "--up, --chord-tolerance: saved findings are not checked again" in message
     message = error_of("clash", saved, "--clearance", "0.1", "--bcf", tmp_path / "a.bcf")
     assert "--clearance, --bcf: saved findings are not checked again. Pass the mock-up" in message
+
+
+@pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
+def test_the_chord_tolerance_of_step_can_be_given(testdata: Path) -> None:
+    """The pins of the assembly have more triangles, and the check says so."""
+    assembly = testdata / "meshes" / "assembly.step"
+    coarse, fine = (run_json("clash", assembly, *given) for given in ((), ("--chord-tolerance", "1e-6")))
+    assert fine["mockup"]["triangles"] > 2 * coarse["mockup"]["triangles"]
+    assert "chord_tolerance=-1.0 should be" in error_of("clash", assembly, "--chord-tolerance", "-1")
 
 
 @pytest.mark.parametrize(("chord", "few"), [(None, None), (1e-5, None), (1e-4, "1 clash is")])

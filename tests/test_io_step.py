@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from loading import notes, save, soup
 
+import feeler.io.step
 from feeler import LoadError, Mockup
 from feeler.io import load_mockup
 from feeler.io.step_external import Named, find, referenced_files
-from feeler.io.step_names import Assembly
+from feeler.io.step_names import Assembly, place_name
 from feeler.io.step_source import for_converter, left_out, misplaced
 from feeler.io.step_text import entities, plain_text, string_text
 
@@ -348,6 +349,11 @@ def test_a_part_is_called_by_its_place_and_product(tmp_path, occurrence, name):
     assert np.allclose(boxes(mockup), [BOX, moved(0.1, 0, 0)], atol=1e-8)
 
 
+def test_a_product_without_a_name_leaves_that_of_its_place():
+    assert place_name("Shaft", "2ec63c74-e48c-11f1-bab7-02fc00000001") == "Shaft"
+    assert place_name("4", "2ec63c74-e48c-11f1-bab7-02fc00000001") == "2ec63c74-e48c-11f1-bab7-02fc00000001"
+
+
 TESSELLATED = (
     "#300=COORDINATES_LIST('',4,((0.,0.,0.),(10.,0.,0.),(0.,10.,0.),(0.,0.,10.)));\n"
     "#301=TRIANGULATED_FACE('',#300,4,((0.,0.,1.)),$,(),((1,3,2),(1,2,4),(2,3,4),(1,4,3)));\n"
@@ -427,6 +433,13 @@ def test_sections_and_what_follows_the_end(tmp_path, frame):
     said = "\n".join(mockup.report.source.notes[:2])
     assert words in said and len(mockup.report.source.notes) == 1 + bool(words)
     assert bool(mockup.report.source.doubts) == (frame in ("another file", "a text"))
+
+
+def test_without_opencascade_the_error_says_what_to_install(tmp_path, monkeypatch):
+    """The converter has no wheels for some systems; all else of feeler works there."""
+    worker = save(tmp_path, "worker.py", f"import sys\nsys.exit({feeler.io.step._NOT_INSTALLED})\n")
+    monkeypatch.setattr("feeler.io.step._WORKER", worker)
+    fails(save(tmp_path, "a.step", COLOURS), 'pip install "feeler[step]"')
 
 
 @needs_step

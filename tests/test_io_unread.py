@@ -10,6 +10,7 @@ import pytest
 import feeler
 
 IFC = b"ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_SCHEMA(('IFC4X3'));\nENDSEC;\n"
+IFC_END = b"DATA;\n#1=IFCPROJECT('a');\nENDSEC;\nEND-ISO-10303-21;\n"
 
 
 @pytest.mark.parametrize(
@@ -17,7 +18,9 @@ IFC = b"ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_SCHEMA(('IFC
     [
         ("wall.ifc", IFC, r"it is IFC \(IFC4X3\).*IfcConvert"),
         ("wall.stp", IFC, r"it is IFC \(IFC4X3\)"),
+        ("long.stp", IFC.replace(b"(''),", b"('" + b"x" * 6000 + b"'),") + IFC_END, r"it is IFC \(IFC4X3\)"),
         ("old.ifc", b"nothing that tells", r"it is IFC, which"),
+        ("wall.ifcxml", b"<?xml version='1.0'?>\n<ifcXML/>", r"it is IFC, which"),
         ("part.CATPart", b"V5_CFV2\0\0\0", r"it is CATIA V5, which feeler does not read; export STEP"),
         ("part.stp", b"V5_CFV2\0\0\0", r"it is CATIA V5"),
         ("part.sldprt", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0", r"SolidWorks"),
@@ -45,6 +48,11 @@ def test_a_file_is_called_by_its_name(name: str, content: bytes, said: str, tmp_
         ("a.3dxml", "PRODUCT.3dxml", r"it is 3DXML"),
         ("a.FCStd", "GuiDocument.xml", r"it is FreeCAD"),
         ("a.3mf", "readme.txt", r"no 3D model"),
+        ("a.3mf", "word/document.xml", r"no 3D model"),
+        ("a.FCStd.zip", "Document.xml", r"it is FreeCAD"),
+        ("wall.zip", "wall.ifc", r"it is IFC in an archive.*unpack it"),
+        ("part.stpz", "Part.stp", r"it is a ZIP archive, which feeler does not read; unpack it, and load 'part\.stp'"),
+        ("part.step", "sub/part.step", r"unpack it, and load 'sub/part\.step'"),
     ],
 )
 def test_an_archive_is_called_by_what_is_in_it(name: str, inside: str, said: str, tmp_path: Path) -> None:

@@ -203,6 +203,11 @@ pub const FACING_NOISE: f64 = 1e-6;
 /// that bodies may be moved along their faces. Larger: more axes are tried, some of which lead in.
 pub const AGAINST_NORMAL: f64 = 0.01;
 
+/// Length of a mean of unit normals, up to which they cancel out: the sides of a shaft all around face nowhere, and what is left of
+/// their sum is rounding. Larger: surfaces that face mostly to one side lose the side that leads out. Smaller: half of the axes of a
+/// shaft in its hub lead in by chance.
+pub const CANCELLED_MEAN: f64 = 0.01;
+
 /// Sine of the angle from which on a surface rises along an axis beyond the contour: three degrees, above the turns of flat faces.
 /// Smaller: nearly flat surfaces block axes that free the tool.
 pub const BLOCKING_SINE: f64 = 0.05;

@@ -12,7 +12,18 @@ import typer
 import feeler
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
 from feeler.cli.findings import count, mesh_facts
-from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Threads, Up, Without, read_mockup
+from feeler.cli.inputs import (
+    AsJson,
+    Choice,
+    ChordTolerance,
+    MockupFiles,
+    MockupUnit,
+    Only,
+    Threads,
+    Up,
+    Without,
+    read_mockup,
+)
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -87,6 +98,7 @@ def clash(
     only: Only = None,
     unit: MockupUnit = None,
     up: Up = None,
+    chord_tolerance: ChordTolerance = None,
     threads: Threads = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each finding.")] = None,
     xlsx: Annotated[
@@ -131,7 +143,7 @@ def clash(
         if given is not None:
             found = found.with_rules(given)
     else:
-        world = read_mockup(mockup, unit, up)
+        world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
         if before is not None:
             check_previous(world, before)
         with bar("indexing") as progress:
@@ -188,7 +200,7 @@ def _chord_doubt(found: feeler.Clashes, chord: float | None) -> str | None:
     said = "1 clash is" if few == 1 else f"{few:,} clashes are"
     return (
         f"{said} less deep than the chordal errors of both parts ({outputs.length(2.0 * chord)}) and may come from the "
-        "triangles alone: pass --contact chord, or load the file with a smaller chord_tolerance"
+        "triangles alone: pass --contact chord, or a smaller --chord-tolerance"
     )
 
 
@@ -197,7 +209,7 @@ def _is_saved(files: list[str]) -> bool:
     return len(files) == 1 and Path(files[0]).suffix.lower() == ".json"
 
 
-_CHECKING = ("clearance", "contact", "volume", "without", "only", "unit", "up", "threads")
+_CHECKING = ("clearance", "contact", "volume", "without", "only", "unit", "up", "chord_tolerance", "threads")
 """Options of a check, which saved findings do not take."""
 
 
@@ -206,7 +218,7 @@ def _check_saved(context: typer.Context, targets: dict[str, Path | None]) -> Non
     given = [name for name in _CHECKING if _is_given(context, name)]
     given += [name for name in ("bcf", "glb") if targets[name] is not None]
     if given:
-        options = ", ".join(f"--{name}" for name in given)
+        options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
         raise OptionError(
             f"{options}: saved findings are not checked again. Pass the mock-up instead of the .json file"
         )

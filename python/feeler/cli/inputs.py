@@ -78,6 +78,12 @@ Up = Annotated[
     str | None,
     typer.Option(metavar="x|y|z", help="The up axis: files with a known other up axis are turned to it."),
 ]
+ChordTolerance = Annotated[
+    float | None,
+    typer.Option(
+        "--chord-tolerance", help="STEP: how far triangles may be from their surface, metres; default 0.0001."
+    ),
+]
 Storage = Annotated[str, typer.Option(help="blocks, dense or hashed.")]
 Hashing = Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99.")]
 Threads = Annotated[int | None, typer.Option(help="Default: all cores.")]
@@ -196,7 +202,12 @@ def telling(label: str, also: Progress | None = None) -> Iterator[Progress]:
 
 
 def read_mockup(
-    sources: list[str], unit: str | None = None, up: str | None = None, *, also: Progress | None = None
+    sources: list[str],
+    unit: str | None = None,
+    up: str | None = None,
+    *,
+    chord_tolerance: float | None = None,
+    also: Progress | None = None,
 ) -> feeler.Mockup:
     """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`.
 
@@ -210,7 +221,8 @@ def read_mockup(
         with telling(f"making {name}", also) as progress:
             return feeler.sample(name, count, seed=arrangement, progress=progress)
     with telling("loading mock-up", also) as progress:
-        return feeler.load_mockup(sources if len(sources) > 1 else sources[0], unit, up=up, progress=progress)
+        given = sources if len(sources) > 1 else sources[0]
+        return feeler.load_mockup(given, unit, up=up, chord_tolerance=chord_tolerance, progress=progress)
 
 
 def read_tool(source: str, unit: str | None = None, up: str | None = None) -> feeler.Tool:

@@ -30,6 +30,7 @@ from feeler.io.step_text import one_section, plain_text, split_end
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
+from feeler.io.unread import ifc_schema
 from feeler.progress import Progress
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
@@ -90,6 +91,8 @@ def _text_of(path: Path) -> tuple[bytes, list[str], list[str]]:
             f"{path}: the closing 'END-ISO-10303-21;' is missing: the file is truncated; copy or export it again"
         )
     text, rest = split[0], split[1].strip(b"\0\x1a \t\n")
+    if schema := ifc_schema(text[: text.find(b"ENDSEC")]):
+        raise LoadError(f"{path}: {schema}")  # its header is longer than what tells the format
     if b"\nDATA" not in text and b"DATA;" not in text:
         raise LoadError(f"{path}: the STEP file has no DATA section; export it again")
     if not rest:
@@ -257,7 +260,10 @@ def _convert(path: Path, source: Path, target: Path, tolerance: float, progress:
                 worker.kill()
                 worker.wait()
     if status == _NOT_INSTALLED:
-        raise LoadError(f"{path}: STEP files need the package cascadio; install it with: pip install cascadio")
+        raise LoadError(
+            f"{path}: STEP files are read through OpenCASCADE, which is not installed; install it with: "
+            'pip install "feeler[step]", or export glTF'
+        )
     if status or not target.is_file() or not target.stat().st_size:
         how = f"crashed (signal {-status})" if status < 0 else f"failed (status {status})"
         said = "".join(f": {line}" for line in _lines(log)[-2:])

@@ -23,6 +23,7 @@ _PREFIXES = {
 _NO_NAME = re.compile(r"(?:=>)?\[\d+(?::\d+)*\]$")  # where the converter keeps a shape that has no name
 # Names that programs give to occurrences for want of one: a bare number, NAUO12.
 _NUMBERED = re.compile(r"(?:nauo|next_assembly_usage_occurrence|occurrence|instance)?[\W\d_]*", re.IGNORECASE)
+_UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}", re.IGNORECASE)  # for want of a product's name
 _DEFINITIONS = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
 _FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE")
 
@@ -63,7 +64,8 @@ def place_name(occurrence: str, product: str) -> str:
     """Return the name of a product at its place: "bolt-3", "R101 (resistor)", or "bolt" for a place without a name."""
     if _NUMBERED.fullmatch(occurrence) or occurrence.casefold() == product.casefold():
         return product
-    return occurrence if product.casefold() in occurrence.casefold() else f"{occurrence} ({product})"
+    tells_all = product.casefold() in occurrence.casefold() or _UUID.fullmatch(product)
+    return occurrence if tells_all else f"{occurrence} ({product})"
 
 
 class Assembly:

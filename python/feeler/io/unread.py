@@ -6,6 +6,8 @@ import re
 import zipfile
 from pathlib import Path
 
+from feeler.io.raw import clean_name
+
 CAD = "export STEP (AP214 or AP242) or glTF from the program that made it"
 _IFC = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'(IFC[^']*)'", re.I)
 
@@ -31,12 +33,16 @@ _INSIDE: tuple[tuple[str, str, str], ...] = (
     (".usd", "USDZ", "export glTF or STEP"),
     (".3drep", "3DXML", CAD),
     (".3dxml", "3DXML", CAD),
-    ("guidocument.xml", "FreeCAD (FCStd)", "export STEP or glTF from FreeCAD"),
-    ("document.xml", "FreeCAD (FCStd)", "export STEP or glTF from FreeCAD"),
-    ("doc.kml", "KMZ", "unpack it, and load the COLLADA file in it"),
+    ("/guidocument.xml", "FreeCAD (FCStd)", "export STEP or glTF from FreeCAD"),
+    ("/document.xml", "FreeCAD (FCStd)", "export STEP or glTF from FreeCAD"),
+    ("/doc.kml", "KMZ", "unpack it, and load the COLLADA file in it"),
+    (".ifc", "IFC in an archive", "unpack it, and export STEP, glTF or OBJ, for example with IfcConvert"),
 )
+# What feeler reads, but not in an archive.
+_PACKED_HERE = (".step", ".stp", ".p21", ".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf")
 _ENDINGS: dict[str, tuple[str, str]] = {
     ".ifc": ("IFC", "export STEP, glTF or OBJ, for example with IfcConvert"),
+    ".ifcxml": ("IFC", "export STEP, glTF or OBJ, for example with IfcConvert"),
     ".ifczip": ("IFC", "export STEP, glTF or OBJ, for example with IfcConvert"),
     ".usdz": ("USDZ", "export glTF or STEP"),
     ".usd": ("USD", "export glTF or STEP"),
@@ -71,10 +77,18 @@ _ENDINGS: dict[str, tuple[str, str]] = {
 _MOST_NAMES = 10_000
 
 
+def ifc_schema(text: bytes) -> str | None:
+    """The message for a text in the form of STEP whose schema is IFC; None for any other."""
+    found = _IFC.search(text)
+    if found is None:
+        return None
+    return f"it is IFC ({found[1].decode('ascii', 'replace')}), which feeler does not read; {_ENDINGS['.ifc'][1]}"
+
+
 def unread(path: Path, head: bytes, text: bytes) -> str | None:
     """The kind of a file that feeler does not read, with advice; None if it is not recognised."""
-    if found := _IFC.search(text):
-        return f"it is IFC ({found[1].decode('ascii', 'replace')}), which feeler does not read; {_ENDINGS['.ifc'][1]}"
+    if schema := ifc_schema(text):
+        return schema
     if b"<robot" in text:
         return "it is URDF, a robot with joints; load it with feeler.from_urdf(path, joints)"
     start = next(((name, advice) for magic, name, advice in _STARTS if head.startswith(magic)), None)
@@ -87,11 +101,14 @@ def unread(path: Path, head: bytes, text: bytes) -> str | None:
 def _in_archive(path: Path) -> tuple[str, str] | None:
     try:
         with zipfile.ZipFile(path) as archive:
-            names = [name.lower() for name in archive.namelist()[:_MOST_NAMES]]
+            # With a slash in front, so that an ending may ask for a whole name at the top.
+            names = ["/" + name.lower() for name in archive.namelist()[:_MOST_NAMES]]
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
         return None
     if any(name.endswith((".model", ".dae")) for name in names):
         return None
-    return next(
-        ((kind, advice) for ending, kind, advice in _INSIDE if any(name.endswith(ending) for name in names)), None
-    )
+    for ending, kind, advice in _INSIDE:
+        if any(name == ending if ending.startswith("/") else name.endswith(ending) for name in names):
+            return kind, advice
+    packed = next((name for name in names if name.endswith(_PACKED_HERE)), None)
+    return None if packed is None else ("a ZIP archive", f"unpack it, and load {clean_name(packed[1:], 'the file')!r}")

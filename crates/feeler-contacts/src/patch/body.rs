@@ -1,14 +1,14 @@
 //! Convex bodies in the form for the depth search: facets, points in lanes, and how far the points extend along the
 //! facets' normals.
 
-use crate::constants::MOST_NORMALS;
+use crate::constants::{CANCELLED_MEAN, MOST_NORMALS};
 use crate::containers::bit_set::BitSets;
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::extents::largest;
 use crate::patch::patches::Patches;
 use crate::patch::support::{highest, push_eights, Eight};
 use feeler_core::geometry::bounds::Point;
-use feeler_core::geometry::vectors::{along, dot, unit};
+use feeler_core::geometry::vectors::{along, dot, length, unit};
 use feeler_lanes::{Checked, WIDE_LANES};
 
 /// A patch as a face of a body.
@@ -238,7 +238,8 @@ impl Bodies {
             }
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
-            let mean = unit(&sum).unwrap_or([0.0; 3]);
+            let weight: f64 = facets.iter().map(|p| p.size * p.size).sum();
+            let mean = unit(&sum).filter(|_| length(&sum) > CANCELLED_MEAN * weight).unwrap_or([0.0; 3]);
             let from_normals = self.normals.len();
             self.push_normals(lanes, from.0, from.1, mean);
             let facets = &self.facets[from.0..];

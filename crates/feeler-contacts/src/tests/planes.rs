@@ -2,7 +2,7 @@
 
 use feeler_core::geometry::vectors::*;
 use feeler_core::{Error, Point, Pose, Tool};
-use feeler_shapes::{ball, box_mesh, cylinder, ridge, sheet, Arrays};
+use feeler_shapes::{ball, box_mesh, cylinder, lathe, ridge, sheet, Arrays};
 
 use super::{at, moved, scene, tool, turned, Held};
 use crate::{ContactTracker, Contacts, PenetrationKind};
@@ -63,6 +63,29 @@ fn expect(found: &[(Point, f64)], expected: &[(Point, f64)], tolerance: f64, wha
         let near =
             |f: &&&(Point, f64)| dot(&f.0, &n) > 1.0 - tolerance && close(f.1, *depth, tolerance * depth.abs() + 1e-12);
         assert!(deep.iter().any(|f| near(&f)), "{what}: {found:?} has not {n:?} {depth}");
+    }
+}
+
+/// The shaft is the hole grown by 1.001, so each of its sides is 10 um deep, all around.
+#[test]
+fn a_shaft_pressed_into_a_hub_is_as_deep_as_the_press_all_around() {
+    for n in [12, 32, 48, 64, 96, 128] {
+        for turn in [0.0, 0.3] {
+            let hub = lathe(&[[0.01, 0.0], [0.03, 0.0], [0.03, 0.03], [0.01, 0.03]], n, turn);
+            let shaft = lathe(&[[0.0, -0.01], [0.01001, -0.01], [0.01001, 0.04], [0.0, 0.04]], n, turn);
+            let contacts = scene(hub).contacts(&tool(shaft), &at(0.0, 0.0, 0.0), 0.0, None).unwrap();
+            let deep: Vec<_> = contacts.planes.iter().filter(|plane| plane.gap < -1e-9).collect();
+            let apothem = 1e-5 * (std::f64::consts::PI / n as f64).cos();
+            for plane in &deep {
+                let is_press = (apothem - 1e-9..1.001e-5 + 1e-9).contains(&-plane.gap);
+                assert!(is_press, "{n} {turn}: {} {:?}", plane.gap, plane.normal);
+                assert!(plane.normal[2].abs() < 1e-9, "{n} {turn}: {:?}", plane.normal);
+            }
+            // To all sides: the mean normal of the sides of a shaft is rounding, and no side leads in by it.
+            for side in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]] {
+                assert!(deep.iter().any(|plane| dot(&plane.normal, &side) > 0.8), "{n} {turn}: {side:?}");
+            }
+        }
     }
 }
 
