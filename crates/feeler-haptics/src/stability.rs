@@ -74,7 +74,7 @@ impl Limitations {
     /// ```
     /// use feeler_haptics::{device::simulated::SimulatedOptions, Coupling};
     /// let info = SimulatedOptions::desktop_3dof().info;
-    /// let asked = Coupling { max_torque_nm: 0.0, max_force_n: 20.0, ..Coupling::for_device(&info) };
+    /// let asked = Coupling::for_device(&info).with_max_torque_nm(0.0).with_max_force_n(20.0);
     /// let said = asked.limited(&info, 1000.0).1.in_words(&info, 1000.0);
     /// assert_eq!(said, ["force 12 N instead of 20: the most that the simulated desktop device, 3 driven freedoms has"]);
     /// ```

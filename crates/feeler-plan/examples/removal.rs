@@ -47,13 +47,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let has_time = || Instant::now() < end;
     let options = RemovalOptions::default().with_has_time(&has_time);
     let found = removal(&ContactSolver::new(Arc::new(scene.clone())), &task, &options)?;
-    match &found.held {
-        Some(held) => println!(
-            "with the pillar no way leads out: it is held by {:?}",
-            held.parts.iter().map(|part| names[*part as usize]).collect::<Vec<_>>()
-        ),
-        None => println!("with the pillar: {:?}, stopped by {} parts", found.method, found.blockers.len()),
-    }
+    println!(
+        "with the pillar: {:?}; most tries were stopped by the {}",
+        found.method, names[found.blockers[0].part as usize]
+    );
     assert!(found.method.is_none());
 
     // The same index without the pillar.
@@ -64,8 +61,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("the least distance on the way is {:.2} mm", 1e3 * found.clearance);
     assert!(to[1] < -0.5);
 
-    // The room that it sweeps, as a closed mesh within 1 cm.
-    let room = swept(&drawer, &found.poses, 0.01, &SweptOptions::default())?;
+    // The room that it sweeps, as a closed mesh within 2 cm.
+    let room = swept(&drawer, &found.poses, 0.02, &SweptOptions::default())?;
     println!("the room it needs: {} triangles", room.faces.len());
     Ok(())
 }
