@@ -61,9 +61,14 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
     let size = 1.0 / 64.0;
     let block = |x: f64| box_mesh([x, 0.0, 0.0], [size; 3], 1);
     let mockup = scene(&[block(0.0), block(0.5)]);
-    let put_down = PutDown::new(1, scene(&[block(0.03)]));
-    let bar = tool(&[box_mesh([0.0; 3], [0.1, 0.02, 0.01], 1)]);
-    let over = at([0.015, 0.0, 0.0155]);
+    let put_down = PutDown::new(1, scene(&[block(2.0 * size)]));
+    let bar = tool(&[box_mesh([0.0; 3], [8.0 * size, size, 0.5 * size], 1)]);
+    let over = at([size, 0.0, 0.75 * size + 5e-4]);
+    let alone = [&mockup, &put_down.scene].map(|scene| {
+        let contacts = ContactSolver::new(scene.clone()).contacts(&bar, &over, 0.001, None).unwrap();
+        contacts.planes.iter().map(|plane| plane.id).collect::<Vec<_>>()
+    });
+    assert!(alone[0].len() == 1 && alone[0] == alone[1], "{alone:?}");
     let world = World::new(mockup.clone(), bar.clone(), std::slice::from_ref(&put_down)).unwrap();
     let environment = Environment::new(&mockup, &[put_down]).unwrap();
     let (contacts, _) = environment.contacts(&bar, &over, 0.001, None).unwrap();
@@ -141,7 +146,7 @@ fn a_sunk_part_whose_faces_are_flush_does_not_leave_sideways() {
     let plate = [box_mesh([0.0; 3], [0.2, 0.2, 0.02], 1)];
     for long in [0.02, 0.03] {
         let bolt = tool(&[box_mesh([0.0, 0.0, 0.5 * (long - 0.02)], [0.01, 0.01, long], 1)]);
-        let around = around(std::slice::from_ref(&plate), &bolt, &Pose::IDENTITY);
+        let around = around(&plate, &bolt, &Pose::IDENTITY);
         assert_eq!(around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
         let start = around.seated_at_start();
         let walk = |by| around.walk(&start, (&Pose::IDENTITY, &at(by)), WalkOptions::default()).unwrap();
@@ -163,8 +168,7 @@ fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
             let shank = box_mesh([0.0, 0.0, 0.5 * (low + high)], [0.01, 0.01, high - low], 1);
             let on_top = box_mesh([0.0, 0.0, 0.0125], [0.02, 0.02, 0.005], 1);
             let (vertices, faces) = joined(if head { vec![shank, on_top] } else { vec![shank] });
-            let around =
-                around(std::slice::from_ref(&plate), &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
+            let around = around(&plate, &Arc::new(Tool::new(vertices, faces).unwrap()), &Pose::IDENTITY);
             let start = around.seated_at_start();
             let is_free = |z: f64| {
                 let to = at([0.0, 0.0, z]);
