@@ -42,7 +42,7 @@ pub struct ForceInput {
 /// - Saturation: force and torque are scaled by one factor, so that the wrench keeps its line of action, until both are
 ///   within the bounds. The bounds are the lesser ones of coupling and device, and grow from nothing in 0.2 s at the
 ///   start and after letting go.
-/// - [`Passivity`]: over what was really sent, the device's delay counted. Its damping and the virtual damper together
+/// - `Passivity`: over what was really sent, the device's delay counted. Its damping and the virtual damper together
 ///   stay below the device's own damping, and what would go over the bounds is left out.
 /// - Rate: where ticks are clearly longer than those that the coupling is limited for, its stiffness is that much less, as Colgate's
 ///   bound is.

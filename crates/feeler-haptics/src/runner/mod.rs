@@ -1,15 +1,4 @@
-//! A session that runs: a servo thread and a collision thread, which hand each other the newest and never wait for each other.
-//!
-//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the force. No lock,
-//!   no allocation.
-//! - **Collision thread**: the newest target, the proxy to there, its contacts. What changes the scene (a start, a grip) is done
-//!   between two ticks; meanwhile the servo thread goes on with what it has.
-//! - **Picture**: takes a [`View`] when it wants to; nobody waits for it.
-//!
-//! What happens when one stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag, and
-//! lets the force go when they are older than half a second. A servo thread that stalls leaves the force to the device's own watchdog,
-//! and begins anew from zero. A device that fails, is silent or tells what cannot be gets no force, and is asked again each tick.
-//! A thread that panics, and a device that is broken, end the run; the force is let go first.
+//! A session that runs in two threads. See [`Runner`].
 
 mod collision_side;
 mod exchange;
@@ -173,7 +162,20 @@ impl Drop for Ending {
     }
 }
 
-/// See the [module](self). Dropping it stops the run.
+/// A session that runs: a servo thread and a collision thread, which hand each other the newest and never wait for each other.
+///
+/// - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the force. No lock,
+///   no allocation.
+/// - **Collision thread**: the newest target, the proxy to there, its contacts. What changes the scene (a start, a grip) is done
+///   between two ticks; meanwhile the servo thread goes on with what it has.
+/// - **Picture**: takes a [`View`] when it wants to; nobody waits for it.
+///
+/// What happens when one stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag, and
+/// lets the force go when they are older than half a second. A servo thread that stalls leaves the force to the device's own watchdog,
+/// and begins anew from zero. A device that fails, is silent or tells what cannot be gets no force, and is asked again each tick.
+/// A thread that panics, and a device that is broken, end the run; the force is let go first.
+///
+/// Dropping it stops the run.
 pub struct Runner {
     is_over: Arc<AtomicBool>,
     commands: Sender<Command>,
