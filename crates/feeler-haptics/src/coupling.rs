@@ -132,7 +132,7 @@ impl Coupling {
     /// world axes. `centre`: the springs' point of action, tool frame. The spring of translation pulls at most with
     /// `max_force_n` and that of rotation with `max_torque_nm`, at the centre; the dampers add to that, and the arm
     /// from the centre to the origin adds to the torque: forces for a device go through
-    /// [`ForceLoop`](crate::ForceLoop). At half a turn between the two the torque changes its sign.
+    /// the force loop. At half a turn between the two the torque changes its sign.
     pub fn wrench(
         &self,
         device: &Pose,

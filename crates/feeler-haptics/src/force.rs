@@ -43,7 +43,7 @@ pub struct ForceInput {
 /// - Saturation: one factor scales force and torque, so that the wrench keeps its line of action, until both are within
 ///   the bounds. The bounds are the lesser ones of coupling and device, and grow from nothing in 0.2 s at the start and
 ///   after each release.
-/// - [`Passivity`]: over the wrench really sent, with the device's delay. Its damping and the virtual damper together
+/// - `Passivity`: over the wrench really sent, with the device's delay. Its damping and the virtual damper together
 ///   stay below the device's own damping, and any excess over the bounds is dropped.
 /// - Rate: if ticks are clearly longer than those that the coupling is limited for, its stiffness is reduced like
 ///   Colgate's bound.

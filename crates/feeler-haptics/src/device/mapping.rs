@@ -45,7 +45,7 @@ pub struct Mapped {
     pub released: u32,
 }
 
-/// See the [module](self).
+/// Puts a device into the tool's world, and wrenches back into the device's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mapping {
     info: DeviceInfo,

@@ -1,17 +1,4 @@
-//! A running session: a servo thread and a collision thread, which exchange their newest results and never wait for
-//! each other.
-//!
-//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the
-//!   force. No lock, no allocation.
-//! - **Collision thread**: moves the proxy to the newest target and finds its contacts. Changes of the scene (a start,
-//!   a grip) happen between two ticks; meanwhile the servo thread continues with its data.
-//! - **Picture**: takes a [`View`] at any time; nobody waits for it.
-//!
-//! If one thread stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag,
-//! and releases the force when they are older than half a second. A stalled servo thread leaves the force to the
-//! device's own watchdog, and restarts from zero. A device that fails, is silent or reports invalid values gets no
-//! force, and is read again each tick. A panic in a thread, and a broken device, end the run; the force is released
-//! first.
+//! A session that runs in two threads. See [`Runner`].
 
 mod collision_side;
 mod exchange;
@@ -175,7 +162,22 @@ impl Drop for Ending {
     }
 }
 
-/// See the [module](self). Dropping it stops the run.
+/// A running session: a servo thread and a collision thread, which exchange their newest results and never wait for
+/// each other.
+///
+/// - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the
+///   force. No lock, no allocation.
+/// - **Collision thread**: moves the proxy to the newest target and finds its contacts. Changes of the scene (a start,
+///   a grip) happen between two ticks; meanwhile the servo thread continues with its data.
+/// - **Picture**: takes a [`View`] at any time; nobody waits for it.
+///
+/// If one thread stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag,
+/// and releases the force when they are older than half a second. A stalled servo thread leaves the force to the
+/// device's own watchdog, and restarts from zero. A device that fails, is silent or reports invalid values gets no
+/// force, and is read again each tick. A panic in a thread, and a broken device, end the run; the force is released
+/// first.
+///
+/// Dropping it stops the run.
 pub struct Runner {
     is_over: Arc<AtomicBool>,
     commands: Sender<Command>,
