@@ -694,8 +694,8 @@ class HapticsSession:
         """`put_down`: parts of the scene's mock-up that lie elsewhere, each with a scene of that part alone."""
     def _begin(self, pose: PoseLike) -> StartAnswer:
         """Begins at a pose."""
-    def _advance(self, pose: PoseLike | None, dt: float) -> StepAnswer:
-        """One step of `dt` seconds; None for a pose that is in doubt."""
+    def _advance(self, pose: npt.NDArray[np.float64], dt: float) -> StepAnswer:
+        """One step of `dt` seconds; a pose `(4, 4)` that is not rigid is in doubt."""
     def _swap(self, scene: Scene) -> StartAnswer:
         """Changes the scene: the seats of the proxy there."""
     def _grip(self, parts: Sequence[int]) -> None: ...

@@ -6,6 +6,7 @@
 
 use feeler_core::geometry::vectors::dot;
 use feeler_core::Point;
+use feeler_lanes::SplitMix64;
 
 use crate::contact_plane::ContactPlane;
 use crate::context::QueryContext;
@@ -46,14 +47,10 @@ fn widest<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> Point {
     std::array::from_fn(|a| f64::from(u8::from(a == widest)))
 }
 
-/// The last step of SplitMix64 (G. Steele, D. Lea, C. Flood, 2014) after each number.
+/// Of one number after the other.
 fn hash([part, mockup, tool]: [u32; 3], number: u32) -> u64 {
-    [part, mockup, tool, number].into_iter().fold(0x9e37_79b9_7f4a_7c15, |h: u64, x| {
-        let mut z = (h ^ u64::from(x)).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    })
+    let first = 0x9e37_79b9_7f4a_7c15;
+    [part, mockup, tool, number].into_iter().fold(first, |h, x| SplitMix64::new(h ^ u64::from(x)).bits())
 }
 
 #[cfg(test)]

@@ -1,25 +1,22 @@
 //! Numbers from a seed, the same on every run and machine: no call here depends on the platform's mathematics library.
 
 use feeler_core::{Point, Triangle};
+use feeler_lanes::SplitMix64;
 
-/// SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): small, and good enough to aim at trouble with.
+/// Numbers from a seed, good enough to aim at trouble with.
 #[derive(Debug, Clone)]
-pub struct Random(u64);
+pub struct Random(SplitMix64);
 
 impl Random {
     /// Streams of different seeds have nothing to do with each other.
     pub fn new(seed: u64) -> Random {
-        let mut r = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x9e37_79b9_7f4a_7c15);
-        Random(r.bits())
+        let mut first = SplitMix64::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x9e37_79b9_7f4a_7c15);
+        Random(SplitMix64::new(first.bits()))
     }
 
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+        self.0.bits()
     }
 
     /// In `0..n`.
@@ -39,7 +36,7 @@ impl Random {
 
     /// In `[low, high)`, with all 53 bits random.
     pub fn real(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.bits() >> 11) as f64 / (1u64 << 53) as f64)
+        low + (high - low) * self.0.unit()
     }
 
     /// One of `choices`.

@@ -30,6 +30,7 @@ mod boxes;
 mod constants;
 mod simd;
 mod sort;
+mod split_mix;
 
 pub use boxes::{
     along, boxes_apart, greatest, greatest4, least, least4, load3, load_few3, splat3, Box4, Lane32, LaneBoxes,
@@ -41,6 +42,7 @@ pub use simd::{
     LineLanes, Simd, Wide, FEW, LANES, WIDE_LANES,
 };
 pub use sort::Sorter;
+pub use split_mix::{mixed, SplitMix64};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,27 +1,21 @@
 //! Random numbers that are the same on every machine and any number of threads.
 
-/// SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): a counter whose bits are mixed.
+use feeler_lanes::SplitMix64;
+
+/// Numbers from a seed, in streams that have nothing to do with each other.
 #[derive(Debug, Clone)]
-pub struct Random(u64);
+pub struct Random(SplitMix64);
 
 impl Random {
     /// The stream of a number, among those of a seed.
     pub fn new(seed: u64, stream: u64) -> Random {
-        let mut random = Random(seed);
-        let mixed = random.bits();
-        Random(mixed ^ stream.wrapping_mul(0xd134_2543_de82_ef95))
-    }
-
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ x >> 31
+        let mixed = SplitMix64::new(seed).bits();
+        Random(SplitMix64::new(mixed ^ stream.wrapping_mul(0xd134_2543_de82_ef95)))
     }
 
     /// From 0 to 1, without 1.
     pub fn share(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 * (-53f64).exp2()
+        self.0.unit()
     }
 
     /// From one to the other.
@@ -49,7 +43,7 @@ mod tests {
 
     #[test]
     fn streams_differ_and_repeat() {
-        let first = |seed, stream| Random::new(seed, stream).bits();
+        let first = |seed, stream| Random::new(seed, stream).0.bits();
         assert_eq!(first(3, 1), first(3, 1));
         let mut all: Vec<u64> = (0..40).flat_map(|seed| (0..8).map(move |stream| first(seed, stream))).collect();
         all.sort_unstable();

@@ -138,7 +138,7 @@ fn plain_poses<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(object.clone())
 }
 
-fn pose_of(matrix: &ArrayView2<'_, f64>) -> core::Result<core::Pose> {
+pub fn pose_of(matrix: &ArrayView2<'_, f64>) -> core::Result<core::Pose> {
     core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| matrix[[i, j]])))
 }
 

@@ -4,10 +4,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_core as core;
 use feeler_haptics::{Coupling, Error, PutDown, Release, Session, SessionOptions};
-use numpy::PyArray1;
+use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::{PoseArgument, ToolArgument};
+use crate::arguments::{pose_of, PoseArgument, ToolArgument};
 use crate::errors::{raise, to_py};
 use crate::haptics_answers::{StartAnswer, StepAnswer};
 use crate::pools::{find_topology, on_pool};
@@ -144,11 +144,12 @@ impl HapticsSession {
         StartAnswer::new(py, start)
     }
 
-    /// One step of `dt` seconds; None for a pose that is in doubt.
+    /// One step of `dt` seconds; a pose `(4, 4)` that is not rigid is in doubt.
     #[pyo3(signature = (pose, dt))]
     #[pyo3(name = "_advance")]
-    fn advance(&self, py: Python<'_>, pose: Option<PoseArgument>, dt: f64) -> PyResult<StepAnswer> {
-        let step = py.detach(|| self.locked().as_mut().map(|session| session.step(pose.as_ref().map(|p| &p.0), dt)));
+    fn advance(&self, py: Python<'_>, pose: PyReadonlyArray2<'_, f64>, dt: f64) -> PyResult<StepAnswer> {
+        let pose = pose_of(&pose.as_array()).ok();
+        let step = py.detach(|| self.locked().as_mut().map(|session| session.step(pose.as_ref(), dt)));
         let step = step.ok_or_else(is_away)?.map_err(haptics_to_py)?;
         self.with(|session| StepAnswer::new(py, &step, session))
     }

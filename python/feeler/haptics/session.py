@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -181,7 +180,7 @@ class Session(Runs):
         if pose.shape != (4, 4):
             raise PoseError(f"a pose has shape {pose.shape}: (4, 4) is needed")
         dt = float(dt)
-        made = super()._advance(pose if _is_rigid(pose) else None, dt)
+        made = super()._advance(pose, dt)
         planes = Planes(made.points, made.normals, made.gaps, made.parts, made.ids, made.is_holding)
         step = Step(made.world_from_proxy, made.force, made.torque, planes, made.age, made.mode)
         if self._recorder:
@@ -263,14 +262,3 @@ def _one_part(scene: Scene, part: int | str, where: str) -> int:
     if len(chosen) != 1:
         raise OptionError(f"{part!r} names {len(chosen)} parts: {where} takes one")
     return int(chosen[0])
-
-
-def _is_rigid(pose: Floats) -> bool:
-    """The core's test: within 1e-6."""
-    if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > 1e100:
-        return False
-    rotation = pose[:3, :3]
-    if np.abs(rotation).max() > 2.0:
-        return False
-    off = max(np.abs(rotation @ rotation.T - np.eye(3)).max(), np.abs(pose[3] - [0, 0, 0, 1]).max())
-    return bool(off <= 0.99e-6 and np.linalg.det(rotation) > 0 and math.isfinite(off))

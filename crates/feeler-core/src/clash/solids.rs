@@ -1,5 +1,6 @@
 //! The parts of a mock-up one by one: their triangles, their connectivity, and their insides; each computed on demand.
 
+use feeler_lanes::mixed;
 use once_cell::race::OnceBox;
 
 use crate::error::Result;
@@ -250,11 +251,4 @@ fn hash_all(p: &Point) -> u64 {
         // 0.0 and -0.0 are one.
         (sum.rotate_left(21) ^ (x + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15)
     })
-}
-
-/// All bits of a number into all (D. Stafford's thirteenth mixer, as in SplitMix64).
-fn mixed(x: u64) -> u64 {
-    let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ x >> 31
 }
