@@ -26,8 +26,8 @@ else:
 
 # A crate may depend on crates to its left.
 CRATES = [
-    "feeler-shapes",
     "feeler-lanes",
+    "feeler-shapes",
     "feeler-core",
     "feeler-contacts",
     "feeler-world",

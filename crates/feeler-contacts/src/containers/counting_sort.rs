@@ -1,6 +1,6 @@
 //! Counting sort in linear time, stable, for few distinct keys of any size.
 
-use crate::containers::interner::Interner;
+use feeler_core::index::interner::Interner;
 
 /// Sorts lists by part; its working memory.
 #[derive(Debug, Default)]

@@ -1,4 +1,4 @@
-//! An interner of points: each distinct point has one number. Open addressing with linear probing, as in [`super::interner`].
+//! An interner of points: each distinct point has one number. Open addressing with linear probing, as in [`feeler_core::index::interner`].
 
 use std::hint::select_unpredictable;
 

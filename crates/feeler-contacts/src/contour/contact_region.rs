@@ -7,10 +7,11 @@
 use feeler_core::constants::NONE;
 use feeler_core::{Point, Triangle};
 
+use crate::containers::bounded_interner::BoundedInterner;
 use crate::containers::counting_sort::lay_out;
-use crate::containers::interner::{BoundedInterner, Interner};
 use crate::context::QueryContext;
 use crate::surface::{Side, Surface};
+use feeler_core::index::interner::Interner;
 
 /// A triangle that meets one of the other surface.
 #[derive(Debug, Clone)]

@@ -11,7 +11,6 @@ use std::hint::select_unpredictable;
 
 use crate::constants::{MOST_CORNERS, MOST_PATCHES};
 use crate::containers::counting_sort::lay_out;
-use crate::containers::interner::Interner;
 use crate::containers::point_interner::PointInterner;
 use crate::context::QueryContext;
 use crate::contour::contact_region::ContactRegions;
@@ -23,6 +22,7 @@ use feeler_core::constants::{NONE, ONE_PLANE};
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::triangle_normals::eight_normals;
 use feeler_core::geometry::vectors::{dot, normal, scaled};
+use feeler_core::index::interner::Interner;
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_lanes::{Checked, Sorter, WIDE_LANES};
 

@@ -6,13 +6,14 @@
 
 use crate::constants::BEHIND_SHARE;
 use crate::contact_plane::ContactPlane;
-use crate::containers::interner::{BoundedInterner, Interner};
+use crate::containers::bounded_interner::BoundedInterner;
 use crate::context::QueryContext;
 use crate::surface::Surface;
 use feeler_core::distance::wanted::Candidate;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::distance_lanes::held_apart;
 use feeler_core::geometry::vectors::{dot, normal, scaled, sub};
+use feeler_core::index::interner::Interner;
 use feeler_core::Gap;
 use feeler_lanes::{prefetch, Checked, Kernel, Simd, WIDE_LANES};
 

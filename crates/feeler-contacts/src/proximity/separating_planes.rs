@@ -13,7 +13,6 @@ use crate::constants::{
     SEPARATION_SLACK, SNAP_COSINE, SORTED_AT_ONCE,
 };
 use crate::contact_plane::ContactPlane;
-use crate::containers::interner::{pair_key, Interner};
 use crate::context::QueryContext;
 use crate::proximity::cull::{Cull, Near, NearQuery};
 use crate::surface::Surface;
@@ -22,6 +21,7 @@ use feeler_core::geometry::bounds::{Aabb, Point};
 use feeler_core::geometry::distance_lanes::{closest_apart, held_apart};
 use feeler_core::geometry::distance_triangle_triangle::{closest_within, Closest};
 use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
+use feeler_core::index::interner::{pair_key, Interner};
 use feeler_core::index::sink::Divider;
 use feeler_core::{Gap, Triangle};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
@@ -337,7 +337,7 @@ impl<'a> PlaneSearch<'a> {
 
     /// The gap of a pair that was measured and is within the margin.
     fn measured_gap(&self, pair: [u32; 2]) -> Option<Gap> {
-        self.scratch.measured.get(pair_key(pair)).and_then(|i| self.scratch.gaps[i as usize])
+        self.scratch.measured.get(pair_key(pair[0], pair[1])).and_then(|i| self.scratch.gaps[i as usize])
     }
 
     /// Measures at most eight pairs that do not meet, and emits those within the margin that no plane explains.
@@ -355,7 +355,7 @@ impl<'a> PlaneSearch<'a> {
 
     /// The gap of a pair, where it is within `limit` (metres, at most the margin).
     fn measure_within(&mut self, pair: [u32; 2], part: u32, limit: f64) -> Option<Gap> {
-        if let Some(i) = self.scratch.measured.get(pair_key(pair)) {
+        if let Some(i) = self.scratch.measured.get(pair_key(pair[0], pair[1])) {
             return self.scratch.gaps[i as usize];
         }
         let (p, q) = (self.context.tool_triangle(pair[0]), self.context.mockup_triangle(pair[1]));
@@ -365,7 +365,7 @@ impl<'a> PlaneSearch<'a> {
     }
 
     fn record(&mut self, pair: [u32; 2], gap: Option<Gap>) {
-        if self.scratch.measured.number(pair_key(pair)).1 {
+        if self.scratch.measured.number(pair_key(pair[0], pair[1])).1 {
             self.scratch.gaps.push(gap);
         }
     }
@@ -441,7 +441,7 @@ impl<'a> PlaneSearch<'a> {
             let corners = unseen.map(|[t, m]| (context.tool_triangle(t), context.mockup_triangle(m)));
             let far = held_apart(context.lanes, count, |i| (&corners[i].0, &corners[i].1), limit);
             for (i, pair) in unseen.into_iter().enumerate().take(count) {
-                if far >> i & 1 != 0 && self.scratch.measured.get(pair_key(pair)).is_none() {
+                if far >> i & 1 != 0 && self.scratch.measured.get(pair_key(pair[0], pair[1])).is_none() {
                     continue;
                 }
                 let Some(other) = self.measure_within(pair, part, limit) else { continue };

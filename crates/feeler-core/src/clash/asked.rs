@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::constants::COORDINATE_ROUNDOFFS;
 use crate::error::{Error, Result};
 use crate::geometry::bounds::Aabb;
-use crate::index::pair_set::pair_key;
+use crate::index::interner::pair_key;
 
 /// Which pairs of parts to check, and with which limits: by classes of parts, a table for each two of them.
 #[derive(Debug, Clone, PartialEq)]

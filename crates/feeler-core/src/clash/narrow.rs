@@ -48,7 +48,7 @@ pub(crate) struct NarrowScratch {
 impl Default for NarrowScratch {
     fn default() -> NarrowScratch {
         NarrowScratch {
-            known: PairTable::new(Known::Done),
+            known: PairTable::new(),
             lines: Vec::new(),
             places: [u32::MAX; STEP],
             firsts: [0; PLACES],

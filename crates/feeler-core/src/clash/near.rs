@@ -91,7 +91,7 @@ struct Candidate {
 
 impl Default for Nearest {
     fn default() -> Nearest {
-        Nearest { known: PairTable::new(NOT_ASKED), share: 0, candidates: Vec::new() }
+        Nearest { known: PairTable::new(), share: 0, candidates: Vec::new() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The pairs found by a query, and their order.
 
 use crate::geometry::intersect_triangle_triangle::PairKind;
-use crate::index::pair_set::pair_key;
+use crate::index::interner::pair_key;
 use feeler_lanes::{Checked, Kernel, Simd, Sorter};
 
 /// A found pair and its kind in one number, in the order of results.

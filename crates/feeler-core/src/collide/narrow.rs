@@ -7,7 +7,7 @@ use crate::geometry::intersect_lanes::{intersect, least_of, Pairs, Seen};
 use crate::geometry::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::geometry::pose::Pose;
 use crate::geometry::predicates::Signs;
-use crate::index::pair_set::{pair_key, PairSet};
+use crate::index::interner::{pair_key, KeySet};
 use crate::index::sink::{CandidateSink, PlacedTool, Stats};
 use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
 use crate::tool::moving_tool::Tool;
@@ -169,7 +169,7 @@ pub(crate) struct Narrow<'a> {
     pub filters: Filters,
     pub until: Until,
     pub placed: &'a mut PlacedBounds,
-    pub seen: &'a mut PairSet,
+    pub seen: &'a mut KeySet,
     pub pending: &'a mut Pending,
     pub hits: &'a mut Hits,
     pub stats: &'a mut Stats,

@@ -6,8 +6,8 @@ use super::touching::Surfaces;
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::pose::Pose;
 use crate::index::blocks::BlocksScratch;
+use crate::index::interner::KeySet;
 use crate::index::mockup_index::Index;
-use crate::index::pair_set::PairSet;
 use crate::index::sink::{PlacedTool, Stats};
 use crate::tool::moving_tool::Tool;
 
@@ -28,7 +28,7 @@ pub struct Collision {
 #[repr(align(128))] // two threads never write to one line, nor to the pair of lines that is fetched together
 pub(crate) struct CollideScratch {
     placed: PlacedBounds,
-    seen: PairSet,
+    seen: KeySet,
     pending: Pending,
     blocks: BlocksScratch,
     hits: Hits,

@@ -1,7 +1,7 @@
 //! The query of a cast on lists of voxels: each tool triangle's motion through a window of time, as a swept box.
 
+use super::interner::{pair_key, KeySet};
 use super::lists::ListedMesh;
-use super::pair_set::{pair_key, PairSet};
 use super::sink::{Offer, Sweep};
 use crate::geometry::bounds::{Aabb, Triangle};
 use crate::index::grid::VoxelRange;
@@ -12,7 +12,7 @@ const VOXELS_TOO_MANY: f64 = 8.0;
 impl ListedMesh<'_> {
     /// Offers, for each tool triangle, the entries of every voxel that the box around its motion overlaps, if the boxes
     /// of the two overlap. See [`Store::offer_swept`](super::Store::offer_swept).
-    pub fn offer_swept(&self, sweep: &Sweep<'_>, seen: &mut PairSet, offer: Offer<'_>) -> bool {
+    pub fn offer_swept(&self, sweep: &Sweep<'_>, seen: &mut KeySet, offer: Offer<'_>) -> bool {
         if sweep.may_give_up && self.is_too_much(sweep) {
             return false;
         }

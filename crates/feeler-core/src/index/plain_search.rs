@@ -4,7 +4,7 @@
 //! *Nearest neighbor queries*, 1995; of pairs of boxes: E. Larsen, S. Gottschalk, M. Lin and D. Manocha, *Fast proximity queries
 //! with swept sphere volumes*, 1999).
 
-use super::pair_set::{pair_key, PairSet};
+use super::interner::{pair_key, KeySet};
 use super::selection::Selection;
 use super::sink::{NearSink, NearTool};
 use crate::geometry::bounds::Aabb;
@@ -55,7 +55,7 @@ struct Pair<C> {
 /// Working memory of a search.
 #[derive(Debug, Default)]
 pub struct SearchScratch {
-    seen: PairSet,
+    seen: KeySet,
 }
 
 /// Hands `wanted` every pair of triangles that may be within its bound, nearest boxes first.

@@ -11,7 +11,7 @@ use super::pieces::HalfBlock;
 use super::separating_planes::{Above, Dividers};
 use super::tree::Blocks;
 use crate::constants::{BOUND_ROUNDING, FAR_MARGIN, LARGEST_BOUND, VANISHING_SQUARE};
-use crate::index::pair_set::PairSet;
+use crate::index::interner::KeySet;
 use crate::index::plain_search::{search, SearchScratch};
 use crate::index::selection::there as selected;
 use crate::index::sink::{NearSink, NearTool};
@@ -25,7 +25,7 @@ pub struct NearScratch {
     waiting: Waiting,
     pub(super) clusters: PlacedClusters,
     pub(super) block: UnpackedBlock,
-    pub(super) seen: PairSet,
+    pub(super) seen: KeySet,
     pub(super) candidates: Vec<Candidate>,
 }
 

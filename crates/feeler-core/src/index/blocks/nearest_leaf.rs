@@ -6,7 +6,7 @@ use super::node::FANOUT;
 use super::pieces::HalfBlock;
 use super::separating_planes::Dividers;
 use crate::constants::{LEAF_ROUNDING, LEAST_AXIS_SQUARE};
-use crate::index::pair_set::pair_key;
+use crate::index::interner::pair_key;
 use crate::index::sink::NearSink;
 use crate::tool::placement::PlacedPieces;
 use feeler_lanes::{load3, prefetch, Simd, LANES};

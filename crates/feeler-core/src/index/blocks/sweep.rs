@@ -4,14 +4,14 @@ use super::collide::{Children, Expand, Place, Reach};
 use super::pieces::HalfBlock;
 use super::swept_bounds::{SweptPieces, SweptPlacement};
 use super::tree::Blocks;
-use crate::index::pair_set::PairSet;
+use crate::index::interner::KeySet;
 use crate::index::sink::{Offer, Sweep};
 use feeler_lanes::{load3, Box4, Kernel, LaneBoxes, Simd, SpreadBoxes, LANES};
 
 /// Working memory of a query.
 pub struct SweepScratch {
     /// For stores that offer pairs more than once.
-    pub(in crate::index) seen: PairSet,
+    pub(in crate::index) seen: KeySet,
     nodes: Vec<u32>,
     masks: Vec<u16>,
     children: Vec<LaneBoxes>,
@@ -29,7 +29,7 @@ impl std::fmt::Debug for SweepScratch {
 impl Default for SweepScratch {
     fn default() -> SweepScratch {
         SweepScratch {
-            seen: PairSet::default(),
+            seen: KeySet::default(),
             nodes: Vec::new(),
             masks: Vec::new(),
             children: Vec::new(),

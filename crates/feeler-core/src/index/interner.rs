@@ -1,17 +1,25 @@
-//! Interners: keys numbered 0, 1, 2, ... in the order of their arrival. An open-addressed hash table with linear probing (Knuth: *The
-//! Art of Computer Programming*, volume 3, 6.4), whose slots carry the round that they were filled in, so that clearing takes
-//! constant time.
+//! Interners: keys numbered 0, 1, 2, ... in the order of their arrival; and sets of keys, which need no numbers.
 
-/// Least slots a key: at a load of a quarter nearly every first probe hits, and the branch on it is predicted.
-const SLOTS_PER_KEY: usize = 4;
+/// A pair in one key, in order.
+#[inline]
+pub fn pair_key(a: u32, b: u32) -> u64 {
+    u64::from(a) << 32 | u64::from(b)
+}
 
-/// Numbers any keys.
+/// Numbers keys. An open-addressed hash table with linear probing (Knuth: *The Art of Computer Programming*, volume 3, 6.4), whose
+/// slots carry the round that they were filled in, so that clearing takes constant time.
+///
+/// `SLOTS_PER_KEY`: at a load of a quarter nearly every first probe hits, and the branch on it is predicted; at a half the table takes
+/// half the memory.
 #[derive(Debug, Default)]
-pub(crate) struct Interner {
+pub struct Interner<const SLOTS_PER_KEY: usize = 4> {
     slots: Vec<Slot>,
     len: u32,
     round: u32,
 }
+
+/// A set of keys, which are often many.
+pub type KeySet = Interner<2>;
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Slot {
@@ -20,7 +28,7 @@ struct Slot {
     number: u32,
 }
 
-impl Interner {
+impl<const SLOTS_PER_KEY: usize> Interner<SLOTS_PER_KEY> {
     /// Forgets all keys.
     pub fn clear(&mut self) {
         if self.slots.is_empty() || self.round == u32::MAX {
@@ -32,6 +40,7 @@ impl Interner {
     }
 
     /// How many keys have a number.
+    #[allow(clippy::len_without_is_empty, reason = "nobody asks whether one is empty")]
     pub fn len(&self) -> usize {
         self.len as usize
     }
@@ -50,6 +59,12 @@ impl Interner {
         *slot = Slot { key, round: self.round, number: self.len };
         self.len += 1;
         (self.len - 1, true)
+    }
+
+    /// Adds a key; false when it was there.
+    #[inline]
+    pub fn insert(&mut self, key: u64) -> bool {
+        self.number(key).1
     }
 
     /// The number of a key that has one.
@@ -85,76 +100,13 @@ impl Interner {
     }
 }
 
-/// Numbers keys below a limit: a slot each, without hashing.
-#[derive(Debug, Default)]
-pub(crate) struct BoundedInterner {
-    /// For each key its number and the round in which it was given.
-    slots: Vec<(u32, u32)>,
-    len: u32,
-    round: u32,
-}
-
-impl BoundedInterner {
-    /// Forgets all keys; from now on they are below `limit`.
-    pub fn clear(&mut self, limit: usize) {
-        if self.slots.len() < limit || self.round == u32::MAX {
-            self.slots = vec![(0, 0); limit.max(self.slots.len())];
-            self.round = 0;
-        }
-        self.round += 1;
-        self.len = 0;
-    }
-
-    /// How many keys have a number.
-    pub fn len(&self) -> usize {
-        self.len as usize
-    }
-
-    /// The number of a key, and whether it is new.
-    #[inline]
-    pub fn number(&mut self, key: u32) -> (u32, bool) {
-        let slot = &mut self.slots[key as usize];
-        if slot.0 == self.round {
-            return (slot.1, false);
-        }
-        *slot = (self.round, self.len);
-        self.len += 1;
-        (slot.1, true)
-    }
-
-    /// The number of a key that has one.
-    #[inline]
-    pub fn get(&self, key: u32) -> Option<u32> {
-        let (round, number) = self.slots[key as usize];
-        (round == self.round).then_some(number)
-    }
-}
-
-/// A pair as a key.
-pub(crate) fn pair_key(pair: [u32; 2]) -> u64 {
-    u64::from(pair[0]) << 32 | u64::from(pair[1])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn bounded_keys_count_up_and_start_again_on_clear() {
-        let mut numbered = BoundedInterner::default();
-        for limit in [10, 5, 100] {
-            numbered.clear(limit);
-            assert_eq!(numbered.get(4), None);
-            assert_eq!(numbered.number(4), (0, true));
-            assert_eq!(numbered.get(4), Some(0));
-            assert_eq!(numbered.number(limit as u32 - 1), if limit == 5 { (0, false) } else { (1, true) });
-            assert_eq!(numbered.number(4), (0, false));
-        }
-    }
-
-    #[test]
     fn numbers_count_up_through_growth_and_start_again_on_clear() {
-        let mut numbered = Interner::default();
+        let mut numbered = <Interner>::default();
         assert_eq!(numbered.get(5), None);
         assert_eq!(numbered.number(5), (0, true));
         for round in 0..3u64 {
@@ -167,6 +119,20 @@ mod tests {
                 assert_eq!(numbered.get(i * 0x1_0000_0007 + round), Some(i as u32));
             }
             assert_eq!(numbered.get(3), None);
+        }
+    }
+
+    #[test]
+    fn a_set_remembers_through_growth_and_forgets_on_clear() {
+        let mut set = KeySet::default();
+        for round in 0..3 {
+            set.clear();
+            for key in 0..5000u64 {
+                assert!(set.insert(key * 77 + round), "{key}");
+            }
+            for key in 0..5000u64 {
+                assert!(!set.insert(key * 77 + round), "{key}");
+            }
         }
     }
 }
