@@ -72,7 +72,7 @@ def test_what_is_no_tool_of_parts(mockup: feeler.Mockup) -> None:
         feeler.Tool.of_parts(feeler.Tool(*cube((0, 0, 0), 1)), 0)  # type: ignore[arg-type]
     vertices, faces = cube((0, 0, 0), 1)
     holey = feeler.Mockup(vertices, [*faces.tolist(), [0, 0, 0]], [0] * 12 + [2], ["a", "empty", "flat"])
-    with pytest.raises(feeler.MeshError, match="empty: there is no triangle"):
+    with pytest.raises(feeler.MeshError, match="empty: there are no triangles"):
         feeler.Tool.of_parts(holey, "empty")
     with pytest.raises(feeler.MeshError):
         feeler.Tool.of_parts(holey, "flat")

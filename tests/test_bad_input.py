@@ -552,3 +552,40 @@ def test_the_wrong_kind_of_object(mockup: feeler.Mockup, tool: feeler.Tool, scen
 def test_every_error_is_a_feeler_error(name: str) -> None:
     assert issubclass(getattr(feeler, name), feeler.FeelerError)
     assert name in feeler.__all__
+
+
+AWKWARD: dict[str, Callable[[feeler.Scene, feeler.Tool], object]] = {
+    "triangles": lambda scene, tool: scene.clearance(tool, np.eye(4), triangles=np.zeros(3)),  # type: ignore[arg-type]
+    "inside": lambda scene, tool: scene.check_path(tool, [np.eye(4)], inside="no"),  # type: ignore[call-overload]
+    "a filter": lambda scene, tool: scene.collide(tool, np.eye(4), box_filter=np.zeros(3)),  # type: ignore[arg-type]
+    "rules": lambda scene, tool: feeler.clash(scene.mockup, rules=[]),  # type: ignore[arg-type]
+    "scene": lambda scene, tool: feeler.clash(scene.mockup, scene="x"),  # type: ignore[arg-type]
+    "volume": lambda scene, tool: feeler.clash(scene.mockup, volume="no"),  # type: ignore[arg-type]
+    "progress": lambda scene, tool: feeler.sample("gearbox", 50_000, progress=3),  # type: ignore[arg-type]
+    "poses need": lambda scene, tool: feeler.sample_path("x", tool, 3),  # type: ignore[arg-type]
+    "n is": lambda scene, tool: feeler.sample_path(scene, tool, 2**63),
+    "start": lambda scene, tool: feeler.insertion(scene, 0, start=[10**400] * 16),
+    "max_deviation": lambda scene, tool: feeler.nearest_rigid(np.eye(4), None),  # type: ignore[arg-type]
+    "sample tool": lambda scene, tool: feeler.sample_tool([]),  # type: ignore[arg-type]
+    "storage": lambda scene, tool: feeler.optimal_voxel_size(scene.mockup, tool, "area", storage="abc"),
+    "stiffness": lambda scene, tool: feeler.haptics.Coupling(stiffness_n_per_m="abc"),  # type: ignore[arg-type]
+    "shading": lambda scene, tool: feeler.haptics.Session(scene, tool, shading="off"),  # type: ignore[arg-type]
+    "cannot write": lambda scene, tool: feeler.clash(scene.mockup).save(None),  # type: ignore[arg-type]
+    "Clashes.save": lambda scene, tool: feeler.load_clashes(None),  # type: ignore[arg-type]
+    "seed": lambda scene, tool: feeler.removal_order(scene, 0, seed="abc"),  # type: ignore[arg-type]
+    "not rigid": lambda scene, tool: feeler.write_glb("a.glb", feeler.io.body_of(tool, pose=2 * np.eye(4))),
+}
+"""Arguments of the wrong kind, by what the error has to name."""
+
+
+@pytest.mark.parametrize("named", list(AWKWARD))
+def test_arguments_of_the_wrong_kind_are_named(named: str) -> None:
+    mockup = feeler.Mockup(*box((0, 0, 0), (1, 1, 1)))
+    with pytest.raises(feeler.FeelerError, match=named):
+        AWKWARD[named](feeler.Scene(mockup), feeler.Tool(*box((2, 0, 0), (3, 1, 1))))
+
+
+def test_a_list_of_rotation_and_translation_is_a_pose() -> None:
+    scene = feeler.Scene(feeler.Mockup(*box((0, 0, 0), (1, 1, 1))))
+    tool = feeler.Tool(*box((0, 0, 0), (1, 1, 1)))
+    assert scene.distance(tool, [np.eye(3), [3.0, 0.0, 0.0]]).value == pytest.approx(2.0)

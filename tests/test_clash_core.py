@@ -169,8 +169,9 @@ def test_ctrl_c_leaves_what_was_found(engine: feeler.Scene) -> None:
         return clash(engine, progress=progress)
 
     for stage in ("finding colliding parts", "measuring clearances", "measuring depths"):
-        stopped = stop_at(stage)
-        assert stopped.is_partial
+        # A stage may be over before it is heard: then it is stopped again.
+        stopped = next((rows for rows in (stop_at(stage) for _ in range(50)) if rows.is_partial), None)
+        assert stopped is not None, stage
         pairs = {*verdicts(stopped)}
         assert pairs <= {*verdicts(clash(engine))}
 

@@ -301,7 +301,7 @@ def test_files_that_cannot_be_read(tmp_path: Path, mockup: feeler.Mockup) -> Non
     with pytest.raises(MissingFileError, match=r"none\.toml does not exist: feeler clash --write-rules"):
         feeler.clash(mockup, rules=tmp_path / "none.toml")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(LoadError, match="cannot be read"):
+    with pytest.raises(LoadError, match="is not valid TOML"):
         Rules.read(tmp_path / "binary.toml")
     with pytest.raises(LoadError, match="cannot be read"):
         Rules.read(tmp_path)

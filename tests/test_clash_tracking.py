@@ -328,7 +328,7 @@ def test_other_files(tmp_path: Path, saved: Path) -> None:
         with pytest.raises(LoadError, match=message):
             feeler.load_clashes(tmp_path / "odd.json")
     (tmp_path / "odd.json").write_bytes(b"\xff\xfe")
-    with pytest.raises(LoadError, match="cannot be read"):
+    with pytest.raises(LoadError, match="not JSON"):
         feeler.load_clashes(tmp_path / "odd.json")
     with pytest.raises(WriteError):
         one().save(tmp_path / "no" / "x.json")

@@ -305,7 +305,7 @@ def test_ply_strips_restart_and_rows_do_not_run_together(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("property float y", "propperty float y", r"line 5: 'propperty float y' is no valid"),
+        ("property float y", "propperty float y", r"line 5: 'propperty float y' is not a valid"),
         ("element face", "element vertex 1\nproperty float x\nelement face", "several elements 'vertex'"),
         ("3 0 2 1", "3 0 2", r"line 14: the face promises more values"),
         ("float x", "float q", "no x, y and z"),

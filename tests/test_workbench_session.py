@@ -612,7 +612,7 @@ def test_view_from_a_script(tmp_path: Path) -> None:
             view.screenshot(size=(0, 1))
         with pytest.raises(WorkbenchError, match="not a pose"):
             view.pose = np.zeros((4, 4))
-        with pytest.raises(WorkbenchError, match="no pose"):
+        with pytest.raises(WorkbenchError, match="not a pose"):
             view.show_hit("a hit")
     assert view._server.is_closed
     view.close()

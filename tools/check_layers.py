@@ -239,7 +239,7 @@ ROOMS: dict[str, set[str]] = {
     "enumerations": set(),
     "arguments": {"errors", "progress"},
     "travel": {"_core", "errors"},
-    "poses": {"errors"},
+    "poses": {"arguments", "errors"},
     "parts": {"errors"},
     "mockup": {"_core", "errors", "parts", "poses", "travel"},
     "part_meshes": {"mockup"},

@@ -28,6 +28,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from feeler.parts import PartsLike
+from feeler.workbench.document.arguments import VectorLike, plain_parts
 from feeler.workbench.document.protocol import {names}
 from feeler.workbench.session.session import Session
 
@@ -61,20 +63,30 @@ def written(commands: str) -> str:
     for name, row, text in tables.rows("COMMANDS"):
         arguments = sorted(tables.arguments(row), key=lambda argument: argument[2])
         for _, kind, _ in arguments:
-            names |= {node.id for node in ast.walk(kind) if isinstance(node, ast.Name)} - BUILTIN
+            if _type(kind) == ast.unparse(kind):
+                names |= {node.id for node in ast.walk(kind) if isinstance(node, ast.Name)} - BUILTIN
         methods.append("\n".join(_method(name, arguments, text or STEPS[name])))
     listed = ", ".join(sorted(names))
     return "\n".join([HEAD.format(names=f"({listed})" if len(listed) > 50 else listed), *methods])
 
 
 def _method(name: str, arguments: list[tuple[str, ast.expr, bool]], text: str) -> Iterator[str]:
-    given = [f"{each}: {ast.unparse(kind)}{' | None = None' if may_lack else ''}" for each, kind, may_lack in arguments]
-    sent = "".join(f", {each}={each}" for each, _, _ in arguments)
+    given = [f"{each}: {_type(kind)}{' | None = None' if may_lack else ''}" for each, kind, may_lack in arguments]
+    sent = "".join(f", {each}={_sent(each, kind)}" for each, kind, _ in arguments)
     send = "_command" if any(may_lack for _, _, may_lack in arguments) else "command"
     yield f"    def {name}(self{''.join(f', {each}' for each in given)}) -> CommandAnswer:"
     yield textwrap.indent(f'"""{text.replace("null", "None")}"""', "        ")
     yield f'        return self.{send}("{name}"{sent})'
     yield ""
+
+
+def _type(kind: ast.expr) -> str:
+    """The type of an argument for a script, which may give parts and vectors as all of feeler takes them."""
+    return {"Selection": "PartsLike", "Vec3": "VectorLike"}.get(ast.unparse(kind), ast.unparse(kind))
+
+
+def _sent(name: str, kind: ast.expr) -> str:
+    return f"plain_parts({name})" if ast.unparse(kind) == "Selection" else name
 
 
 def main() -> int:

@@ -60,6 +60,21 @@ def check_whole(what: str, value: object, least: int = 0, most: int | None = Non
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
+def check_flag(what: str, value: object) -> bool:
+    """True or false. Raises `OptionError` for other values."""
+    if not isinstance(value, (bool, np.bool_, int)) or value not in (0, 1):
+        raise OptionError(f"{what} is {value!r}: give True or False")
+    return bool(value)
+
+
+def check_word(what: str, value: object, known: Iterable[str]) -> str:
+    """One of the known words. Raises `OptionError` for others."""
+    words = list(known)
+    if not isinstance(value, str) or value not in words:
+        raise OptionError(f"{what} is {value!r}: {near(value, words)}")
+    return str(value)
+
+
 def check_threads(threads: object) -> int | None:
     """A number of threads; None for all. Raises `OptionError` for other values."""
     return None if threads is None else check_whole("threads", threads, 1, MOST_THREADS, ", or None for all")

@@ -9,7 +9,8 @@ from typing import Any, Protocol, cast
 import numpy as np
 import numpy.typing as npt
 
-from feeler.errors import OptionError, PoseError
+from feeler.arguments import check_number
+from feeler.errors import PoseError
 
 Floats = npt.NDArray[np.float64]
 
@@ -39,8 +40,10 @@ _LEAST_RANK = 1e-9  # second to first singular value; below it all rows are on o
 def plain(pose: object) -> object:
     """A pose as NumPy reads it: a pair of rotation and translation, or an object with `as_matrix()`, becomes a matrix;
     all else is unchanged. Raises PoseError for a pair of other shapes."""
-    if isinstance(pose, tuple) and len(pose) == 2:
+    if isinstance(pose, (tuple, list)) and len(pose) == 2:
         turn, shift = (np.asarray(plain(each)) for each in pose)
+        if isinstance(pose, list) and (turn.shape, shift.shape) != ((3, 3), (3,)):
+            return pose  # rows of numbers
         if turn.shape != (3, 3) or shift.shape != (3,):
             raise PoseError(
                 f"a pose is a pair of shapes {turn.shape} and {shift.shape}: give a rotation (3, 3) and a translation "
@@ -72,8 +75,7 @@ def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floa
     Raises `PoseError` with the index for larger deviations, entries that are not finite, a rotation whose rows are all
     on one line, and another shape or dtype; `OptionError` if `max_deviation` is negative or NaN.
     """
-    if isinstance(max_deviation, (bool, str, bytes)) or not max_deviation >= 0:
-        raise OptionError(f"max_deviation is {max_deviation!r}: it must be a number, at least 0")
+    max_deviation = check_number("max_deviation", max_deviation, "a number, at least 0", least=0.0, is_endless=True)
     given = _matrices(pose)
     poses = given.reshape(-1, 4, 4)
     names = ["the pose"] if given.ndim == 2 else [f"poses[{i}]" for i in range(len(poses))]

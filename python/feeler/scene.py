@@ -26,7 +26,15 @@ from feeler._core import (
     Screw,
     SectionOutline,
 )
-from feeler.arguments import check_number, check_progress, check_real, check_threads, check_whole
+from feeler.arguments import (
+    check_flag,
+    check_number,
+    check_progress,
+    check_real,
+    check_threads,
+    check_whole,
+    check_word,
+)
 from feeler.calibrate import machine_constants
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
@@ -180,7 +188,9 @@ class Scene(_core.Scene):
         the same distance, a part's row has the one with the smallest ids; if several collide, any. Raises `OptionError`
         if `within` is negative or NaN (it may be infinite), `LimitError` if the rows exceed the scene's `memory_limit`.
         """
-        return super().clearance(tool, world_from_tool, _within(within), bool(triangles), ignore=ignore)
+        return super().clearance(
+            tool, world_from_tool, _within(within), check_flag("triangles", triangles), ignore=ignore
+        )
 
     def distance(
         self,
@@ -243,7 +253,9 @@ class Scene(_core.Scene):
         Raises `LimitError` if the rows exceed the scene's `memory_limit`.
         """
         check_progress(progress)
-        return super().clearance_batch(tool, poses, _within(within), bool(triangles), progress, ignore=ignore)
+        return super().clearance_batch(
+            tool, poses, _within(within), check_flag("triangles", triangles), progress, ignore=ignore
+        )
 
     def cast(
         self,
@@ -324,7 +336,7 @@ class Scene(_core.Scene):
             cast("PosesLike", poses),
             tolerance=check_number("tolerance", tolerance, "metres, more than 0", above=0.0),
             touching=touching,
-            inside=bool(inside),
+            inside=check_flag("inside", inside),
             progress=progress,
             ignore=ignore,
         )
@@ -513,6 +525,8 @@ def optimal_voxel_size(
     - `"area"`, `"diagonal"`, `"side"`: the minimum of the paper's cost function, by how it estimates the static
       triangles per voxel (equations 3 to 10 of Borro, García-Alonso and Matey 2004); independent of the storage.
     """
+    check_word("storage", storage, STORAGES)
+    check_word("estimator", estimator, ESTIMATORS)
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
     if estimator != "calibrated":
@@ -553,7 +567,7 @@ def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.floa
     """`(n, columns) float64`."""
     try:
         array = np.asarray(values)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise OptionError(f"{what} cannot be read as an array: {error}") from error
     if array.shape == (0,):
         array = np.empty((0, columns))

@@ -103,7 +103,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Switch {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        object.is_truthy().map(Switch)
+        let refused = |_| raise("OptionError", "a filter is on or off: give True or False".into());
+        object.is_truthy().map(Switch).map_err(refused)
     }
 }
 

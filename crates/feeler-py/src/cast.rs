@@ -3,6 +3,7 @@
 use feeler_core as core;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyDeprecationWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -201,8 +202,9 @@ impl PathCheck {
 
     /// An older name of `is_free`.
     #[getter]
-    fn free(&self) -> bool {
-        self.is_free()
+    fn free(&self, py: Python<'_>) -> PyResult<bool> {
+        warn_of_old_name(py, c"PathCheck.free is now PathCheck.is_free")?;
+        Ok(self.is_free())
     }
 
     /// Containment at the first pose; None unless `inside` was set.
@@ -221,8 +223,9 @@ impl PathCheck {
 
     /// An older name of `fractions`.
     #[getter]
-    fn fraction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.fractions(py)
+    fn fraction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        warn_of_old_name(py, c"PathCheck.fraction is now PathCheck.fractions")?;
+        Ok(self.fractions(py))
     }
 
     /// `(k,)`: the segments with an impact, ascending. The rows of the following arrays belong to them.
@@ -292,4 +295,8 @@ impl PathCheck {
         let (numbers, ids) = rows_for(py, &casts);
         reduced(py, "PathCheck", (self.count, (self.segments(py), numbers, ids), self.inside.clone()))
     }
+}
+
+fn warn_of_old_name(py: Python<'_>, what: &std::ffi::CStr) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<PyDeprecationWarning>(), what, 1)
 }

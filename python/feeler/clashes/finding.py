@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_length
+from feeler.arguments import check_flag, check_length, check_progress
 from feeler.clashes.fastener_rule import shape_of
 from feeler.clashes.limits import Limits, limits
 from feeler.clashes.openness import open_holders
@@ -74,6 +74,10 @@ def clash(
     given: object = mockup
     if not isinstance(given, Mockup):
         raise MeshError(f"clash needs a feeler.Mockup, not {type(given).__name__}")
+    if not isinstance(scene, (Scene, type(None))):
+        raise OptionError(f"scene is {scene!r}: give a feeler.Scene of the mock-up, or leave it out")
+    check_progress(progress)
+    check_flag("volume", volume)
     near = check_length("clearance", clearance)
     touch = contact if contact == "chord" else check_length("contact", contact, ', or "chord"')
     if scene is not None and scene.mockup is not mockup:

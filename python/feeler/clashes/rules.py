@@ -143,6 +143,9 @@ def rules_from(rules: RulesLike | None) -> Rules:
         return Rules()
     if isinstance(rules, Mapping):
         return Rules(**_parsed(rules))
+    given: object = rules
+    if not isinstance(given, (Rules, str, os.PathLike)) or "\0" in str(given):
+        raise OptionError(f"rules are {rules!r}: give Rules, a dict, or the path of a file")
     return rules if isinstance(rules, Rules) else Rules.read(rules)
 
 

@@ -26,7 +26,7 @@ from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
 from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
-from feeler.errors import LoadError, MissingFileError
+from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.atomic import atomic_file
 from feeler.io.text import text_of
 
@@ -141,6 +141,9 @@ def _list(name: str, lines: Sequence[Mapping[str, Any]]) -> str:
 
 def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
     """See `load_clashes`."""
+    given: object = path
+    if not isinstance(given, (str, os.PathLike)):
+        raise OptionError(f"findings are in a file of Clashes.save: give its path, not {path!r}")
     file = Path(path)
     try:
         text = text_of(file)

@@ -7,19 +7,22 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_word
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
-from feeler.clashes.tracking import Marks, clash_id, part_keys
+from feeler.clashes.tracking import STATUSES, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
 
 Floats = npt.NDArray[np.float64]
+Severity = Literal["critical", "major", "minor"]
+Status = Literal["new", "active", "reviewed", "approved", "resolved"]
+VerdictLike = Verdict | Literal["clash", "contact", "clearance", "contained", "duplicate"]
 AnyTable = TypeVar("AnyTable", bound="Table")
 Point = tuple[float, float, float]
 
@@ -211,11 +214,11 @@ class Table(Sequence[Clash]):
     if not TYPE_CHECKING:  # Columns had the names of their rows' fields, and `verdict` was an array of numbers.
 
         def __getattr__(self, name: str) -> object:
-            new = "columns.verdict" if name == "verdict" else _PLURALS.get(name)
+            new = _PLURALS.get(name, "verdicts") if name in _PLURALS or name == "verdict" else None
             if new is None:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
             warnings.warn(f"Clashes.{name} is now Clashes.{new}", DeprecationWarning, stacklevel=2)
-            return attrgetter(new)(self)
+            return self.columns.verdict if name == "verdict" else getattr(self, new)
 
     @property
     def parts_a(self) -> npt.NDArray[np.uint32]:
@@ -326,22 +329,28 @@ class Table(Sequence[Clash]):
             found[name] = found.get(name, 0) + count
         return found
 
-    def where(self: AnyTable, **where: object) -> AnyTable:
-        """The rows with this verdict, severity, status or rule: `clashes.where(verdict="clash", rule="default")`."""
-        return self[self._mask(where)]
+    def where(
+        self: AnyTable,
+        *,
+        verdict: VerdictLike | None = None,
+        severity: Severity | None = None,
+        status: Status | None = None,
+        rule: str | None = None,
+    ) -> AnyTable:
+        """The rows with this verdict, severity, status and rule: `clashes.where(verdict="clash", rule="default")`.
 
-    def _mask(self, where: dict[str, object]) -> npt.NDArray[np.bool_]:
+        Raises `OptionError` for an unknown verdict, severity or status.
+        """
         mask = np.ones(len(self), dtype=bool)
-        for name, value in where.items():
-            if name == "verdict":
-                if (value := str(value).lower()) not in list(Verdict):
-                    raise OptionError(f"there is no verdict {value!r}: choose {', '.join(Verdict)}")
-                mask &= self.columns.verdict == Verdict(value).code
-            elif name in ("severity", "status", "rule"):
-                mask &= getattr(self, _PLURALS[name]) == value
-            else:
-                raise OptionError(f"rows are not chosen by {name!r}: give verdict, severity, status or rule")
-        return mask
+        if verdict is not None:
+            mask &= self.columns.verdict == Verdict(check_word("verdict", verdict, list(Verdict))).code
+        if severity is not None:
+            mask &= self.severities == check_word("severity", severity, SEVERITIES)
+        if status is not None:
+            mask &= self.statuses == check_word("status", status, STATUSES)
+        if rule is not None:
+            mask &= self.rules == rule
+        return self[mask]
 
     def __len__(self) -> int:
         return len(self.columns.a)

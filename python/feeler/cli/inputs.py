@@ -59,7 +59,7 @@ PoseFile = Annotated[
         "are checked one by one.",
     ),
 ]
-At = Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Position of the tool's origin, metres.")]
+At = Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Position of the origin of the tool or hand, metres.")]
 Rotate = Annotated[
     str | None,
     typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
@@ -70,7 +70,7 @@ MockupUnit = Annotated[
         help="Unit of the mock-up's numbers; overrides its files: mm (default if they do not say), cm, m, in, ..."
     ),
 ]
-ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")]
+ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's or hand's numbers; overrides its file.")]
 SnapPose = Annotated[
     bool, typer.Option("--snap-pose", help="Replace poses that rounding made non-rigid by the nearest rigid ones.")
 ]

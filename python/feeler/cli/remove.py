@@ -80,7 +80,7 @@ def remove(
         typer.Option("--from", help="With --insert: the start, as a motion from its place, a 4 by 4 matrix."),
     ] = None,
     goal: Annotated[
-        Path | None, typer.Option(help="With --insert: the goal, as a motion from its place, likewise.")
+        Path | None, typer.Option(help="With --insert: the goal, as a motion from its place; a file as for --from.")
     ] = None,
     hand: Annotated[
         str | None,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 
+from feeler.arguments import check_number
 from feeler.haptics.devices import Device
 
 
@@ -11,7 +12,7 @@ from feeler.haptics.devices import Device
 class Coupling:
     """A spring and a damper between the device's pose and the proxy, and their limits.
 
-    The default suits a desktop device of 8 N at 1 kHz.
+    The default suits a desktop device of 8 N at 1 kHz. Raises `OptionError` for negative values.
     """
 
     stiffness_n_per_m: float = 1000.0
@@ -25,6 +26,10 @@ class Coupling:
     slew_n_per_s: float = 2000.0
     """Slew: the largest change of the force per second."""
     slew_nm_per_s: float = 75.0
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            check_number(each.name, getattr(self, each.name), "a number, 0 or more", least=0.0)
 
     @classmethod
     def for_device(cls, device: Device) -> Coupling:

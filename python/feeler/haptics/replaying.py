@@ -13,7 +13,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from feeler.errors import LoadError
+from feeler.errors import LoadError, MissingFileError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import ALSO, FORMAT, GRIP, MODES, PUT_BACK, RELEASE, START, digest_of
 from feeler.haptics.session import Session
@@ -105,12 +105,12 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         opened = path.open("rb")
     except FileNotFoundError as error:
-        raise LoadError(f"{path}: no such file") from error
+        raise MissingFileError(f"{path} does not exist") from error
     with opened:
         try:
             record = np.load(opened, allow_pickle=False)
         except (OSError, ValueError, EOFError, BadZipFile) as error:
-            raise LoadError(f"{path} is not a record of a session: {error}") from error
+            raise LoadError(f"{path} is not a record of a session: give a file that Session.record wrote") from error
         if not isinstance(record, np.lib.npyio.NpzFile):
             raise LoadError(f"{path} is not a record of a session")
         with record:

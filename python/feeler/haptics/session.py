@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import check_flag
 from feeler.errors import OptionError, PoseError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import MODES, Recorder
@@ -143,7 +144,7 @@ class Session(Runs):
         options: dict[str, Any] = {
             "margin": float(margin),
             "skin": float(skin),
-            "shading": bool(shading),
+            "shading": check_flag("shading", shading),
             "collision_hz": None if collision_hz is None else float(collision_hz),
             "seed": int(seed),
         }

@@ -14,6 +14,9 @@ from feeler.errors import FeelerError, WriteError
 
 def check_target(path: str | os.PathLike[str]) -> Path:
     """`path`, after checking that a file can be put there; raises `WriteError`. Call it before long work."""
+    given: object = path
+    if not isinstance(given, (str, os.PathLike)):
+        raise WriteError(f"cannot write to {path!r}: give the path of a file")
     target = Path(path)
     folder = target.parent
     if not folder.is_dir():

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import MeshError, OptionError
+from feeler.poses import nearest_rigid
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -93,7 +94,7 @@ def body_of(
     colours: None (the mesh's own `part_colours`, else one per assembly), one (3,) sRGB colour, or (parts, 3), one per
     part.
     pose: world_from_mesh, (4, 4), metres; None leaves the mesh where it is.
-    Raises `MeshError` if a face refers to a vertex that does not exist.
+    Raises `PoseError` for a pose that is not rigid, `MeshError` if a face refers to a vertex that does not exist.
     """
     if isinstance(mesh, Body):
         return mesh
@@ -110,7 +111,7 @@ def body_of(
     paths = (str(getattr(mesh, "name", "part")),) if names is None else tuple(names)
     faces, part_of_face = _drawable(vertices, faces, part_of_face)
     if pose is not None:
-        matrix = np.asarray(pose, dtype=np.float64)
+        matrix = nearest_rigid(pose, 1e-6)
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
     own = stated_colours(mesh, len(paths)) if colours is None else None
     palette, colour_of_part = _palette(own if colours is None else colours, paths)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from feeler.arguments import check_progress
 from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
 from feeler.io import axes
 from feeler.io.files import Found, PathLike, collect
@@ -63,6 +64,7 @@ def load_mockup(
     files that do not fit in memory, `MeshError` if no triangle can be queried.
     """
     started = time.perf_counter()
+    check_progress(progress)
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     raw = loaded.raw
     if progress:
@@ -90,6 +92,7 @@ def load_tool(
     Options and errors are those of `load_mockup`.
     """
     started = time.perf_counter()
+    check_progress(progress)
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     if progress:
         progress(0.8, "checking triangles")

@@ -11,6 +11,9 @@ from feeler.io.ears import cut_ears
 
 CROSSING = "polygons cross themselves: their triangles overlap, or stand out of them"
 
+_NO_AREA = 1e-9
+"""The area of a polygon below which it has none, as a share of its longest edge squared."""
+
 _Points: TypeAlias = NDArray[np.float64]
 """Points of a plane, (k, 2), or one of them."""
 
@@ -38,9 +41,13 @@ def triangulate(corners: NDArray[np.int64], sizes: NDArray[np.int64], vertices: 
     for size in np.unique(sizes[~thin]).tolist():
         which = np.flatnonzero(sizes == size)
         block = corners[starts[which][:, None] + np.arange(size)]
+        if size > 3:
+            rough += int(_is_knotted(block, vertices).sum())
         if size == 4:
             # A fan from the one corner that is reflex serves every simple quad.
-            turn_back = np.argmax(_reflex(block, vertices), axis=1)
+            reflex = _reflex(block, vertices)
+            rough += int((reflex.sum(axis=1) > 1).sum())
+            turn_back = np.argmax(reflex, axis=1)
             block = np.take_along_axis(block, (turn_back[:, None] + np.arange(4)) % 4, axis=1)
         fan = np.empty((len(block), size - 2, 3), dtype=np.int64)
         fan[:, :, 0] = block[:, :1]
@@ -77,6 +84,28 @@ def _reflex(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[
             turns = np.cross(np.roll(edges, 1, axis=1), edges)
             reflex[good] = (turns * _area_vector(points)[:, None, :]).sum(axis=2) < 0
     return reflex
+
+
+def _is_knotted(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Tell which polygons (p, k) cross themselves although no corner looks reflex: they go round more than once, as a
+    pentagram does, or their area is zero and they are not on one line, as in a bow tie. Others are tested as ears."""
+    knotted = np.zeros(len(block), dtype=bool)
+    good = ((block >= 0) & (block < len(vertices))).all(axis=1) & ~_reflex(block, vertices).any(axis=1)
+    if not good.any():
+        return knotted
+    points = vertices[block[good]]
+    with np.errstate(all="ignore"):
+        edges = np.roll(points, -1, axis=1) - points
+        before = np.roll(edges, 1, axis=1)
+        turns, area = np.cross(before, edges), _area_vector(points)
+        largest = np.linalg.norm(turns, axis=2).max(axis=1)
+        size = np.linalg.norm(area, axis=1)
+        angles = np.arctan2(np.linalg.norm(turns, axis=2), (before * edges).sum(axis=2))
+        winds = angles.sum(axis=1) > 3.0 * np.pi
+        length = np.linalg.norm(edges, axis=2).max(axis=1)
+        is_flat = (size <= _NO_AREA * length**2) & (largest > _NO_AREA * length**2)
+    knotted[good] = is_flat | (winds & (size > _NO_AREA * length**2))
+    return knotted
 
 
 def _area_vector(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -79,7 +79,7 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) 
             "with 'solid'); export the file again"
         )
     count = int.from_bytes(head[80:84], "little")
-    doubts = []
+    doubts: list[str] = []
     whole, rest = divmod(size - _HEADER, 50)
     if not rest and whole and count in (0, whole + 1, _UNKNOWN):
         doubts.append(
@@ -93,9 +93,11 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) 
             "bytes: it is truncated, or no STL file; copy or export it again"
         )
     check_mesh(3 * count, count, 1, str(path))
-    notes = []
+    notes: list[str] = []
     if size > _HEADER + 50 * count:
-        notes.append(f"{size - _HEADER - 50 * count:,} bytes after the last triangle were ignored")
+        note = f"{size - _HEADER - 50 * count:,} bytes after the last triangle were ignored"
+        # Whole records may be triangles that the header did not count.
+        (notes if rest else doubts).append(note if rest else f"{note}: the header says {count:,} triangles")
     if progress:
         progress(0.0, f"reading {path.name}")
     records = np.fromfile(path, dtype=_RECORD, count=count, offset=_HEADER)
@@ -155,7 +157,7 @@ def _parse(path: Path, data: bytes, progress: Progress | None, relaid: bool) -> 
     soup = np.concatenate(corners)
     count = len(solid_of_face)
     check_mesh(3 * count, count, len(solids), str(path))
-    notes = []
+    notes: list[str] = []
     if strange:
         notes.append(f"{strange:,} lines that are not STL were ignored" + _first_line(first_strange, relaid))
     if not has_end:

@@ -86,7 +86,7 @@ def numbers_of(text: str, each: int, what: str) -> list[float]:
         words = [word for part in words for word in part.split(",") if word]
     numbers = [float(word.replace(",", ".")) for word in words]
     if len(numbers) % each:
-        raise ValueError(f"{len(numbers)} numbers are no whole number of {what}")
+        raise ValueError(f"{len(numbers)} numbers are not a multiple of {each}, as {what} have")
     return numbers
 
 

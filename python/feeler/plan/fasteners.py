@@ -10,8 +10,8 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_progress
-from feeler.errors import MeshError, OptionError
+from feeler.arguments import check_length, check_progress, check_word
+from feeler.errors import MeshError
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
@@ -137,13 +137,14 @@ class Fasteners(Sequence[Fastener]):
 
         `across_flats`: metres, within 3 %; or from, to. Raises `OptionError` for an unknown kind.
         """
-        if kind is not None and kind not in KINDS:
-            raise OptionError(f"kind is {kind!r}: choose one of {', '.join(KINDS)}")
+        if kind is not None:
+            check_word("kind", kind, KINDS)
         low, high = -np.inf, np.inf
-        if isinstance(across_flats, tuple):
-            low, high = across_flats
+        if isinstance(across_flats, tuple) and len(across_flats) == 2:
+            low, high = (check_length("across_flats", each) for each in across_flats)
         elif across_flats is not None:
-            low, high = 0.97 * across_flats, 1.03 * across_flats
+            width = check_length("across_flats", across_flats, ", or a pair of these")
+            low, high = 0.97 * width, 1.03 * width
         return Fasteners(
             row
             for row in self._rows

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy.typing as npt
 
-from feeler.arguments import check_number, check_progress
+from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
+from feeler.errors import MeshError
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.blocking import BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
-from feeler.plan.removal import Allowed, Removal, alone
+from feeler.plan.removal import LARGEST_SEED, Allowed, Removal, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -48,6 +50,7 @@ class RemovalOrder:
     @property
     def found(self) -> bool:
         """An older name of `is_found`."""
+        warnings.warn("RemovalOrder.found is now RemovalOrder.is_found", DeprecationWarning, stacklevel=2)
         return self.is_found
 
     @property
@@ -100,7 +103,12 @@ def removal_order(
     """
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     check_progress(progress)
+    check_whole("seed", seed, 0, LARGEST_SEED)
     allowed = Allowed.of(scene, ignore, overlap, seats)
+    check_length("clearance", clearance)
+    check_threads(threads)
+    if not isinstance(tool, (Tool, type(None))):
+        raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
     wanted = tuple(int(each) for each in scene.mockup.parts.select(parts))
     kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist()).difference(wanted)
     question = Question(

@@ -355,7 +355,7 @@ def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, 
         return targets.frames, [row.part for row in targets]
     try:
         frames = np.asarray(targets, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PoseError(f"targets cannot be read as frames: {error}; give feeler.Fasteners or (n, 4, 4)") from None
     if frames.size == 0:
         raise OptionError("there are no targets: give feeler.Fasteners or frames (n, 4, 4)")
@@ -377,7 +377,7 @@ def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, 
 def _lifted(frames: Floats, lift: float | npt.ArrayLike) -> Floats:
     try:
         heights = np.asarray(lift, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         heights = np.array(np.nan)
     if heights.shape not in ((), (len(frames),)) or not np.isfinite(heights).all():
         raise OptionError(f"lift is {lift!r}: give metres, one number or one for each of {len(frames)} targets")

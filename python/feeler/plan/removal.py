@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -27,7 +28,7 @@ from feeler.scene import Scene
 DIRECT = "direct"
 """The method of a path straight from its start to its goal."""
 _VERSIONS = (("feeler", version("feeler")),)
-_LARGEST_SEED = 2**64 - 1
+LARGEST_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +88,7 @@ class Removal:
     @property
     def found(self) -> bool:
         """An older name of `is_found`."""
-        return self.is_found
-
-    @property
-    def free(self) -> bool:
-        """An older name of `is_found`: a path that is found was verified."""
+        warnings.warn("Removal.found is now Removal.is_found", DeprecationWarning, stacklevel=2)
         return self.is_found
 
     @property
@@ -236,7 +233,7 @@ def way_from(
         "directions": _directions(directions),
         "clearance": check_length("clearance", clearance),
         "seconds": check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True),
-        "seed": check_whole("seed", seed, 0, _LARGEST_SEED),
+        "seed": check_whole("seed", seed, 0, LARGEST_SEED),
         "threads": check_threads(threads),
         "progress": check_progress(progress),
     }
@@ -277,7 +274,7 @@ def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
     """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, with the name of its argument."""
     try:
         given = np.asarray(plain(pose), dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PoseError(f"{name} cannot be read as a pose (4, 4): {error}") from error
     if given.shape != (4, 4):
         raise PoseError(f"{name} has shape {given.shape}: one pose (4, 4) is needed")
@@ -331,7 +328,7 @@ def _gripped(
     if met:
         names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
         raise PoseError(
-            f"{where}: the tool {tool.name!r} meets {names} there: put it where it is free, or ignore these"
+            f"{where}: the tool {tool.name!r} collides with {names}: put it where it is free, or ignore these parts"
         )
     return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
 
@@ -341,7 +338,7 @@ def _directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
         return np.empty((0, 3))
     try:
         rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise OptionError(f"directions cannot be read as (k, 3) numbers: {error}") from error
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise OptionError(f"directions have shape {rows.shape}: (k, 3) is needed")

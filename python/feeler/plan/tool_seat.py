@@ -77,7 +77,7 @@ def _grip(grip: object) -> Floats:
     try:
         frame = np.asarray(grip, dtype=np.float64)
         placed(np.zeros((1, 3)), frame, "the grip")
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, PoseError):
             raise
         raise PoseError(f"grip cannot be read as a matrix: {error}; give tool_from_target, (4, 4)") from None

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Set
 
 import numpy as np
 
+from feeler.arguments import check_progress
 from feeler.progress import Progress
 
 from ..errors import OptionError
@@ -59,6 +60,7 @@ def sample(
     Raises OptionError for an unknown name, a size out of range or a negative seed, LimitError for a size that the named
     mock-up cannot be tessellated to.
     """
+    check_progress(progress)
     parts = sample_parts(
         name, triangles, seed, faults=faults, progress=progress and (lambda share, stage: progress(0.75 * share, stage))
     )

@@ -13,7 +13,7 @@ from ..mockup import Tool
 from ..scene import Scene
 from . import rigid
 from .mesh import Floats
-from .poses import Searcher, Slide, _check_count, _generator
+from .poses import Searcher, Slide, _check_count, _check_pair, _generator
 
 APPROACHES = 24  # places tried; the one whose way in has the fewest collisions is taken
 CHECKS = 12  # poses tested along each way in
@@ -46,6 +46,7 @@ def sample_path(scene: Scene, tool: Tool, n: int, seed: int = 0, progress: Progr
 
     Raises OptionError if n is less than 2, or if no place is found where the tool touches and is free nearby.
     """
+    _check_pair(scene, tool)
     _check_count(n, 2)
     rng = _generator(seed, "path")
     searcher = Searcher(scene, tool, rng)

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from feeler.progress import Progress
 
-from ..errors import OptionError
+from ..arguments import check_whole
+from ..errors import MeshError, OptionError
 from ..mockup import Tool
 from ..scene import Scene
 from . import rigid
@@ -185,6 +186,7 @@ def sample_poses(
     """
     if kind not in KINDS:
         raise OptionError(f"no kind of poses is called {kind!r}; choose one of {', '.join(KINDS)}")
+    _check_pair(scene, tool)
     _check_count(n, 0)
     searcher = Searcher(scene, tool, _generator(seed, kind))
     poses: list[Floats] = []
@@ -221,9 +223,18 @@ def sample_poses(
     return np.array(poses).reshape(-1, 4, 4)
 
 
+_MOST_POSES = 10_000_000
+
+
+def _check_pair(scene: object, tool: object) -> None:
+    if not isinstance(scene, Scene) or not isinstance(tool, Tool):
+        raise MeshError(
+            f"poses need a feeler.Scene and a feeler.Tool, not {type(scene).__name__}, {type(tool).__name__}"
+        )
+
+
 def _check_count(n: object, least: int) -> None:
-    if isinstance(n, bool) or not isinstance(n, (int, np.integer)) or n < least:
-        raise OptionError(f"n is {n!r}; give a whole number from {least}")
+    check_whole("n", n, least, _MOST_POSES)
 
 
 def _generator(seed: object, purpose: str) -> np.random.Generator:

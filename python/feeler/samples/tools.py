@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..arguments import check_flag
 from ..errors import OptionError
 from ..mockup import Source, Tool
 from .mesh import Floats, Mesh, at, merge, moved, snapped, turned
@@ -29,7 +30,7 @@ def sample_tool(name: str, fine: bool = False) -> Tool:
     `fine`: the same surfaces with about 50,000 triangles. Closed shells facing outwards, the same bytes on every call.
     Raises OptionError for an unknown name.
     """
-    mesh = tool_mesh(name, bool(fine))
+    mesh = tool_mesh(name, check_flag("fine", fine))
     note = f"{name}, fine" if fine else name
     source = Source(format="sample", unit_source="samples are metres", notes=(note,))
     return Tool(mesh.vertices, mesh.faces.astype(np.uint32), name=name, source=source)
@@ -42,7 +43,7 @@ def sample_tool_names() -> tuple[str, ...]:
 
 def tool_mesh(name: str, fine: bool = False) -> Mesh:
     """The result of `sample_tool` as a plain mesh; see there."""
-    if name not in _MAKERS:
+    if name not in list(_MAKERS):
         raise OptionError(f"no sample tool is called {name!r}; choose one of {', '.join(_MAKERS)}")
     mesh = _tool_mesh(name, fine)
     return Mesh(mesh.vertices.copy(), mesh.faces.copy())

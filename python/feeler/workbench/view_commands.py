@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from feeler.parts import PartsLike
+from feeler.workbench.document.arguments import VectorLike, plain_parts
 from feeler.workbench.document.protocol import (
     Camera,
     CommandAnswer,
@@ -15,7 +17,6 @@ from feeler.workbench.document.protocol import (
     MeasureType,
     Mode,
     Pose,
-    Selection,
     Unit,
     Vec3,
 )
@@ -39,13 +40,13 @@ class ViewCommands:
         """Without the arguments that are not given."""
         return self.command(name, **{key: value for key, value in args.items() if value is not None})
 
-    def hide(self, parts: Selection) -> CommandAnswer:
+    def hide(self, parts: PartsLike) -> CommandAnswer:
         """Hides parts; they still collide."""
-        return self.command("hide", parts=parts)
+        return self.command("hide", parts=plain_parts(parts))
 
-    def show(self, parts: Selection) -> CommandAnswer:
+    def show(self, parts: PartsLike) -> CommandAnswer:
         """Shows hidden parts again."""
-        return self.command("show", parts=parts)
+        return self.command("show", parts=plain_parts(parts))
 
     def show_all(self) -> CommandAnswer:
         """Shows all parts, and none as a ghost."""
@@ -55,27 +56,27 @@ class ViewCommands:
         """Hides all parts."""
         return self.command("hide_all")
 
-    def isolate(self, parts: Selection) -> CommandAnswer:
+    def isolate(self, parts: PartsLike) -> CommandAnswer:
         """Shows these parts alone; the same call again restores what was hidden before."""
-        return self.command("isolate", parts=parts)
+        return self.command("isolate", parts=plain_parts(parts))
 
-    def ghost(self, parts: Selection, is_on: bool) -> CommandAnswer:
+    def ghost(self, parts: PartsLike, is_on: bool) -> CommandAnswer:
         """Draws parts see-through, or solid again."""
-        return self.command("ghost", parts=parts, is_on=is_on)
+        return self.command("ghost", parts=plain_parts(parts), is_on=is_on)
 
-    def single_out(self, parts: Selection) -> CommandAnswer:
+    def single_out(self, parts: PartsLike) -> CommandAnswer:
         """Draws these parts solid and all others see-through."""
-        return self.command("single_out", parts=parts)
+        return self.command("single_out", parts=plain_parts(parts))
 
     def explode(self, share: float) -> CommandAnswer:
         """Draws the parts apart by a share, 0 to 1."""
         return self.command("explode", share=share)
 
-    def section_add(self, normal: Vec3, offset: float) -> CommandAnswer:
+    def section_add(self, normal: VectorLike, offset: float) -> CommandAnswer:
         """Adds a section plane; `offset` is its distance from the origin along `normal`, metres."""
         return self.command("section_add", normal=normal, offset=offset)
 
-    def section_move(self, id: int, normal: Vec3, offset: float) -> CommandAnswer:
+    def section_move(self, id: int, normal: VectorLike, offset: float) -> CommandAnswer:
         """Moves a section plane."""
         return self.command("section_move", id=id, normal=normal, offset=offset)
 
@@ -103,17 +104,17 @@ class ViewCommands:
         """Moves the tool to a pose, as far as contact lets it: 16 numbers of world_from_tool, row by row, metres."""
         return self.command("place", pose=pose)
 
-    def grip(self, parts: Selection) -> CommandAnswer:
+    def grip(self, parts: PartsLike) -> CommandAnswer:
         """Grips parts: they leave the scene and move with the hand, together with those that it holds already."""
-        return self.command("grip", parts=parts)
+        return self.command("grip", parts=plain_parts(parts))
 
     def release(self) -> CommandAnswer:
         """Releases the gripped parts where they are; if they moved, this adds a step to the sequence."""
         return self.command("release")
 
-    def put_back(self, parts: Selection) -> CommandAnswer:
+    def put_back(self, parts: PartsLike) -> CommandAnswer:
         """Puts parts back into their places."""
-        return self.command("put_back", parts=parts)
+        return self.command("put_back", parts=plain_parts(parts))
 
     def take_tool(self, name: str | None) -> CommandAnswer:
         """Takes another tool, or none; where it would collide, it starts above the mock-up."""
@@ -123,25 +124,27 @@ class ViewCommands:
         self,
         type: MeasureType,
         points: list[Vec3] | None = None,
-        parts: Selection | None = None,
+        parts: PartsLike | None = None,
         triangles: list[int] | None = None,
         name: str | None = None,
     ) -> CommandAnswer:
         """Adds a measure of points, parts or triangles."""
-        return self._command("measure_add", type=type, points=points, parts=parts, triangles=triangles, name=name)
+        return self._command(
+            "measure_add", type=type, points=points, parts=plain_parts(parts), triangles=triangles, name=name
+        )
 
     def measure_edit(
         self,
         id: int,
         type: MeasureType | None = None,
         points: list[Vec3] | None = None,
-        parts: Selection | None = None,
+        parts: PartsLike | None = None,
         triangles: list[int] | None = None,
         name: str | None = None,
     ) -> CommandAnswer:
         """Renames a measure, or measures something else."""
         return self._command(
-            "measure_edit", id=id, type=type, points=points, parts=parts, triangles=triangles, name=name
+            "measure_edit", id=id, type=type, points=points, parts=plain_parts(parts), triangles=triangles, name=name
         )
 
     def measure_remove(self, id: int) -> CommandAnswer:

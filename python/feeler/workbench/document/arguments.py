@@ -8,9 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
+import numpy.typing as npt
+
 from feeler.arguments import near
 from feeler.errors import OptionError, WorkbenchError
-from feeler.parts import Parts
+from feeler.parts import Part, Parts, PartsLike
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Point
 from feeler.workbench.document.protocol import Pose, Selection, Vec3
@@ -26,6 +29,21 @@ class Maybe:
     """Marks the type of an argument that may be absent."""
 
     type: Any
+
+
+VectorLike = Sequence[float] | npt.NDArray[np.floating[Any]] | npt.NDArray[np.integer[Any]]
+"""Three numbers."""
+
+
+def plain_parts(parts: PartsLike | None) -> object:
+    """Parts as the page sends them: a path, a pattern, an index, or a list of these. None stays."""
+    if isinstance(parts, Part):
+        return parts.index
+    if isinstance(parts, np.ndarray):
+        return np.flatnonzero(parts).tolist() if parts.dtype == bool else parts.tolist()
+    if parts is None or isinstance(parts, (str, int)):
+        return parts
+    return [plain_parts(each) for each in parts]
 
 
 Shape = Mapping[str, Any]
@@ -155,8 +173,9 @@ class Arguments:
         raise self.fail(name, f"there is no {wanted}", f"there is {there}" if there else "there is none at all")
 
     def _triple(self, name: str, value: Any) -> Point:
+        value = value.tolist() if isinstance(value, np.ndarray) else value
         if not is_sequence(value) or len(value) != 3 or not all(is_number(each) for each in value):
-            raise self.fail(name, f"{_shown(value)} is not three numbers", "send x, y and z, metres")
+            raise self.fail(name, f"{_shown(value)} is not three numbers", "send x, y and z")
         x, y, z = (float(each) for each in value)
         return (x, y, z)
 
