@@ -72,6 +72,18 @@ def by_experiment(makers: Mapping[str, Callable[[Result], str]], result: Result)
     return {name: make(result[name]) for name, make in makers.items() if name in result}
 
 
+def measured_each(
+    ways: Mapping[str, Callable[[], Result]],
+    options: argparse.Namespace,
+    versions: Mapping[str, str],
+    absent: Mapping[str, str],
+) -> Result:
+    """The results of the chosen experiments by name, each with its origin."""
+    for name, reason in absent.items():
+        print(f"{name} is left out: {reason}", file=sys.stderr)
+    return {name: measured(ways[name], options, versions, absent) for name in options.only}
+
+
 def attempted(subject: str, ways: Mapping[str, Callable[[], Result | None]]) -> dict[str, Result]:
     """The results of experiments by name; an error is a result, too, and does not stop the others."""
     found: dict[str, Result] = {}
@@ -99,8 +111,6 @@ def measured(
     absent: Mapping[str, str] | None = None,
 ) -> Result:
     """The results of a way, and their origin. versions: of peers, by name; absent: peers left out, and why."""
-    for name, reason in (absent or {}).items():
-        print(f"{name} is left out: {reason}", file=sys.stderr)
     before = host.load_average()
     found = way()
     return {
@@ -169,7 +179,7 @@ class Section:
         parser.add_argument("out", nargs="?", type=Path, default=out, help=f"folder of the results (target/{out.name})")
         parser.add_argument("--quick", action="store_true", help=quick)
         only = listed(one_of("experiment", self.experiments))
-        parser.add_argument("--only", type=only, default=list(self.experiments), help=", ".join(self.experiments))
+        parser.add_argument("--only", type=only, help=", ".join(self.experiments))
         if self.subjects:
             parser.add_argument("--add", action="store_true", help=f"keep other {self.subjects} and experiments")
         parser.add_argument("--record", action="store_true", help=f"also write bench/records/{self.name}.json")
@@ -181,6 +191,7 @@ class Section:
         for name, value in vars(options).items():
             if isinstance(value, Form):
                 setattr(options, name, value.of(options))
+        options.only = options.only or list(self.experiments)
         options.given = list(given)
         return options
 

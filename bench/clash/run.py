@@ -23,8 +23,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
-from command_line import listed, one_of, triangles
-from section import Form, Result, measured
+from command_line import listed, one_of, positive, triangles
+from section import Form, Result, measured_each
 
 from clash import hard_cases, timings
 from clash.checkers import PEERS, Checker, FeelerChecker, peers
@@ -40,7 +40,7 @@ def parse(given: Sequence[str]) -> argparse.Namespace:
     parser = SECTION.parser(__doc__, "a small engine, coarse boxes, everything once")
     add, names = parser.add_argument, list(PEERS)
     add("--sizes", type=listed(triangles), default=SIZES, help=f"triangles of the sample engine ({SIZES})")
-    add("--repeats", type=int, default=REPEATS, help=f"of each stage; the least time counts ({REPEATS})")
+    add("--repeats", type=positive, default=REPEATS, help=f"of each stage; the least time counts ({REPEATS})")
     add("--peers", type=listed(one_of("peer", [*names, "none"])), default=names, help=f"{', '.join(names)}; none")
     return SECTION.options(parser, given)
 
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> Result:
         "times": lambda: timings.measured(options.sizes, there, options.repeats),
     }
     versions = {checker.name: checker.version for checker in checkers}
-    return {name: measured(ways[name], options, versions, absent) for name in options.only}
+    return measured_each(ways, options, versions, absent)
 
 
 main = partial(SECTION.main, parse, run)

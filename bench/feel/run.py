@@ -23,7 +23,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
-from command_line import listed, one_of
+from command_line import listed, one_of, positive
 from section import Form, Result, attempted, measured
 
 from feel import felt, scenes
@@ -47,11 +47,11 @@ def parse(given: Sequence[str]) -> argparse.Namespace:
     add, names = parser.add_argument, list(felt.makers())
     faces = listed(one_of("face", names))
     add("--faces", type=faces, default=names, help=f"faces to measure ({','.join(names)})")
-    add("--runs", type=int, default=RUNS, help=f"at thin things ({RUNS}; of a baseline at most {MOST_BASELINE_RUNS})")
-    add("--seeds", type=int, default=SEEDS, help=f"hands for each peg ({SEEDS}; of a baseline {BASELINE_SEEDS})")
+    add("--runs", type=positive, default=RUNS, help=f"at thin things ({RUNS}; baselines {MOST_BASELINE_RUNS})")
+    add("--seeds", type=positive, default=SEEDS, help=f"hands for each peg ({SEEDS}; baselines {BASELINE_SEEDS})")
     add("--big", action="store_true", help=f"the engine at {BIG_SIZE:,} triangles, too")
     add("--seed", type=int, default=0, help="of the runs at thin things (0)")
-    add("--jobs", type=int, default=1, help="processes for the runs at thin things (1)")
+    add("--jobs", type=positive, default=1, help="processes for the runs at thin things (1)")
     return SECTION.options(parser, given)
 
 

@@ -21,8 +21,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
-from command_line import listed, one_of, triangles
-from section import Form, Result, measured
+from command_line import listed, one_of, positive, triangles
+from section import Form, Result, measured_each
 
 from removal import engine_parts, planners, solving
 from removal.tables import SECTION
@@ -40,12 +40,7 @@ def parse(given: Sequence[str]) -> argparse.Namespace:
     parser = SECTION.parser(__doc__, "few seeds, a short time for each, a small engine")
     add = parser.add_argument
     add("--sizes", type=listed(triangles), default=SIZES, help=f"triangles of the engine, small and large ({SIZES})")
-    add(
-        "--seeds",
-        type=int,
-        default=SEEDS,
-        help=f"tries of feeler at a puzzle ({SEEDS}); of others fewer",
-    )
+    add("--seeds", type=positive, default=SEEDS, help=f"tries of feeler at a puzzle ({SEEDS}); of others fewer")
     add("--seconds", type=float, default=SECONDS, help=f"most time of a try at a puzzle ({SECONDS})")
     add("--peers", type=one_of("choice", ["OMPL", "none"]), default="OMPL", help="OMPL, none")
     options = SECTION.options(parser, given)
@@ -63,7 +58,7 @@ def run(options: argparse.Namespace) -> Result:
         "engine": lambda: engine(options),
     }
     versions = {"OMPL": there[0].version} if there else {}
-    return {name: measured(ways[name], options, versions, absent) for name in options.only}
+    return measured_each(ways, options, versions, absent)
 
 
 def engine(options: argparse.Namespace) -> Result:

@@ -24,6 +24,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
 import host
+from command_line import positive, triangles
 from section import Form, Result, attempted, measured
 
 from workbench import experiments, stand
@@ -38,9 +39,9 @@ def parse(given: Sequence[str]) -> argparse.Namespace:
     """The command line."""
     parser = SECTION.parser(__doc__, "a small engine, everything once")
     add = parser.add_argument
-    add("--size", type=int, default=SIZE, help=f"triangles of the sample engine ({SIZE})")
+    add("--size", type=triangles, default=SIZE, help=f"triangles of the sample engine ({SIZE})")
     add("--big", action="store_true", help=f"the engine at {BIG_SIZE:,} triangles, too, once")
-    add("--repeats", type=int, default=REPEATS, help=f"of large, small and parts ({REPEATS})")
+    add("--repeats", type=positive, default=REPEATS, help=f"of large, small and parts ({REPEATS})")
     add("--soak", type=float, default=SOAK_MINUTES, metavar="MINUTES", help=f"how long the tool moves ({SOAK_MINUTES})")
     add("--core", type=int, default=host.last_core(), help="for the page; default: the last one")
     return SECTION.options(parser, given)
