@@ -38,6 +38,13 @@ def one_of(what: str, known: Any) -> Callable[[str], str]:
     return check
 
 
+def positive(text: str) -> int:
+    """A whole number of at least 1."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of at least 1")
+    return int(text)
+
+
 def triangles(text: str) -> int:
     """A number of triangles: 100000, 100k or 1.6M."""
     found = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace("_", ""))

@@ -205,7 +205,7 @@ def agreement(rows: Sequence[Row]) -> Table | None:
 
 
 def growth(rows: Sequence[Row]) -> Table | None:
-    """The two sizes of `bench/growth.py` side by side."""
+    """The two sizes of `bench/claims/growth.py` side by side."""
     own = _of(rows, "growth")
     lines = []
     for tool in dict.fromkeys(row["tool"] for row in own):
@@ -222,7 +222,7 @@ def growth(rows: Sequence[Row]) -> Table | None:
     if not lines:
         return None
     sizes = " and ".join(f"{count:,}" for count in sorted({row["triangles"] for row in own}))
-    note = f"`python bench/growth.py`: {sizes} triangles in turns, nominal `collide`, {own[0]['poses']:,} poses."
+    note = f"`python bench/claims/growth.py`: {sizes} triangles in turns, nominal `collide`, {own[0]['poses']:,} poses."
     return Table("Growth", heads, 1, lines, note)
 
 
@@ -237,7 +237,7 @@ def limit(rows: Sequence[Row]) -> Table | None:
     heads = ["tool", "pose", "lines, at least", "memory, µs", "lanes, µs", "limit, µs", "measured, µs"]
     heads += ["asked again, µs", "times the limit"]
     note = (
-        "`python bench/limit.py`: the time for the cache lines that a `collide` must read, and for its vector "
+        "`python bench/claims/limit.py`: the time for the cache lines that a `collide` must read, and for its vector "
         "instructions, at this core's best rates; the limit is the larger. Measured: without the cost of a Python call."
     )
     return Table("The machine's limit", heads, 2, lines, note) if lines else None
@@ -253,7 +253,7 @@ def levels(rows: Sequence[Row]) -> Table | None:
         lines.append(
             [tool, kind, *(f"{us:,.1f}" + (f" ({us / times[0]:.1f})" if us > times[0] else "") for us in times)]
         )
-    note = "`python bench/limit.py`: medians of `collide`, microseconds (times the first's)."
+    note = "`python bench/claims/limit.py`: medians of `collide`, microseconds (times the first's)."
     return Table("Instruction sets", ["tool", "pose", *names], 2, lines, note) if lines else None
 
 

@@ -43,7 +43,7 @@ def run(root: Path, script: str, *arguments: str, **environment: str) -> subproc
 def bench(root: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Modules of the bench."""
     monkeypatch.syspath_prepend(str(root / "bench"))
-    names = ("record", "rows", "figures", "goals", "measure", "limit", "agreement", "host")
+    names = ("record", "rows", "figures", "goals", "measure", "agreement", "host")
     return SimpleNamespace(**{name: importlib.import_module(name) for name in names})
 
 
@@ -427,7 +427,7 @@ def test_those_in_play_have_more_rounds(
 
 def test_what_a_query_needs_at_least(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(root / "bench"))
-    limit = importlib.import_module("limit")
+    limit = importlib.import_module("claims.limit")
     faces = np.array([[0, 1, 2], [2, 1, 3], [100, 101, 102]] * 100)
     stats = dict.fromkeys(("voxels_visited", "clusters_placed", "pieces_scanned", "entries_scanned"), 16)
     nothing = limit.needed(faces, np.zeros((0, 2), dtype=np.uint32), {**stats, "triangle_tests": 0})
@@ -445,7 +445,7 @@ def test_what_a_query_needs_at_least(root: Path, monkeypatch: pytest.MonkeyPatch
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")
 def test_the_limit_at_toy_size(root: Path, bench: SimpleNamespace, tmp_path: Path) -> None:
     arguments = ["--size", "10000", "--tools", "torque", "--poses", "2", "--rounds", "1"]
-    done = run(root, "limit.py", *arguments, CARGO_TARGET_DIR=str(tmp_path))
+    done = run(root, "claims/limit.py", *arguments, CARGO_TARGET_DIR=str(tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "does not go into bench/records" in done.stdout
     (path,) = (tmp_path / "bench" / "records").iterdir()
@@ -461,7 +461,7 @@ def test_the_limit_at_toy_size(root: Path, bench: SimpleNamespace, tmp_path: Pat
 
 def test_growth_of_toy_engines(root: Path, bench: SimpleNamespace, tmp_path: Path) -> None:
     arguments = ("--sizes", "10k,20k", "--tools", "torque", "--poses", "4", "--rounds", "1", "--out", str(tmp_path))
-    done = run(root, "growth.py", *arguments)
+    done = run(root, "claims/growth.py", *arguments)
     assert done.returncode == 0, done.stderr
     (path,) = tmp_path.iterdir()
     small, large = bench.record.read(path)
@@ -472,11 +472,11 @@ def test_growth_of_toy_engines(root: Path, bench: SimpleNamespace, tmp_path: Pat
     # The record keeps fewer digits than the table was made from.
     growth = float(line.split("|")[5])
     assert growth == pytest.approx(large["median_us"] / small["median_us"], abs=0.011)
-    assert run(root, "growth.py", "--sizes", "10k").returncode == 2
+    assert run(root, "claims/growth.py", "--sizes", "10k").returncode == 2
 
 
 def test_selections_of_a_toy_engine(root: Path) -> None:
-    done = run(root, "selection.py", "--triangles", "10000", "--poses", "2", "--rounds", "1")
+    done = run(root, "claims/selection.py", "--triangles", "10000", "--poses", "2", "--rounds", "1")
     assert done.returncode == 0, done.stderr
     first, head, *rows = done.stdout.splitlines()
     assert "triangles" in first and "collide" in head and len(rows) == 4

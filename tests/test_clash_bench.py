@@ -18,12 +18,12 @@ from clash.cases import FAR_M, Case, cases
 import feeler
 
 checkers = importlib.import_module("clash.checkers")
-figures = importlib.import_module("clash.figures")
 goals = importlib.import_module("clash.goals")
 hard_cases = importlib.import_module("clash.hard_cases")
 host = importlib.import_module("host")
 pages = importlib.import_module("pages")
 run = importlib.import_module("clash.run")
+section = importlib.import_module("section")
 tables = importlib.import_module("clash.tables")
 timings = importlib.import_module("clash.timings")
 
@@ -91,16 +91,16 @@ def test_right_from_wrong(
 
 
 def test_a_wrong_verdict_is_missed_and_a_slow_stage_fails_nothing(result: Any) -> None:
-    assert pages.judged(goals.scorecard(result)) == 0
+    assert section.judged(goals.scorecard(result)) == 0
     wrong = deepcopy(result)
     wrong["cases"]["cases"][3]["runs"][0]["answers"]["feeler"] = ["contact", 0.0]
-    assert pages.judged(goals.scorecard(wrong)) == 1
+    assert section.judged(goals.scorecard(wrong)) == 1
     slow = deepcopy(result)
     (row,) = slow["times"]["sizes"]
     row["size"], row["one_core_s"]["verdicts"] = 1_600_000, 1.01
     row["one_core_s"].pop("volumes", None)
     missed = {goal.goal for goal in goals.scorecard(slow) if not goal.is_met}
-    assert missed == {"verdicts", "volumes"} and pages.judged(goals.scorecard(slow)) == 0
+    assert missed == {"verdicts", "volumes"} and section.judged(goals.scorecard(slow)) == 0
     assert "| 1 s | **1.01 s** |" in tables.times(slow["times"])
 
 
@@ -165,24 +165,24 @@ def test_ifcclash_is_asked_rightly(root: Path) -> None:
 
 
 def test_figures_are_filled_where_the_markers_are(tmp_path: Path, root: Path, result: Any) -> None:
-    blocks = [f"<!-- clash: {name} -->\nwhat was here\n<!-- end of clash: {name} -->\n" for name in tables.NAMES]
+    blocks = [f"<!-- clash: {name} -->\nwhat was here\n<!-- end of clash: {name} -->\n" for name in tables.MAKERS]
     text = "# Clash\n\n" + "\n".join(blocks) + "\nafter\n"
-    made = figures.filled(text, result)
+    made = tables.SECTION.filled(text, result)
     assert (
         "what was here" not in made
         and "right: verdicts" in made
         and "how deep" in made
         and made.endswith("\n\nafter\n")
     )
-    assert figures.filled(made, result) == made
-    assert "Not measured yet." in figures.filled(text, {"cases": result["cases"]})
+    assert tables.SECTION.filled(made, result) == made
+    assert "Not measured yet." in tables.SECTION.filled(text, {"cases": result["cases"]})
     for old, new in (("end of clash: times", "end of clash: time"), ("<!-- clash: times -->", "")):
         with pytest.raises(pages.PageError, match="has no end"):
-            figures.filled(text.replace(old, new), result)
+            tables.SECTION.filled(text.replace(old, new), result)
     with pytest.raises(pages.PageError, match="'others'"):
-        figures.filled(text.replace("clash: times", "clash: others"), result)
+        tables.SECTION.filled(text.replace("clash: times", "clash: others"), result)
     record, there = tmp_path / "record.json", tmp_path / "page.md"
-    pages.recorded(result, record)
+    record.write_text(json.dumps(result), encoding="utf-8")
     there.write_text(text, encoding="utf-8")
     asked = [sys.executable, root / "bench" / "clash" / "figures.py", "--record", record, "--page", there]
     for extra, code in (["--check"], 1), ([], 0), (["--check"], 0):
@@ -193,16 +193,17 @@ def test_figures_are_filled_where_the_markers_are(tmp_path: Path, root: Path, re
 def test_the_page_is_what_the_record_makes_it(root: Path) -> None:
     record = json.loads((root / "bench" / "records" / "clash.json").read_text(encoding="utf-8"))
     text = (root / "docs" / "clash.md").read_text(encoding="utf-8")
-    assert figures.filled(text, record) == text, "run bench/clash/figures.py"
-    assert pages.judged(goals.scorecard(record)) == 0
+    assert tables.SECTION.filled(text, record) == text, "run bench/clash/figures.py"
+    assert section.judged(goals.scorecard(record)) == 0
 
 
 def test_a_record_keeps_what_a_run_leaves_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, result: Any) -> None:
-    monkeypatch.setattr(run, "RECORD", tmp_path / "record.json")
-    pages.recorded({"cases": result["cases"], "times": {"of": "before"}}, run.RECORD)
+    monkeypatch.setattr(section, "RECORDS", tmp_path)
+    kept = tmp_path / "clash.json"
+    kept.write_text(json.dumps({"cases": result["cases"], "times": {"of": "before"}}), encoding="utf-8")
     asked = ["--quick", "--only", "times", "--peers", "none", "--sizes", "10k", "--record", str(tmp_path / "out")]
     assert run.main(asked) == 0
-    record = json.loads(run.RECORD.read_text(encoding="utf-8"))
+    record = json.loads(kept.read_text(encoding="utf-8"))
     assert record["cases"] == result["cases"] and record["times"]["args"] == asked[:-2]
 
 

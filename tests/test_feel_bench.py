@@ -27,7 +27,6 @@ point_shell = importlib.import_module("feel.point_shell")
 goals = importlib.import_module("feel.goals")
 pages = importlib.import_module("pages")
 tables = importlib.import_module("feel.tables")
-figures = importlib.import_module("feel.figures")
 passing = importlib.import_module("feel.experiments.passing")
 energy = importlib.import_module("feel.experiments.energy")
 tessellation = importlib.import_module("feel.experiments.tessellation")
@@ -349,13 +348,13 @@ def test_goals_tables_and_blocks_of_a_page() -> None:
     made = tables.tables(json.loads(json.dumps(result)))
     assert "1 of 1" in made["passing"] and "% (press fast)**" in made["goals"] and "ValueError: no" in made["forces"]
     page = "# Haptics\n\n<!-- feel: passing -->\nold\n<!-- end of feel: passing -->\n\nafter\n"
-    filled = figures.filled(page, result)
+    filled = tables.SECTION.filled(page, result)
     assert made["passing"] in filled and "old" not in filled and filled.endswith("\n\nafter\n")
-    assert figures.filled(filled, result) == filled
+    assert tables.SECTION.filled(filled, result) == filled
     with pytest.raises(pages.PageError, match="has no end"):
-        figures.filled(page.replace("end of feel: passing", "end of feel: passed"), result)
-    with pytest.raises(pages.PageError, match="'pegs'"):
-        figures.filled(page.replace("passing", "pegs"), result)
+        tables.SECTION.filled(page.replace("end of feel: passing", "end of feel: passed"), result)
+    with pytest.raises(pages.PageError, match="'others'"):
+        tables.SECTION.filled(page.replace("passing", "others"), result)
 
 
 def test_the_program_runs_and_writes(tmp_path: Path, root: Path) -> None:

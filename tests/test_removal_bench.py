@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-figures = importlib.import_module("removal.figures")
 goals = importlib.import_module("removal.goals")
 host = importlib.import_module("host")
 meshes = importlib.import_module("feel.meshes")
-pages = importlib.import_module("pages")
 planners = importlib.import_module("removal.planners")
 puzzles = importlib.import_module("removal.puzzles")
 run = importlib.import_module("removal.run")
@@ -37,8 +35,8 @@ def result(folder: Path) -> Any:
 
 def test_a_short_run_has_every_puzzle_and_the_engine(folder: Path, result: Any) -> None:
     assert [row["name"] for row in result["puzzles"]["puzzles"]] == [puzzle.name for puzzle in puzzles.PUZZLES]
-    assert result["engine"]["rate"]["parts"] == run.QUICK_PARTS
-    assert result["engine"]["access"]["targets"] == run.QUICK_TARGETS
+    assert result["engine"]["rate"]["parts"] == run.PARTS.quick
+    assert result["engine"]["access"]["targets"] == run.TARGETS.quick
     text = (folder / "tables.md").read_text(encoding="utf-8")
     assert "| closed box | feeler | 0 of 1 |" in text and "| what | goal | found |" in text
 
@@ -85,11 +83,11 @@ def test_goals_tell_missed_from_met(result: Any) -> None:
 
 def test_tables_are_the_records(result: Any) -> None:
     text = "<!-- removal: engine -->\nold\n<!-- end of removal: engine -->"
-    assert figures.filled(text, result).count(tables.engine(result["engine"])) == 1
-    record = host.ROOT / "bench" / "records" / "removal.json"
+    assert tables.SECTION.filled(text, result).count(tables.engine(result["engine"])) == 1
+    record, page = tables.SECTION.record, host.ROOT / "docs" / tables.SECTION.page
     if record.is_file():
-        page = figures.PAGE.read_text(encoding="utf-8")
-        assert figures.filled(page, json.loads(record.read_text(encoding="utf-8"))) == page
+        page = page.read_text(encoding="utf-8")
+        assert tables.SECTION.filled(page, json.loads(record.read_text(encoding="utf-8"))) == page
 
 
 def test_ompl_finds_a_way_that_is_checked_afterwards() -> None:

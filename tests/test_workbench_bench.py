@@ -25,7 +25,6 @@ sync_api = pytest.importorskip("playwright.sync_api")
 
 best = importlib.import_module("workbench.best")
 experiments = importlib.import_module("workbench.experiments")
-figures = importlib.import_module("workbench.figures")
 goals = importlib.import_module("workbench.goals")
 pages = importlib.import_module("pages")
 run = importlib.import_module("workbench.run")
@@ -179,12 +178,12 @@ def test_of_several_runs_each_figure_is_the_best() -> None:
 
 def test_figures_are_filled_where_the_markers_are(tmp_path: Path, root: Path) -> None:
     text = f"# Workbench\n\n{BEGIN}\nwhat was here\n{END}\n\nThe end.\n"
-    filled = figures.filled(text, result())
+    filled = tables.SECTION.filled(text, result())
     assert "what was here" not in filled and "| **41.0 ms** |" in filled and filled.endswith("The end.\n")
-    assert figures.filled(filled, result()) == filled
-    assert figures.filled("# Nothing\n", result()) == "# Nothing\n"
+    assert tables.SECTION.filled(filled, result()) == filled
+    assert tables.SECTION.filled("# Nothing\n", result()) == "# Nothing\n"
     with pytest.raises(pages.PageError, match="no end"):
-        figures.filled(text.replace(END, ""), result())
+        tables.SECTION.filled(text.replace(END, ""), result())
     record, there = tmp_path / "record.json", tmp_path / "page.md"
     record.write_text(json.dumps(result()))
     there.write_text(text)
@@ -199,7 +198,7 @@ def test_the_record_has_what_the_documentation_shows(root: Path) -> None:
     if not (record.is_file() and there.is_file()):
         pytest.skip("no record of the workbench, or no page to show it")
     text = there.read_text(encoding="utf-8")
-    assert figures.filled(text, json.loads(record.read_text(encoding="utf-8"))) == text
+    assert tables.SECTION.filled(text, json.loads(record.read_text(encoding="utf-8"))) == text
 
 
 def test_ten_thousand_boxes_are_ten_thousand_parts() -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from functools import partial
 
-from pages import Goal
+import section
+from section import Goal, Result
 
 from . import hard_cases
-
-Result = dict[str, Any]
 
 ONE_CORE_S = {
     100_000: {"verdicts": 0.07},
@@ -21,30 +20,18 @@ JUDGED_PAIRS = 20_000
 """The least number of random colliding pairs that a full run judges."""
 
 
-def scorecard(result: Result) -> list[Goal]:
-    """The goals of the experiments that ran."""
-    goals: list[Goal] = []
-    if "cases" in result:
-        goals.append(_verdicts(result["cases"]))
-    if "judge" in result:
-        goals += _judged(result["judge"], result["judge"]["is_quick"])
-    if "times" in result:
-        goals += _times(result["times"])
-    return goals
-
-
-def _verdicts(found: Result) -> Goal:
+def _verdicts(found: Result) -> Iterator[Goal]:
     told = [
         hard_cases.is_verdict_right(case, "feeler", hard_cases.answer_of(run["answers"]["feeler"]))
         for case in found["cases"]
         for run in case["runs"]
     ]
-    return Goal("hard pairs", "verdicts", f"all {len(told)}", f"{sum(told)}", all(told))
+    yield Goal("hard pairs", "verdicts", f"all {len(told)}", f"{sum(told)}", all(told))
 
 
-def _judged(found: Result, is_quick: bool) -> Iterator[Goal]:
+def _judged(found: Result) -> Iterator[Goal]:
     pairs, meet = (sum(row[key] for row in found["kinds"]) for key in ("pairs", "meet"))
-    if not is_quick:
+    if not found["is_quick"]:
         yield Goal("judge", "pairs that meet", f"{JUDGED_PAIRS:,}", f"{meet:,}", meet >= JUDGED_PAIRS)
     for goal, key in (("wrong verdicts", "wrong_verdicts"), ("depths outside their bounds", "outside")):
         wrong = sum(row[key] for row in found["kinds"])
@@ -61,3 +48,7 @@ def _times(found: Result) -> Iterator[Goal]:
             said = "not measured" if seconds is None else f"{seconds:.3g} s"
             is_met = seconds is not None and seconds <= wanted
             yield Goal(f"engine, {row['triangles']:,} triangles, one core", stage, f"{wanted:g} s", said, is_met, True)
+
+
+JUDGES = {"cases": _verdicts, "judge": _judged, "times": _times}
+scorecard = partial(section.scorecard, JUDGES)

@@ -18,52 +18,36 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
-import command_line
-import host
-import pages
-from command_line import listed, one_of, triangles
+from command_line import listed, one_of, positive, triangles
+from section import Form, Result, measured_each
 
-from clash import goals, hard_cases, tables, timings
+from clash import hard_cases, timings
 from clash.checkers import PEERS, Checker, FeelerChecker, peers
 from clash.judge import experiment as judging
+from clash.tables import SECTION
 
-OUT = host.ROOT / "target" / "clash"
-RECORD = host.ROOT / "bench" / "records" / "clash.json"
-SIZES, QUICK_SIZES = "100k,1.6M", "20k"
-REPEATS, QUICK_REPEATS = 3, 1
-
-Result = dict[str, Any]
+SIZES = Form([100_000, 1_600_000], [20_000])
+REPEATS = Form(3, 1)
 
 
-def parse(arguments: Sequence[str]) -> argparse.Namespace:
+def parse(given: Sequence[str]) -> argparse.Namespace:
     """The command line."""
-    parser = command_line.parser(__doc__ or "")
-    parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/clash)")
-    parser.add_argument("--quick", action="store_true", help=f"{QUICK_SIZES} triangles, coarse boxes, everything once")
-    parser.add_argument("--only", type=listed(one_of("experiment", tables.NAMES)), help=", ".join(tables.NAMES))
-    parser.add_argument("--sizes", type=listed(triangles), help=f"triangles of the sample engine ({SIZES})")
-    parser.add_argument("--repeats", type=int, help=f"of each stage; the least time counts ({REPEATS})")
-    names = list(PEERS)
-    parser.add_argument("--peers", type=listed(one_of("peer", [*names, "none"])), help=f"{', '.join(names)}; none")
-    parser.add_argument("--record", action="store_true", help="also write bench/records/clash.json")
-    options = parser.parse_args(arguments)
-    options.only = options.only or list(tables.NAMES)
-    options.sizes = options.sizes or listed(triangles)(QUICK_SIZES if options.quick else SIZES)
-    options.repeats = options.repeats or (QUICK_REPEATS if options.quick else REPEATS)
-    options.peers = [name for name in options.peers or names if name != "none"]
-    return options
+    parser = SECTION.parser(__doc__, "a small engine, coarse boxes, everything once")
+    add, names = parser.add_argument, list(PEERS)
+    add("--sizes", type=listed(triangles), default=SIZES, help=f"triangles of the sample engine ({SIZES})")
+    add("--repeats", type=positive, default=REPEATS, help=f"of each stage; the least time counts ({REPEATS})")
+    add("--peers", type=listed(one_of("peer", [*names, "none"])), default=names, help=f"{', '.join(names)}; none")
+    return SECTION.options(parser, given)
 
 
-def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
+def run(options: argparse.Namespace) -> Result:
     """Runs the chosen experiments; plain data: each by name, with its origin."""
-    there, absent = peers(options.peers)
-    for name, reason in absent.items():
-        print(f"{name} is left out: {reason}", file=sys.stderr)
+    there, absent = peers([name for name in options.peers if name != "none"])
     checkers: list[Checker] = [FeelerChecker(), *there]
     ways: dict[str, Callable[[], Result]] = {
         "cases": lambda: hard_cases.asked(checkers, options.quick),
@@ -71,16 +55,10 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
         "times": lambda: timings.measured(options.sizes, there, options.repeats),
     }
     versions = {checker.name: checker.version for checker in checkers}
-    return {name: pages.measured(ways[name], options, given, versions, absent) for name in options.only}
+    return measured_each(ways, options, versions, absent)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, write, judge."""
-    given = sys.argv[1:] if arguments is None else list(arguments)
-    options = parse(given)
-    result = run(options, given)
-    return pages.ended(result, options, "clash", tables.page(result), RECORD, goals.scorecard(result))
-
+main = partial(SECTION.main, parse, run)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
-import pages
 from pages import bold, markdown
+from section import Result, Section, busy, by_experiment
 
 from feeler.words import length
 
 from . import goals, hard_cases
 from .checkers import QUERIES, Answer
 
-Result = dict[str, Any]
-
-PROGRAM = "bench/clash/run.py"
-NAMES = ("cases", "judge", "times")
 MOST_WRONG = 2
 """Wrong answers that a cell quotes."""
 STAGES = {
@@ -39,19 +36,6 @@ JUDGE_NOTE = (
 STABILITY_NOTE = "A depth may change by its error, and by 2 e more if each part moves by e."
 
 
-def tables(result: Result) -> dict[str, str]:
-    """All tables, by name; a line says so where the record lacks an experiment."""
-    makers = {"cases": cases, "judge": judge, "times": times}
-    return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
-
-
-def page(result: Result) -> str:
-    """The results of a run, as a page of its own."""
-    heads = {"cases": "Hard pairs", "judge": "Random pairs whose depth is known", "times": "Times"}
-    made = tables(result)
-    return "# Clash\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)
-
-
 def cases(found: Result) -> str:
     """Each pair, and what each checker makes of it."""
     checkers = _checkers(found)
@@ -69,7 +53,7 @@ def cases(found: Result) -> str:
         "A depth or gap is right within 1 %. For contained parts and duplicates, a clash is right for a peer, too.",
         *_left_out(found),
     ]
-    return f"{pages.origin(PROGRAM, found)}\n\n{markdown(heads, len(heads), lines, ' '.join(notes))}"
+    return f"{SECTION.origin(found)}\n\n{markdown(heads, len(heads), lines, ' '.join(notes))}"
 
 
 def _checkers(found: Result) -> list[str]:
@@ -124,7 +108,7 @@ def judge(found: Result) -> str:
         "depths outside their bounds",
         "largest relative error",
     ]
-    kinds = "\n\n".join([pages.origin(PROGRAM, found), markdown(heads, 1, lines, JUDGE_NOTE)])
+    kinds = "\n\n".join([SECTION.origin(found), markdown(heads, 1, lines, JUDGE_NOTE)])
     lines = [
         [row["parts"], row["change"], f"{row['pairs']:,}", bold(f"{row['beyond']:,}", row["beyond"] == 0)]
         for row in found["stability"]
@@ -155,7 +139,7 @@ def times(found: Result) -> str:
         *([] if found["has_volumes"] else ["Volumes: manifold3d was not installed."]),
         *_left_out(found),
     ]
-    made = [f"{pages.origin(PROGRAM, found, *pages.busy(found))}\n\n{markdown(heads, 2, lines, ' '.join(notes))}"]
+    made = [f"{SECTION.origin(found, *busy(found))}\n\n{markdown(heads, 2, lines, ' '.join(notes))}"]
     if peers:
         made.append(_pairs(found["sizes"][0], peers))
     return "\n\n".join(made)
@@ -186,3 +170,7 @@ def _seconds(seconds: float | None) -> str:
 def _left_out(found: Mapping[str, Any]) -> list[str]:
     """Peers that are not in the table, and why."""
     return [f"{name}: {reason}." for name, reason in found["absent"].items()]
+
+
+MAKERS = {"cases": cases, "judge": judge, "times": times}
+SECTION = Section("clash", "clash.md", list(MAKERS), partial(by_experiment, MAKERS), goals.scorecard)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from pages import Goal
+import section
+from section import Goal, Result
 
 MOST_SPREAD = 0.01  # of the force of one contact, over tessellations and frames
 MOST_JUMP = 0.02  # of the force vector, as a share of the force, a tick
@@ -19,22 +19,6 @@ LEAST_P99_HZ = 250.0
 PEG_MS = (1.0, 4.0)  # a step, median and p99
 BOLT_MS = (5.0, 20.0)
 BORE_MS = 5.0
-
-Result = dict[str, Any]
-
-
-def scorecard(found: Result) -> list[Goal]:
-    """The goals of the experiments that ran: `found` has experiments by name."""
-    goals: list[Goal] = []
-    for name, judge in JUDGES.items():
-        result = found.get(name)
-        if result is None:
-            continue
-        if "failed" in result:
-            goals.append(Goal(name, "it runs", "no error", str(result["failed"]).splitlines()[-1], False))
-        else:
-            goals += judge(result)
-    return goals
 
 
 def _passing(result: Result) -> Iterator[Goal]:
@@ -151,3 +135,8 @@ JUDGES = {
     "engine": _engine,
     "fits": _fits,
 }
+
+
+def scorecard(found: dict[str, Result]) -> list[Goal]:
+    """The goals of the experiments that ran, in one order: a record may have been made in several runs."""
+    return section.scorecard(JUDGES, {name: found[name] for name in JUDGES if name in found})

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
-import pages
 from pages import markdown
+from section import Goal, Result, Section, last_line, scorecard_table
 
-from . import goals
+from . import goals, plots
 
-Result = dict[str, Any]
 Faces = dict[str, Result]
 """Of each face, its experiments by name."""
 
@@ -18,7 +16,8 @@ Faces = dict[str, Result]
 def tables(result: Result) -> dict[str, str]:
     """All tables that a run has something for, by name."""
     faces: Faces = result["faces"]
-    made = {"goals": scorecard(faces.get("feeler", {}))} if "feeler" in faces else {}
+    heads = ["experiment", "goal", "wanted", "found"]
+    made = {"goals": scorecard_table(heads, 4, scorecard(result))} if "feeler" in faces else {}
     for name, make in MAKERS.items():
         there = {face: found[name] for face, found in faces.items() if name in found}
         whole = {face: found for face, found in there.items() if "failed" not in found}
@@ -26,24 +25,14 @@ def tables(result: Result) -> dict[str, str]:
             made[name] = make(whole)
         for face, found in there.items():
             if "failed" in found:
-                said = str(found["failed"]).splitlines()[-1]
-                made[name] = f"{made.get(name, '')}\n\n{face}: stopped with an error, {said}".strip()
-    made["origin"] = origin(result)
+                made[name] = f"{made.get(name, '')}\n\n{face}: stopped with an error, {last_line(found)}".strip()
+    made["origin"] = SECTION.origin(result)
     return made
 
 
-def origin(result: Result) -> str:
-    """When, where and of what."""
-    return pages.origin("bench/feel/run.py", result)
-
-
-def scorecard(found: Result) -> str:
-    """Every goal; missed ones bold."""
-    lines = []
-    for goal in goals.scorecard(found):
-        said = pages.bold(goal.found, goal.is_met)
-        lines.append([goal.experiment.replace("_", " "), goal.goal, goal.wanted, said])
-    return markdown(["experiment", "goal", "wanted", "found"], 4, lines, "Bold: missed.")
+def scorecard(result: Result) -> list[Goal]:
+    """The goals of feeler; baselines have none."""
+    return goals.scorecard(result["faces"].get("feeler", {}))
 
 
 def _passing(faces: Faces) -> str:
@@ -246,3 +235,8 @@ MAKERS: dict[str, Callable[[Faces], str]] = {
     "engine": _engine,
     "fits": _fits,
 }
+SECTION = Section(
+    *("feel", "haptics-figures.md", list(MAKERS), tables, scorecard, "faces"),
+    plots=plots.plots,
+    pictures="haptics",
+)

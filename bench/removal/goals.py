@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from functools import partial
 
-from pages import Goal
-
-Result = dict[str, Any]
+import section
+from section import Goal, Result
 
 MEDIAN_S = {"peg, 1 %": 0.05, "peg, 0.1 %": 0.05, "tubes, 1.6": 0.1}
 """Of every seed a way, on one core; the median."""
@@ -16,16 +15,6 @@ AIMED_FOUND = {"tubes, 1.2": 0.9}
 STRAIGHT_S = 0.05
 PARTS_A_MINUTE = 100
 ACCESS_S = 5.0
-
-
-def scorecard(result: Result) -> list[Goal]:
-    """The goals of the experiments that ran."""
-    goals: list[Goal] = []
-    if "puzzles" in result:
-        goals += _puzzles(result["puzzles"])
-    if "engine" in result:
-        goals += _engine(result["engine"])
-    return goals
 
 
 def _puzzles(found: Result) -> Iterator[Goal]:
@@ -65,3 +54,7 @@ def _engine(found: Result) -> Iterator[Goal]:
     what = f"{access['targets']} bolts x {access['angles']} angles"
     is_met = access["worst_s"] <= ACCESS_S
     yield Goal(name, what, f"{ACCESS_S:g} s", f"{access['worst_s']:.3g} s at most", is_met, True)
+
+
+JUDGES = {"puzzles": _puzzles, "engine": _engine}
+scorecard = partial(section.scorecard, JUDGES)

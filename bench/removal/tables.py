@@ -2,30 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
-import pages
 from pages import bold, markdown
+from section import Result, Section, busy, by_experiment
 
 from . import goals
-
-Result = dict[str, Any]
-
-PROGRAM = "bench/removal/run.py"
-NAMES = ("puzzles", "engine")
-
-
-def tables(result: Result) -> dict[str, str]:
-    """All tables, by name; a line says so where the record lacks an experiment."""
-    makers = {"puzzles": puzzles, "engine": engine}
-    return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
-
-
-def page(result: Result) -> str:
-    """The results of a run, as a page of its own."""
-    heads = {"puzzles": "Puzzles", "engine": "The sample engine"}
-    made = tables(result)
-    return "# Removal\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)
 
 
 def puzzles(found: Result) -> str:
@@ -55,7 +37,7 @@ def puzzles(found: Result) -> str:
         ),
         *(f"{name}: {reason}." for name, reason in found["absent"].items()),
     ]
-    return f"{_origin(found)}\n\n{markdown(heads, 2, lines, ' '.join(notes))}"
+    return f"{SECTION.origin(found, *busy(found))}\n\n{markdown(heads, 2, lines, ' '.join(notes))}"
 
 
 def engine(found: Result) -> str:
@@ -102,14 +84,14 @@ def engine(found: Result) -> str:
         f"One core. A part has {_seconds(rate['limit_s'])} at most, {_seconds(straight['limit_s'])} for "
         "straight paths only; all other parts are in place. Bold: misses its goal."
     )
-    return f"{_origin(found)}\n\n{markdown(['what', 'goal', 'found'], 3, lines, note)}"
+    return f"{SECTION.origin(found, *busy(found))}\n\n{markdown(['what', 'goal', 'found'], 3, lines, note)}"
 
 
-def _origin(found: Result) -> str:
-    return pages.origin(PROGRAM, found, *pages.busy(found))
-
-
-def _seconds(seconds: float | None) -> str:
-    if seconds is None:
+def _seconds(value: float | None) -> str:
+    if value is None:
         return ""
-    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+    return f"{1e3 * value:.3g} ms" if value < 1.0 else f"{value:.3g} s"
+
+
+MAKERS = {"puzzles": puzzles, "engine": engine}
+SECTION = Section("removal", "removal.md", list(MAKERS), partial(by_experiment, MAKERS), goals.scorecard)

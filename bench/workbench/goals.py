@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
-from pages import Goal
-
-Result = dict[str, Any]
+import section
+from section import Goal, Result
 
 BIG = 5_000_000  # triangles: from here on the goals of ten million count
 FIRST_S, WHOLE_S = 0.7, 2.0
@@ -29,23 +28,15 @@ RECONNECT_S, REBUILT_S = 1.0, 2.0
 SOAK_BYTES = 10_000_000
 
 
-def scorecard(found: Mapping[str, Any]) -> list[Goal]:
+def scorecard(found: Result) -> list[Goal]:
     """The goals of the experiments that ran: `found` has, by mock-up, experiments by name; and "bundle"."""
-    goals: list[Goal] = []
-    for mockup, experiments in found["mockups"].items():
-        for name, result in experiments.items():
-            if "failed" in result:
-                said = str(result["failed"]).splitlines()[-1]
-                goals.append(Goal(f"{mockup}, {name}", "it runs", "no error", said, False))
-            else:
-                goals += (Goal(f"{mockup}, {goal.experiment}", *_rest(goal)) for goal in JUDGES[name](result))
+    goals = [
+        replace(goal, experiment=f"{mockup}, {goal.experiment}")
+        for mockup, experiments in found["mockups"].items()
+        for goal in section.scorecard(JUDGES, experiments)
+    ]
     size = found["bundle"]["gzipped_bytes"]
-    goals.append(Goal("page", "bundle, gzipped", "250 kB", f"{size / 1e3:.0f} kB", size <= BUNDLE_BYTES))
-    return goals
-
-
-def _rest(goal: Goal) -> tuple[str, str, str, bool, bool]:
-    return goal.goal, goal.wanted, goal.found, goal.is_met, goal.is_timed
+    return [*goals, Goal("page", "bundle, gzipped", "250 kB", f"{size / 1e3:.0f} kB", size <= BUNDLE_BYTES)]
 
 
 def _timed(experiment: str, goal: str, most: float, found: float | None, unit: str, digits: int = 1) -> Goal:

@@ -5,43 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import pages
 from pages import markdown
+from section import Result, Section, busy, scorecard_table
 
 from . import goals
 
-Result = dict[str, Any]
-
 
 def tables(result: Result) -> dict[str, str]:
-    """All tables of a run, by name."""
-    return {
-        "goals": scorecard(result),
-        "drawing": drawing(result),
-        "page": standing(result),
-        "origin": origin(result),
-    }
-
-
-def page(result: Result) -> str:
-    """All of them, one behind the other, as a section of the documentation has them."""
-    made = tables(result)
-    return "\n\n".join(made[name] for name in ("origin", "goals", "drawing", "page"))
-
-
-def origin(result: Result) -> str:
-    """When, where and of what."""
+    """All tables, one behind the other, as the page has them."""
     core = "on any core" if result["core"] is None else "on one core"
-    about = [result["browser"], f"SwiftShader {core}", *pages.busy(result)]
-    return pages.origin("bench/workbench/run.py", result, *about)
-
-
-def scorecard(result: Result) -> str:
-    """Every goal; missed ones bold."""
-    lines = []
-    for goal in goals.scorecard(result):
-        lines.append([goal.experiment, goal.goal, goal.wanted, pages.bold(goal.found, goal.is_met)])
-    return markdown(["mock-up, experiment", "goal", "at most", "found"], 2, lines, "Bold: missed.")
+    made = [
+        SECTION.origin(result, result["browser"], f"SwiftShader {core}", *busy(result)),
+        scorecard_table(["mock-up, experiment", "goal", "at most", "found"], 2, goals.scorecard(result)),
+        drawing(result),
+        standing(result),
+    ]
+    return {"figures": "\n\n".join(made)}
 
 
 def drawing(result: Result) -> str:
@@ -134,3 +113,6 @@ def _engine(found: Result) -> Iterator[list[str]]:
     left = found["page_left_out"]
     more = f", {left:,} triangles left out" if left else ""
     yield ["one file to send", f"{found['page_bytes'] / 1e6:.2f} MB{more}, opens in {found['page_opens_s']:.2f} s"]
+
+
+SECTION = Section("workbench", "workbench-figures.md", list(goals.JUDGES), tables, goals.scorecard, "mockups")

@@ -1,7 +1,7 @@
 """How the median time of a nominal `collide` grows from a small engine to a large one, both measured in turns.
 
-    python bench/growth.py                                100k and 6.4M triangles, into bench/records
-    python bench/growth.py --sizes 100k,1.6M --tools torque --rounds 3 --out /tmp/records
+    python bench/claims/growth.py                                100k and 6.4M triangles, into bench/records
+    python bench/claims/growth.py --sizes 100k,1.6M --tools torque --rounds 3 --out /tmp/records
 
 `bench/run.py` measures one size after the other, minutes apart; on a shared machine, conditions may have changed in
 between. Here both mock-ups are loaded at once, and passes over their poses take turns. Before each pass the caches are
@@ -14,10 +14,14 @@ from __future__ import annotations
 
 import argparse
 import functools
+import sys
 from pathlib import Path
 
-import figures
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
+
+import figures
 from command_line import triangles
 from engines import Floats
 from measure import clock_once, find_poses

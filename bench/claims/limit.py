@@ -1,7 +1,7 @@
 """How far feeler is from the limits of this machine: memory lines read, lane operations done, one core.
 
-python bench/limit.py                    at 1.6M triangles, into bench/records
-python bench/limit.py --size 100k --tools hand --poses 20 --out /tmp/records
+python bench/claims/limit.py                    at 1.6M triangles, into bench/records
+python bench/claims/limit.py --size 100k --tools hand --poses 20 --out /tmp/records
 
 First it measures the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and
 nothing else. Then, for each tool and kind of poses, it counts the least work of a query and multiplies it by these
@@ -22,13 +22,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
+
 import engines
 import extras
 import figures
 import host
 import measure
 import native
-import numpy as np
 from command_line import triangles
 from options import TOOLS
 from record import Origin, Row, elsewhere, keep
@@ -102,7 +105,7 @@ class Needed:
 
 def measured(index_bytes: int) -> Machine:
     """The speed of this core. Each figure is the best of a few; a busy machine can only take away."""
-    library = native.compile_cpp(native.HERE / "limit_kernels.cpp", [])
+    library = native.compile_cpp(Path(__file__).with_name("limit_kernels.cpp"), [])
     native.declare(library, FUNCTIONS)
     sizes = sorted({*SIZES, index_bytes})
     rows = []
