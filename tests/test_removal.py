@@ -290,7 +290,7 @@ def test_what_the_truth_takes_out_first_is_in_the_way(gearbox: Any, path: str, h
     step = gearbox.step(path)
     out = [each for each in gearbox.out(step) if each != holds]
     pull = step.legs[-1].axis
-    found = feeler.removal(gearbox.scene.without(out), list(step.parts), directions=[pull], seconds=4.0, threads=1)
+    found = feeler.removal(gearbox.scene.without(out), list(step.parts), directions=[pull], seconds=1.0, threads=1)
     assert not found.is_found and holds in [each.path for each in found.blocked_by]
 
 

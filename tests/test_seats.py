@@ -117,28 +117,28 @@ def _mesh(scene: feeler.Scene, part: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_ways_out_are_gone_by_the_hand_and_with_force(engine: feeler.Scene) -> None:
-    names = [name for name in engine.mockup.part_names]
-    tried = 0
-    for part in range(0, len(names), 23):
-        found = feeler.removal(engine, part, seconds=0.3)
-        if not found.is_found or len(found.poses) > 3:
-            continue
-        tried += 1
+    # Parts with a short way: to search for those of parts that have none takes all the time that it is given.
+    for part in (0, 92, 253, 299, 322, 345):
+        found = feeler.removal(engine, part)
+        assert found.is_found and len(found.poses) == 2
         way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
         for end in (dragged(engine, part, way), led(engine, part, way, 0.002)):
-            np.testing.assert_allclose(end, way[-1], atol=5e-4, err_msg=names[part])
-    assert tried >= 4
+            np.testing.assert_allclose(end, way[-1], atol=5e-4, err_msg=engine.mockup.part_names[part])
 
 
-@pytest.mark.parametrize("name", ["carcass", "differential", "tay"])
-def test_ways_out_of_other_samples_are_gone_too(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("carcass", (66, 87, 171, 213, 276, 297)),
+        ("differential", (53, 213, 223, 233, 243, 253)),
+        ("tay", (219, 345)),
+    ],
+)
+def test_ways_out_of_other_samples_are_gone_too(name: str, parts: tuple[int, ...]) -> None:
     scene = feeler.Scene(feeler.sample(name, triangles=20_000))
-    tried = 0
-    for part in range(3, scene.mockup.part_count, scene.mockup.part_count // 24):
-        found = feeler.removal(scene, part, seconds=0.5)
-        if not found.is_found or len(found.poses) > 3:
-            continue
-        tried += 1
+    for part in parts:
+        found = feeler.removal(scene, part)
+        assert found.is_found and len(found.poses) <= 3
         way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
         # The part is the tool, in its own place: nothing that holds it is in its way.
         vertices, own_faces = _mesh(scene, part)
@@ -146,7 +146,6 @@ def test_ways_out_of_other_samples_are_gone_too(name: str) -> None:
         session.start(np.eye(4))
         for end in (dragged(scene, part, way), gone(session, vertices, way, 0.002)):
             np.testing.assert_allclose(end, way[-1], atol=5e-4, err_msg=scene.mockup.part_names[part])
-    assert tried >= 2
 
 
 @pytest.mark.parametrize("name", ["head", "wall"])
