@@ -12,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 import oracle
 import pytest
+from shapes import box
 
 import feeler
+from feeler.io import body_of
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
@@ -573,7 +575,7 @@ AWKWARD: dict[str, Callable[[feeler.Scene, feeler.Tool], object]] = {
     "cannot write": lambda scene, tool: feeler.clash(scene.mockup).save(None),  # type: ignore[arg-type]
     "Clashes.save": lambda scene, tool: feeler.load_clashes(None),  # type: ignore[arg-type]
     "seed": lambda scene, tool: feeler.removal_order(scene, 0, seed="abc"),  # type: ignore[arg-type]
-    "not rigid": lambda scene, tool: feeler.write_glb("a.glb", feeler.io.body_of(tool, pose=2 * np.eye(4))),
+    "not rigid": lambda scene, tool: body_of(tool, pose=2 * np.eye(4)),
 }
 """Arguments of the wrong kind, by what the error has to name."""
 

@@ -41,7 +41,10 @@ def plain(pose: object) -> object:
     """A pose as NumPy reads it: a pair of rotation and translation, or an object with `as_matrix()`, becomes a matrix;
     all else is unchanged. Raises PoseError for a pair of other shapes."""
     if isinstance(pose, (tuple, list)) and len(pose) == 2:
-        turn, shift = (np.asarray(plain(each)) for each in pose)
+        try:
+            turn, shift = (np.asarray(plain(each)) for each in pose)
+        except ValueError as error:
+            raise PoseError(f"a pose cannot be read as a rotation and a translation: {error}") from None
         if isinstance(pose, list) and (turn.shape, shift.shape) != ((3, 3), (3,)):
             return pose  # rows of numbers
         if turn.shape != (3, 3) or shift.shape != (3,):

@@ -125,7 +125,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Touching {
 
 /// A pose that is no array, as one: `feeler.poses` knows the kinds.
 fn plain_pose<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    if object.is_instance_of::<PyTuple>() || object.hasattr("as_matrix")? {
+    let is_list = object.is_instance_of::<PyTuple>() || object.is_instance_of::<PyList>();
+    if is_list || object.hasattr("as_matrix")? {
         return object.py().import("feeler.poses")?.call_method1("plain", (object,));
     }
     Ok(object.clone())
