@@ -153,7 +153,7 @@ def test_the_piece_size_keeps_its_memory(pair: tuple[feeler.Mockup, feeler.Tool]
 
 def test_what_cannot_be_predicted_is_said(pair: tuple[feeler.Mockup, feeler.Tool]) -> None:
     mockup, tool = pair
-    with pytest.raises(feeler.OptionError, match="choose 'blocks', 'dense' or 'hashed'"):
+    with pytest.raises(feeler.OptionError, match="storage is 'sparse': do you mean"):
         feeler.optimal_voxel_size(mockup, tool, storage="sparse")
     for storage in ("dense", "blocks"):
         with pytest.raises(feeler.OptionError, match="leave hashing at 0"):

@@ -310,10 +310,12 @@ def test_slices_are_tables_that_share_their_status(mockup: feeler.Mockup) -> Non
 
 def test_wrong_choices_of_rows(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
-    with pytest.raises(OptionError, match="no verdict 'crash': choose clash, contact"):
+    with pytest.raises(OptionError, match="verdict is 'crash': do you mean clash"):
         found.where(verdict="crash")
-    with pytest.raises(OptionError, match="not chosen by 'depth'"):
-        found.where(depth="0")
+    with pytest.raises(OptionError, match="severity is 'bad': choose critical, major, minor"):
+        found.where(severity="bad")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="depth"):
+        found.where(depth="0")  # type: ignore[call-arg]
     with pytest.raises(OptionError, match="groups are not made by 'colour': choose part, rule, cluster"):
         found.groups("colour")
     with pytest.raises(OptionError, match="reach is for groups by"):

@@ -153,7 +153,7 @@ def test_poses_as_text(tmp_path, layout, encoding, count):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (POSE_TEXTS["decimal commas"].replace("0,5", "0,5,1"), "no whole number of poses"),
+        (POSE_TEXTS["decimal commas"].replace("0,5", "0,5,1"), "not a multiple of 16"),
         (POSE_TEXTS["semicolons"].replace("0.5", "0.5x"), "0.5x"),
         ("x;y;z\n" + POSE_TEXTS["semicolons"], "could not convert"),
     ],

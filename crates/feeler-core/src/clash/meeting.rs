@@ -42,7 +42,7 @@ pub fn meeting_parts(
 ) -> Meeting {
     let (mockup, lanes) = (index.index().mockup(), index.index().lanes());
     let pool: ScratchPool<(NarrowScratch, MeetingScratch)> = ScratchPool::default();
-    let Found { all, is_complete } = index.search(0.0, (progress, "finding parts that meet"), |search, task| {
+    let Found { all, is_complete } = index.search(0.0, (progress, "finding colliding parts"), |search, task| {
         pool.with(|(scratch, of_blocks)| {
             let (found, touches) = (Vec::new(), Vec::new());
             let mut narrow = MeetingNarrow { mockup, limits, decided, lanes, scratch, found, touches };
