@@ -228,6 +228,10 @@ def public_classes() -> dict[str, type]:
     return {name: each for name, each in shown if inspect.isclass(each)}
 
 
+OLD = ("free", "fraction")
+"""Older names of `PathCheck`, which warn."""
+
+
 def facts(value: Any) -> Any:
     """All that can be asked of an object without arguments, arrays as (dtype, shape, bytes)."""
     if isinstance(value, np.ndarray):
@@ -238,6 +242,7 @@ def facts(value: Any) -> Any:
         return {key: facts(each) for key, each in value.items()}
     if type(value).__module__.startswith("feeler") and not is_dataclass(value) and not isinstance(value, Enum):
         names = [name for name in dir(value) if not name.startswith("_") and name != "build_seconds"]
+        names = [name for name in names if not (isinstance(value, feeler.PathCheck) and name in OLD)]
         asked = {name: getattr(value, name) for name in names}
         found = {name: facts(answer) for name, answer in asked.items() if not callable(answer)}
         if hasattr(value, "__getitem__"):
