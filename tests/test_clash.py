@@ -556,6 +556,16 @@ def test_progress_ends_with_1_and_never_goes_back(mockup: feeler.Mockup, volume:
     assert told == sorted(told) and told[-1] == 1.0
 
 
+def test_verdicts_have_numbers_and_words() -> None:
+    words = ["clash", "contact", "clearance", "contained", "duplicate"]
+    assert list(Verdict) == words and [each.code for each in Verdict] == list(range(5))
+    assert [Verdict(np.uint8(code)) for code in range(5)] == words == Verdict.words(np.arange(5)).tolist()
+    assert f"{Verdict.CLASH}" == str(Verdict.CLASH) == "clash"
+    for wrong in (5, -1, True, "crash"):
+        with pytest.raises(ValueError, match="is not a valid Verdict"):
+            Verdict(wrong)
+
+
 def test_columns_go_by_their_old_names_too(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
     with pytest.warns(DeprecationWarning, match="Clashes.depth is now Clashes.depths"):

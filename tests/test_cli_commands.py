@@ -350,3 +350,8 @@ def test_poses_in_millimetres_are_asked_about(tmp_path: Path) -> None:
         assert "the tool is at least 86.4 m from a mock-up of 0.17 m: poses are in metres" in said
     assert "poses are in metres" not in run("collide", *inputs, "--at", "0.5,0,0").stderr
     assert "poses are in metres" not in run("clearance", *inputs, "--at", "0.5,0,0").stderr
+
+
+def test_the_package_is_the_command_too() -> None:
+    said = subprocess.run([sys.executable, "-m", "feeler", "--version"], capture_output=True, text=True, check=True)
+    assert said.stdout.startswith("feeler ")

@@ -77,6 +77,40 @@ def test_bytes_after_a_binary_stl_are_noted(tmp_path):
     assert any("4 bytes after the last triangle" in note for note in mockup.report.source.notes)
 
 
+def test_a_binary_stl_that_counts_too_few_triangles_is_in_doubt(tmp_path):
+    content = bytearray(stl_binary())
+    content[80:84] = (3).to_bytes(4, "little")
+    mockup = load_mockup(save(tmp_path, "part.stl", bytes(content)))
+    assert mockup.triangle_count == 3
+    assert any("50 bytes after the last triangle" in doubt for doubt in mockup.report.source.doubts)
+
+
+def polygon_obj(points):
+    corners = "".join(f"v {x} {y} 0\n" for x, y in points)
+    return corners + "f " + " ".join(str(i + 1) for i in range(len(points))) + "\n"
+
+
+PENTAGON = [(np.cos(0.4 * np.pi * i), np.sin(0.4 * np.pi * i)) for i in range(5)]
+
+
+@pytest.mark.parametrize(
+    ("points", "crosses"),
+    [
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], True),
+        ([(0, 0), (1, 1), (1, 0), (0, 0.4)], True),
+        ([PENTAGON[2 * i % 5] for i in range(5)], True),
+        ([(0, 0), (1, 0), (1, 1), (0, 1)], False),
+        ([(0, 0), (2, 1), (0, 2), (0.5, 1)], False),
+        (PENTAGON, False),
+    ],
+    ids=["bow tie", "uneven bow tie", "pentagram", "square", "dart", "pentagon"],
+)
+def test_polygons_that_cross_themselves_are_counted(tmp_path, points, crosses):
+    source = load_mockup(save(tmp_path, "a.obj", polygon_obj(points))).report.source
+    said = [*source.notes, *source.doubts]
+    assert any("cross themselves" in line for line in said) == crosses, said
+
+
 def test_text_stl_has_a_part_for_every_solid(tmp_path):
     text = stl_text({"left side": SOUP, "right/side": SOUP[:1] + 1.0, "": SOUP[:2] - 1.0, "empty": SOUP[:0]})
     mockup = load_mockup(save(tmp_path, "two.stl", text), unit="m")

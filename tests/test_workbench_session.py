@@ -573,7 +573,12 @@ def test_view_from_a_script(tmp_path: Path) -> None:
         np.testing.assert_array_equal(seen[-1], view.pose)
         view.set_mode("pass")
         assert view.session.current.mode == "pass"
-        added = view.section_add((0, 0, 1), 0.1)
+        mask = np.arange(mockup.part_count) == 1
+        for parts in (mockup.parts[1], [mockup.parts[1]], np.array([1]), mask, np.int64(1), 1, mockup.part_paths[1]):
+            view.hide(parts)
+            assert view.session.current.hidden == (1,), parts
+            view.undo()
+        added = view.section_add(np.array([0.0, 0.0, 1.0]), 0.1)
         view.section_switch(added["id"], False)
         assert [(each.id, each.is_on) for each in view.session.current.sections] == [(added["id"], False)]
         view.viewpoint_add({"position": (1, 1, 1), "target": (0, 0, 0), "up": (0, 0, 1), "fov_rad": 0.7})

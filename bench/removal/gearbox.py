@@ -2,7 +2,7 @@
 
     python bench/removal/gearbox.py                        100,000 triangles, 2 s a step; some minutes
     python bench/removal/gearbox.py 250000 --seed 1
-    python bench/removal/gearbox.py --overlap 0.0009        accept penetration up to so many metres
+    python bench/removal/gearbox.py --overlap 0.0009        let pairs overlap by up to 0.9 mm
 
 Lists the steps without a path, with their blockers. Steps that bend a part, and steps that only loosen one, are left
 out. If a door is open, the parts that turn with it count as removed. feeler's path may differ from the known one.

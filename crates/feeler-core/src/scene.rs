@@ -283,7 +283,7 @@ impl Scene {
 
     /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
     ///
-    /// What is found is put together at the end, so that for a moment a pair is held twice. Errors when the result would outgrow the
+    /// The results of all threads are joined at the end, so that each pair is briefly in memory twice. Errors when the result would outgrow the
     /// memory limit of the scene.
     ///
     /// ```

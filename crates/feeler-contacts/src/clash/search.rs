@@ -35,7 +35,7 @@ impl Relation {
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct ClashOptions<'a> {
-    /// Reports the progress, and may stop the search: what was found until then is returned.
+    /// Reports the progress, and may stop the search, which then returns its findings so far.
     pub progress: Progress<'a>,
 }
 
@@ -96,7 +96,7 @@ pub fn clash(solver: &ContactSolver, limits: &PairLimits, options: &ClashOptions
     Ok(Clashes { rows, counts: search.counts(), is_complete: search.is_complete() })
 }
 
-/// The search of [`clash`] in steps, each of which may be stopped; what was found until then can be told.
+/// The search of [`clash`] in steps, each of which may be stopped; the findings so far stay available.
 #[derive(Debug)]
 pub struct ClashSearch<'a> {
     solver: &'a ContactSolver,

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuatern
 use crate::error::{Error, Result};
 use crate::geometry::pose::Pose;
 
-/// The quaternion is of length 1, also where the pose's rotation is off by what a pose may be (1e-6).
+/// The quaternion has length 1, even if the rotation of the pose deviates from a rigid one by up to 1e-6, the tolerance of poses.
 impl From<Pose> for Isometry3<f64> {
     fn from(pose: Pose) -> Isometry3<f64> {
         let rows = pose.rotation();

@@ -41,6 +41,8 @@ def plain_parts(parts: PartsLike | None) -> object:
         return parts.index
     if isinstance(parts, np.ndarray):
         return np.flatnonzero(parts).tolist() if parts.dtype == bool else parts.tolist()
+    if isinstance(parts, np.integer):
+        return int(parts)
     if parts is None or isinstance(parts, (str, int)):
         return parts
     return [plain_parts(each) for each in parts]
