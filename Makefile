@@ -39,7 +39,7 @@ export PYO3_PYTHON := $(CURDIR)/$(PY)
 unexport CONDA_PREFIX PYTHONHOME MAKEFLAGS MFLAGS
 
 # The Rust crates that others may depend on; the rest has `publish = false`.
-PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-world feeler-plan feeler-haptics feeler-devices
+PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-world feeler-plan feeler-haptics feeler-devices feeler-saved
 
 # Poses of the core as the types of other crates.
 FEATURES := --features feeler-core/glam,feeler-core/nalgebra

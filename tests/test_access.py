@@ -396,7 +396,8 @@ def test_what_was_found_until_ctrl_c_is_kept(threads: int, bolts: tuple[feeler.S
         feeler.access(scene, feeler.sample_tool("torque"), targets, threads=threads, progress=stop)
     found = stopped.value.access
     assert found.is_partial and 0 < len(found) < len(targets)
-    assert [row.target for row in found] == list(range(len(found)))
+    numbers = [row.target for row in found]
+    assert numbers == sorted(set(numbers)) and set(numbers) < set(range(len(targets)))
     assert "interrupted" in repr(found)
 
 

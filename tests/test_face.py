@@ -83,6 +83,7 @@ def test_the_names_are_where_the_table_says() -> None:
 INSIDE = {
     "DamagedError",  # of a stream in a file: told as a LoadError
     "EncryptedError",
+    "Interrupted",  # of tasks on an executor: told as that of the call
     "JobCancelledError",
     "ProtocolError",
 }
@@ -173,6 +174,6 @@ def test_an_import_loads_only_what_is_asked_for() -> None:
     assert modules_after("import feeler") == {"feeler"}
     query = "import feeler; feeler.Scene, feeler.Mockup, feeler.Tool"
     values = {"arguments", "calibrate", "depths", "enumerations", "errors", "ignored", "parts", "poses", "progress"}
-    wanted = {"_core", "mockup", "scene", *values}
+    wanted = {"_core", "memory", "mockup", "saved", "scene", "source", *values}
     assert modules_after(query) == {"feeler", "feeler.travel", *(f"feeler.{name}" for name in wanted)}
     assert "feeler.haptics.session" in modules_after("import feeler; feeler.haptics.Session")

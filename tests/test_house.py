@@ -623,7 +623,7 @@ def test_unsafe_has_its_crates(layers: ModuleType, tmp_path: Path) -> None:
     found = [violation.split(": ") for violation in layers.source_violations(tmp_path)]
     assert {where for where, _ in found} == expected
     assert {complaint for _, complaint in found} == {
-        "no unsafe code but in feeler-capi, feeler-devices, feeler-lanes, feeler-py"
+        "no unsafe code but in feeler-capi, feeler-devices, feeler-lanes, feeler-py, feeler-saved"
     }
 
 

@@ -11,8 +11,8 @@ import numpy.typing as npt
 import pytest
 
 import feeler
-from feeler.mockup import Source
 from feeler.parts import Part
+from feeler.source import Source
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])

@@ -8,6 +8,7 @@ import multiprocessing
 import operator
 import pickle
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -38,6 +39,7 @@ STAY = {
     "HapticsDevice",
     "HapticsRun",
     "Session",
+    "SavedScene",
 }
 RUNNING: dict[str, Callable[[Any], Any]] = {
     "TickAnswer": lambda run: run.view(),
@@ -138,7 +140,10 @@ def removed() -> dict[str, list[Any]]:
     within = feeler.removal(scene, "wall", directions=[[-1, 0, 0]], seconds=1e-9)
     assert not within.is_found
     order = feeler.removal_order(scene, "high", threads=1)
+    many = feeler.removals(scene, ["high"], threads=1)
     return {
+        "Removals": [many, feeler.Removals([], is_partial=True)],
+        "PartsRemoval": list(many),
         "Removal": [straight, stopped, within],
         "RemovalBlocker": list(stopped.blocked_by),
         "RemovalLeg": list(straight.legs),
@@ -257,6 +262,11 @@ def staying(name: str) -> Any:
     mock, tool = mockup(), feeler.Tool(*box((0, 0, 0), 0.25))
     if name == "Predictor":
         return _core.Predictor(mock, tool, "dense", 0.0)
+    if name == "SavedScene":
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "a.feeler"
+            feeler.Scene(mock).save(path)
+            return _core.SavedScene(str(path), True, 2**63, None)
     if name == "PiecePredictor":
         return _core.PiecePredictor(mock, tool)
     if name == "ClashRows":
@@ -292,7 +302,7 @@ def staying(name: str) -> Any:
 @pytest.mark.parametrize("name", sorted(public_classes()))
 def test_every_public_class_travels_or_says_that_it_does_not(name: str) -> None:
     cls = public_classes()[name]
-    if issubclass(cls, (FeelerError, KeyboardInterrupt)):
+    if issubclass(cls, (FeelerError, KeyboardInterrupt, Warning)):
         return  # below
     if name in STAY:
         made = staying(name)
@@ -325,6 +335,7 @@ def test_errors_travel(cls: type[FeelerError]) -> None:
     [
         (feeler.ClashInterrupted, ("clashes", "Clashes")),
         (feeler.RemovalInterrupted, ("removal", "Removal")),
+        (feeler.RemovalsInterrupted, ("removals", "Removals")),
         (feeler.AccessInterrupted, ("access", "Access")),
     ],
 )

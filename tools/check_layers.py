@@ -34,6 +34,7 @@ CRATES = [
     "feeler-plan",
     "feeler-haptics",
     "feeler-devices",
+    "feeler-saved",
     "feeler-py",
     "feeler-exact",
 ]
@@ -54,11 +55,11 @@ PURE_MAY_NOT_MENTION = {
 }
 
 # The only crates whose sources (not their tests) may say `unsafe`.
-MAY_BE_UNSAFE = {"feeler-lanes", "feeler-devices", "feeler-py", "feeler-capi"}
+MAY_BE_UNSAFE = {"feeler-lanes", "feeler-devices", "feeler-saved", "feeler-py", "feeler-capi"}
 
 # What each room of a crate (a folder or file of its src/) may import from the rooms of the same crate. `lib.rs` is the
 # public face: it may import every room, and none may import it. Code for tests may import anything.
-INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool"}
+INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool", "saved"}
 QUERY_BASE = {*INDEX_BASE, "index", "scratch_pool"}
 CONTACTS_BASE = {"constants", "surface", "context", "containers", "contact_plane"}
 HAPTICS_BASE = {"constants", "error"}
@@ -70,7 +71,9 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "scratch_pool": set(),
         "progress": {"error"},
         "geometry": {"constants", "error"},
-        "mesh": {"constants", "error", "geometry"},
+        # A scene as arrays of bytes.
+        "saved": {"error"},
+        "mesh": {"constants", "error", "geometry", "saved"},
         "tool": {"constants", "error", "geometry", "mesh"},
         # The index knows of no query, and no query of the scene; a cast begins with whether the tool is free.
         "index": INDEX_BASE,
@@ -222,11 +225,13 @@ BASE = {
     "arguments",
     "calibrate",
     "errors",
+    "memory",
     "mockup",
     "part_meshes",
     "poses",
     "progress",
     "scene",
+    "source",
     "travel",
     "words",
 }
@@ -241,33 +246,40 @@ ROOMS: dict[str, set[str]] = {
     "travel": {"_core", "errors"},
     "poses": {"arguments", "errors"},
     "parts": {"errors"},
-    "mockup": {"_core", "errors", "parts", "poses", "travel"},
+    "memory": set(),
+    # The files of saved scenes, which mock-ups and scenes can be in.
+    "saved": {"_core", "errors", "memory", "source"},
+    "source": set(),
+    "mockup": {"_core", "errors", "parts", "poses", "saved", "source", "travel"},
     "part_meshes": {"mockup"},
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
+    # Tasks on executors.
+    "spreading": {"errors"},
+    "batches": {"_core", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
     "depths": set(),
     "scene": {
-        *("_core", "arguments", "calibrate", "depths", "enumerations", "errors", "ignored", "mockup", "parts", "poses"),
-        *("progress", "travel"),
+        *("_core", "arguments", "batches", "calibrate", "depths", "enumerations", "errors", "ignored", "memory"),
+        *("mockup", "parts", "poses", "progress", "saved", "spreading", "travel"),
     },
-    "io": BASE,
+    "io": {*BASE, "saved"},
     "interchange": {*BASE, "io"},
     "haptics": BASE,
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
-    "clashes": {*BASE, "enumerations", "ignored", "io", "parts", "picture", "plan"},
+    "clashes": {*BASE, "enumerations", "ignored", "io", "parts", "picture", "plan", "spreading"},
     # Removal, order, access, swept volumes.
-    "plan": {*BASE, "ignored", "io", "parts", "picture"},
+    "plan": {*BASE, "ignored", "io", "parts", "picture", "spreading"},
     "samples": BASE,
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
-    "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},
+    "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "saved", "study", "workbench", "feeler"},
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
-        *("study", "workbench"),
+        *("spreading", "study", "workbench"),
     },
     "__main__": {"cli"},
 }

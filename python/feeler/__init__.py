@@ -28,7 +28,16 @@ if _typing.TYPE_CHECKING:
         Screw,
         SectionOutline,
     )
-    from feeler.clashes import Clash, Clashes, ClashInterrupted, Verdict, clash, load_clashes
+    from feeler.clashes import (
+        Clash,
+        Clashes,
+        ClashInterrupted,
+        VariantsInterrupted,
+        Verdict,
+        clash,
+        clash_variants,
+        load_clashes,
+    )
     from feeler.depths import Depths
     from feeler.errors import (
         DeviceError,
@@ -54,10 +63,12 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
     from feeler.plan.reaching import Access, AccessInterrupted, Reach, access
     from feeler.plan.removal import Certificate, Removal, RemovalBlocker, RemovalInterrupted, removal
+    from feeler.plan.removals import PartsRemoval, Removals, RemovalsInterrupted, removals
     from feeler.plan.swept import swept
     from feeler.poses import nearest_rigid
     from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
-    from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
+    from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
+    from feeler.spreading import WorkerLost
     from feeler.workbench.scripting import View, view
 
     __version__: str
@@ -96,6 +107,7 @@ __all__ = [
     "Packed",
     "PackedPiece",
     "PairKind",
+    "PartsRemoval",
     "PathCheck",
     "Penetration",
     "PoseError",
@@ -107,17 +119,22 @@ __all__ = [
     "RemovalLeg",
     "RemovalOrder",
     "RemovalStep",
+    "Removals",
+    "RemovalsInterrupted",
     "Scene",
     "Screw",
     "SectionOutline",
     "SessionError",
     "Tool",
+    "VariantsInterrupted",
     "Verdict",
     "View",
     "WorkbenchError",
+    "WorkerLost",
     "WriteError",
     "access",
     "clash",
+    "clash_variants",
     "find_fasteners",
     "from_open3d",
     "from_pyvista",
@@ -129,9 +146,11 @@ __all__ = [
     "load_mockup",
     "load_tool",
     "nearest_rigid",
+    "open_scene",
     "optimal_voxel_size",
     "removal",
     "removal_order",
+    "removals",
     "sample",
     "sample_path",
     "sample_poses",
@@ -167,8 +186,10 @@ _HOMES = {
         "Clash",
         "ClashInterrupted",
         "Clashes",
+        "VariantsInterrupted",
         "Verdict",
         "clash",
+        "clash_variants",
         "load_clashes",
     ),
     "feeler.depths": ("Depths",),
@@ -226,6 +247,12 @@ _HOMES = {
         "RemovalInterrupted",
         "removal",
     ),
+    "feeler.plan.removals": (
+        "PartsRemoval",
+        "Removals",
+        "RemovalsInterrupted",
+        "removals",
+    ),
     "feeler.plan.swept": ("swept",),
     "feeler.poses": ("nearest_rigid",),
     "feeler.samples": (
@@ -239,8 +266,10 @@ _HOMES = {
         "ContactTracker",
         "PairKind",
         "Scene",
+        "open_scene",
         "optimal_voxel_size",
     ),
+    "feeler.spreading": ("WorkerLost",),
     "feeler.workbench.scripting": (
         "View",
         "view",

@@ -25,6 +25,7 @@ from feeler._core_results import (
     Rays,
     RemovalAnswer,
     RunEnd,
+    SavedScene,
     Screw,
     SeatAnswer,
     SectionOutline,
@@ -72,6 +73,7 @@ __all__ = [
     "Rays",
     "RemovalAnswer",
     "RunEnd",
+    "SavedScene",
     "Scene",
     "Screw",
     "SeatAnswer",
@@ -96,10 +98,10 @@ __all__ = [
 class Mockup:
     def __new__(
         cls,
-        vertices: npt.NDArray[np.float64],
-        faces: npt.NDArray[np.uint32],
-        part_of_face: npt.NDArray[np.uint32] | None,
-        part_count: int,
+        vertices: npt.NDArray[np.float64] | SavedScene,
+        faces: npt.NDArray[np.uint32] | None = None,
+        part_of_face: npt.NDArray[np.uint32] | None = None,
+        part_count: int = 1,
     ) -> Self: ...
     @property
     def vertices(self) -> npt.NDArray[np.float64]:
@@ -174,7 +176,11 @@ class IgnoredPairs:
 
 @final
 class Selected:
-    """The core of a scene that shares another scene's index."""
+    """The core of a scene that shares another scene's index, or that of a file."""
+
+    def __new__(
+        cls, saved: SavedScene, mockup: Mockup, threads: int | None, memory_limit: int, simd: str | None
+    ) -> Self: ...
 
 @disjoint_base
 class Scene:
@@ -216,6 +222,7 @@ class Scene:
     def part_mask(self) -> npt.NDArray[np.bool_]:
         """`(parts,)`: true for the parts present in the scene; all of them unless it was made by `without` or
         `only`."""
+    def _save(self, path: str, extras: list[tuple[str, bytes]], progress: _Progress | None) -> str: ...
     def _selected_without(self, parts: Sequence[int]) -> Selected: ...
     def _selected_only(self, parts: Sequence[int]) -> Selected: ...
     def collide(

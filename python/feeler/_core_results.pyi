@@ -1,5 +1,6 @@
 """Results and values of `feeler._core`. Not a module: the stub of `feeler._core` imports them."""
 
+from collections.abc import Callable
 from typing import final
 
 import numpy as np
@@ -716,3 +717,31 @@ class MoveAnswer:
     @property
     def impact(self) -> Impact | None:
         """The impact that stopped the tool, if any."""
+
+@final
+class SavedScene:
+    """An opened file. `feeler.open_scene` makes a mock-up and a scene of it."""
+
+    def __new__(
+        cls, path: str, verify: bool, memory_limit: int, progress: Callable[[float, str], object] | None
+    ) -> Self: ...
+    @property
+    def content_hash(self) -> str:
+        """The hash of the mock-up, 32 hexadecimal digits."""
+    @property
+    def voxel_size(self) -> float:
+        """As in `Scene`."""
+    @property
+    def storage(self) -> str:
+        """As in `Scene`."""
+    @property
+    def hashing(self) -> float:
+        """As in `Scene`."""
+    @property
+    def part_count(self) -> int:
+        """As in `Mockup`."""
+    @property
+    def absent_parts(self) -> list[int]:
+        """The parts that were not there when the scene was saved, by number."""
+    def extra(self, name: str) -> bytes | None:
+        """A section of `Scene._save`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,36 +12,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core
+from feeler import _core, saved
 from feeler._core import Packed
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
 from feeler.poses import placed
+from feeler.saved import opened_again
+from feeler.source import Source
 from feeler.travel import reduced
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
 """The most vertices of a piece for drawing: its indices have 16 bits."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a mesh came from, as reported by its loader.
-
-    up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those notes that put results in doubt:
-    skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
-    unknown.
-    """
-
-    files: tuple[str, ...] = ()
-    format: str = "arrays"
-    unit: str = "m"
-    unit_source: str = "arrays are metres"
-    seconds: float = 0.0
-    notes: tuple[str, ...] = ()
-    up: str | None = None
-    doubts: tuple[str, ...] = ()
-    chord_tolerance: float | None = None
 
 
 @dataclass(frozen=True)
@@ -174,6 +157,9 @@ class Mockup(_core.Mockup):
     A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones.
     """
 
+    _saved: saved.SavedFile | None = None
+    """The file that it is in, where it was opened from one."""
+
     def __new__(
         cls,
         vertices: Any,
@@ -201,6 +187,14 @@ class Mockup(_core.Mockup):
         self.source = source or Source()
         return self
 
+    @classmethod
+    def _of_file(cls, file: saved.SavedFile) -> Mockup:
+        """The mock-up of a saved scene, on the mapped memory of its file."""
+        self = super().__new__(cls, file.core)
+        self._saved = file
+        vars(self).update(_attributes(file))
+        return self
+
     @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
@@ -223,13 +217,21 @@ class Mockup(_core.Mockup):
         return super().pack(_vertex_limit(vertex_limit), _mask(self.parts, small))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Its arrays and all attributes, as for other Python objects."""
+        """Its arrays, or the path and hash of the saved scene that they are in, and all attributes."""
+        attributes = {name: value for name, value in self.__dict__.items() if name != "_saved"}
+        file = self._saved
+        if file is not None and os.path.exists(file.path):
+            own = {**_attributes(file), "parts": attributes.get("parts")}
+            changed = {name: value for name, value in attributes.items() if value is not own.get(name)}
+            return (*reduced("Mockup", (type(self), file.path, file.core.content_hash)), changed)
         parts = self.part_of_face if self.part_count > 1 else None
         state = (type(self), self.vertices, self.faces, parts, self.part_count)
-        return (*reduced("Mockup", state), dict(self.__dict__))
+        return (*reduced("Mockup", state), attributes)
 
     @classmethod
     def _restore(cls, *state: Any) -> Mockup:
+        if isinstance(state[0], str):
+            return cls._of_file(opened_again(*state))
         return super().__new__(cls, *state)
 
     def __repr__(self) -> str:
@@ -379,6 +381,13 @@ class Tool(_core.Tool):
 
     def __repr__(self) -> str:
         return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"
+
+
+def _attributes(file: saved.SavedFile) -> dict[str, Any]:
+    """Those of a mock-up that a file describes; the same objects at every call."""
+    facts = file.facts
+    known = {"part_names": facts.part_names, "part_paths": facts.part_paths, "source": facts.source}
+    return known if facts.colours is None else {**known, "part_colours": facts.colours}
 
 
 def _vertex_limit(limit: object) -> int:

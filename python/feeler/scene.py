@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 import os
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from functools import partial
 from typing import Any, Literal, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core
+from feeler import _core, saved
 from feeler._core import (
     Batch,
     Cast,
@@ -38,8 +42,9 @@ from feeler.arguments import (
 from feeler.calibrate import machine_constants
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
-from feeler.errors import LimitError, MeshError, OptionError
+from feeler.errors import LimitError, LoadError, MeshError, OptionError, WriteError
 from feeler.ignored import Ignore, IgnoredPairs, ignored
+from feeler.memory import free_memory
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike, PosesLike
@@ -86,8 +91,12 @@ class Scene(_core.Scene):
     Queries take `ignore`: pairs of a tool part and a mock-up part to skip, such as the allowed collision matrix of a
     robot: `[("hand", "*gasket*")]`, or an `IgnoredPairs` made once from such a list.
 
+    A mock-up of a saved scene (`save`, `feeler.open_scene`) comes with its index: nothing is built then, unless another
+    `voxel_size` or `storage` is given.
+
     `copy` returns the scene itself. A pickle contains the mock-up and the options, including the chosen `voxel_size`;
-    unpickling rebuilds the index, with the best instruction set of that machine if its CPU lacks the given `simd`.
+    unpickling rebuilds the index, with the best instruction set of that machine if its CPU lacks the given `simd`. Of a
+    saved scene a pickle contains the path and the hash of its content, and unpickling opens the file again.
     """
 
     build_seconds: float
@@ -120,6 +129,12 @@ class Scene(_core.Scene):
             ):  # the core says what is wrong with others
                 voxel_size = _calibrated_size(mockup, tool, storage, level, memory_limit)
         start = time.perf_counter()
+        file = mockup._saved
+        if file and storage == file.core.storage == "blocks" and voxel_size in (None, file.core.voxel_size):
+            selected = _core.Selected(file.core, mockup, threads, memory_limit, None if simd is None else str(simd))
+            self = super().__new__(cls, selected)
+            self.build_seconds, self._given = 0.0, given
+            return self
         self = super().__new__(
             cls,
             mockup,
@@ -156,21 +171,72 @@ class Scene(_core.Scene):
         """The scene with only these parts, except those already removed; the opposite of `without`."""
         return self._made_of(super()._selected_only(self.mockup.parts.select(parts).tolist()))
 
+    def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> str:
+        """Save the scene in one file, for `feeler.open_scene` and every command; return the hash of its mock-up.
+
+        The file has the mock-up with its names, colours and report, the index, and what first queries need: the
+        connectivity of the triangles. It is written beside its place and renamed at the end, so that an older file
+        stays whole if the disk is full. Other storages than `"blocks"` are built again when the file is opened.
+
+        Files are read by the version of feeler that wrote them, or one with the same layout; others refuse them. Keep
+        the files that the mock-up was loaded from. Raises `WriteError`.
+        """
+        check_progress(progress)
+        return self._save_with(path, [], progress)
+
+    def _save_with(
+        self, path: str | os.PathLike[str], others: list[tuple[str, bytes]], progress: Progress | None = None
+    ) -> str:
+        """`save` with more sections."""
+        mockup = self.mockup
+        facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
+        return super()._save(saved.path_of(path, WriteError), saved.extras(facts) + others, progress)
+
+    @contextmanager
+    def _in_a_file(self) -> Iterator[Scene]:
+        """The scene as worker processes open it: in a file, which may be temporary, and with one thread each."""
+        file = self.mockup._saved
+        if file is not None and os.path.exists(file.path):
+            options = {**self._given, "threads": 1}
+            alone = Scene(self.mockup, self.voxel_size, self.storage, self.hashing, **options)
+            mask = self.part_mask
+            yield alone if mask.all() else alone.only(mask)
+            return
+        with tempfile.TemporaryDirectory(prefix="feeler-", ignore_cleanup_errors=True) as folder:
+            path = os.path.join(folder, f"scene{saved.SUFFIX}")
+            self.save(path)
+            yield open_scene(path, verify=False, threads=1)
+
     def _made_of(self, selected: _core.Selected) -> Scene:
         scene = _core.Scene.__new__(type(self), selected)
         scene.build_seconds, scene._given = 0.0, self._given
         return scene
 
     def collide_batch(
-        self, tool: _core.Tool, poses: PosesLike, progress: Progress | None = None, *, ignore: Ignore = None
+        self,
+        tool: _core.Tool,
+        poses: PosesLike,
+        progress: Progress | None = None,
+        *,
+        ignore: Ignore = None,
+        executor: Executor | None = None,
     ) -> Batch:
         """`collide` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
-        Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. Raises `PoseError`
-        naming the first pose that is not rigid, and `LimitError` if the pairs exceed the scene's `memory_limit`.
+        Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. `executor`: any
+        `concurrent.futures.Executor` for more than 20,000 poses (`feeler.removals`). Raises `PoseError` naming the
+        first pose that is not rigid, and `LimitError` if the pairs exceed the scene's `memory_limit`.
         """
         check_progress(progress)
-        return super().collide_batch(tool, poses, progress, ignore=ignore)
+        asked = partial(super().collide_batch, tool, poses, progress, ignore=ignore)
+        query = ("collide_batch", (tool,), {"ignore": ignore})
+        return asked() if executor is None else self._spread(asked, query, poses, executor, progress)
+
+    def _spread(self, here: Any, query: Any, poses: PosesLike, executor: Executor, progress: Progress | None) -> Any:
+        from feeler.batches import on_executor  # imported where it is used: it takes longer than most of feeler
+
+        limit = _memory_limit(self._given["memory_limit"])
+        return on_executor(here, self, query, poses, executor, progress, limit)
 
     def clearance(
         self,
@@ -233,10 +299,13 @@ class Scene(_core.Scene):
         progress: Progress | None = None,
         *,
         ignore: Ignore = None,
+        executor: Executor | None = None,
     ) -> DistanceBatch:
-        """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene."""
+        """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene, or on an executor (`collide_batch`)."""
         check_progress(progress)
-        return super().distance_batch(tool, poses, _within(within), progress, ignore=ignore)
+        asked = partial(super().distance_batch, tool, poses, _within(within), progress, ignore=ignore)
+        query = ("distance_batch", (tool,), {"within": within, "ignore": ignore})
+        return asked() if executor is None else self._spread(asked, query, poses, executor, progress)
 
     def clearance_batch(
         self,
@@ -247,15 +316,17 @@ class Scene(_core.Scene):
         progress: Progress | None = None,
         *,
         ignore: Ignore = None,
+        executor: Executor | None = None,
     ) -> ClearanceBatch:
-        """`clearance` at each of `(n, 4, 4)` poses, on all threads of the scene.
+        """`clearance` at each of `(n, 4, 4)` poses, on all threads of the scene, or on an executor (`collide_batch`).
 
         Raises `LimitError` if the rows exceed the scene's `memory_limit`.
         """
         check_progress(progress)
-        return super().clearance_batch(
-            tool, poses, _within(within), check_flag("triangles", triangles), progress, ignore=ignore
-        )
+        is_fine = check_flag("triangles", triangles)
+        asked = partial(super().clearance_batch, tool, poses, _within(within), is_fine, progress, ignore=ignore)
+        query = ("clearance_batch", (tool,), {"within": within, "triangles": triangles, "ignore": ignore})
+        return asked() if executor is None else self._spread(asked, query, poses, executor, progress)
 
     def cast(
         self,
@@ -464,6 +535,36 @@ class Scene(_core.Scene):
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r}{some})"
 
 
+def open_scene(
+    path: str | os.PathLike[str],
+    verify: bool = True,
+    *,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    simd: str | None = None,
+    progress: Progress | None = None,
+) -> Scene:
+    """Open a scene that `Scene.save` or `feeler index` wrote, with its mock-up.
+
+    The file is mapped, not read: opening takes milliseconds, and processes that open the same file share its memory.
+    `verify` compares the checksum of every section and checks every index; without it, only those of the header are
+    checked, and queries of a damaged file may be wrong. Parts that were out of the scene are out again. Other options
+    as for `Scene`.
+
+    While a scene is open, replace its file only by `Scene.save`, or by renaming another file to it: never change it in
+    place. Raises `MissingFileError`, and `LoadError` for a file that is none, has another layout, or is damaged.
+    """
+    limit = _memory_limit(memory_limit)
+    check_progress(progress)
+    file = saved.opened(saved.path_of(path, LoadError), check_flag("verify", verify), limit, progress)
+    mockup = Mockup._of_file(file)
+    options = {"threads": threads, "memory_limit": memory_limit, "simd": simd}
+    core = file.core
+    scene = Scene(mockup, core.voxel_size, core.storage, core.hashing, **options)  # type: ignore[arg-type]
+    absent = core.absent_parts
+    return scene.without(absent) if absent else scene
+
+
 class ContactTracker(_core.ContactTracker):
     """A tool that moves in a scene; its contacts refer to the last pose without a collision.
 
@@ -584,18 +685,3 @@ def _vector(what: str, value: npt.ArrayLike) -> list[float]:
     if array.shape != (3,):
         raise OptionError(f"{what} is {value!r}: three numbers are needed")
     return [check_real(what, each) for each in array]
-
-
-def free_memory() -> int:
-    """Bytes available without swapping, if the system reports them; else no limit."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as lines:
-            for line in lines:
-                if line.startswith("MemAvailable:"):
-                    return int(line.split()[1]) * 1024
-    except (OSError, ValueError):
-        pass
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
-    except (AttributeError, OSError, ValueError):
-        return math.floor(2**63)

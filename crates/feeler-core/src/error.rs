@@ -96,6 +96,12 @@ pub enum Error {
     /// A path without a pose.
     #[error("the path has no pose: give at least one")]
     EmptyPath,
+    /// A saved scene with a section that is missing, or that cannot be right.
+    #[error("the saved scene is damaged: {what}; save it again")]
+    DamagedScene {
+        /// Which section, and what is wrong with it.
+        what: String,
+    },
     /// A voxel size that is not a positive finite number.
     #[error("voxel_size is {value:?}: it must be a positive, finite length in metres")]
     VoxelSize {

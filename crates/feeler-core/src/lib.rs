@@ -71,6 +71,8 @@ mod interop;
 pub mod mesh;
 mod progress;
 mod rays;
+#[doc(hidden)]
+pub mod saved;
 mod scene;
 #[doc(hidden)]
 pub mod scratch_pool;

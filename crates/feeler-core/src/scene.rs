@@ -25,6 +25,7 @@ use crate::index::store::Storage;
 use crate::mesh::mockup::Mockup;
 use crate::progress::{BatchOptions, Progress};
 use crate::rays::ray::{HalfSpace, Ray, RayHit};
+use crate::saved::{Reader, SavedSections, Sections};
 use crate::scratch_pool::ScratchPool;
 use crate::section::outline::SectionOutline;
 use crate::sizing::choice::default_voxel_size;
@@ -135,6 +136,35 @@ impl Scene {
         Ok(Scene { index: Index::build(mockup, storage, size, memory_limit, progress)?, pools: Arc::default() })
     }
 
+    /// The scene as sections, and with them the connectivity of the triangles, so that first queries of a scene made
+    /// [of them](Self::of_sections) find it. Pairs that the scene ignores are not kept.
+    #[doc(hidden)]
+    pub fn sections(&self) -> Sections<'_> {
+        let mut sections = Sections::default();
+        self.index.save(&mut sections);
+        sections
+    }
+
+    /// A scene of such sections, on the memory they are in; stores other than blocks are built again.
+    ///
+    /// Errors: sections that are missing or do not fit each other. With `is_checked` every index in them is checked, too. Without, a
+    /// query panics where one is out of range.
+    #[doc(hidden)]
+    pub fn of_sections(
+        saved: &dyn SavedSections,
+        is_checked: bool,
+        memory_limit: u64,
+        progress: Progress<'_>,
+    ) -> Result<Scene> {
+        let (index, absent) = Index::of_saved(Reader::new(saved, is_checked), memory_limit, progress)?;
+        let scene = Scene { index, pools: Arc::default() };
+        if absent.is_empty() {
+            Ok(scene)
+        } else {
+            scene.without(&absent)
+        }
+    }
+
     /// The scene without some parts, on the same index: each query answers as a scene built without them does, and triangles and
     /// parts keep their numbers. Parts that are out already stay out.
     ///
@@ -176,6 +206,12 @@ impl Scene {
     #[doc(hidden)]
     pub fn of_one_part(&self, part: u32) -> Scene {
         self.with(self.index.selection().of_one_part(self.mockup(), part))
+    }
+
+    /// The scene with all parts there, and no pairs ignored.
+    #[doc(hidden)]
+    pub fn with_all_parts(&self) -> Scene {
+        self.with(Selection::default())
     }
 
     /// The scene with no pairs ignored.
@@ -589,6 +625,12 @@ impl Scene {
     /// Has queries use another instruction set than the best; where the CPU lacks it, the best. The answers are the same.
     pub fn set_lanes(&mut self, lanes: Level) {
         self.index.set_lanes(lanes);
+    }
+
+    /// Sets the most bytes of a query's result.
+    #[doc(hidden)]
+    pub fn set_memory_limit(&mut self, bytes: u64) {
+        self.index.set_memory_limit(bytes);
     }
 
     /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads, "adjacency" the

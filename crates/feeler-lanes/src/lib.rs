@@ -27,6 +27,7 @@
 //! ```
 
 mod boxes;
+mod column;
 mod constants;
 mod simd;
 mod sort;
@@ -36,6 +37,7 @@ pub use boxes::{
     along, boxes_apart, greatest, greatest4, least, least4, load3, load_few3, splat3, Box4, Lane32, LaneBoxes,
     SpreadBoxes,
 };
+pub use column::{Column, SharedBytes, SharedMemory, COLUMN_ALIGNMENT};
 pub use constants::TINY;
 pub use simd::{
     few_lanes, part_lanes, prefetch, prefetch_at, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Checked, Kernel, Level,

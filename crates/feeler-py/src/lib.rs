@@ -23,6 +23,7 @@ mod rays;
 mod removal;
 mod reporter;
 mod restore;
+mod saved;
 mod scene;
 mod screw;
 mod selection;
@@ -93,6 +94,8 @@ mod _core {
     use super::removal::{removal, RemovalAnswer};
     #[pymodule_export]
     use super::restore::restore;
+    #[pymodule_export]
+    use super::saved::SavedScene;
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use feeler_core as core;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -11,6 +12,7 @@ use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
 use crate::packed::Packed;
 use crate::pools::on_pool;
+use crate::saved::SavedScene;
 
 /// A static mock-up. `feeler.Mockup` adds names and reports.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -18,17 +20,31 @@ pub struct Mockup {
     pub(crate) core: Arc<core::Mockup>,
 }
 
+/// What a mock-up is made of.
+#[derive(FromPyObject)]
+enum MockupSource<'py> {
+    /// A file.
+    Saved(PyRef<'py, SavedScene>),
+    /// Arrays, with faces.
+    Vertices(PyReadonlyArray2<'py, f64>),
+}
+
 #[pymethods]
 impl Mockup {
     #[new]
-    #[pyo3(signature = (vertices, faces, part_of_face, part_count))]
+    #[pyo3(signature = (vertices, faces = None, part_of_face = None, part_count = 1))]
     fn new(
         py: Python<'_>,
-        vertices: PyReadonlyArray2<'_, f64>,
-        faces: PyReadonlyArray2<'_, u32>,
+        vertices: MockupSource<'_>,
+        faces: Option<PyReadonlyArray2<'_, u32>>,
         part_of_face: Option<PyReadonlyArray1<'_, u32>>,
         part_count: usize,
     ) -> PyResult<Mockup> {
+        let (vertices, faces) = match (vertices, faces) {
+            (MockupSource::Saved(saved), None) => return Ok(Mockup { core: saved.mockup() }),
+            (MockupSource::Vertices(vertices), Some(faces)) => (vertices, faces),
+            _ => return Err(PyTypeError::new_err("vertices and faces, or a saved scene alone")),
+        };
         let vertices = rows("vertices", &vertices)?;
         let faces = rows("faces", &faces)?;
         let part_of_face = part_of_face.map_or_else(Vec::new, |p| p.as_array().to_vec());

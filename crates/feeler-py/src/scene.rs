@@ -22,7 +22,7 @@ use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
 use crate::screw::{PathArgument, ScrewArgument};
-use crate::selection::{ignored_of, Ignore, SceneSource, Selected};
+use crate::selection::{ignored_of, lanes_of, Ignore, SceneSource, Selected};
 use crate::travel::rows_of;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
@@ -89,17 +89,7 @@ impl Scene {
                 return Ok(Scene { core, solver, mockup: mockup.clone_ref(py), pool: pool.clone() });
             }
         };
-        let lanes = match simd {
-            None => core::Level::best(),
-            Some(name) => {
-                let levels = core::Level::available();
-                let named = levels.iter().find(|level| level.name() == name);
-                *named.ok_or_else(|| {
-                    let names: Vec<&str> = levels.iter().map(|level| level.name()).collect();
-                    raise("OptionError", format!("simd is {name:?}: this CPU has {}", names.join(", ")))
-                })?
-            }
-        };
+        let lanes = lanes_of(simd)?;
         let storage = match storage {
             "hashed" => core::Storage::Hashed { level: hashing },
             "dense" => core::Storage::Dense,
@@ -164,6 +154,17 @@ impl Scene {
     #[getter]
     fn simd(&self) -> &'static str {
         self.core.lanes().name()
+    }
+
+    #[pyo3(name = "_save")]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: std::path::PathBuf,
+        extras: Vec<(String, Vec<u8>)>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        crate::saved::save(py, &self.core, self.pool.as_deref(), (path, extras), progress)
     }
 
     /// The scene without parts, and with no parts but these, by number: an argument for `Scene`.

@@ -5,12 +5,14 @@ use std::sync::Arc;
 use feeler_contacts::ContactSolver;
 use feeler_core as core;
 use numpy::PyReadonlyArray2;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arguments::ToolArgument;
 use crate::errors::raise;
 use crate::mockup::Mockup;
 use crate::pools::Pool;
+use crate::saved::SavedScene;
 use crate::travel::{rows_of, stays};
 
 /// Pairs of parts that queries leave out. `feeler.IgnoredPairs` knows them by name.
@@ -61,7 +63,7 @@ pub fn ignored_of(
     ))
 }
 
-/// The core of a scene that shares another scene's index.
+/// The core of a scene that shares another scene's index, or that of a file.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Selected {
     pub core: Arc<core::Scene>,
@@ -70,8 +72,39 @@ pub struct Selected {
     pub pool: Option<Arc<Pool>>,
 }
 
+/// The instruction set of that name; the best one for `None`.
+pub fn lanes_of(simd: Option<&str>) -> PyResult<core::Level> {
+    let Some(name) = simd else { return Ok(core::Level::best()) };
+    let levels = core::Level::available();
+    let named = levels.iter().find(|level| level.name() == name);
+    named.copied().ok_or_else(|| {
+        let names: Vec<&str> = levels.iter().map(|level| level.name()).collect();
+        raise("OptionError", format!("simd is {name:?}: this CPU has {}", names.join(", ")))
+    })
+}
+
 #[pymethods]
 impl Selected {
+    /// The index of a saved scene with all parts, for a scene of its mock-up.
+    #[new]
+    fn new(
+        saved: PyRef<'_, SavedScene>,
+        mockup: Py<Mockup>,
+        threads: Option<usize>,
+        memory_limit: u64,
+        simd: Option<&str>,
+    ) -> PyResult<Selected> {
+        if !Arc::ptr_eq(&mockup.get().core, &saved.mockup()) {
+            return Err(PyValueError::new_err("the mock-up is not that of the saved scene"));
+        }
+        let mut scene = saved.whole().clone();
+        scene.set_lanes(lanes_of(simd)?);
+        scene.set_memory_limit(memory_limit);
+        let core = Arc::new(scene);
+        let solver = Arc::new(ContactSolver::new(Arc::clone(&core)));
+        Ok(Selected { core, solver, mockup, pool: threads.map(|threads| Arc::new(Pool::new(threads))) })
+    }
+
     fn __reduce__(&self) -> PyResult<()> {
         Err(stays("Selected", "pickle the scene that is made of it"))
     }

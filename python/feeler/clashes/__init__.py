@@ -16,6 +16,7 @@ from feeler.clashes.result import Changes, Clashes, Group, load_clashes
 from feeler.clashes.rules import Exclusion, Rule, Rules
 from feeler.clashes.rules_file import write_rules
 from feeler.clashes.table import Clash
+from feeler.clashes.variants import VariantsInterrupted, clash_variants
 from feeler.clashes.verdict import Verdict
 
 __all__ = [
@@ -27,8 +28,10 @@ __all__ = [
     "Group",
     "Rule",
     "Rules",
+    "VariantsInterrupted",
     "Verdict",
     "clash",
+    "clash_variants",
     "load_clashes",
     "report",
     "write_bcf",

@@ -26,14 +26,16 @@ Poses = npt.NDArray[np.float64]
 MockupFiles = Annotated[
     list[str],
     typer.Argument(
-        metavar="MOCKUP", help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]]."
+        metavar="MOCKUP",
+        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]].",
     ),
 ]
 MockupFilesOrSample = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="[MOCKUP]...",
-        help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
+        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]] "
+        "(sample:engine).",
     ),
 ]
 ToolFile = Annotated[str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
@@ -222,7 +224,11 @@ def read_mockup(
             return feeler.sample(name, count, seed=arrangement, progress=progress)
     with telling("loading mock-up", also) as progress:
         given = sources if len(sources) > 1 else sources[0]
-        return feeler.load_mockup(given, unit, up=up, chord_tolerance=chord_tolerance, progress=progress)
+        mockup = feeler.load_mockup(given, unit, up=up, chord_tolerance=chord_tolerance, progress=progress)
+    if mockup._saved and (absent := mockup._saved.core.absent_parts):
+        shown = ", ".join(mockup.part_paths[part] for part in absent[:3]) + (", ..." if len(absent) > 3 else "")
+        warn(f"the scene was saved without {len(absent):,} of its parts, which are there again: {shown}")
+    return mockup
 
 
 def read_tool(source: str, unit: str | None = None, up: str | None = None) -> feeler.Tool:

@@ -12,7 +12,8 @@ import numpy.typing as npt
 from feeler.errors import MeshError
 from feeler.io.raw import OUT_OF_RANGE, PathBook, clean_name
 from feeler.io.units import Unit, parse_unit
-from feeler.mockup import Meshes, Source
+from feeler.mockup import Meshes
+from feeler.source import Source
 
 Floats = npt.NDArray[np.float64]
 

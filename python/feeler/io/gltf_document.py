@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from feeler.errors import LoadError
 from feeler.io import meshopt
+from feeler.io.cache import note_read
 from feeler.io.limits import check_memory
 
 OWN_GENERATOR = "feeler"
@@ -323,4 +324,5 @@ class Document:
         if not target.is_file():
             raise self.fail(f"the buffer {uri[:80]!r} is missing; put the file beside it", damaged=False)
         check_memory(target.stat().st_size, str(target))
+        note_read(target)
         return target

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 from feeler.arguments import check_progress
 from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
 from feeler.io import axes
+from feeler.io.cache import Cache
 from feeler.io.files import Found, PathLike, collect
 from feeler.io.gltf import shift_indices
 from feeler.io.limits import check_mesh
@@ -23,8 +26,11 @@ from feeler.io.readers import Watched, read
 from feeler.io.sniff import identify
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
-from feeler.mockup import Mockup, Source, Tool
+from feeler.memory import free_memory
+from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
+from feeler.saved import MAGIC, opened
+from feeler.source import Source
 
 DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
@@ -39,13 +45,14 @@ def load_mockup(
     *,
     up: str | None = None,
     chord_tolerance: float | None = None,
+    cache: PathLike | None = None,
     progress: Progress | None = None,
 ) -> Mockup:
     """Load one file, several, or a folder as one mock-up, in metres; its `.report` lists contents and defects.
 
     path             a file, a folder (with subfolders, sorted by path) or several of either. STL, OBJ, PLY, OFF, glTF
-                     and GLB, 3MF, STEP and COLLADA. Paths of parts start with the file: `file/assembly/part`; a second
-                     part with the same path gets `#2`.
+                     and GLB, 3MF, STEP and COLLADA; or one saved scene (`Scene.save`), which brings its index. Paths
+                     of parts start with the file: `file/assembly/part`; a second part with the same path gets `#2`.
     unit             the unit of the numbers: "mm", "m", "in" ... By default the unit that the file states (glTF, 3MF,
                      STEP, COLLADA), else the millimetre. If given, it overrides the file's own, also the metre of
                      glTF.
@@ -53,6 +60,8 @@ def load_mockup(
                      STEP and 3MF z, COLLADA states it); `(x, y, z)` with y up becomes `(x, -z, y)` with z up. Files of
                      other formats are not turned. By default nothing is turned.
     chord_tolerance  metres, only for STEP: the largest chordal error; default 0.0001.
+    cache            a folder: the mock-up is saved there with its index (`Scene.save`), and opened from there the next
+                     time, unless one of its files has changed. Nothing is kept without it.
     progress         called with (fraction 0..1, stage).
 
     Nothing is dropped: triangles that cannot be queried are kept and counted in the report; points and lines are
@@ -65,6 +74,15 @@ def load_mockup(
     """
     started = time.perf_counter()
     check_progress(progress)
+    if (scene := _saved_scene(path)) is not None:
+        return _of_saved(scene, unit, up, chord_tolerance, progress)
+    if cache is not None:
+        entry = Cache(cache, path, (unit, up, chord_tolerance))
+        if (known := entry.find(progress)) is not None:
+            return known
+        with entry.watched():
+            mockup = load_mockup(path, unit, up=up, chord_tolerance=chord_tolerance, progress=progress)
+        return entry.keep(mockup)
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     raw = loaded.raw
     if progress:
@@ -93,6 +111,9 @@ def load_tool(
     """
     started = time.perf_counter()
     check_progress(progress)
+    if (scene := _saved_scene(path)) is not None:
+        label = name if name is not None else Path(scene).stem
+        return Tool(_of_saved(scene, unit, up, chord_tolerance, progress), name=label)
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     if progress:
         progress(0.8, "checking triangles")
@@ -104,6 +125,30 @@ def load_tool(
     if progress:
         progress(1.0, "loaded")
     return tool
+
+
+def _saved_scene(path: PathLike | Iterable[PathLike]) -> str | None:
+    """The path, where it is that of a saved scene."""
+    given: object = path
+    if isinstance(given, (str, os.PathLike)):
+        plain = os.fspath(given)
+        if isinstance(plain, str) and plain and "\0" not in plain:
+            with contextlib.suppress(OSError, ValueError), open(plain, "rb") as file:
+                if os.path.isfile(plain) and file.read(len(MAGIC)) == MAGIC:
+                    return plain
+    return None
+
+
+def _of_saved(
+    path: str, unit: str | None, up: str | None, chord_tolerance: float | None, progress: Progress | None
+) -> Mockup:
+    """The mock-up of a saved scene. A scene that is made of it takes the index from the file."""
+    for name, value in (("unit", unit), ("up", up), ("chord_tolerance", chord_tolerance)):
+        if value is not None:
+            raise OptionError(
+                f"{name}={value!r} is for meshes, but {path} is a saved scene: give it when the scene is made"
+            )
+    return Mockup._of_file(opened(path, True, free_memory() * 4 // 5, progress))
 
 
 @dataclass

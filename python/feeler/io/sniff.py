@@ -9,6 +9,7 @@ from pathlib import Path
 from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import decoded
 from feeler.io.unread import unread
+from feeler.saved import MAGIC
 
 HEAD_BYTES = 4096
 
@@ -73,6 +74,10 @@ def identify(path: Path) -> tuple[str, list[str]]:
     for magic, name in _PACKED.items():
         if head.startswith(magic):
             raise LoadError(f"{path}: the file is compressed ({name}); unpack it first")
+    if head.startswith(MAGIC):
+        raise LoadError(
+            f"{path}: a saved scene is a whole mock-up and cannot be joined with other files; give it alone"
+        )
     named = EXTENSIONS.get(path.suffix.lower())
     text = decoded(head).lstrip()
     if other := unread(path, head, text):

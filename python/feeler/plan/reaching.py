@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, overload
 
@@ -22,6 +22,7 @@ from feeler.plan.tool_seat import SeatedTool, seated_tool
 from feeler.poses import nearest_rigid, placed
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.spreading import Interrupted, check_executor, spread
 
 Floats = npt.NDArray[np.float64]
 Hand = Tool | tuple[Tool, npt.ArrayLike]
@@ -149,6 +150,7 @@ def access(
     grip: str | npt.ArrayLike | None = None,
     lift: float | npt.ArrayLike = 0.0,
     threads: int | None = None,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Access:
     """Whether the tool reaches each target, and how far it can swing there, about the target's z axis.
@@ -168,7 +170,8 @@ def access(
     - `grip`: the target's frame in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that points out of the
       joint, about its origin: "y" for `sample_tool("wrench")`, whose jaw turns about y.
     - `lift`: metres by which the tool sits above the target's origin, one or one per target; negative: below.
-    - `threads`: default: all. The answer does not depend on it.
+    - `threads`: default: all.
+    - `executor`: where the targets are worked on, as in `removals`; the answer depends on neither.
 
     Raises `OptionError` if there is no target, a number is out of range, or fasteners are of another mock-up,
     `PoseError` for frames that are not rigid, `MeshError` if the tool is not one, and `AccessInterrupted`, a
@@ -184,41 +187,38 @@ def access(
     seated = seated_tool(tool, hand, grip)
     frames, parts = _targets(scene, targets)
     frames = _lifted(frames, lift)
-    ask = _Question(scene, seated, needed, steps, way)
-    count = min(workers, len(frames))
-    rows: list[Reach] = []
+    targeted = [(i, frame, part) for i, (frame, part) in enumerate(zip(frames, parts, strict=True))]
 
-    def told(row: Reach) -> None:
-        rows.append(row)
+    def heard(done: int, stage: str) -> None:
         if progress is not None:
-            progress(len(rows) / len(frames), "reaching targets")
+            progress(done / len(targeted), stage or "reaching targets")
 
+    own = None if executor is not None else ThreadPoolExecutor(workers, thread_name_prefix="feeler-access")
+    pool = check_executor(executor) or own
+    assert pool is not None
     try:
-        if count == 1:
-            for i, (frame, part) in enumerate(zip(frames, parts, strict=True)):
-                told(ask.reach(i, frame, part))
-        else:
-            _in_threads(count, ask, frames, parts, told)
-    except KeyboardInterrupt:
-        raise AccessInterrupted(Access(rows, is_partial=len(rows) < len(frames))) from None
-    return Access(rows)
-
-
-def _in_threads(
-    count: int,
-    ask: _Question,
-    frames: Floats,
-    parts: list[int | None],
-    told: Callable[[Reach], None],
-) -> None:
-    pool = ThreadPoolExecutor(count, thread_name_prefix="feeler-access")
-    try:
-        targets = enumerate(zip(frames, parts, strict=True))
-        waiting = [pool.submit(ask.reach, i, frame, part) for i, (frame, part) in targets]
-        for each in waiting:
-            told(each.result())
+        return Access(spread(_reach, scene, _Asked(seated, needed, steps, way), targeted, pool, heard))
+    except Interrupted as interrupted:
+        rows = [row for _, row in sorted(interrupted.results.items())]
+        raise AccessInterrupted(Access(rows, is_partial=len(rows) < len(targeted))) from None
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        if own is not None:
+            own.shutdown(wait=True, cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """The arguments that all targets share."""
+
+    seated: SeatedTool
+    needed: float
+    angles: int
+    approach: float
+
+
+def _reach(scene: Scene, asked: _Asked, targeted: tuple[int, Floats, int | None]) -> Reach:
+    """The task of one target."""
+    return _Question(scene, asked).reach(*targeted)
 
 
 @dataclass
@@ -233,13 +233,13 @@ class _Drawn:
 
 
 class _Question:
-    """The arguments that all targets share."""
+    """What is asked of each target."""
 
-    def __init__(self, scene: Scene, seated: SeatedTool, needed: float, angles: int, approach: float) -> None:
-        self._scene, self._seated, self._needed, self._approach = scene, seated, needed, approach
-        self._angles = 360.0 * np.arange(angles) / angles
-        self._swings = Swings(scene, seated.tool)
-        self._sides = [turned(side)[:3, :3] @ seated.outward for side in SIDEWAYS]
+    def __init__(self, scene: Scene, asked: _Asked) -> None:
+        self._scene, self._seated, self._needed, self._approach = scene, asked.seated, asked.needed, asked.approach
+        self._angles = 360.0 * np.arange(asked.angles) / asked.angles
+        self._swings = Swings(scene, asked.seated.tool)
+        self._sides = [turned(side)[:3, :3] @ asked.seated.outward for side in SIDEWAYS]
 
     def reach(self, target: int, frame: Floats, part: int | None) -> Reach:
         """The result for one target."""

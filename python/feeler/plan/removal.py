@@ -219,9 +219,10 @@ def way_from(
     `where`: the name of that pose in errors. `first`: an attempt to try before, a function of the scene without the
     parts and of the moving parts."""
     begin = time.perf_counter()
-    chosen, rest = _chosen(scene, parts)
+    moved = chosen(scene, parts)
+    rest = scene.without(moved)
     mockup = scene.mockup
-    own = Tool.of_parts(mockup, chosen)
+    own = Tool.of_parts(mockup, moved)
     moving = own if tool is None else _gripped(own, tool, start, (lies, where), rest, allowed)
     if tool is None and start is not None:
         raise OptionError("start is the tool's pose, but there is no tool: give a tool, or leave out start")
@@ -230,7 +231,7 @@ def way_from(
         "allow_start": allowed.seats,
         "allow_overlap": allowed.overlap,
         "allow_parts": list(allowed.parts),
-        "directions": _directions(directions),
+        "directions": checked_directions(directions),
         "clearance": check_length("clearance", clearance),
         "seconds": check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True),
         "seed": check_whole("seed", seed, 0, LARGEST_SEED),
@@ -291,22 +292,22 @@ def alone(seed: int) -> Removal:
     return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, certificate, (), (), math.nan, False, 0.0)
 
 
-def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
-    """The moving parts, and the scene without them."""
+def chosen(scene: object, parts: PartsLike) -> npt.NDArray[np.uint32]:
+    """The moving parts, checked to be in the scene with others around them."""
     if not isinstance(scene, Scene):
         raise MeshError(f"a feeler.Scene is needed, not {type(scene).__name__}")
-    chosen = scene.mockup.parts.select(parts)
-    if not len(chosen):
+    moved = scene.mockup.parts.select(parts)
+    if not len(moved):
         raise OptionError("parts names no part: name one at least")
     there = scene.part_mask
-    away = chosen[~there[chosen]]
+    away = moved[~there[moved]]
     if len(away):
         raise OptionError(f"part {scene.mockup.part_paths[away[0]]!r} is not in the scene: it is out already")
-    if there.sum() == len(chosen):
+    if there.sum() == len(moved):
         raise OptionError(
-            f"parts are all {len(chosen)} that the scene has: nothing is left that they could be taken out of"
+            f"parts are all {len(moved)} that the scene has: nothing is left that they could be taken out of"
         )
-    return chosen, scene.without(chosen)
+    return moved
 
 
 def _gripped(
@@ -333,7 +334,8 @@ def _gripped(
     return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
 
 
-def _directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+def checked_directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+    """The argument `directions`, `(k, 3)`. Raises `OptionError`."""
     if directions is None:
         return np.empty((0, 3))
     try:

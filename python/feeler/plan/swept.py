@@ -9,9 +9,10 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.arguments import check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError
-from feeler.mockup import Mockup, Source, Tool
+from feeler.memory import free_memory
+from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
-from feeler.scene import free_memory
+from feeler.source import Source
 
 DEFAULT_ERROR = 0.001
 """The most by which the mesh may exceed the swept volume, metres."""

@@ -11,7 +11,8 @@ from feeler.arguments import check_progress
 from feeler.progress import Progress
 
 from ..errors import OptionError
-from ..mockup import Mockup, Source
+from ..mockup import Mockup
+from ..source import Source
 from . import accessory
 from . import core_engine as core
 from .carcass import add_carcass

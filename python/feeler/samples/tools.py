@@ -9,7 +9,8 @@ import numpy as np
 
 from ..arguments import check_flag
 from ..errors import OptionError
-from ..mockup import Source, Tool
+from ..mockup import Tool
+from ..source import Source
 from .mesh import Floats, Mesh, at, merge, moved, snapped, turned
 from .shapes import Path, bent_path, extrude, revolve, revolve_solid, rounded_box, skin, skin_loops, sweep
 from .tessellation import Tolerance, circle, hexagon, lifted, rounded

@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
             // What sticks out of the tool's box is not inside.
             let shells = adjacency.shells_of(part).iter();
             let shells = shells.filter(|s| is_in(&around, &s.bounds.lower) && is_in(&around, &s.bounds.upper));
-            let open = adjacency.open_surfaces_of(part).iter().map(|(_, m)| *m);
+            let open = adjacency.open_surfaces_of(part).iter().map(|[_, m]| *m);
             for m in shells.map(|shell| shell.first).chain(open) {
                 let asked = met.map_or(Some(m), |met| self.unmet_triangle(m, met));
                 let Some(p) = asked.map(|m| self.context.corner(Surface::Mockup, m)) else { continue };
@@ -298,7 +298,7 @@ impl<'a> Search<'a> {
             let may_hold = !open.is_empty() && self.corners.iter().any(|p| is_in(&bounds, p));
             let corner = |m: u32| self.context.corner(Surface::Mockup, m);
             let mut first =
-                open.iter().map(|(_, m)| *m).chain(adjacency.shells_of(part).iter().map(|shell| shell.first));
+                open.iter().map(|[_, m]| *m).chain(adjacency.shells_of(part).iter().map(|shell| shell.first));
             if may_hold || is_tool_open && first.any(|m| is_in(&around, &corner(m))) {
                 self.found.unknown.push(part);
             }

@@ -115,7 +115,7 @@ impl<'a> Solid<'a> {
     /// A corner of each of its connected surfaces.
     pub fn corners_of_surfaces(&self) -> impl Iterator<Item = Point> + 'a {
         let (solid, adjacency) = (*self, self.adjacency);
-        let open = adjacency.open_surfaces_of(self.number()).iter().map(|(_, own)| *own);
+        let open = adjacency.open_surfaces_of(self.number()).iter().map(|[_, own]| *own);
         let closed = adjacency.shells_of(self.number()).iter().map(|shell| shell.first);
         open.chain(closed).map(move |own| solid.triangle(own)[0])
     }

@@ -1,5 +1,7 @@
 //! Axis-aligned bounding boxes, by least and greatest corner (C. Ericson, *Real-Time Collision Detection*, 2005, section 4.2).
 
+use bytemuck::{Pod, Zeroable};
+
 /// A point or vector, metres.
 pub type Point = [f64; 3];
 
@@ -10,7 +12,8 @@ pub type Triangle = [Point; 3];
 pub(crate) type Piece = [Point; 4];
 
 /// A closed axis-aligned box. Empty when `lower > upper` on any axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Aabb {
     /// Smallest coordinates.
     pub lower: Point,
@@ -61,6 +64,12 @@ impl Aabb {
     #[inline]
     pub fn is_overlapping(&self, other: &Aabb) -> bool {
         (0..3).all(|a| self.lower[a] <= other.upper[a] && other.lower[a] <= self.upper[a])
+    }
+
+    /// True when the closed box contains the point.
+    #[inline]
+    pub(crate) fn contains(&self, p: &Point) -> bool {
+        (0..3).all(|a| self.lower[a] <= p[a] && p[a] <= self.upper[a])
     }
 
     /// True when the box contains nothing.

@@ -4,8 +4,10 @@
 use rayon::prelude::*;
 
 use crate::constants::{DEFECT_IDS_KEPT, LARGEST_COORDINATE, SMALL_MESH};
+use crate::error::Result;
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::predicates::is_collinear;
+use crate::saved::{check, damaged, Reader, Sections};
 
 /// The defects of a triangle. A triangle is counted under the first that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,6 +91,34 @@ impl Defects {
             defects.by_kind[DefectKind::Duplicate as usize].add(id);
         }
         defects
+    }
+
+    /// Adds them to the sections of a saved scene.
+    pub(crate) fn save<'a>(&'a self, sections: &mut Sections<'a>) {
+        sections.add("mesh.excluded", &self.excluded);
+        let counts: Vec<[u64; 2]> = self.by_kind.iter().map(|d| [d.count as u64, d.first.len() as u64]).collect();
+        sections.add_made("mesh.defect_counts", &counts);
+        let first: Vec<u32> = self.by_kind.iter().flat_map(|d| d.first.iter().copied()).collect();
+        sections.add_made("mesh.defects", &first);
+    }
+
+    /// From the sections of a saved scene of so many triangles.
+    pub(crate) fn of_saved(saved: Reader<'_>, triangles: usize) -> Result<Defects> {
+        let mut defects = Defects { excluded: saved.column("mesh.excluded")?.to_vec(), ..Defects::default() };
+        let is_right =
+            |ids: &[u32]| ids.is_sorted_by(|a, b| a < b) && ids.last().is_none_or(|t| (*t as usize) < triangles);
+        check(is_right(&defects.excluded) && defects.excluded.len() < triangles, || "mesh.excluded".into())?;
+        let counts = saved.column_of::<[u64; 2]>("mesh.defect_counts", DefectKind::ALL.len())?;
+        let first = saved.column::<u32>("mesh.defects")?;
+        let mut rest = &first[..];
+        for (defect, [count, kept]) in defects.by_kind.iter_mut().zip(&counts) {
+            let own = usize::try_from(*kept).ok().and_then(|kept| rest.split_at_checked(kept));
+            let (own, others) = own.ok_or_else(|| damaged("mesh.defects ends too early"))?;
+            check(kept <= count && *count <= triangles as u64 && is_right(own), || "mesh.defects".into())?;
+            *defect = Defect { count: *count as usize, first: own.to_vec() };
+            rest = others;
+        }
+        Ok(defects)
     }
 
     /// The counts in words, for messages.

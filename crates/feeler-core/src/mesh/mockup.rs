@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use feeler_lanes::prefetch_at;
+use feeler_lanes::{prefetch_at, Column};
 use once_cell::race::OnceBox;
+use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point};
@@ -11,12 +12,13 @@ use crate::mesh::part_numbers::check_parts;
 use crate::mesh::topology::adjacency::Adjacency;
 use crate::mesh::topology::body_outlines::BodyOutlines;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::saved::{check, Reader, Sections};
 
 /// A static mock-up: one mesh made of parts.
 #[derive(Debug)]
 pub struct Mockup {
     mesh: Mesh,
-    part_of_face: Vec<u32>,
+    part_of_face: Column<u32>,
     part_bounds: Vec<Aabb>,
     part_triangles: Vec<u32>,
     /// Made at first use, by every thread that needs it meanwhile: waiting for another thread would never end in a forked
@@ -47,10 +49,45 @@ impl Mockup {
         }
         Ok(Mockup {
             mesh,
-            part_of_face,
+            part_of_face: part_of_face.into(),
             part_bounds,
             part_triangles,
             adjacency: OnceBox::new(),
+            outlines: BodyOutlines::default(),
+        })
+    }
+
+    /// Adds it to the sections of a saved scene, with what the first queries need: the connectivity of the triangles.
+    pub(crate) fn save<'a>(&'a self, sections: &mut Sections<'a>) {
+        self.mesh.save(sections);
+        sections.add("parts.of_face", &self.part_of_face);
+        sections.add("parts.bounds", &self.part_bounds);
+        sections.add("parts.triangles", &self.part_triangles);
+        self.adjacency().save(sections);
+    }
+
+    /// From the sections of a saved scene.
+    pub(crate) fn of_saved(saved: Reader<'_>) -> Result<Mockup> {
+        let mesh = Mesh::of_saved(saved)?;
+        let part_bounds = saved.column("parts.bounds")?.to_vec();
+        let part_triangles = saved.column_of("parts.triangles", part_bounds.len())?.to_vec();
+        let part_of_face: Column<u32> = saved.column("parts.of_face")?;
+        if saved.is_checked {
+            check(part_of_face.is_empty() || part_of_face.len() == mesh.faces().len(), || "parts.of_face".into())?;
+            let parts = part_bounds.len();
+            check(parts > 0 && part_of_face.par_iter().all(|part| (*part as usize) < parts), || {
+                "parts.of_face".into()
+            })?;
+        }
+        let adjacency = Adjacency::of_saved(saved, mesh.faces().len(), part_bounds.len())?;
+        let found = OnceBox::new();
+        let _ = found.set(Box::new(adjacency));
+        Ok(Mockup {
+            mesh,
+            part_of_face,
+            part_bounds,
+            part_triangles,
+            adjacency: found,
             outlines: BodyOutlines::default(),
         })
     }
@@ -85,7 +122,7 @@ impl Mockup {
 
     /// Bytes held by the arrays that say which triangle belongs to which part.
     pub(crate) fn parts_memory(&self) -> usize {
-        self.part_of_face.capacity() * size_of::<u32>()
+        self.part_of_face.memory()
             + self.part_bounds.capacity() * size_of::<Aabb>()
             + self.part_triangles.capacity() * size_of::<u32>()
     }

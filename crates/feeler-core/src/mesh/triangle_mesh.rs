@@ -2,18 +2,19 @@
 
 use rayon::prelude::*;
 
-use crate::constants::SMALL_MESH;
+use crate::constants::{LARGEST_COORDINATE, SMALL_MESH};
 use crate::error::{Error, Result};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::defects::{corners, Defects};
-use feeler_lanes::prefetch_at;
+use crate::saved::{check, Reader, Sections};
+use feeler_lanes::{prefetch_at, Column};
 
 /// An indexed triangle mesh, metres, as a [`Mockup`](crate::Mockup) or a [`Tool`](crate::Tool) holds it. A triangle's id is its
 /// place in the caller's faces.
 #[derive(Debug)]
 pub struct Mesh {
-    vertices: Vec<Point>,
-    faces: Vec<[u32; 3]>,
+    vertices: Column<Point>,
+    faces: Column<[u32; 3]>,
     defects: Defects,
     bounds: Aabb,
 }
@@ -35,7 +36,7 @@ impl Mesh {
         if defects.excluded.len() == faces.len() {
             return Err(Error::NothingToQuery { what, triangles: faces.len(), defects: defects.summary() });
         }
-        let mut mesh = Mesh { vertices, faces, defects, bounds: Aabb::EMPTY };
+        let mut mesh = Mesh { vertices: vertices.into(), faces: faces.into(), defects, bounds: Aabb::EMPTY };
         let with = |b: Aabb, t: u32| b.union(&Aabb::of_triangle(&mesh.triangle(t)));
         mesh.bounds = if mesh.faces.len() < SMALL_MESH {
             mesh.queried().fold(Aabb::EMPTY, with)
@@ -49,7 +50,33 @@ impl Mesh {
     pub(crate) fn of_checked(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Mesh {
         let mut bounds = Aabb::EMPTY;
         faces.iter().flatten().for_each(|v| bounds.grow(&vertices[*v as usize]));
-        Mesh { vertices, faces, defects: Defects::default(), bounds }
+        Mesh { vertices: vertices.into(), faces: faces.into(), defects: Defects::default(), bounds }
+    }
+
+    /// Adds it to the sections of a saved scene.
+    pub(crate) fn save<'a>(&'a self, sections: &mut Sections<'a>) {
+        sections.add("mesh.vertices", &self.vertices);
+        sections.add("mesh.faces", &self.faces);
+        sections.add_made("mesh.bounds", &[self.bounds]);
+        self.defects.save(sections);
+    }
+
+    /// From the sections of a saved scene.
+    pub(crate) fn of_saved(saved: Reader<'_>) -> Result<Mesh> {
+        let (vertices, faces) = (saved.column::<Point>("mesh.vertices")?, saved.column::<[u32; 3]>("mesh.faces")?);
+        let count = |what: &str, count: usize| check(u32::try_from(count).is_ok(), || format!("{what}: too many"));
+        count("mesh.vertices", vertices.len())?;
+        count("mesh.faces", faces.len())?;
+        let defects = Defects::of_saved(saved, faces.len())?;
+        let mesh = Mesh { vertices, faces, defects, bounds: saved.one("mesh.bounds")? };
+        if saved.is_checked {
+            let is_there = |face: &[u32; 3]| face.iter().all(|v| (*v as usize) < mesh.vertices.len());
+            let is_inside = |t: u32| mesh.triangle(t).iter().all(|p| mesh.bounds.contains(p));
+            let is_right = |t: u32| is_there(&mesh.faces[t as usize]) && is_inside(t);
+            check(mesh.par_queried().all(is_right), || "mesh.faces: a corner is not there, or outside the box".into())?;
+            check(mesh.bounds.largest_coordinate() <= LARGEST_COORDINATE, || "mesh.bounds".into())?;
+        }
+        Ok(mesh)
     }
 
     /// The vertices given.
@@ -107,9 +134,7 @@ impl Mesh {
 
     /// Bytes held by the vertex and face arrays.
     pub(crate) fn memory(&self) -> usize {
-        self.vertices.capacity() * size_of::<Point>()
-            + self.faces.capacity() * size_of::<[u32; 3]>()
-            + self.defects.excluded.capacity() * size_of::<u32>()
+        self.vertices.memory() + self.faces.memory() + self.defects.excluded.capacity() * size_of::<u32>()
     }
 }
 

@@ -3,6 +3,8 @@
 use std::fmt::Debug;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
+use bytemuck::{Pod, Zeroable};
+
 /// Lanes of float32.
 pub const LANES: usize = 16;
 /// Lanes of float64.
@@ -52,7 +54,7 @@ pub trait Kernel {
 }
 
 /// The boxes of 32 children in bytes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct ByteBoxes {
     /// For each axis 32 times 255 minus the lower side, then 32 upper sides: the larger a byte, the more the box reaches.
@@ -78,7 +80,7 @@ impl ByteBoxes {
 
     /// The same, unclamped but for -1 and 256, which stand for all that lies outside; and what NaN becomes.
     #[inline(always)]
-    fn to_whole(&self, x: f32, axis: usize, of_nan: f32) -> i32 {
+    fn whole(&self, x: f32, axis: usize, of_nan: f32) -> i32 {
         let t = (x - self.origin[axis]) * self.per_unit[axis];
         let t = if t.is_nan() { of_nan } else { t };
         let t = if t > -1.0 { t } else { -1.0 };
@@ -249,8 +251,8 @@ pub trait Simd: Arithmetic {
         let mut outside = [0u8; LANES];
         for a in 0..3 {
             for i in 0..LANES {
-                let lower = boxes.to_whole(b[0][a][i], a, -1.0);
-                let upper = boxes.to_whole(b[1][a][i], a, 256.0);
+                let lower = boxes.whole(b[0][a][i], a, -1.0);
+                let upper = boxes.whole(b[1][a][i], a, 256.0);
                 lanes.least[a][i] = lower.clamp(0, 255) as u8;
                 lanes.least[a][LANES + i] = 255 - upper.clamp(0, 255) as u8;
                 outside[i] |= u8::from(lower > 255) | u8::from(upper < 0);

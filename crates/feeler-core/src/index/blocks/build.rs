@@ -14,7 +14,7 @@ use crate::mesh::median::{self, Cells};
 use crate::mesh::pieces::{cut_margin, cut_triangle, least_pieces};
 use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
 use crate::progress::Progress;
-use feeler_lanes::{greatest, least, prefetch_at, Box4, Kernel, Level, Simd, LANES};
+use feeler_lanes::{greatest, least, prefetch_at, Box4, Column, Kernel, Level, Simd, LANES};
 
 /// Triangles a build task handles at a time.
 const CHUNK: usize = 4096;
@@ -82,7 +82,7 @@ impl Blocks {
             .map(|(block, packed)| lanes.run(Pack { mesh, pieces: &pieces, cuts: &cuts, frame, margin, block, packed }))
             .collect_into_vec(&mut blocks);
         drop((pieces, cuts));
-        let mut levels = vec![blocks];
+        let mut levels: Vec<Vec<Node>> = vec![blocks];
         while levels[levels.len() - 1].len() > 1 {
             let below = &levels[levels.len() - 1];
             let above = below
@@ -93,7 +93,8 @@ impl Blocks {
         }
         levels.iter_mut().for_each(Vec::shrink_to_fit);
         progress.report(1.0, "done")?;
-        Ok(Blocks { frame, levels, pieces: packed, slack })
+        let levels = levels.into_iter().map(Column::from).collect();
+        Ok(Blocks { frame, levels, pieces: packed.into(), slack })
     }
 }
 

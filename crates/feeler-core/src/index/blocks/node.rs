@@ -1,5 +1,7 @@
 //! Nodes that hold 32 boxes in bytes: sides as steps of a 255th of the node's own box, rounded outwards.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use crate::geometry::bounds::{Aabb, Point};
 use feeler_lanes::{
@@ -28,7 +30,7 @@ pub struct Children {
 }
 
 /// 32 boxes as bytes relative to the node's own box.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
     boxes: ByteBoxes,
@@ -38,6 +40,8 @@ pub struct Node {
     pub valid: u32,
     /// In a block: which pieces belong to triangles with several.
     pub cut: u32,
+    /// Up to the next cache line; zero.
+    rest: [u32; 2],
 }
 
 impl Frame {
@@ -115,7 +119,7 @@ impl Node {
                 boxes.sides[a][FANOUT + i] = boxes.to_byte(children.upper[a][i], a);
             }
         }
-        Node { boxes, upper, valid: u32::MAX >> (FANOUT - count), cut }
+        Node { boxes, upper, valid: u32::MAX >> (FANOUT - count), cut, rest: [0; 2] }
     }
 
     /// The box around all children.

@@ -1,5 +1,7 @@
 //! The pieces of a block: quantised to ten bits a coordinate within the piece's box, and unpacked in lanes.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::node::{Node, FANOUT};
 use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use feeler_lanes::{
@@ -8,7 +10,7 @@ use feeler_lanes::{
 };
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct PackedPieces {
     /// Corners, by half of the block, corner and lane: ten bits per axis (x lowest), as steps between the sides of what the

@@ -1,11 +1,16 @@
 //! The stored tree: nodes over blocks of pieces.
 
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
 use super::node::{Frame, Node, FANOUT};
 use super::pieces::PackedPieces;
+use crate::error::Result;
 use crate::geometry::bounds::Aabb;
 use crate::index::selection::TrianglesThere;
 use crate::mesh::triangle_mesh::Mesh;
-use feeler_lanes::{prefetch, Box4, Kernel, Level, Simd, LANES};
+use crate::saved::{check, Reader, Sections};
+use feeler_lanes::{prefetch, Box4, Column, Kernel, Level, Simd, LANES};
 
 /// Blocks that are prefetched before their triangles are looked at.
 const BLOCKS_AHEAD: usize = 16;
@@ -15,22 +20,87 @@ const BLOCKS_AHEAD: usize = 16;
 pub struct Blocks {
     pub(super) frame: Frame,
     /// `levels[0]` are blocks of pieces; the last level has one node.
-    pub(super) levels: Vec<Vec<Node>>,
+    pub(super) levels: Vec<Column<Node>>,
     /// The rest of each block's pieces.
-    pub(super) pieces: Vec<PackedPieces>,
+    pub(super) pieces: Column<PackedPieces>,
     /// How far (frame units, per axis) a piece may be off its exact place.
     pub(super) slack: f32,
 }
 
+/// What a saved scene says of the blocks beside their arrays.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Facts {
+    origin: [f64; 3],
+    scale: f64,
+    slack: f32,
+    levels: u32,
+}
+
+/// 2^32 pieces have so many.
+const MOST_LEVELS: u32 = 7;
+
+fn level_name(level: usize) -> String {
+    format!("blocks.level{level}")
+}
+
 impl Blocks {
+    /// Adds them to the sections of a saved scene.
+    pub fn save<'a>(&'a self, sections: &mut Sections<'a>) {
+        let Frame { origin, scale } = self.frame;
+        sections
+            .add_made("blocks.facts", &[Facts { origin, scale, slack: self.slack, levels: self.levels.len() as u32 }]);
+        for (level, nodes) in self.levels.iter().enumerate() {
+            sections.add(level_name(level), nodes);
+        }
+        sections.add("blocks.pieces", &self.pieces);
+    }
+
+    /// From the sections of a saved scene of so many triangles.
+    pub fn of_saved(saved: Reader<'_>, triangles: usize) -> Result<Blocks> {
+        let Facts { origin, scale, slack, levels } = saved.one("blocks.facts")?;
+        check((1..=MOST_LEVELS).contains(&levels), || "blocks.facts".into())?;
+        let pieces: Column<PackedPieces> = saved.column("blocks.pieces")?;
+        let mut below = pieces.len();
+        let mut nodes = Vec::new();
+        for level in 0..levels as usize {
+            let expected = if level == 0 { below } else { below.div_ceil(FANOUT) };
+            let own = saved.column_of::<Node>(&level_name(level), expected)?;
+            below = own.len();
+            nodes.push(own);
+        }
+        check(below == 1, || "blocks: there is not one root".into())?;
+        let blocks = Blocks { frame: Frame { origin, scale }, levels: nodes, pieces, slack };
+        if saved.is_checked {
+            let is_frame = scale.is_finite() && slack.is_finite() && scale > 0.0 && slack >= 0.0;
+            check(is_frame && origin.iter().all(|x| x.is_finite()), || "blocks.facts".into())?;
+            blocks.check(triangles)?;
+        }
+        Ok(blocks)
+    }
+
+    /// Each node has the children that it must have, and each piece is of a triangle that there is.
+    fn check(&self, triangles: usize) -> Result<()> {
+        let is_right = |(packed, node): (&PackedPieces, &Node)| {
+            let (last, count) = (u32::MAX >> node.valid.leading_zeros(), node.valid.count_ones() as usize);
+            count > 0 && node.valid == last && packed.triangles[..count].iter().all(|t| (*t as usize) < triangles)
+        };
+        let blocks = self.pieces.par_iter().zip(self.levels[0].par_iter());
+        check(blocks.all(is_right), || "blocks.pieces".into())?;
+        for level in 1..self.levels.len() {
+            let below = self.levels[level - 1].len();
+            for (n, node) in self.levels[level].iter().enumerate() {
+                let count = (below - n * FANOUT).min(FANOUT);
+                check(node.valid == u32::MAX >> (FANOUT - count), || level_name(level))?;
+            }
+        }
+        Ok(())
+    }
+
     /// Bytes by structure.
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
-        let nodes = |levels: &[Vec<Node>]| levels.iter().map(|l| l.capacity() * size_of::<Node>()).sum::<usize>();
-        vec![
-            ("blocks", nodes(&self.levels[..1])),
-            ("tree", nodes(&self.levels[1..])),
-            ("pieces", self.pieces.capacity() * size_of::<PackedPieces>()),
-        ]
+        let nodes = |levels: &[Column<Node>]| levels.iter().map(Column::memory).sum::<usize>();
+        vec![("blocks", nodes(&self.levels[..1])), ("tree", nodes(&self.levels[1..])), ("pieces", self.pieces.memory())]
     }
 
     /// For each level of nodes a word a node: which of its children have a triangle below them that is there. None of blocks.

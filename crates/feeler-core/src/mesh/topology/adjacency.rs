@@ -1,7 +1,11 @@
 //! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Computed once for a
 //! mesh, at the first contact query.
 
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
 use crate::constants::{EDGES_PER_OPEN_EDGE, LOOSE_EDGES_TRIED, NONE, WELD_SHARE};
+use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::triangle_normals::is_thin;
 use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
@@ -13,7 +17,8 @@ use crate::mesh::topology::edges::{pair_around, take_copies, take_doubles, Corne
 use crate::mesh::topology::smooth_regions::{smooth_regions, SmoothRegion};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld_vertices;
-use feeler_lanes::prefetch_at;
+use crate::saved::{check, Reader, Sections};
+use feeler_lanes::{prefetch_at, Column};
 
 /// Neighbours across edges, and the sense of each triangle's winding.
 #[derive(Debug)]
@@ -21,18 +26,18 @@ pub struct Adjacency {
     /// `neighbours[t][k]` lies across the edge from corner `k` to corner `k + 1` of `t`, within the same part; [`NONE`] at a
     /// border, and where more than two triangles share the edge and not as many run one way along it as the other. Across a crack it
     /// is the nearest of several.
-    pub neighbours: Vec<[u32; 3]>,
+    pub neighbours: Column<[u32; 3]>,
     /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
     /// surface is open, or doubled, and the winding has no meaning.
-    pub outward: Vec<i8>,
+    pub outward: Column<i8>,
     /// The region of each triangle.
-    pub smooth_regions: Vec<SmoothRegion>,
+    pub smooth_regions: Column<SmoothRegion>,
     /// The convex body of each smooth region: the number of the region that founded it.
-    bodies: Vec<u32>,
+    bodies: Column<u32>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
     /// For each connected surface that is open its part and its first triangle; sorted.
-    open_surfaces: Vec<(u32, u32)>,
+    open_surfaces: Vec<[u32; 2]>,
     /// The parts with a torn surface: one whose edges do not all meet others; sorted.
     torn_parts: Vec<u32>,
     /// The closed ones, sorted by part. Across a crack two surfaces are one shell.
@@ -56,10 +61,10 @@ impl Adjacency {
     #[doc(hidden)]
     pub fn of_neighbours(neighbours: Vec<[u32; 3]>) -> Adjacency {
         Adjacency {
-            outward: vec![1; neighbours.len()],
-            neighbours,
-            smooth_regions: Vec::new(),
-            bodies: Vec::new(),
+            outward: vec![1; neighbours.len()].into(),
+            neighbours: neighbours.into(),
+            smooth_regions: Column::default(),
+            bodies: Column::default(),
             centre: [0.0; 3],
             open_surfaces: Vec::new(),
             torn_parts: Vec::new(),
@@ -83,8 +88,8 @@ impl Adjacency {
         let Adjacency { neighbours, outward, .. } = &adjacency;
         let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
         let smooth_regions = smooth_regions(mesh, neighbours, outward, |t, triangle| is_thin(triangle, thin(t)));
-        adjacency.bodies = convex_bodies(mesh, neighbours, outward, &smooth_regions);
-        adjacency.smooth_regions = smooth_regions;
+        adjacency.bodies = convex_bodies(mesh, neighbours, outward, &smooth_regions).into();
+        adjacency.smooth_regions = smooth_regions.into();
         adjacency
     }
 
@@ -120,13 +125,13 @@ impl Adjacency {
         let (outward, shells) = closed_shells(mesh, (&connected, &neighbours, has_cracks), &closed, part_of_face);
         let is_copy = |t: &u32| copies.binary_search(t).is_ok();
         let open = connected.first.into_iter().filter(|t| outward[*t as usize] == 0 && !is_copy(t));
-        let mut open_surfaces: Vec<(u32, u32)> = open.map(|t| (part_of_face(t), t)).collect();
+        let mut open_surfaces: Vec<[u32; 2]> = open.map(|t| [part_of_face(t), t]).collect();
         open_surfaces.sort_unstable();
         Adjacency {
-            neighbours,
-            outward,
-            smooth_regions: Vec::new(),
-            bodies: Vec::new(),
+            neighbours: neighbours.into(),
+            outward: outward.into(),
+            smooth_regions: Column::default(),
+            bodies: Column::default(),
             centre: centre_of_area(mesh),
             open_surfaces,
             torn_parts,
@@ -146,19 +151,78 @@ impl Adjacency {
         numbers.dedup();
         let number = |of_all: u32| numbers.partition_point(|n| *n < of_all) as u32;
         let regions = faces.iter().map(|face| self.smooth_regions[*face as usize]);
+        let bodies = numbers.iter().map(|n| self.bodies.get(*n as usize).map_or(NONE, |body| number(*body)));
+        let neighbours = faces.iter().map(|face| self.neighbours[*face as usize].map(own_or_none));
+        let outward = faces.iter().map(|face| self.outward[*face as usize]);
         let shells = self.shells_of(part).iter();
         Adjacency {
-            neighbours: faces.iter().map(|face| self.neighbours[*face as usize].map(own_or_none)).collect(),
-            outward: faces.iter().map(|face| self.outward[*face as usize]).collect(),
-            smooth_regions: regions.map(|region| region.numbered(number(region.number()))).collect(),
-            bodies: numbers.iter().map(|n| self.bodies.get(*n as usize).map_or(NONE, |body| number(*body))).collect(),
+            neighbours: neighbours.collect::<Vec<_>>().into(),
+            outward: outward.collect::<Vec<_>>().into(),
+            smooth_regions: regions.map(|region| region.numbered(number(region.number()))).collect::<Vec<_>>().into(),
+            bodies: bodies.collect::<Vec<_>>().into(),
             centre: centre_of_area(mesh),
-            open_surfaces: self.open_surfaces_of(part).iter().map(|(_, face)| (0, own(*face))).collect(),
+            open_surfaces: self.open_surfaces_of(part).iter().map(|[_, face]| [0, own(*face)]).collect(),
             torn_parts: if self.is_torn(part) { vec![0] } else { Vec::new() },
             shells: shells.map(|shell| ClosedShell { part: 0, first: own(shell.first), ..*shell }).collect(),
             has_cracks: self.has_cracks,
             has_loose_seams: self.has_loose_seams,
         }
+    }
+
+    /// Adds it to the sections of a saved scene.
+    pub(crate) fn save<'a>(&'a self, sections: &mut Sections<'a>) {
+        sections.add("topology.neighbours", &self.neighbours);
+        sections.add("topology.outward", &self.outward);
+        sections.add("topology.regions", &self.smooth_regions);
+        sections.add("topology.bodies", &self.bodies);
+        sections.add("topology.open", &self.open_surfaces);
+        sections.add("topology.torn", &self.torn_parts);
+        sections.add("topology.shells", &self.shells);
+        let [cracks, seams] = [self.has_cracks, self.has_loose_seams].map(u32::from);
+        sections.add_made("topology.facts", &[Facts { centre: self.centre, cracks, seams }]);
+    }
+
+    /// From the sections of a saved scene of so many triangles and parts.
+    pub(crate) fn of_saved(saved: Reader<'_>, triangles: usize, parts: usize) -> Result<Adjacency> {
+        let Facts { centre, cracks, seams } = saved.one("topology.facts")?;
+        let adjacency = Adjacency {
+            neighbours: saved.column_of("topology.neighbours", triangles)?,
+            outward: saved.column_of("topology.outward", triangles)?,
+            smooth_regions: saved.column_of("topology.regions", triangles)?,
+            bodies: saved.column("topology.bodies")?,
+            centre,
+            open_surfaces: saved.column("topology.open")?.to_vec(),
+            torn_parts: saved.column("topology.torn")?.to_vec(),
+            shells: saved.column("topology.shells")?.to_vec(),
+            has_cracks: cracks != 0,
+            has_loose_seams: seams != 0,
+        };
+        if saved.is_checked {
+            adjacency.check(triangles, parts)?;
+        }
+        Ok(adjacency)
+    }
+
+    /// Every number is one of a triangle, part or body that there is, and the lists are sorted.
+    fn check(&self, triangles: usize, parts: usize) -> Result<()> {
+        let is_triangle = |t: u32| (t as usize) < triangles;
+        let is_part = |part: u32| (part as usize) < parts;
+        let neighbours = |around: &[u32; 3]| around.iter().all(|t| *t == NONE || is_triangle(*t));
+        check(self.neighbours.par_iter().all(neighbours), || "topology.neighbours".into())?;
+        check(self.outward.par_iter().all(|sense| sense.abs() <= 1), || "topology.outward".into())?;
+        let bodies = self.bodies.len();
+        let is_region = |region: &SmoothRegion| {
+            (region.number() as usize) < bodies || region.number() == SmoothRegion::NONE.number()
+        };
+        check(bodies <= triangles && self.smooth_regions.par_iter().all(is_region), || "topology.regions".into())?;
+        let is_body = |body: &u32| *body == NONE || (*body as usize) < bodies;
+        check(self.bodies.par_iter().all(is_body), || "topology.bodies".into())?;
+        let open = self.open_surfaces.iter().all(|[part, t]| is_part(*part) && is_triangle(*t));
+        check(open && self.open_surfaces.is_sorted(), || "topology.open".into())?;
+        let torn = self.torn_parts.iter().all(|part| is_part(*part));
+        check(torn && self.torn_parts.is_sorted(), || "topology.torn".into())?;
+        let shells = self.shells.iter().all(|shell| is_part(shell.part) && is_triangle(shell.first));
+        check(shells && self.shells.is_sorted_by_key(|shell| shell.part), || "topology.shells".into())
     }
 
     /// The convex body of a triangle; [`NONE`] of one that is not queried. Numbers are the same for the same mesh.
@@ -177,9 +241,9 @@ impl Adjacency {
     }
 
     /// The open surfaces of one part: the part, and the first triangle of each.
-    pub fn open_surfaces_of(&self, part: u32) -> &[(u32, u32)] {
-        let from = self.open_surfaces.partition_point(|(of, _)| *of < part);
-        let count = self.open_surfaces[from..].partition_point(|(of, _)| *of == part);
+    pub fn open_surfaces_of(&self, part: u32) -> &[[u32; 2]] {
+        let from = self.open_surfaces.partition_point(|[of, _]| *of < part);
+        let count = self.open_surfaces[from..].partition_point(|[of, _]| *of == part);
         &self.open_surfaces[from..from + count]
     }
 
@@ -192,14 +256,23 @@ impl Adjacency {
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        self.neighbours.capacity() * size_of::<[u32; 3]>()
-            + self.outward.capacity()
-            + self.smooth_regions.capacity() * size_of::<SmoothRegion>()
-            + self.bodies.capacity() * size_of::<u32>()
-            + self.open_surfaces.capacity() * size_of::<(u32, u32)>()
+        self.neighbours.memory()
+            + self.outward.memory()
+            + self.smooth_regions.memory()
+            + self.bodies.memory()
+            + self.open_surfaces.capacity() * size_of::<[u32; 2]>()
             + self.torn_parts.capacity() * size_of::<u32>()
             + self.shells.capacity() * size_of::<ClosedShell>()
     }
+}
+
+/// What a saved scene says of an adjacency beside its arrays.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Facts {
+    centre: Point,
+    cracks: u32,
+    seams: u32,
 }
 
 /// The centre of a surface's area, metres.
@@ -523,7 +596,7 @@ mod tests {
     }
 
     fn outward((vertices, faces): Arrays) -> Vec<i8> {
-        Adjacency::of_one_part(&Mesh::new("tool", vertices, faces).unwrap()).outward
+        Adjacency::of_one_part(&Mesh::new("tool", vertices, faces).unwrap()).outward.to_vec()
     }
 
     #[test]

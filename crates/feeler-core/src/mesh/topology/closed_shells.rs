@@ -5,6 +5,8 @@
 //! solid, and is wound like the one around it; one inside a hollow is again on its own. A ray from each shell, with
 //! exact signs, finds the nesting.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::constants::{NONE, SENSE_GRID_SIDE, SENSE_LARGE_CELLS, SENSE_RAYS};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::predicates::Signs;
@@ -57,7 +59,8 @@ impl Surfaces {
 }
 
 /// A connected surface that bounds a solid or a hollow.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub struct ClosedShell {
     /// Its part.
     pub part: u32,

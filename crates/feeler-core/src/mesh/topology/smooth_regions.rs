@@ -2,6 +2,8 @@
 //! mesh by region growing from seeds (Besl and Jain: *Segmentation through variable-order surface fitting*, 1988), of
 //! constant order and with the seed's plane as the fit.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::constants::{COORDINATE_ROUNDING, NONE, ONE_PLANE, REGION_PLANE_ROUNDING, SAME_REGION_COSINE};
 use crate::geometry::bounds::Triangle;
 use crate::geometry::vectors::{dot, normal, sub};
@@ -12,7 +14,8 @@ const IN_PLANE: u32 = 1 << 31;
 const THIN: u32 = 1 << 30;
 
 /// The region of a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct SmoothRegion(u32);
 
 impl SmoothRegion {

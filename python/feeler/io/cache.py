@@ -1,0 +1,80 @@
+"""Saved scenes of files that were loaded before: the cache that `load_mockup` keeps where it is asked to."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from pathlib import Path
+
+from feeler.errors import FeelerError, OptionError
+from feeler.io.files import PathLike, collect
+from feeler.memory import free_memory
+from feeler.mockup import Mockup
+from feeler.progress import Progress
+from feeler.saved import SUFFIX, opened
+from feeler.scene import Scene
+
+_INPUTS = "load.inputs"
+_read: ContextVar[set[str] | None] = ContextVar("feeler_files_read", default=None)
+
+
+def note_read(path: Path) -> None:
+    """Tells that a load reads a file beside those that it was given."""
+    read = _read.get()
+    if read is not None:
+        read.add(str(path.resolve()))
+
+
+class Cache:
+    """The entry of one load in a folder of saved scenes."""
+
+    def __init__(self, folder: PathLike, paths: PathLike | Iterable[PathLike], options: tuple[object, ...]) -> None:
+        given: object = folder
+        if not isinstance(given, (str, os.PathLike)) or not os.fspath(given):
+            raise OptionError(f"cache={folder!r} is not a folder; give text or a pathlib.Path")
+        self._files = sorted(str(found.path.resolve()) for found in collect(paths).files)
+        key = hashlib.sha256(json.dumps([self._files, [repr(option) for option in options]]).encode("ascii"))
+        stem = Path(self._files[0]).stem[:40]
+        self.path = Path(folder) / f"{stem}-{key.hexdigest()[:16]}{SUFFIX}"
+
+    def find(self, progress: Progress | None) -> Mockup | None:
+        """The mock-up, if it was loaded before and none of its files has changed since."""
+        if not self.path.is_file():
+            return None
+        with suppress(FeelerError, ValueError, TypeError, OSError):  # damaged, or of another version: loaded again
+            file = opened(str(self.path), True, free_memory() * 4 // 5, progress)
+            inputs = json.loads(file.core.extra(_INPUTS) or b"")
+            if inputs == _states(path for path, *_ in inputs) and {*self._files} <= {path for path, *_ in inputs}:
+                return Mockup._of_file(file)
+        return None
+
+    @contextmanager
+    def watched(self) -> Iterator[None]:
+        """Notes the files that are read meanwhile."""
+        self._before = _states(self._files)
+        token = _read.set(set())
+        try:
+            yield
+            self._others = sorted(_read.get() or ())
+        finally:
+            _read.reset(token)
+
+    def keep(self, mockup: Mockup) -> Mockup:
+        """Saves a mock-up that was loaded while it was watched, and opens it from there. Raises `WriteError`."""
+        inputs = self._before + _states(path for path in self._others if path not in self._files)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        Scene(mockup)._save_with(self.path, [(_INPUTS, json.dumps(inputs).encode("ascii"))])
+        return Mockup._of_file(opened(str(self.path), False, free_memory() * 4 // 5, None))
+
+
+def _states(paths: Iterable[str]) -> list[list[object]]:
+    """Path, size and time of the last change of each file."""
+    found: list[list[object]] = []
+    for path in paths:
+        state = os.stat(path)
+        found.append([path, state.st_size, state.st_mtime_ns])
+    return found

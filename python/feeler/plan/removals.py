@@ -1,0 +1,186 @@
+"""`feeler.removals`: the way of each of many parts, one after the other or on an executor."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
+from feeler.errors import MeshError, OptionError
+from feeler.parts import PartsLike
+from feeler.plan.removal import LARGEST_SEED, Allowed, Removal, checked_directions, chosen, removal
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.spreading import Interrupted, check_executor, spread
+
+
+@dataclass(frozen=True, eq=False)
+class PartsRemoval:
+    """The removal of one entry of `removals`."""
+
+    parts: tuple[int, ...]
+    """The parts that move together, by number."""
+    paths: tuple[str, ...]
+    """Their places in the assembly."""
+    removal: Removal
+
+
+class Removals(Sequence[PartsRemoval]):
+    """The results of `removals`, one per entry, in their order."""
+
+    def __init__(self, rows: Sequence[PartsRemoval], is_partial: bool = False) -> None:
+        self._rows = tuple(rows)
+        self.is_partial = is_partial
+        """Whether it was interrupted, so that some entries are missing."""
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, index: int) -> PartsRemoval: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[PartsRemoval]: ...
+    def __getitem__(self, index: int | slice) -> PartsRemoval | list[PartsRemoval]:
+        return list(self._rows[index]) if isinstance(index, slice) else self._rows[index]
+
+    def __iter__(self) -> Iterator[PartsRemoval]:
+        return iter(self._rows)
+
+    @property
+    def is_found(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: for which entries there is a path."""
+        return np.array([row.removal.is_found for row in self._rows], dtype=bool)
+
+    @property
+    def is_out_of_time(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: for which entries `seconds` ran out."""
+        return np.array([row.removal.is_out_of_time for row in self._rows], dtype=bool)
+
+    def __repr__(self) -> str:
+        partial = ", interrupted" if self.is_partial else ""
+        return f"Removals({int(self.is_found.sum()):,} of {len(self):,} found{partial})"
+
+
+class RemovalsInterrupted(KeyboardInterrupt):
+    """Ctrl-C; `.removals` has the answers finished by then."""
+
+    def __init__(self, removals: Removals) -> None:
+        self.removals = removals
+        super().__init__(f"interrupted: {removals!r}")
+
+    def __reduce__(self) -> tuple[type[RemovalsInterrupted], tuple[Removals]]:
+        return (type(self), (self.removals,))
+
+
+def removals(
+    scene: Scene,
+    parts: Sequence[PartsLike] | None = None,
+    ignore: PartsLike | None = None,
+    directions: npt.ArrayLike | None = None,
+    clearance: float = 0.0,
+    seconds: float = 30.0,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    *,
+    overlap: float = 0.0,
+    seats: bool = True,
+    executor: Executor | None = None,
+) -> Removals:
+    """`removal` of each entry of a list, with all other parts in place.
+
+    - `parts`: each entry as `Parts.select` takes it, and moves as one; by default each part of the scene on its own.
+    - `seconds`: for each entry.
+    - `threads`: entries worked on at a time without an executor; default: all cores.
+    - `executor`: where the work is done, one thread for each entry: any `concurrent.futures.Executor`, such as
+      `ProcessPoolExecutor`, loky's, or that of a Dask client. Processes on other machines must reach the file of a
+      saved scene (`Scene.save`) by the same path.
+    - `progress`: called with the share of the entries done.
+
+    Other arguments as of `removal`. The rows and their order depend neither on `threads` nor on `executor`, except
+    where time ran out (`is_out_of_time`). A worker that dies is made up for, with a warning.
+
+    Raises the errors of `removal`; Ctrl-C ends it with `RemovalsInterrupted`, which has the rows found by then.
+    """
+    if not isinstance(scene, Scene):
+        raise MeshError(f"removals needs a feeler.Scene, not {type(scene).__name__}")
+    allowed = Allowed.of(scene, ignore, overlap, seats)
+    options: dict[str, Any] = {
+        "ignore": list(allowed.parts),
+        "overlap": allowed.overlap,
+        "seats": allowed.seats,
+        "directions": checked_directions(directions),
+        "clearance": check_length("clearance", clearance),
+        "seconds": check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True),
+        "seed": check_whole("seed", seed, 0, LARGEST_SEED),
+    }
+    count = check_threads(threads) or os.cpu_count() or 1
+    check_progress(progress)
+    entries = _entries(scene, parts)
+
+    def heard(done: int, stage: str) -> None:
+        if progress is not None:
+            progress(done / len(entries), stage or f"removing parts: {done:,} of {len(entries):,}")
+
+    own = None if executor is not None else ThreadPoolExecutor(count, thread_name_prefix="feeler-removals")
+    pool = check_executor(executor) or own
+    assert pool is not None
+    # Threads of this process hear of Ctrl-C only so; other processes get it from the terminal, or are left to end.
+    stop = threading.Event() if isinstance(pool, ThreadPoolExecutor) else None
+    try:
+        found = dict(enumerate(spread(_removal, scene, (options, stop), entries, pool, heard)))
+    except BaseException as error:
+        if stop is not None:
+            stop.set()
+        if isinstance(error, Interrupted):
+            raise RemovalsInterrupted(_rows(scene, entries, error.results)) from None
+        raise
+    finally:
+        if own is not None:
+            own.shutdown(wait=True, cancel_futures=True)
+    return _rows(scene, entries, found)
+
+
+def _entries(scene: Scene, parts: Sequence[PartsLike] | None) -> list[tuple[int, ...]]:
+    if parts is None:
+        return [(int(part),) for part in np.flatnonzero(scene.part_mask)]
+    if isinstance(parts, (str, bytes)) or not hasattr(parts, "__iter__"):
+        raise OptionError(f"parts is {parts!r}: a list is needed, each entry of which names parts that move together")
+    entries = [tuple(int(part) for part in scene.mockup.parts.select(entry)) for entry in parts]
+    if not entries:
+        raise OptionError("parts is empty: give at least one entry, or None for each part of the scene")
+    for entry in entries:
+        chosen(scene, entry)
+    return entries
+
+
+def _removal(scene: Scene, shared: tuple[dict[str, Any], threading.Event | None], entry: tuple[int, ...]) -> Removal:
+    """The task of one entry."""
+    options, stop = shared
+
+    def check(share: float, stage: str) -> None:
+        if stop is not None and stop.is_set():
+            raise _StopError
+
+    return removal(scene, list(entry), threads=1, progress=check, **options)
+
+
+class _StopError(Exception):
+    """The caller wants no more answers."""
+
+
+def _rows(scene: Scene, entries: list[tuple[int, ...]], found: dict[int, Removal]) -> Removals:
+    paths = scene.mockup.part_paths
+    rows = [
+        PartsRemoval(entry, tuple(paths[part] for part in entry), found[i])
+        for i, entry in enumerate(entries)
+        if i in found
+    ]
+    return Removals(rows, is_partial=len(rows) < len(entries))

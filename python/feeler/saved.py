@@ -1,0 +1,119 @@
+"""Saved scenes: what their files keep beside the arrays of the core, which are names, origin and colours."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+from weakref import WeakValueDictionary
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.errors import FeelerError, LoadError
+from feeler.memory import free_memory
+from feeler.source import Source
+
+SUFFIX = ".feeler"
+"""The extension of saved scenes."""
+
+MAGIC = b"FEELSCN\n"
+"""The first bytes of their files."""
+
+_DOCUMENT = "document"
+_COLOURS = "parts.colours"
+
+
+@dataclass(frozen=True, eq=False)
+class SavedFile:
+    """The file that a mock-up is in."""
+
+    path: str  # absolute
+    core: _core.SavedScene
+
+    @cached_property
+    def facts(self) -> Facts:
+        """What it says of the mock-up. Raises `LoadError` if that cannot be right."""
+        return _facts(self)
+
+
+def path_of(path: object, error: type[FeelerError]) -> str:
+    """The path as text. Raises `error` for anything else."""
+    plain = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
+    if not isinstance(plain, str) or not plain or "\0" in plain:
+        raise error(f"{path!r} is not the path of a file; give text or a pathlib.Path")
+    try:
+        os.fsencode(plain)
+    except UnicodeEncodeError:
+        raise error(f"{path!r} is not a path that this system has") from None
+    return plain
+
+
+_known: WeakValueDictionary[tuple[str, str], SavedFile] = WeakValueDictionary()
+
+
+def opened(path: str, verify: bool, memory_limit: int, progress: Callable[[float, str], object] | None) -> SavedFile:
+    """Opens a file. Raises `MissingFileError` and `LoadError`."""
+    path = os.path.abspath(path)
+    file = SavedFile(path, _core.SavedScene(path, verify, memory_limit, progress))
+    _known[path, file.core.content_hash] = file
+    return file
+
+
+def opened_again(path: str, content_hash: str) -> SavedFile:
+    """The file of a pickled mock-up, opened once in a process. Raises `LoadError` where it holds another one by now."""
+    known = _known.get((path, content_hash))
+    if known is not None:
+        return known
+    try:
+        file = opened(path, True, free_memory() * 4 // 5, None)
+    except LoadError as error:
+        raise LoadError(f"the pickle names a saved scene by its path: {error}") from None
+    if file.core.content_hash != content_hash:
+        raise LoadError(f"{path}: the file holds another mock-up than when the pickle was made; save it elsewhere")
+    return file
+
+
+class Facts(NamedTuple):
+    """What a file says of its mock-up."""
+
+    part_names: list[str]
+    part_paths: list[str]
+    source: Source
+    colours: npt.NDArray[np.float64] | None
+
+
+def extras(facts: Facts) -> list[tuple[str, bytes]]:
+    """The sections of the file that keep these facts."""
+    paths = None if facts.part_paths == facts.part_names else facts.part_paths
+    document = {"part_names": facts.part_names, "part_paths": paths, "source": asdict(facts.source)}
+    sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
+    if facts.colours is not None:
+        sections.append((_COLOURS, np.ascontiguousarray(facts.colours, dtype="<f8").tobytes()))
+    return sections
+
+
+def _facts(file: SavedFile) -> Facts:
+    try:
+        document = json.loads(file.core.extra(_DOCUMENT) or b"")
+        names, paths, source = document["part_names"], document["part_paths"], document["source"]
+        for listed in (names, paths):
+            if listed is not None and not all(isinstance(each, str) for each in listed):
+                raise ValueError("names of parts")
+        paths = list(names) if paths is None else paths
+        if not len(names) == len(paths) == file.core.part_count:
+            raise ValueError("number of parts")
+        fields: dict[str, Any] = {
+            name: tuple(value) if isinstance(value, list) else value for name, value in source.items()
+        }
+        colours = file.core.extra(_COLOURS)
+        rows = None if colours is None else np.frombuffer(colours, dtype="<f8").reshape(-1, 3).astype(np.float64)
+        if rows is not None and len(rows) != len(names):
+            raise ValueError("colours of parts")
+        return Facts(names, paths, Source(**fields), rows)
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise LoadError(f"{file.path}: the scene cannot be opened: its {_DOCUMENT} is damaged ({error})") from None

@@ -1,0 +1,25 @@
+"""Where a mesh came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a mesh came from, as reported by its loader.
+
+    up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those notes that put results in doubt:
+    skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
+    unknown.
+    """
+
+    files: tuple[str, ...] = ()
+    format: str = "arrays"
+    unit: str = "m"
+    unit_source: str = "arrays are metres"
+    seconds: float = 0.0
+    notes: tuple[str, ...] = ()
+    up: str | None = None
+    doubts: tuple[str, ...] = ()
+    chord_tolerance: float | None = None

@@ -1,0 +1,230 @@
+"""Spreads tasks over an executor: threads, processes, or another machine's workers.
+
+A task carries the path and hash of a saved scene, never its arrays: each process opens the file once and keeps it. Any
+`concurrent.futures.Executor` will do. Results come in the order of the tasks, whatever the workers.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import threading
+import warnings
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import AbstractContextManager, nullcontext
+from importlib import import_module
+from typing import Any, Generic, Protocol, TypeVar
+
+from feeler.errors import FeelerError, OptionError
+
+
+class Scene(Protocol):
+    """A `feeler.Scene`, which uses this module."""
+
+    def _in_a_file(self) -> AbstractContextManager[Any]: ...
+
+
+Shared = TypeVar("Shared")
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+MOST_WAITING = 256
+"""Tasks that are handed to the executor at a time: more would only fill its memory."""
+MOST_LOSSES = 3
+"""So often tasks that were lost with their worker are done again."""
+KEPT_IN_A_PROCESS = 2
+"""Questions (a scene and all that tasks share) that a worker process keeps."""
+
+_NONE = object()
+
+
+class Interrupted(KeyboardInterrupt, Generic[Result]):
+    """Ctrl-C; `.results` has those of the tasks that were done, by number."""
+
+    def __init__(self, results: dict[int, Result]) -> None:
+        self.results = results
+        super().__init__(f"interrupted after {len(results)} tasks")
+
+
+class WorkerLost(RuntimeWarning):
+    """A worker died; its tasks are done again."""
+
+
+def check_executor(executor: object) -> Executor | None:
+    """The argument `executor`. Raises `OptionError` for anything that cannot take tasks."""
+    if executor is None or (callable(getattr(executor, "submit", None)) and not isinstance(executor, type)):
+        return executor  # type: ignore[return-value]
+    raise OptionError(
+        f"executor is {executor!r}: a concurrent.futures executor is needed, such as ProcessPoolExecutor(), "
+        "loky.get_reusable_executor() or dask's client.get_executor()"
+    )
+
+
+def spread(
+    function: Callable[[Any, Shared, Task], Result],
+    scene: Scene | None,
+    shared: Shared,
+    tasks: Sequence[Task],
+    executor: Executor,
+    heard: Callable[[int, str], object] = lambda done, stage: None,
+) -> list[Result]:
+    """`function(scene, shared, task)` for each task, in their order.
+
+    - `function`: of a module, so that it can be pickled.
+    - `scene`: None if the tasks need none.
+    - `heard`: called with the number of tasks done and the stage, in the thread of the caller.
+
+    A scene that is not in a file is saved to a temporary one for other processes. Tasks lost with a worker are done
+    again, with a `WorkerLost` warning. Ctrl-C raises `Interrupted`; an error of a task ends all others.
+    """
+    if isinstance(executor, ThreadPoolExecutor):
+        return _Round(_Here(function, scene, shared), tasks, executor, heard).run()
+    with nullcontext() if scene is None else scene._in_a_file() as saved:
+        return _Round(_Elsewhere(function, saved, shared), tasks, executor, heard).run()
+
+
+class _Here(Generic[Shared, Task, Result]):
+    """What a thread of this process does."""
+
+    def __init__(self, function: Callable[[Any, Shared, Task], Result], scene: Scene | None, shared: Shared) -> None:
+        self._function, self._scene, self._shared = function, scene, shared
+
+    def submit(self, executor: Executor, task: Task) -> Future[Result]:
+        """Hands a task over."""
+        return executor.submit(self._function, self._scene, self._shared, task)
+
+
+class _Elsewhere(Generic[Shared, Task, Result]):
+    """What another process does."""
+
+    def __init__(self, function: Callable[[Any, Shared, Task], Result], scene: Scene | None, shared: Shared) -> None:
+        self._question = pickle.dumps((function, scene, shared), protocol=pickle.HIGHEST_PROTOCOL)
+        self._key = hashlib.sha256(self._question).hexdigest()
+
+    def submit(self, executor: Executor, task: Task) -> Future[Result]:
+        """Hands a task over."""
+        return executor.submit(work, self._key, self._question, task)
+
+
+_questions: OrderedDict[str, tuple[Callable[..., Any], Any, Any]] = OrderedDict()
+_questions_lock = threading.Lock()
+
+
+def work(key: str, question: bytes, task: Any) -> Any:
+    """One task, in a worker. The question is unpickled once in a process, which opens its scene."""
+    with _questions_lock:
+        known = _questions.get(key)
+        if known is None:
+            known = _questions[key] = pickle.loads(question)
+            while len(_questions) > KEPT_IN_A_PROCESS:
+                _questions.popitem(last=False)
+    function, scene, shared = known
+    return function(scene, shared, task)
+
+
+class _Round(Generic[Task, Result]):
+    """All tasks on one executor, and what was lost again."""
+
+    def __init__(
+        self,
+        place: _Here[Any, Task, Result] | _Elsewhere[Any, Task, Result],
+        tasks: Sequence[Task],
+        executor: Executor,
+        heard: Callable[[int, str], object],
+    ) -> None:
+        self._place, self._tasks, self._executor, self._heard = place, tasks, executor, heard
+        self._results: dict[int, Result] = {}
+        self._made: list[Executor] = []  # in place of broken ones
+        self._losses = 0
+
+    def run(self) -> list[Result]:
+        try:
+            while len(self._results) < len(self._tasks):
+                lost = self._try([i for i in range(len(self._tasks)) if i not in self._results])
+                if lost is not None:
+                    self._recover(lost)
+            return [self._results[i] for i in range(len(self._tasks))]
+        except KeyboardInterrupt:
+            raise Interrupted(self._results) from None
+        finally:
+            for pool in self._made:
+                pool.shutdown(wait=False, cancel_futures=True)
+
+    def _try(self, numbers: list[int]) -> BaseException | None:
+        """Does these tasks; the error of a lost worker if there was one."""
+        waiting: dict[Future[Result], int] = {}
+        lost: BaseException | None = None
+        left = iter(numbers)
+        try:
+            while True:
+                while lost is None and len(waiting) < MOST_WAITING and (i := next(left, None)) is not None:
+                    try:
+                        waiting[self._place.submit(self._executor, self._tasks[i])] = i
+                    except BrokenExecutor as error:
+                        lost = error
+                if not waiting:
+                    return lost
+                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                    i = waiting.pop(future)
+                    try:
+                        self._results[i] = future.result()
+                    except BaseException as error:
+                        if not _is_loss(error):
+                            raise
+                        lost = error
+                        continue
+                    self._heard(len(self._results), "")
+        finally:
+            for future in waiting:
+                future.cancel()
+
+    def _recover(self, error: BaseException) -> None:
+        self._losses += 1
+        missing = len(self._tasks) - len(self._results)
+        if self._losses > MOST_LOSSES:
+            raise FeelerError(
+                f"workers died {self._losses} times, and {missing} of {len(self._tasks)} tasks are not done: is there "
+                f"enough memory for all of them? ({error})"
+            ) from error
+        told = f"a worker died: {missing} tasks are done again"
+        warnings.warn(f"{told} ({type(error).__name__})", WorkerLost, stacklevel=5)
+        self._heard(len(self._results), told)
+        if isinstance(error, BrokenExecutor):
+            self._executor = self._like(self._executor)
+
+    def _like(self, broken: Executor) -> Executor:
+        """A new executor in place of one that cannot go on after the death of a worker."""
+        from concurrent.futures import ProcessPoolExecutor
+
+        known: Any = broken
+        if isinstance(broken, ProcessPoolExecutor):
+            made = ProcessPoolExecutor(
+                known._max_workers, known._mp_context, initializer=known._initializer, initargs=known._initargs
+            )
+            self._made.append(made)
+            return made
+        if type(broken).__module__.startswith("loky"):
+            renewed: Executor = import_module("loky").get_reusable_executor(max_workers=known._max_workers)
+            return renewed
+        raise FeelerError(f"a worker of {broken!r} died, and it takes no more tasks: start it again") from None
+
+
+def _is_loss(error: BaseException) -> bool:
+    """Whether it says that a worker died, or that its results are lost."""
+    if isinstance(error, (BrokenExecutor, CancelledError)):
+        return True
+    # Dask's, which need not be installed.
+    return type(error).__module__.startswith("distributed") and type(error).__name__ in (
+        "KilledWorker",
+        "CommClosedError",
+    )

@@ -1,0 +1,302 @@
+"""Work on executors: the same rows in the same order, whatever the workers, and whichever of them dies."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import feeler
+from feeler import batches, spreading
+from feeler.spreading import Interrupted, WorkerLost, spread
+
+SPAWN = multiprocessing.get_context("spawn")
+
+
+@pytest.fixture(scope="module")
+def scene() -> feeler.Scene:
+    return feeler.Scene(feeler.sample("engine", 20_000))
+
+
+@pytest.fixture(scope="module")
+def file(scene: feeler.Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("spread") / "engine.feeler"
+    scene.save(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def processes() -> Iterator[Executor]:
+    with ProcessPoolExecutor(2, mp_context=SPAWN) as pool:
+        yield pool
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[Any]:
+    """A cluster of two workers, which are processes."""
+    distributed = pytest.importorskip("distributed")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with (
+            distributed.LocalCluster(
+                n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs="CRITICAL"
+            ) as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            yield client
+
+
+def doubled(scene: feeler.Scene | None, shared: tuple[float, Path | None], task: int) -> tuple[float, int]:
+    """A task that kills its process once, if there is a folder to note that in."""
+    factor, folder = shared
+    if folder is not None and task == 7:
+        try:
+            (folder / "died").touch(exist_ok=False)
+        except FileExistsError:
+            pass
+        else:
+            os._exit(1)
+    time.sleep(0.01)
+    return factor * task, -1 if scene is None else scene.mockup.part_count
+
+
+def kills_always(_scene: None, _shared: None, _task: int) -> None:
+    os._exit(1)
+
+
+def fails(_scene: None, _shared: None, task: int) -> int:
+    if task == 3:
+        raise ZeroDivisionError("task 3")
+    return task
+
+
+def process_of(scene: feeler.Scene, _shared: None, _task: int) -> tuple[int, int, int]:
+    time.sleep(0.02)
+    return os.getpid(), id(scene), len(spreading._questions)
+
+
+@pytest.mark.parametrize("where", ["threads", "processes", "dask", "loky"])
+def test_rows_come_in_the_order_of_the_tasks(where: str, file: Path, request: pytest.FixtureRequest) -> None:
+    scene = feeler.open_scene(file)
+    executor = _executor(where, request)
+    heard: list[int] = []
+    found = spread(doubled, scene, (2.0, None), range(20), executor, lambda done, _: heard.append(done))
+    assert found == [(2.0 * i, scene.mockup.part_count) for i in range(20)]
+    assert heard == list(range(1, 21))
+
+
+def _executor(where: str, request: pytest.FixtureRequest) -> Any:
+    if where == "threads":
+        return ThreadPoolExecutor(3)
+    if where == "loky":
+        return pytest.importorskip("loky").get_reusable_executor(max_workers=2)
+    return request.getfixturevalue("dask").get_executor() if where == "dask" else request.getfixturevalue(where)
+
+
+@pytest.mark.parametrize("where", ["processes", "dask", "loky"])
+def test_a_worker_that_dies_is_made_up_for(
+    where: str, file: Path, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    scene = feeler.open_scene(file)
+    executor = _executor(where, request) if where != "processes" else ProcessPoolExecutor(2, mp_context=SPAWN)
+    told: list[str] = []
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        found = spread(doubled, scene, (3.0, tmp_path), range(30), executor, lambda _, stage: told.append(stage))
+    assert found == [(3.0 * i, scene.mockup.part_count) for i in range(30)]
+    assert (tmp_path / "died").exists()
+    if where != "dask":  # which does lost tasks again itself
+        assert [each.category for each in warned if each.category is WorkerLost] == [WorkerLost]
+        assert any(stage.startswith("a worker died: ") for stage in told)
+    executor.shutdown()
+
+
+def test_workers_that_always_die_are_an_error() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", WorkerLost)
+        with pytest.raises(feeler.FeelerError, match="workers died 4 times, and 2 of 2 tasks are not done"):
+            spread(kills_always, None, None, range(2), ProcessPoolExecutor(1, mp_context=SPAWN))
+
+
+def test_an_error_of_a_task_is_raised(processes: Executor) -> None:
+    for executor in (processes, ThreadPoolExecutor(2)):
+        with pytest.raises(ZeroDivisionError, match="task 3"):
+            spread(fails, None, None, range(1000), executor)
+    assert spread(fails, None, None, range(3), processes) == [0, 1, 2]
+
+
+def test_a_process_opens_the_scene_once(scene: feeler.Scene, processes: Executor) -> None:
+    rows = spread(process_of, scene, None, range(40), processes)
+    assert len(rows) == 40 and os.getpid() not in {pid for pid, *_ in rows}
+    assert len(set(rows)) == len({pid for pid, *_ in rows}) <= 2, "one scene a process"
+    for _ in range(spreading.KEPT_IN_A_PROCESS + 1):
+        rows = spread(process_of, scene.without([1]), None, range(10), processes)
+    assert all(kept <= spreading.KEPT_IN_A_PROCESS for *_, kept in rows)
+
+
+def test_ctrl_c_gives_what_is_done() -> None:
+    def stop(done: int, _stage: str) -> None:
+        if done == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as caught:
+        spread(doubled, None, (1.0, None), range(1000), ThreadPoolExecutor(1), stop)
+    assert caught.value.results == {i: (float(i), -1) for i in range(5)}
+
+
+def test_a_scene_without_a_file_is_saved_for_the_workers(
+    scene: feeler.Scene, processes: Executor, tmp_path: Path
+) -> None:
+    with scene.without([2])._in_a_file() as saved:
+        path = Path(saved.mockup._saved.path)  # type: ignore[union-attr]
+        assert path.exists() and len(pickle.dumps(saved)) < 2000 and not saved.part_mask[2]
+    assert not path.parent.exists()
+    assert spread(doubled, scene, (1.0, None), [4], processes) == [(4.0, scene.mockup.part_count)]
+
+
+def test_things_that_take_no_tasks_are_refused(scene: feeler.Scene) -> None:
+    tool = feeler.sample_tool("wrench")
+    poses = np.tile(np.eye(4), (batches.CHUNK + 1, 1, 1))
+    for bad in (3, "processes", object(), ProcessPoolExecutor):
+        with pytest.raises(feeler.OptionError, match="executor"):
+            feeler.removals(scene, [[1]], executor=bad)  # type: ignore[arg-type]
+        with pytest.raises(feeler.OptionError, match="executor"):
+            scene.collide_batch(tool, poses, executor=bad)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["collide_batch", "distance_batch", "clearance_batch"])
+def test_batches_are_joined_in_order(
+    name: str, scene: feeler.Scene, file: Path, processes: Executor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(batches, "CHUNK", 7)
+    tool = feeler.sample_tool("wrench")
+    poses = np.concatenate([feeler.sample_poses(scene, tool, kind, 20) for kind in ("nominal", "near")])
+    far = poses.copy()
+    far[:, 0, 3] += 100.0
+    poses = np.concatenate([poses, far])
+    options: dict[str, Any] = {"within": 0.02} if name != "collide_batch" else {}
+    ignore = [("*", "*disk*")]
+    whole = getattr(scene, name)(tool, poses, ignore=ignore, **options)
+    for executor in (processes, ThreadPoolExecutor(2)):
+        cut = getattr(scene, name)(tool, poses, ignore=ignore, executor=executor, **options)
+        assert len(cut) == len(whole) == len(poses) and type(cut) is type(whole)
+        for ours, theirs in zip(cut.__reduce__()[1][3], whole.__reduce__()[1][3], strict=True):
+            assert np.array_equal(ours, theirs) and ours.dtype == theirs.dtype
+    bad = poses.copy()
+    bad[23] *= 2.0
+    with pytest.raises(feeler.PoseError, match="23"):
+        getattr(scene, name)(tool, bad, executor=processes, **options)
+    tight = feeler.open_scene(file, memory_limit=2000)
+    if name != "distance_batch":
+        with pytest.raises(feeler.LimitError):
+            getattr(tight, name)(tool, poses, executor=processes, **({"within": 0.5} if options else {}))
+
+
+def _rows(found: feeler.Removals) -> list[Any]:
+    return [
+        (row.parts, row.paths, row.removal.is_found, row.removal.poses.tolist(), row.removal.certificate.casts)
+        for row in found
+    ]
+
+
+def test_removals_do_not_depend_on_the_workers(processes: Executor, dask: Any) -> None:
+    scene = feeler.Scene(_shelf())
+    entries = [[0], ["shelf/box_1"], [2, 3], "shelf/box_4"]
+    found = feeler.removals(scene, entries)
+    assert found.is_found.all() and not found.is_out_of_time.any() and not found.is_partial
+    assert found[2].parts == (2, 3) and found[2].paths == ("shelf/box_2", "shelf/box_3")
+    alone = feeler.removal(scene, [0])
+    assert np.array_equal(found[0].removal.poses, alone.poses)
+    for executor in (processes, dask.get_executor(), ThreadPoolExecutor(2)):
+        assert _rows(feeler.removals(scene, entries, executor=executor)) == _rows(found)
+    everything = feeler.removals(scene, threads=1)
+    assert [row.parts for row in everything] == [(i,) for i in range(scene.mockup.part_count)]
+
+
+def _shelf() -> feeler.Mockup:
+    """Six boxes beside each other, a little apart."""
+    box = feeler.sample_tool("square")
+    count = 6
+    size = box.bounds[1] - box.bounds[0]
+    vertices = np.concatenate([box.vertices + np.array([1.1 * i * size[0], 0.0, 0.0]) for i in range(count)])
+    faces = np.concatenate([box.faces + i * len(box.vertices) for i in range(count)])
+    paths = [f"shelf/box_{i}" for i in range(count)]
+    return feeler.Mockup(vertices, faces, np.repeat(np.arange(count), len(box.faces)), part_paths=paths)
+
+
+def test_removals_refuse_what_cannot_move(scene: feeler.Scene) -> None:
+    for bad, said in (("a*", "a list is needed"), ([], "at least one"), ([["nothing"]], "nothing"), (3, "a list")):
+        with pytest.raises(feeler.OptionError, match=said):
+            feeler.removals(scene, bad)  # type: ignore[arg-type]
+    with pytest.raises(feeler.OptionError, match="out already"):
+        feeler.removals(scene.without([3]), [[3]])
+    with pytest.raises(feeler.OptionError, match="seconds"):
+        feeler.removals(scene, [[3]], seconds=0.0)
+
+
+def test_access_does_not_depend_on_the_workers(processes: Executor) -> None:
+    mockup = feeler.sample("gearbox", 40_000)
+    scene = feeler.Scene(mockup)
+    fasteners = feeler.find_fasteners(mockup)[:6]
+    tool = feeler.sample_tool("wrench")
+
+    def rows(**options: Any) -> list[Any]:
+        told: list[float] = []
+        found = feeler.access(
+            scene, tool, fasteners, 30.0, grip="y", progress=lambda share, _: told.append(share), **options
+        )
+        assert told[-1] == 1.0 and len(told) == len(fasteners)
+        return [(row.target, row.swing_deg, row.pose.tolist(), row.way.tolist(), row.blockers) for row in found]
+
+    assert rows() == rows(threads=1) == rows(executor=processes) == rows(executor=ThreadPoolExecutor(2))
+
+
+def test_variants_are_checked_in_order(processes: Executor, tmp_path: Path) -> None:
+    mockups = [feeler.sample("differential", 10_000, seed=seed) for seed in range(3)]
+    feeler.Scene(mockups[1]).save(tmp_path / "b.feeler")
+    variants = [mockups[0], tmp_path / "b.feeler", mockups[2]]
+    expected = [feeler.clash(mockup) for mockup in mockups]
+    for options in ({}, {"executor": processes}):
+        found = feeler.clash_variants(variants, **options)
+        for ours, theirs in zip(found, expected, strict=True):
+            assert list(ours.ids) == list(theirs.ids) and ours.depths.tolist() == theirs.depths.tolist()
+    for bad, said in (("a.glb", "a list"), ([], "at least one"), ([3], r"variants\[0\]")):
+        with pytest.raises(feeler.OptionError, match=said):
+            feeler.clash_variants(bad)  # type: ignore[arg-type]
+    with pytest.raises(feeler.MissingFileError):
+        feeler.clash_variants([tmp_path / "none.glb"], executor=processes)
+    with pytest.raises(feeler.OptionError, match="clearance"):
+        feeler.clash_variants(variants, clearance=-1.0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C of POSIX")
+def test_ctrl_c_ends_removals_with_the_rows_that_are_done() -> None:
+    code = """
+import feeler
+from feeler.plan.removals import RemovalsInterrupted
+scene = feeler.Scene(feeler.sample("gearbox", 40_000))
+print("begun", flush=True)
+try:
+    feeler.removals(scene, threads=2, seconds=60.0, progress=lambda share, stage: print(stage, flush=True))
+except RemovalsInterrupted as interrupted:
+    print(len(interrupted.removals), interrupted.removals.is_partial, flush=True)
+"""
+    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert run.stdout is not None and run.stdout.readline() == "begun\n"
+    time.sleep(0.5)
+    run.send_signal(signal.SIGINT)
+    said = run.communicate(timeout=60)[0].splitlines()
+    assert said[-1].endswith("True"), said
+    assert run.returncode == 0
