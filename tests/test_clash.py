@@ -316,7 +316,7 @@ def test_wrong_choices_of_rows(mockup: feeler.Mockup) -> None:
         found.where(severity="bad")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="depth"):
         found.where(depth="0")  # type: ignore[call-arg]
-    with pytest.raises(OptionError, match="groups are not made by 'colour': choose part, rule, cluster"):
+    with pytest.raises(OptionError, match="by is 'colour': do you mean cluster\\? choose part, rule, cluster"):
         found.groups("colour")
     with pytest.raises(OptionError, match="reach is for groups by"):
         found.groups("part", reach=1.0)

@@ -172,7 +172,18 @@ def modules_after(code: str) -> set[str]:
 def test_an_import_loads_only_what_is_asked_for() -> None:
     assert modules_after("import feeler") == {"feeler"}
     query = "import feeler; feeler.Scene, feeler.Mockup, feeler.Tool"
-    values = {"arguments", "calibrate", "depths", "enumerations", "errors", "ignored", "parts", "poses", "progress"}
+    values = {
+        "arguments",
+        "calibrate",
+        "choices",
+        "depths",
+        "enumerations",
+        "errors",
+        "ignored",
+        "parts",
+        "poses",
+        "progress",
+    }
     wanted = {"_core", "mockup", "scene", *values}
     assert modules_after(query) == {"feeler", "feeler.travel", *(f"feeler.{name}" for name in wanted)}
     assert "feeler.haptics.session" in modules_after("import feeler; feeler.haptics.Session")

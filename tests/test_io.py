@@ -535,7 +535,7 @@ def test_unit_names(tmp_path, unit, metres):
 def test_unknown_unit_lists_the_known(tmp_path, unit):
     with pytest.raises(OptionError) as error:
         load_mockup(save(tmp_path, "p.stl", stl_binary()), unit=unit)
-    assert str(error.value).endswith("use one of " + ", ".join(KNOWN_UNITS))
+    assert str(error.value).endswith("choose " + ", ".join(KNOWN_UNITS))
 
 
 @pytest.mark.parametrize("tolerance", [0, -1.0, float("nan"), float("inf"), "fine", True])

@@ -6,6 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self
 
+from feeler.choices import ProxyMode, SeatKind
+
 @final
 class Collision:
     """The colliding pairs of triangles at one pose; false when there are none."""
@@ -451,7 +453,7 @@ class SeatAnswer:
     def part(self) -> int:
         """Index into `mockup.parts`."""
     @property
-    def kind(self) -> str:
+    def kind(self) -> SeatKind:
         """`touching`, `fit` or `sunk`."""
     @property
     def depth(self) -> float:
@@ -485,7 +487,7 @@ class StepAnswer:
     def age(self) -> float:
         """Age of the contact planes, seconds."""
     @property
-    def mode(self) -> str:
+    def mode(self) -> ProxyMode:
         """`free`, `contact`, `bound` or `doubt`."""
     @property
     def points(self) -> npt.NDArray[np.float64]:
@@ -546,7 +548,7 @@ class TickAnswer:
     def age(self) -> float:
         """Age of the contact planes, seconds."""
     @property
-    def mode(self) -> str:
+    def mode(self) -> ProxyMode:
         """`free`, `contact`, `bound` or `doubt`."""
     @property
     def buttons(self) -> int:
@@ -584,7 +586,7 @@ class TraceAnswer:
     def wrenches(self) -> npt.NDArray[np.float64]:
         """`(n, 6)`: force and torque on the hand."""
     @property
-    def modes(self) -> list[str]:
+    def modes(self) -> list[ProxyMode]:
         """As in `TickAnswer`, for each tick."""
     @property
     def has_device(self) -> npt.NDArray[np.bool_]:

@@ -13,6 +13,8 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler._core import Packed
+from feeler.arguments import check_kind, check_text, check_whole, shown
+from feeler.choices import UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
 from feeler.poses import placed
@@ -183,22 +185,24 @@ class Mockup(_core.Mockup):
         *,
         part_paths: Sequence[str] | None = None,
         source: Source | None = None,
-        unit: str | None = None,
+        unit: UnitName | None = None,
     ) -> Mockup:
         """See the class."""
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
-            source = source or origin
+            source = origin if source is None else source
         elif unit is not None:
-            raise OptionError(f"unit={unit!r} is for mesh objects: arrays are in metres, so scale the vertices")
+            raise OptionError(
+                f"unit is {shown(unit)}, and is for mesh objects: arrays are in metres, so scale the vertices"
+            )
         points = _points(vertices)
         indices = _indices(faces, len(points))
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), "part")
         self = super().__new__(cls, points, indices, parts, len(names))
         self.part_names = names
         self.part_paths = paths
-        self.source = source or Source()
+        self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
     @cached_property
@@ -264,23 +268,26 @@ class Tool(_core.Tool):
         *,
         part_paths: Sequence[str] | None = None,
         source: Source | None = None,
-        unit: str | None = None,
+        unit: UnitName | None = None,
     ) -> Tool:
         """See the class."""
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
-            source = source or origin
+            source = origin if source is None else source
         elif unit is not None:
-            raise OptionError(f"unit={unit!r} is for mesh objects: arrays are in metres, so scale the vertices")
+            raise OptionError(
+                f"unit is {shown(unit)}, and is for mesh objects: arrays are in metres, so scale the vertices"
+            )
         points = _points(vertices)
         indices = _indices(faces, len(points))
-        parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), str(name))
+        check_text("name", name)
+        parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), name)
         self = super().__new__(cls, points, indices, parts, len(names))
-        self.name = str(name)
+        self.name = name
         self.part_names = names
         self.part_paths = paths
-        self.source = source or Source()
+        self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
     @classmethod
@@ -382,9 +389,7 @@ class Tool(_core.Tool):
 
 
 def _vertex_limit(limit: object) -> int:
-    if isinstance(limit, bool) or not isinstance(limit, (int, np.integer)) or not 3 <= limit <= VERTEX_LIMIT:
-        raise OptionError(f"vertex_limit is {limit!r}: a piece has 3 to {VERTEX_LIMIT} vertices")
-    return int(limit)
+    return check_whole("vertex_limit", limit, 3, VERTEX_LIMIT)
 
 
 def _mask(parts: Parts, chosen: PartsLike | None) -> list[bool] | None:

@@ -6,7 +6,7 @@ import math
 import os
 import time
 from collections.abc import Sequence
-from typing import Any, Literal, cast, overload
+from typing import Any, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -31,11 +31,13 @@ from feeler.arguments import (
     check_number,
     check_progress,
     check_real,
+    check_text,
     check_threads,
     check_whole,
     check_word,
 )
 from feeler.calibrate import machine_constants
+from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
 from feeler.errors import LimitError, MeshError, OptionError
@@ -46,8 +48,6 @@ from feeler.poses import PoseLike, PosesLike
 from feeler.progress import Progress
 from feeler.travel import reduced
 
-STORAGES = ("blocks", "dense", "hashed")
-ESTIMATORS = ("calibrated", "area", "diagonal", "side")
 CAST_TOLERANCE = 1e-6
 """The most by which an impact may be early, metres."""
 
@@ -98,18 +98,21 @@ class Scene(_core.Scene):
         cls,
         mockup: Mockup,
         voxel_size: float | None = None,
-        storage: str = "blocks",
+        storage: Storage = "blocks",
         hashing: float = 0.0,
         tool: Tool | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
         memory_limit: int | None = None,
-        simd: str | None = None,
+        simd: Simd | None = None,
     ) -> Scene:
         """See the class."""
         if not isinstance(mockup, Mockup):
             raise MeshError(f"a scene needs a feeler.Mockup, not {type(mockup).__name__}")
         check_threads(threads)
+        check_word("storage", storage, STORAGES)
+        if simd is not None:
+            check_text("simd", simd, f"one of {', '.join(SIMDS)}")  # the core knows which this CPU has
         given = {"threads": threads, "memory_limit": memory_limit, "simd": simd}
         memory_limit = _memory_limit(memory_limit)
         check_progress(progress)
@@ -124,13 +127,13 @@ class Scene(_core.Scene):
             cls,
             mockup,
             None if voxel_size is None else check_real("voxel_size", voxel_size),
-            str(storage),
+            storage,
             check_real("hashing", hashing),
             tool,
             threads,
             progress,
             memory_limit,
-            None if simd is None else str(simd),
+            simd,
         )
         self.build_seconds = time.perf_counter() - start
         self._given = given
@@ -265,7 +268,7 @@ class Scene(_core.Scene):
         *,
         screw: Screw | None = None,
         tolerance: float = CAST_TOLERANCE,
-        touching: Literal["counts", "free"] = "counts",
+        touching: Touching = "counts",
         ignore: Ignore = None,
     ) -> Cast | None:
         """The first impact between two poses `(4, 4)`, or along a `Screw`; None if the motion is free.
@@ -282,6 +285,7 @@ class Scene(_core.Scene):
         triangles may overlap by `tolerance`, so that the rounding of a motion causes no impact.
         """
         tolerance = check_number("tolerance", tolerance, "metres, more than 0", above=0.0)
+        check_word("touching", touching, TOUCHINGS)
         return super().cast(tool, start, end, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
     @overload
@@ -291,7 +295,7 @@ class Scene(_core.Scene):
         poses: Sequence[PoseLike | Screw],
         *,
         tolerance: float = ...,
-        touching: Literal["counts", "free"] = ...,
+        touching: Touching = ...,
         inside: bool = ...,
         progress: Progress | None = ...,
         ignore: Ignore = ...,
@@ -303,7 +307,7 @@ class Scene(_core.Scene):
         poses: PosesLike,
         *,
         tolerance: float = ...,
-        touching: Literal["counts", "free"] = ...,
+        touching: Touching = ...,
         inside: bool = ...,
         progress: Progress | None = ...,
         ignore: Ignore = ...,
@@ -314,7 +318,7 @@ class Scene(_core.Scene):
         poses: PosesLike | Sequence[PoseLike | Screw],
         *,
         tolerance: float = CAST_TOLERANCE,
-        touching: Literal["counts", "free"] = "counts",
+        touching: Touching = "counts",
         inside: bool = True,
         progress: Progress | None = None,
         ignore: Ignore = None,
@@ -331,6 +335,7 @@ class Scene(_core.Scene):
         a collision (`PathCheck.containment`). `touching` as in `cast`.
         """
         check_progress(progress)
+        check_word("touching", touching, TOUCHINGS)
         return super().check_path(
             tool,
             cast("PosesLike", poses),
@@ -510,9 +515,9 @@ class ContactTracker(_core.ContactTracker):
 def optimal_voxel_size(
     mockup: Mockup,
     tool: Tool,
-    estimator: str = "calibrated",
+    estimator: Estimator = "calibrated",
     *,
-    storage: str = "dense",
+    storage: Storage = "dense",
     hashing: float = 0.0,
     memory_limit: int | None = None,
 ) -> float:
@@ -530,9 +535,7 @@ def optimal_voxel_size(
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
     if estimator != "calibrated":
-        return _core.optimal_voxel_size(mockup, tool, str(estimator))
-    if storage not in STORAGES:
-        raise OptionError(f"storage is {storage!r}: choose 'blocks', 'dense' or 'hashed'")
+        return _core.optimal_voxel_size(mockup, tool, estimator)
     level = check_real("hashing", hashing)
     if storage != "hashed" and level != 0.0:
         raise OptionError(f"hashing is {level}, but the storage is not 'hashed': leave hashing at 0")

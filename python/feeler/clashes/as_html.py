@@ -8,6 +8,8 @@ import os
 from html import escape
 from typing import Any
 
+from feeler.arguments import check_kind, check_progress, check_whole
+from feeler.choices import GroupBy
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
@@ -30,7 +32,7 @@ def write_html(
     clashes: Clashes,
     mockup: Mockup | None = None,
     *,
-    by: str = "part",
+    by: GroupBy = "part",
     pictures: int = MOST_GROUPS,
     progress: Progress | None = None,
 ) -> None:
@@ -40,6 +42,9 @@ def write_html(
     worst finding. by: how to group, as in `Clashes.groups`. Raises `WriteError`, and `OptionError` for clashes of
     another mock-up.
     """
+    check_kind("clashes", clashes, Clashes)
+    pictures = check_whole("pictures", pictures)
+    check_progress(progress)
     groups = clashes.groups(by)
     drawn = _drawn(clashes, mockup, groups[: min(pictures, MOST_GROUPS)], progress) if mockup is not None else []
     group_of = {int(row): group.name for group in groups for row in group.rows}

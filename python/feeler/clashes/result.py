@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from feeler.choices import GroupBy
 from feeler.clashes.changes import compare
 from feeler.clashes.grouping import grouped
 from feeler.clashes.matching import PartMatch
@@ -29,7 +30,7 @@ class Clashes(Table):
     contacts; then clearances, the nearest first; then by parts.
     """
 
-    def groups(self, by: str = "part", *, reach: float | None = None) -> list[Group]:
+    def groups(self, by: GroupBy = "part", *, reach: float | None = None) -> list[Group]:
         """Groups the rows. The group with the worst row comes first.
 
         by: "part" (each row goes to the part with most of the remaining rows, so one misplaced part is one group),

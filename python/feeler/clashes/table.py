@@ -7,12 +7,13 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_word
+from feeler.arguments import check_kind, check_text, check_word, shown
+from feeler.choices import Chord, DepthKind, SettableStatus, Severity, Status, VerdictName
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.tracking import STATUSES, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
@@ -20,9 +21,7 @@ from feeler.errors import OptionError
 from feeler.mockup import Mockup
 
 Floats = npt.NDArray[np.float64]
-Severity = Literal["critical", "major", "minor"]
-Status = Literal["new", "active", "reviewed", "approved", "resolved"]
-VerdictLike = Verdict | Literal["clash", "contact", "clearance", "contained", "duplicate"]
+VerdictLike = Verdict | VerdictName
 AnyTable = TypeVar("AnyTable", bound="Table")
 Point = tuple[float, float, float]
 
@@ -46,7 +45,7 @@ class Clash:
     depth_error: float
     """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
     two million pieces, which takes seconds. NaN if both parts are open."""
-    depth_kind: str
+    depth_kind: DepthKind
     """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point
     """The shortest known translation that moves `a` out of `b`: an upper bound. 0 for contacts; NaN if not known."""
@@ -66,8 +65,8 @@ class Clash:
     """Whether the surface of `a` is not closed: it has no inside and contains nothing."""
     is_open_b: bool
     rule: str
-    severity: str
-    status: str
+    severity: Severity
+    status: Status
     """One of `"new"`, `"active"`, `"reviewed"`, `"approved"`, `"resolved"`."""
     by: str
     """The person who set the status; else empty."""
@@ -149,7 +148,7 @@ class Facts:
     """
 
     clearance: float = 0.0
-    contact: float | str = 0.0
+    contact: float | Chord = 0.0
     parts: int = 0
     triangles: int = 0
     files: tuple[str, ...] = ()
@@ -349,7 +348,7 @@ class Table(Sequence[Clash]):
         if status is not None:
             mask &= self.statuses == check_word("status", status, STATUSES)
         if rule is not None:
-            mask &= self.rules == rule
+            mask &= self.rules == check_text("rule", rule, "the name of a rule")
         return self[mask]
 
     def __len__(self) -> int:
@@ -438,14 +437,15 @@ class Table(Sequence[Clash]):
         columns = [each.name for each in fields(Clash)]
         return pandas.DataFrame(self.to_dicts(), columns=columns).set_index("id")
 
-    def set_status(self, clash: str, status: str, *, by: str = "", note: str = "") -> None:
+    def set_status(self, clash: str, status: SettableStatus, *, by: str = "", note: str = "") -> None:
         """Sets the status of a finding: `"new"`, `"active"`, `"reviewed"` or `"approved"`. by, note: who, and why.
 
         `clash` is the id of the finding. An approval holds for the current depth: see `diff`. Raises `OptionError` for
         another status, and for an id that is not in the table.
         """
-        if clash not in self._row_of:
-            raise OptionError(f"there is no clash {clash!r} in this table: give one of its ids")
+        given: object = clash
+        if not isinstance(given, str) or clash not in self._row_of:
+            raise OptionError(f"there is no clash {shown(clash)} in this table: give one of its ids")
         row = self._row_of[clash]
         self.marks.set(clash, status, float(self.signed_depths[row]), by, note)
 
@@ -500,7 +500,9 @@ def _restored(
 
 
 def check_same(mockup: Mockup, clashes: Table) -> None:
-    """Raises `OptionError` if the findings are of another mock-up."""
+    """Raises `OptionError` if the findings are of another mock-up, or these are neither."""
+    check_kind("mockup", mockup, Mockup)
+    check_kind("clashes", clashes, Table, "feeler.Clashes")
     if tuple(mockup.part_paths) != clashes.part_paths:
         raise OptionError(
             "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "

@@ -11,6 +11,8 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import FASTENER_KINDS
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
 from feeler.cli.findings import count, mesh_facts
 from feeler.cli.inputs import (
@@ -186,7 +188,7 @@ def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None
         raise OptionError(f"--targets: {error} (feeler info --parts lists all)") from None
     with bar("looking for fasteners") as progress:
         found = feeler.find_fasteners(scene, parts, progress=progress)
-    chosen = found if kind is None else found.where(kind=kind)
+    chosen = found if kind is None else found.where(kind=check_word("--kind", kind, FASTENER_KINDS))
     if not len(chosen):
         among = "of the mock-up" if parts is None else f"of the {len(parts):,} that --targets names"
         what = "fastener" if kind is None else kind

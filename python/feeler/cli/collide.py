@@ -12,6 +12,8 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import STORAGES
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import (
     containment_facts,
@@ -118,7 +120,7 @@ def collide(
         scene = feeler.Scene(
             world,
             voxel_size=voxel_size,
-            storage=storage,
+            storage=check_word("--storage", storage, STORAGES),
             hashing=hashing,
             tool=probe,
             threads=threads,

@@ -12,6 +12,8 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import STORAGES
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import containment_facts, containment_lines, count, mesh_facts, scene_facts, unknown_lines
 from feeler.cli.inputs import (
@@ -98,8 +100,9 @@ def path(
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     places = [each for each in way if isinstance(each, np.ndarray)]
     warn_of_far_poses(world, probe, np.stack(places))
+    kind = check_word("--storage", storage, STORAGES)
     with bar("indexing") as progress:
-        scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
+        scene = feeler.Scene(world, storage=kind, tool=probe, threads=threads, progress=progress)
     scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
     with bar(f"following {len(way) - 1:,} legs") as progress:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
+from feeler.arguments import check_path
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS, known_formats
 
@@ -62,11 +63,9 @@ def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
 
 
 def _path(path: object) -> Path:
-    if isinstance(path, (str, os.PathLike)):
-        plain = os.fspath(path)
-        if isinstance(plain, str) and plain and "\0" not in plain:
-            return Path(plain)
-    raise OptionError(f"{path!r} is not a path; give text or a pathlib.Path")
+    if path == "":
+        raise OptionError("path is empty: give the path of a file")
+    return check_path("path", path)
 
 
 def _add_folder(folder: Path, found: FileList) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -11,8 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.arguments import check_progress
-from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
+from feeler.arguments import check_number, check_progress, check_text
+from feeler.choices import UnitName, UpAxis
+from feeler.errors import FeelerError, LimitError, LoadError, MeshError
 from feeler.io import axes
 from feeler.io.files import Found, PathLike, collect
 from feeler.io.gltf import shift_indices
@@ -35,9 +35,9 @@ _LOST = ("index_out_of_range", "non_finite", "too_large")  # defects that take a
 
 def load_mockup(
     path: PathLike | Iterable[PathLike],
-    unit: str | None = None,
+    unit: UnitName | None = None,
     *,
-    up: str | None = None,
+    up: UpAxis | None = None,
     chord_tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Mockup:
@@ -80,10 +80,10 @@ def load_mockup(
 
 def load_tool(
     path: PathLike | Iterable[PathLike],
-    unit: str | None = None,
+    unit: UnitName | None = None,
     *,
     name: str | None = None,
-    up: str | None = None,
+    up: UpAxis | None = None,
     chord_tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Tool:
@@ -96,7 +96,7 @@ def load_tool(
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     if progress:
         progress(0.8, "checking triangles")
-    label = name if name is not None else loaded.pieces[0].file.path.stem
+    label = check_text("name", name) if name is not None else loaded.pieces[0].file.path.stem
     with loaded.named_in_errors():
         raw = loaded.raw
         tool = Tool(raw.vertices, raw.faces, label, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
@@ -289,12 +289,8 @@ def _signed(note: str, names: list[str], several: bool) -> str:
 
 
 def _check_tolerance(chord_tolerance: float | None) -> None:
-    if chord_tolerance is None:
-        return
-    tolerance: object = chord_tolerance
-    good = isinstance(tolerance, (int, float, np.floating, np.integer)) and not isinstance(tolerance, bool)
-    if not good or not math.isfinite(chord_tolerance) or chord_tolerance <= 0:
-        raise OptionError(f"chord_tolerance={chord_tolerance!r} should be a positive number of metres, such as 0.0001")
+    if chord_tolerance is not None:
+        check_number("chord_tolerance", chord_tolerance, "metres, more than 0, such as 0.0001", above=0.0)
 
 
 def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, str]:

@@ -43,7 +43,7 @@ def plain_parts(parts: PartsLike | None) -> object:
         return np.flatnonzero(parts).tolist() if parts.dtype == bool else parts.tolist()
     if isinstance(parts, np.integer):
         return int(parts)
-    if parts is None or isinstance(parts, (str, int)):
+    if parts is None or isinstance(parts, (str, int)) or not isinstance(parts, Iterable):
         return parts
     return [plain_parts(each) for each in parts]
 
@@ -124,7 +124,7 @@ class Arguments:
         # The page has lists of words that are known beforehand.
         is_listed = get_origin(_bare(self._shape[name])) is Literal
         value = self.raw(name, Literal[tuple(words)] if is_listed else str)
-        if value not in words:
+        if not isinstance(value, str) or value not in words:
             raise self.fail(name, f"there is no {_shown(value)}", near(value, words))
         return str(value)
 
