@@ -255,7 +255,7 @@ def test_the_chord_tolerance_of_step_can_be_given(testdata: Path) -> None:
     assembly = testdata / "meshes" / "assembly.step"
     coarse, fine = (run_json("clash", assembly, *given) for given in ((), ("--chord-tolerance", "1e-6")))
     assert fine["mockup"]["triangles"] > 2 * coarse["mockup"]["triangles"]
-    assert "chord_tolerance=-1.0 should be" in error_of("clash", assembly, "--chord-tolerance", "-1")
+    assert "chord_tolerance is -1.0: give metres" in error_of("clash", assembly, "--chord-tolerance", "-1")
 
 
 @pytest.mark.parametrize(("chord", "few"), [(None, None), (1e-5, None), (1e-4, "1 clash is")])

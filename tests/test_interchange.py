@@ -61,7 +61,7 @@ def test_units_are_the_objects_or_the_callers() -> None:
     assert np.array_equal(feeler.Mockup(mesh, unit="cm").vertices, CUBE * 0.01)
     assert np.array_equal(feeler.Tool(mesh, unit="cm").vertices, CUBE * 0.01)
     for unit in ("parsecs", 1):
-        with pytest.raises(feeler.OptionError, match="unit="):
+        with pytest.raises(feeler.OptionError, match="unit is "):
             feeler.from_trimesh(mesh, unit=unit)  # type: ignore[arg-type]
     mesh.units = "cubits"
     with pytest.raises(feeler.OptionError, match="cubits"):

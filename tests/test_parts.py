@@ -309,7 +309,7 @@ def test_the_mask_is_of_the_scene_alone(scene: feeler.Scene) -> None:
 
 
 def test_a_scene_without_parts_shares_the_index(scene: feeler.Scene) -> None:
-    whole, less = scene.memory(), scene.without(1).memory()
+    whole, less = dict(scene.memory()), dict(scene.without(1).memory())
     own = less.pop("selection")
     # A bit a triangle and a byte a part at least; blocks have a word a node beside these.
     assert 8 + 12 <= own <= 2000

@@ -189,7 +189,7 @@ def test_joints_that_cannot_be(arm: Path, joints: Any, message: str) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"geometry": "both"}, "'collision' or 'visual'"),
+        ({"geometry": "both"}, "geometry is 'both': choose collision, visual"),
         ({"chord_tolerance": 0}, "chord_tolerance"),
         ({"chord_tolerance": math.nan}, "chord_tolerance"),
     ],

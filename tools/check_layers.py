@@ -232,12 +232,15 @@ BASE = {
     "words",
 }
 ROOMS: dict[str, set[str]] = {
-    "_core": {"_core_results", "choices", "poses"},
-    "_core_results": {"choices"},  # a share of the stub
+    "_core": {"_core_results", "choices", "figures", "poses"},
+    "_core_results": {"choices", "figures"},  # a share of the stub
     "errors": set(),
     "progress": {"errors"},
     "words": set(),
     "choices": set(),
+    "figures": set(),
+    # What users annotate with: it only imports.
+    "types": {*BASE, "clashes", "figures", "haptics", "ignored", "io", "parts", "picture", "workbench"},
     "enumerations": {"arguments", "errors"},
     "arguments": {"errors", "progress"},
     "travel": {"_core", "errors"},
@@ -249,12 +252,12 @@ ROOMS: dict[str, set[str]] = {
     "calibrate": {"_core", "errors"},
     "depths": set(),
     "scene": {
-        *("_core", "arguments", "calibrate", "choices", "depths", "enumerations", "errors", "ignored", "mockup"),
-        *("parts", "poses", "progress", "travel"),
+        *("_core", "arguments", "calibrate", "choices", "depths", "enumerations", "errors", "figures", "ignored"),
+        *("mockup", "parts", "poses", "progress", "travel"),
     },
     "io": BASE,
     "interchange": {*BASE, "io"},
-    "haptics": BASE,
+    "haptics": {*BASE, "figures"},
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
@@ -269,7 +272,7 @@ ROOMS: dict[str, set[str]] = {
     "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
-        *("study", "workbench"),
+        *("parts", "study", "types", "workbench"),
     },
     "__main__": {"cli"},
 }

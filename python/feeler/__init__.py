@@ -9,6 +9,7 @@ if _typing.TYPE_CHECKING:
     from feeler import io as io
     from feeler import picture as picture
     from feeler import samples as samples
+    from feeler import types as types
     from feeler._core import (
         Batch,
         Cast,
@@ -46,7 +47,8 @@ if _typing.TYPE_CHECKING:
     from feeler.ignored import IgnoredPairs
     from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
     from feeler.io import load_mockup, load_tool
-    from feeler.mockup import Mockup, Tool
+    from feeler.mockup import Defect, LoadReport, Mockup, Source, Tool
+    from feeler.parts import Part, Parts
     from feeler.plan.blocked import Blocker
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
@@ -79,6 +81,7 @@ __all__ = [
     "ContactTracker",
     "Contacts",
     "Containment",
+    "Defect",
     "Depths",
     "DeviceError",
     "Distance",
@@ -89,6 +92,7 @@ __all__ = [
     "IgnoredPairs",
     "LimitError",
     "LoadError",
+    "LoadReport",
     "MeshError",
     "MissingFileError",
     "Mockup",
@@ -96,6 +100,8 @@ __all__ = [
     "Packed",
     "PackedPiece",
     "PairKind",
+    "Part",
+    "Parts",
     "PathCheck",
     "Penetration",
     "PoseError",
@@ -111,6 +117,7 @@ __all__ = [
     "Screw",
     "SectionOutline",
     "SessionError",
+    "Source",
     "Tool",
     "Verdict",
     "View",
@@ -197,8 +204,15 @@ _HOMES = {
         "load_tool",
     ),
     "feeler.mockup": (
+        "Defect",
+        "LoadReport",
         "Mockup",
+        "Source",
         "Tool",
+    ),
+    "feeler.parts": (
+        "Part",
+        "Parts",
     ),
     "feeler.plan.blocked": ("Blocker",),
     "feeler.plan.fasteners": (
@@ -247,7 +261,7 @@ _HOMES = {
     ),
 }
 
-_ROOMS = ("clashes", "errors", "haptics", "io", "picture", "samples")
+_ROOMS = ("clashes", "errors", "haptics", "io", "picture", "samples", "types")
 
 if not _typing.TYPE_CHECKING:
 

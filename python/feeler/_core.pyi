@@ -1,6 +1,6 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check their arguments first."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, final, overload
 
 import numpy as np
@@ -34,7 +34,7 @@ from feeler._core_results import (
     TickAnswer,
     TraceAnswer,
 )
-from feeler.choices import Estimator, PenetrationKind, Simd, Storage, Touching
+from feeler.choices import DefectKind, Estimator, PenetrationKind, Simd, Storage, Touching
 from feeler.poses import PoseLike, PosesLike
 
 _Progress = Callable[[float, str], object]
@@ -126,7 +126,7 @@ class Mockup:
     def part_count(self) -> int:
         """Parts, including those without triangles."""
     @property
-    def defects(self) -> dict[str, tuple[int, list[int]]]:
+    def defects(self) -> Mapping[DefectKind, tuple[int, Sequence[int]]]:
         """Kind of defect -> count and first ids."""
     def pack(self, vertex_limit: int, small: Sequence[bool] | None) -> Packed: ...
 
@@ -164,7 +164,7 @@ class Tool:
     def triangle_count(self) -> int:
         """Triangles given, defective ones included."""
     @property
-    def defects(self) -> dict[str, tuple[int, list[int]]]:
+    def defects(self) -> Mapping[DefectKind, tuple[int, Sequence[int]]]:
         """Kind of defect -> count and first ids."""
     def pack(self, vertex_limit: int, small: Sequence[bool] | None) -> Packed: ...
 
@@ -205,7 +205,7 @@ class Scene:
     @property
     def simd(self) -> Simd:
         """The instruction set of its queries: `"avx512"`, `"avx2"` or `"portable"`."""
-    def memory(self) -> dict[str, int]:
+    def memory(self) -> Mapping[str, int]:
         """Bytes by structure, and their `"total"`: all that stays in memory for the index.
 
         `"triangles"` and `"parts"` are the mock-up's own arrays, which the index reads and does not copy.

@@ -7,6 +7,7 @@ import numpy.typing as npt
 from typing_extensions import Self
 
 from feeler.choices import ProxyMode, SeatKind
+from feeler.figures import CollisionStats
 
 @final
 class Collision:
@@ -34,17 +35,8 @@ class Collision:
     def tool_parts(self) -> npt.NDArray[np.uint32]:
         """Indices into `tool.parts` of the colliding parts; unique, sorted."""
     @property
-    def stats(self) -> dict[str, int]:
-        """Counters of the query, stage by stage.
-
-        - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
-        - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces with overlapping boxes.
-        - `repeats_skipped`: repeated pairs skipped.
-        - `box_survivors`: pairs of triangles with overlapping boxes.
-        - `triangle_tests`: triangle tests.
-        - `exact_tests`: triangle tests that needed exact arithmetic because float64 could not decide them.
-        - `pairs`: distinct colliding pairs.
-        """
+    def stats(self) -> CollisionStats:
+        """Counters of the query, stage by stage."""
     def __len__(self) -> int: ...
     def __bool__(self) -> bool: ...
 

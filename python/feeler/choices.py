@@ -10,6 +10,8 @@ Simd = Literal["avx512", "avx2", "portable"]
 PenetrationKind = Literal["bound", "estimate", "exact"]
 Touching = Literal["counts", "free"]
 
+DefectKind = Literal["index_out_of_range", "non_finite", "too_large", "zero_area", "duplicate"]
+
 UpAxis = Literal["x", "y", "z"]
 UnitName = Literal["m", "mm", "cm", "dm", "um", "nm", "km", "in", "ft", "yd", "mil"]
 """The short names of length units. At run time long ones ("metres", "inch") hold too, and case does not matter."""
@@ -52,6 +54,7 @@ GEOMETRIES: tuple[Geometry, ...] = get_args(Geometry)
 SEVERITIES: tuple[Severity, ...] = get_args(Severity)
 STATUSES: tuple[Status, ...] = get_args(Status)
 SETTABLE_STATUSES: tuple[SettableStatus, ...] = get_args(SettableStatus)
+DEFECT_KINDS: tuple[DefectKind, ...] = get_args(DefectKind)
 DEPTH_KINDS: tuple[DepthKind, ...] = get_args(DepthKind)
 GROUPS_BY: tuple[GroupBy, ...] = get_args(GroupBy)
 FASTENER_KINDS: tuple[FastenerKind, ...] = get_args(FastenerKind)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from feeler import _core
 from feeler._core import Packed
 from feeler.arguments import check_kind, check_text, check_whole, shown
-from feeler.choices import UnitName
+from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
 from feeler.poses import placed
@@ -47,10 +47,13 @@ class Source:
 
 @dataclass(frozen=True)
 class Defect:
-    """The number of triangles with one kind of defect, and the first ids."""
+    """The number of triangles with one kind of defect, and the first ids. `count, first = defect` unpacks it."""
 
     count: int
     first: tuple[int, ...]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.count, self.first))
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class LoadReport:
     parts: int
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
-    defects: dict[str, Defect]
+    defects: dict[DefectKind, Defect]
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -209,6 +212,11 @@ class Mockup(_core.Mockup):
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
         return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
+
+    @property
+    def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
+        """The count and first ids of each kind of defect, as in `report`."""
+        return _defects(super().defects)
 
     @property
     def report(self) -> LoadReport:
@@ -366,6 +374,11 @@ class Tool(_core.Tool):
         return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
 
     @property
+    def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
+        """The count and first ids of each kind of defect, as in `report`."""
+        return _defects(super().defects)
+
+    @property
     def report(self) -> LoadReport:
         """The contents and defects of the mesh."""
         return _report(self, self.source, self.part_count)
@@ -401,10 +414,15 @@ def _mask(parts: Parts, chosen: PartsLike | None) -> list[bool] | None:
     return mask.tolist()  # type: ignore[no-any-return]
 
 
+def _defects(found: Mapping[DefectKind, tuple[int, Sequence[int]]]) -> dict[DefectKind, Defect]:
+    return {kind: Defect(count, tuple(first)) for kind, (count, first) in found.items()}
+
+
 def _report(mesh: _core.Mockup | _core.Tool, source: Source, parts: int) -> LoadReport:
     lower, upper = mesh.bounds
-    defects = {kind: Defect(count, tuple(first)) for kind, (count, first) in mesh.defects.items()}
-    return LoadReport(source, mesh.triangle_count, len(mesh.vertices), parts, _xyz(lower), _xyz(upper), defects)
+    return LoadReport(
+        source, mesh.triangle_count, len(mesh.vertices), parts, _xyz(lower), _xyz(upper), _defects(mesh.defects)
+    )
 
 
 def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:

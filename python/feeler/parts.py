@@ -32,7 +32,7 @@ class Part:
     upper: tuple[float, float, float]
 
 
-PartsLike = int | str | Part | Iterable["int | str | Part"] | npt.NDArray[Any]
+PartsLike = int | str | Part | Iterable[int | str | Part] | npt.NDArray[Any]
 """Parts, as arguments name them: see `Parts.select`."""
 
 

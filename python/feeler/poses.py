@@ -23,7 +23,7 @@ class HasMatrix(Protocol):
         ...
 
 
-PoseLike = npt.ArrayLike | HasMatrix | tuple["npt.ArrayLike | HasMatrix", npt.ArrayLike]
+PoseLike = npt.ArrayLike | HasMatrix | tuple[npt.ArrayLike | HasMatrix, npt.ArrayLike]
 """A pose: `(4, 4)` numbers, row by row; an object with `as_matrix()`; or a pair of a rotation (`(3, 3)`, or an object
 with `as_matrix()`) and a translation `(3,)`."""
 PosesLike = PoseLike | Sequence[PoseLike]

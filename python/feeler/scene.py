@@ -41,6 +41,7 @@ from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Si
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
 from feeler.errors import LimitError, MeshError, OptionError
+from feeler.figures import SceneMemory
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
@@ -145,6 +146,13 @@ class Scene(_core.Scene):
         mockup = super().mockup
         assert isinstance(mockup, Mockup)
         return mockup
+
+    def memory(self) -> SceneMemory:
+        """Bytes by structure, and their `total`: all that stays in memory for the index.
+
+        `triangles` and `parts` are the mock-up's own arrays, which the index reads and does not copy.
+        """
+        return SceneMemory(**super().memory())
 
     def without(self, parts: PartsLike) -> Scene:
         """The scene without some parts, which can then move in it as a `Tool.of_parts`.

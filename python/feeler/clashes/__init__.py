@@ -12,10 +12,12 @@ from feeler.clashes.as_html import write_html
 from feeler.clashes.as_json import report
 from feeler.clashes.as_xlsx import write_xlsx
 from feeler.clashes.finding import ClashInterrupted, clash
+from feeler.clashes.matching import PartMatch
 from feeler.clashes.result import Changes, Clashes, Group, load_clashes
 from feeler.clashes.rules import Exclusion, Rule, Rules
 from feeler.clashes.rules_file import write_rules
-from feeler.clashes.table import Clash
+from feeler.clashes.shapes import Shapes
+from feeler.clashes.table import Clash, Columns, Facts
 from feeler.clashes.verdict import Verdict
 
 __all__ = [
@@ -23,10 +25,14 @@ __all__ = [
     "Clash",
     "ClashInterrupted",
     "Clashes",
+    "Columns",
     "Exclusion",
+    "Facts",
     "Group",
+    "PartMatch",
     "Rule",
     "Rules",
+    "Shapes",
     "Verdict",
     "clash",
     "load_clashes",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from feeler.choices import GroupBy
+from feeler.choices import GroupBy, Status
 from feeler.clashes.changes import compare
 from feeler.clashes.grouping import grouped
 from feeler.clashes.matching import PartMatch
@@ -106,7 +106,7 @@ class Changes:
     resolved: Clashes
     parts: PartMatch
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> dict[Status, int]:
         """The number of findings of each status."""
         return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
 

@@ -96,7 +96,7 @@ class Columns:
     rule: npt.NDArray[np.uint32]
     severity: npt.NDArray[np.uint8]
 
-    def rows(self, chosen: Any) -> Columns:
+    def rows(self, chosen: slice | npt.NDArray[Any]) -> Columns:
         """The chosen rows, in the given order."""
         return Columns(*(getattr(self, each.name)[chosen] for each in fields(self)))
 

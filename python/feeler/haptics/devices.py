@@ -30,6 +30,7 @@ from feeler.arguments import (
 )
 from feeler.choices import DEVICE_FAULTS, DEVICE_PRESETS, HAND_GRIPS, DeviceFault, DevicePreset, HandGrip
 from feeler.errors import DeviceError, OptionError
+from feeler.figures import DeviceLimits
 
 PRESETS = DEVICE_PRESETS
 FAULTS = DEVICE_FAULTS
@@ -68,11 +69,11 @@ class Device:
         return self._device.button_count
 
     @property
-    def limits(self) -> dict[str, float]:
+    def limits(self) -> DeviceLimits:
         """The limits of the device: `force_n`, `torque_nm`, `stiffness_n_per_m`, `damping_n_s_per_m`, `friction_n`,
         `resolution_m`, the same four in rotation, `rate_hz` and `delay_s`. 0: none, or not known.
         """
-        return self._device.limits
+        return DeviceLimits(**self._device.limits)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.name}>"

@@ -13,7 +13,7 @@ from feeler.arguments import check_path
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS, known_formats
 
-PathLike: TypeAlias = "str | os.PathLike[str]"
+PathLike: TypeAlias = str | os.PathLike[str]
 
 _NAMES_SHOWN = 5
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.arguments import check_number, check_progress, check_text
-from feeler.choices import UnitName, UpAxis
+from feeler.choices import DefectKind, UnitName, UpAxis
 from feeler.errors import FeelerError, LimitError, LoadError, MeshError
 from feeler.io import axes
 from feeler.io.files import Found, PathLike, collect
@@ -30,7 +30,11 @@ DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
 
 _FAILURES_SHOWN = 20
-_LOST = ("index_out_of_range", "non_finite", "too_large")  # defects that take a piece of a surface away
+_LOST: tuple[DefectKind, ...] = (
+    "index_out_of_range",
+    "non_finite",
+    "too_large",
+)  # defects that take a piece of a surface away
 
 
 def load_mockup(
