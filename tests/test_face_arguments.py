@@ -14,7 +14,7 @@ from shapes import box
 from workbench_scene import Bench, cube
 
 import feeler
-from feeler import clashes, haptics, io, picture
+from feeler import clashes, haptics, io, picture, samples
 from feeler.haptics import devices
 from feeler.workbench.scripting import View
 
@@ -31,7 +31,9 @@ MADE_BY_FEELER = {
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
     feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
-    clashes.Changes, clashes.Group,
+    clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
+    feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint, samples.Leg,
+    samples.Step, samples.Truth, io.MeshLike, picture.Hits,
 }  # fmt: skip
 """Classes of results: users get their objects and do not make them. Their methods are swept."""
 URDF = '<robot name="r"><link name="l"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>'
@@ -66,6 +68,7 @@ class World:
         Path("robot.urdf").write_text(URDF)
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
+        self.truth = feeler.sample_truth("gearbox", 75_000)
         haptics_record(self)
 
 
@@ -116,6 +119,8 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.IgnoredPairs": lambda w: (feeler.IgnoredPairs, {"tool": w.tool, "mockup": w.mockup, "pairs": [(0, 0)]}),
     "feeler.Mockup": lambda w: (feeler.Mockup, {"vertices": w.mockup.vertices, "faces": w.mockup.faces}),
     "feeler.Mockup.pack": lambda w: (w.mockup.pack, {}),
+    "feeler.Parts.find": lambda w: (w.mockup.parts.find, {"path": "plate"}),
+    "feeler.Parts.select": lambda w: (w.mockup.parts.select, {"parts": "plate"}),
     "feeler.Scene": lambda w: (feeler.Scene, {"mockup": w.mockup}),
     "feeler.Scene.cast": lambda w: (w.scene.cast, {"tool": w.tool, "start": w.away, "end": w.pose}),
     "feeler.Scene.check_path": batch("check_path"),
@@ -169,6 +174,10 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.sample_tool": lambda w: (feeler.sample_tool, {"name": "wrench"}),
     "feeler.sample_truth": lambda w: (feeler.sample_truth, {"name": "gearbox", "triangles": 75_000}),
     "feeler.swept": lambda w: (feeler.swept, {"tool": w.tool, "poses": [w.pose, w.away], "error": 0.05}),
+    "feeler.samples.Truth.fit": lambda w: (w.truth.fit, {"a": w.truth.fits[0].a, "b": w.truth.fits[0].b}),
+    "feeler.samples.Truth.holds": lambda w: (w.truth.holds, {"path": w.truth.fits[0].a}),
+    "feeler.samples.Truth.needed": lambda w: (w.truth.needed, {"step": w.truth.steps[0]}),
+    "feeler.samples.Truth.way": lambda w: (w.truth.way, {"path": w.truth.fits[0].a}),
     "feeler.haptics.Coupling": lambda w: (haptics.Coupling, {}),
     "feeler.haptics.Coupling.for_device": lambda w: (haptics.Coupling.for_device, {"device": w.device}),
     "feeler.haptics.Session": lambda w: (haptics.Session, {"scene": w.scene, "tool": w.tool}),

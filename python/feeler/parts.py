@@ -15,6 +15,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_text
 from feeler.errors import OptionError
 
 _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
@@ -67,7 +68,7 @@ class Parts(Sequence[Part]):
 
     def find(self, path: str) -> list[Part]:
         """Parts whose path or name equals `path`, or whose path lies below it."""
-        return [self[i] for i in self._called(path)]
+        return [self[i] for i in self._called(check_text("path", path, "the path or name of a part"))]
 
     def select(self, parts: PartsLike) -> npt.NDArray[np.uint32]:
         """The indices of the named parts, ascending, each once.
@@ -108,8 +109,8 @@ class Parts(Sequence[Part]):
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
         if not called:
             alike = self._alike(part)
-            hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
-            raise OptionError(f"no part is called, or matches, {part!r}{hint}")
+            hint = f": do you mean {' or '.join(map(repr, alike))}?" if alike else ""
+            raise OptionError(f"no part has the path or name {part!r}, or matches it{hint}")
         return called
 
     def _alike(self, part: str) -> list[str]:

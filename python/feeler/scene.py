@@ -47,6 +47,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike, PosesLike
 from feeler.progress import Progress
+from feeler.renamed import keywords
 from feeler.travel import reduced
 
 CAST_TOLERANCE = 1e-6
@@ -203,6 +204,7 @@ class Scene(_core.Scene):
             tool, world_from_tool, _within(within), check_flag("triangles", triangles), ignore=ignore
         )
 
+    @keywords({"max": "within"}, gone={"k": "call nearest(tool, pose, k)"})
     def distance(
         self,
         tool: _core.Tool,
@@ -236,6 +238,7 @@ class Scene(_core.Scene):
             tool, world_from_tool, _within(within), check_whole("k", k, 1, 2**32 - 1), ignore=ignore
         )
 
+    @keywords({"max": "within"})
     def distance_batch(
         self,
         tool: _core.Tool,
@@ -268,6 +271,7 @@ class Scene(_core.Scene):
             tool, poses, _within(within), check_flag("triangles", triangles), progress, ignore=ignore
         )
 
+    @keywords({"pose0": "start", "pose1": "end"})
     def cast(
         self,
         tool: _core.Tool,
@@ -354,6 +358,7 @@ class Scene(_core.Scene):
             ignore=ignore,
         )
 
+    @keywords({"margin": "within"})
     def contacts(
         self,
         tool: _core.Tool,
@@ -375,6 +380,7 @@ class Scene(_core.Scene):
         """
         return super().contacts(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
+    @keywords({"margin": "within"})
     def penetration(
         self,
         tool: _core.Tool,
@@ -413,6 +419,7 @@ class Scene(_core.Scene):
             numbers[:, 5:8].copy(),
         )
 
+    @keywords({"max": "within"})
     def rays(
         self,
         origins: npt.ArrayLike,

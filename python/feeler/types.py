@@ -40,7 +40,8 @@ from feeler.choices import (
 )
 from feeler.clashes.finding import Exclude
 from feeler.clashes.rules import RulesLike
-from feeler.clashes.table import VerdictLike
+from feeler.clashes.shapes import Shapes
+from feeler.clashes.table import Columns, VerdictLike
 from feeler.figures import CollisionStats, DeviceLimits, SceneMemory
 from feeler.haptics.record import Recorder
 from feeler.ignored import Ignore
@@ -59,6 +60,7 @@ __all__ = [
     "Chord",
     "CollisionStats",
     "Colour",
+    "Columns",
     "CommandAnswer",
     "Defect",
     "DefectKind",
@@ -98,6 +100,7 @@ __all__ = [
     "SeatKind",
     "SettableStatus",
     "Severity",
+    "Shapes",
     "Simd",
     "Source",
     "Status",

@@ -16,8 +16,7 @@ from feeler.clashes.matching import PartMatch
 from feeler.clashes.result import Changes, Clashes, Group, load_clashes
 from feeler.clashes.rules import Exclusion, Rule, Rules
 from feeler.clashes.rules_file import write_rules
-from feeler.clashes.shapes import Shapes
-from feeler.clashes.table import Clash, Columns, Facts
+from feeler.clashes.table import Clash, Facts
 from feeler.clashes.verdict import Verdict
 
 __all__ = [
@@ -25,14 +24,12 @@ __all__ = [
     "Clash",
     "ClashInterrupted",
     "Clashes",
-    "Columns",
     "Exclusion",
     "Facts",
     "Group",
     "PartMatch",
     "Rule",
     "Rules",
-    "Shapes",
     "Verdict",
     "clash",
     "load_clashes",

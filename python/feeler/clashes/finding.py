@@ -24,6 +24,7 @@ from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
 from feeler.progress import Progress
+from feeler.renamed import keywords
 from feeler.scene import Scene
 
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
@@ -43,6 +44,7 @@ class ClashInterrupted(KeyboardInterrupt):
         return (type(self), (self.clashes,))
 
 
+@keywords({"exclude": "ignore"})
 def clash(
     mockup: Mockup,
     clearance: float = 0.002,

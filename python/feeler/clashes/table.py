@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
+from typing import Any, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +18,7 @@ from feeler.clashes.tracking import STATUSES, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
+from feeler.renamed import OldAttributes
 
 Floats = npt.NDArray[np.float64]
 VerdictLike = Verdict | VerdictName
@@ -164,6 +164,7 @@ class Facts:
 _PLURALS = {
     "a": "parts_a",
     "b": "parts_b",
+    "verdict": "verdicts",
     "depth": "depths",
     "depth_error": "depth_errors",
     "depth_kind": "depth_kinds",
@@ -178,10 +179,10 @@ _PLURALS = {
     "severity": "severities",
     "status": "statuses",
 }
-"""Fields of `Clash`, and the columns that have one entry for each row; `verdict` and `verdicts` beside them."""
+"""Old names of columns, those of the fields of `Clash`, and their names now."""
 
 
-class Table(Sequence[Clash]):
+class Table(OldAttributes, Sequence[Clash]):
     """Rows for pairs of parts, with names of parts and rules, and the statuses of the rows. See `Clashes`."""
 
     def __init__(
@@ -210,14 +211,11 @@ class Table(Sequence[Clash]):
         self._shapes = shapes
         self._earlier: Table | None = None
 
-    if not TYPE_CHECKING:  # Columns had the names of their rows' fields, and `verdict` was an array of numbers.
+    _RENAMED = _PLURALS
 
-        def __getattr__(self, name: str) -> object:
-            new = _PLURALS.get(name, "verdicts") if name in _PLURALS or name == "verdict" else None
-            if new is None:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
-            warnings.warn(f"Clashes.{name} is now Clashes.{new}", DeprecationWarning, stacklevel=2)
-            return self.columns.verdict if name == "verdict" else getattr(self, new)
+    def _old_value(self, name: str) -> object:
+        # `verdict` was an array of numbers.
+        return self.columns.verdict if name == "verdict" else super()._old_value(name)
 
     @property
     def parts_a(self) -> npt.NDArray[np.uint32]:

@@ -113,6 +113,7 @@ def remove(
     unit: MockupUnit = None,
     up: Up = None,
     threads: Annotated[int | None, typer.Option(help="Default: all cores. The path does not depend on it.")] = None,
+    allow: Annotated[str | None, typer.Option(hidden=True)] = None,  # of early builds
     csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
     way: Annotated[
         Path | None, typer.Option(help="Write the path's poses, (n, 4, 4), as .npy or .json, for path and swept.")
@@ -128,6 +129,8 @@ def remove(
     that there is none, unless feeler says which parts hold it. Exit status: 0 all come out, 1 some do not, 2 bad input.
     Ctrl-C keeps the results so far, and ends with 130.
     """
+    if allow is not None:
+        raise OptionError("--allow is gone: give --ignore PATTERN, --overlap METRES, or --no-seats")
     targets = {"csv": csv, "way": way, "glb": glb}
     _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)

@@ -19,6 +19,7 @@ from feeler.haptics.record import MODES, Recorder
 from feeler.haptics.running import Runs
 from feeler.mockup import Tool
 from feeler.poses import PoseLike, plain
+from feeler.renamed import keywords
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -162,6 +163,7 @@ class Session(Runs):
         self._options, self._lying, self._recorder = options, dict(lying), None
         return self
 
+    @keywords({"pose": "world_from_tool"})
     def start(self, world_from_tool: PoseLike) -> Start:
         """Starts, or restarts, with the device at this pose `(4, 4)`.
 
