@@ -153,7 +153,7 @@ def test_bad_input(tmp_path: Path, file: Path) -> None:
     assert "threads is 0" in error_of("clash", file, "--threads", "0")
     (tmp_path / "rules.toml").write_text('[[rule]]\nname = "x"\na = "*blot*"\n')
     message = error_of("clash", file, "--rules", tmp_path / "rules.toml")
-    assert "rule 'x', a: no part is called" in message and "bolt" in message
+    assert "rule 'x', a: no part matches" in message and "bolt" in message
     write_glb(tmp_path / "ship.glb", mockup_of({"hull": box((0, 0, 0), (9, 1, 1)), "mast": box((2, 0, 0), (3, 1, 7))}))
     run("clash", file, "--save", tmp_path / "last.json")
     with pytest.MonkeyPatch.context() as patch:

@@ -232,6 +232,7 @@ def test_an_import_loads_only_what_is_asked_for() -> None:
         "poses",
         "progress",
         "renamed",
+        "words",
     }
     wanted = {"_core", "mockup", "scene", *values}
     assert modules_after(query) == {"feeler", "feeler.travel", *(f"feeler.{name}" for name in wanted)}

@@ -81,7 +81,7 @@ def test_a_hollow_polygon_of_collada(testdata):
     corners = mockup.vertices[mockup.faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.linalg.norm(cross, axis=1).sum() / 2 == pytest.approx(7)
-    assert "1 polygons with more than three corners were cut" in notes(mockup)
+    assert "1 polygon with more than three corners was cut" in notes(mockup)
 
 
 def test_a_library_node_is_placed_once(testdata):

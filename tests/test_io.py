@@ -159,8 +159,8 @@ def test_obj_objects_and_groups_are_parts(tmp_path, monkeypatch, chunk_bytes):
     expected = [*SOUP[:2], CORNERS[[1, 2, 3]], plate[[0, 1, 2]], plate[[0, 2, 3]]]
     assert np.array_equal(soup(mockup), np.array(expected))
     notes = " ".join(mockup.report.source.notes)
-    assert "1 polygons with more than three corners" in notes
-    assert "1 points were skipped" in notes and "1 lines were skipped" in notes
+    assert "1 polygon with more than three corners" in notes
+    assert "1 point was skipped" in notes and "1 line was skipped" in notes
 
 
 def test_obj_group_named_again_is_the_same_part(tmp_path):
@@ -232,7 +232,7 @@ def test_ply_with_polygons_of_several_sizes(tmp_path, encoding):
     assert mockup.triangle_count == 4
     assert mockup.report.defects["index_out_of_range"].first == (3,)
     notes = " ".join(mockup.report.source.notes)
-    assert "1 polygons with more than three corners" in notes and "1 faces with fewer than three" in notes
+    assert "1 polygon with more than three corners" in notes and "1 face with fewer than three" in notes
 
 
 def test_ply_triangle_strips(tmp_path):

@@ -333,7 +333,7 @@ def test_parts_of_bambu_studio_and_orca(tmp_path):
     assert [part.path for part in mockup.parts] == ["a/bracket/body", "a/bracket/drill"]
     named = load_sliced(tmp_path, root.replace('id="1"', 'id="1" name="own"'), config, "model_settings")
     assert [part.path for part in named.parts] == ["a/bracket/own", "a/bracket/drill"]
-    assert "1 parts are holes to the slicer" in notes(mockup) and "('drill')" in notes(mockup)
+    assert "1 part is holes to the slicer" in notes(mockup) and "('drill')" in notes(mockup)
     assert notes(mockup).count("to the slicer") == 1
 
 
@@ -357,7 +357,7 @@ def test_volumes_of_prusa_slicer(tmp_path, key, value, kind):
     )
     mockup = load_sliced(tmp_path, model(cube(1, "named"), item(1)), config, "Slic3r_PE_model")
     assert names(mockup) == ["named"] and mockup.triangle_count == 12
-    assert f"1 parts are {kind} to the slicer" in notes(mockup) and "('odd')" in notes(mockup)
+    assert f"1 part is {kind} to the slicer" in notes(mockup) and "('odd')" in notes(mockup)
     assert notes(mockup).count("to the slicer") == 1
 
 

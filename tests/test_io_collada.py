@@ -259,7 +259,7 @@ def test_hollow_polygons(tmp_path, tag):
     primitive = f"<{tag}>{INPUT.format('g')}{count}<p>0 1 2 3 4 5 6 7</p></{tag}>"
     mockup = load(tmp_path, dae(scene(node()), geometry(primitives=primitive, points=U_SHAPE)))
     assert mockup.triangle_count == 6 and area(mockup) == pytest.approx(7)
-    assert "1 polygons with more than three corners were cut into triangles ('g')" in notes(mockup)
+    assert "1 polygon with more than three corners was cut into triangles ('g')" in notes(mockup)
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1)])
@@ -275,7 +275,7 @@ def test_polygons_with_holes(tmp_path, holes, order):
     assert (turn >= 0).all() or (turn <= 0).all()
     middle = corners.mean(axis=1)[:, [order.index(0), order.index(1)]]
     assert not ((middle > 1) & (middle < 3)).all(axis=1).any()
-    assert "1 polygons with holes were cut along a line to each hole" in notes(mockup)
+    assert "1 polygon with holes was cut along a line to each hole" in notes(mockup)
 
 
 def test_a_ring_of_holes(tmp_path):
@@ -307,7 +307,7 @@ def test_lines_thin_polygons_and_spare_indices_are_counted(tmp_path):
     said = notes(load(tmp_path, dae(scene(node()), geometry(primitives=more))))
     assert "1 primitives of lines were left out: only triangles collide ('g')" in said
     assert "1 primitives of line strips were left out: only triangles collide ('g')" in said
-    assert "1 polygons with fewer than three corners have no triangle ('g')" in said
+    assert "1 polygon with fewer than three corners has no triangle ('g')" in said
     assert "1 indices at the end of primitives make no whole triangle ('g')" in said
 
 

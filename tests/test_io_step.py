@@ -122,7 +122,7 @@ def test_no_part_in_the_file_and_all_found(tmp_path):
     mockup = load_mockup(save(tmp_path, "main.step", without_housing(ASSEMBLY)))
     assert paths(mockup) == ["main/asm/bolt/screw"]
     assert np.allclose(mockup.bounds, moved(0.1, 0, 0), atol=1e-8)
-    assert "1 parts have no surface in the file ('housing')" in notes(mockup)
+    assert "1 part has no surface in the file ('housing')" in notes(mockup)
 
 
 @needs_step

@@ -152,7 +152,7 @@ def test_select_takes_parts_of_this_mesh_only(mockup: feeler.Mockup, tool: feele
 
 
 def test_the_error_names_what_is_spelt_alike(mockup: feeler.Mockup) -> None:
-    with pytest.raises(feeler.OptionError, match="'gaskets'; there is 'gasket'"):
+    with pytest.raises(feeler.OptionError, match="'gaskets'; do you mean 'gasket'"):
         mockup.parts.select("gaskets")
     with pytest.raises(feeler.OptionError, match=r"'\*zzz\*'$"):
         mockup.parts.select("*zzz*")
@@ -356,7 +356,7 @@ def test_wrong_parts_change_nothing(scene: feeler.Scene) -> None:
         for wrong in ("nothing", 8, None, [0, "nothing"], np.array([True])):
             with pytest.raises(feeler.OptionError):
                 select(wrong)  # type: ignore[arg-type]
-    with pytest.raises(feeler.OptionError, match="there is 'frame'"):
+    with pytest.raises(feeler.OptionError, match="do you mean 'frame'"):
         scene.without("frames")
 
 

@@ -19,6 +19,7 @@ from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
 from feeler.poses import placed
 from feeler.travel import reduced
+from feeler.words import plural
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
@@ -108,7 +109,7 @@ class LoadReport:
     def __str__(self) -> str:
         x, y, z = self.extent
         lines = [
-            f"{self.triangles:,} triangles in {self.parts:,} parts, {x:.4g} x {y:.4g} x {z:.4g} m",
+            f"{plural(self.triangles, 'triangle')} in {plural(self.parts, 'part')}, {x:.4g} x {y:.4g} x {z:.4g} m",
             f"unit {self.source.unit} ({self.source.unit_source})",
         ]
         if self.source.files:
@@ -117,7 +118,7 @@ class LoadReport:
             if defect.count:
                 ids = ", ".join(str(i) for i in defect.first[:5]) + (", ..." if defect.count > 5 else "")
                 fate = "queried" if kind == "duplicate" else "not queried"
-                lines.append(f"{defect.count:,} {kind.replace('_', ' ')} triangles, {fate}: {ids}")
+                lines.append(f"{plural(defect.count, kind.replace('_', ' ') + ' triangle')}, {fate}: {ids}")
         if not any(defect.count for defect in self.defects.values()):
             lines.append("no defects")
         if self.source.up:
@@ -245,7 +246,7 @@ class Mockup(_core.Mockup):
         return super().__new__(cls, *state)
 
     def __repr__(self) -> str:
-        return f"Mockup({self.triangle_count:,} triangles, {self.part_count:,} parts)"
+        return f"Mockup({plural(self.triangle_count, 'triangle')}, {plural(self.part_count, 'part')})"
 
 
 class Tool(_core.Tool):
@@ -398,7 +399,7 @@ class Tool(_core.Tool):
         return super().__new__(cls, *state)
 
     def __repr__(self) -> str:
-        return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"
+        return f"Tool({self.name!r}, {plural(self.triangle_count, 'triangle')})"
 
 
 def _vertex_limit(limit: object) -> int:

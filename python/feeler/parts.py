@@ -103,14 +103,15 @@ class Parts(Sequence[Part]):
         if not isinstance(part, str):
             raise OptionError(f"{part!r} names no part: give an index, a path or a pattern")
         called = self._called(part)
-        if not called and any(sign in part for sign in "*?["):
+        is_pattern = any(sign in part for sign in "*?[")
+        if not called and is_pattern:
             matches = re.compile(fnmatch.translate(part)).match
             named = enumerate(zip(self._names, self._paths, strict=True))
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
         if not called:
             alike = self._alike(part)
-            hint = f": do you mean {' or '.join(map(repr, alike))}?" if alike else ""
-            raise OptionError(f"no part has the path or name {part!r}, or matches it{hint}")
+            hint = f"; do you mean {' or '.join(map(repr, alike))}?" if alike else ""
+            raise OptionError(f"no part {'matches' if is_pattern else 'has the path or name'} {part!r}{hint}")
         return called
 
     def _alike(self, part: str) -> list[str]:

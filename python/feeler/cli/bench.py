@@ -16,6 +16,7 @@ from feeler.cli.findings import mesh_facts, scene_facts
 from feeler.cli.inputs import AsJson, BuildThreads, Hashing, MockupUnit, Storage, ToolUnit, Up, read_both
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 
 @command(
@@ -109,8 +110,11 @@ def _print(scene: feeler.Scene, tool: feeler.Tool, rows: list[dict[str, Any]]) -
     outputs.print_facts(
         out,
         [
-            ("mock-up", f"{scene.mockup.triangle_count:,} triangles, {scene.mockup.part_count:,} parts"),
-            ("tool", f"{tool.name}, {tool.triangle_count:,} triangles"),
+            (
+                "mock-up",
+                f"{plural(scene.mockup.triangle_count, 'triangle')}, {plural(scene.mockup.part_count, 'part')}",
+            ),
+            ("tool", f"{tool.name}, {plural(tool.triangle_count, 'triangle')}"),
             ("storage", f"{scene.storage}, {cell} {outputs.length(scene.voxel_size)}"),
             ("build", outputs.duration(scene.build_seconds)),
             ("memory", f"{outputs.size(memory)}, {facts['bytes_per_triangle']:.0f} bytes a triangle"),

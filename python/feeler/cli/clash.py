@@ -13,7 +13,7 @@ import feeler
 from feeler.arguments import check_word
 from feeler.choices import GROUPS_BY, Chord, GroupBy
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
-from feeler.cli.findings import count, mesh_facts
+from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
@@ -28,6 +28,7 @@ from feeler.cli.inputs import (
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 if TYPE_CHECKING:
     from feeler.clashes.matching import PartMatch
@@ -321,7 +322,7 @@ def _print(found: feeler.Clashes, by: GroupBy, match: PartMatch | None, written:
     said = ", ".join(f"{number:,} {name}" for number, name in counts if number)
     seconds = sum(value for _, value in found.facts.seconds)
     took = f" ({outputs.duration(seconds)})" if seconds else ""  # saved findings took none
-    outputs.say(out, f"{count(len(found), 'finding')} among {count(found.facts.parts, 'part')}{took}")
+    outputs.say(out, f"{plural(len(found), 'finding')} among {plural(found.facts.parts, 'part')}{took}")
     if said:
         outputs.say(out, f"  {said}")
     if found.hidden:

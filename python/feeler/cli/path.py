@@ -15,7 +15,7 @@ import feeler
 from feeler.arguments import check_word
 from feeler.choices import STORAGES
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import containment_facts, containment_lines, count, mesh_facts, scene_facts, unknown_lines
+from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts, unknown_lines
 from feeler.cli.inputs import (
     AsJson,
     Choice,
@@ -39,6 +39,7 @@ from feeler.cli.inputs import (
 )
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
+from feeler.words import plural
 
 _SHOWN = 20
 
@@ -241,7 +242,7 @@ def _print(
 
     out = outputs.console()
     took = f" ({outputs.duration(seconds)})"
-    what = count(segments, "segment")
+    what = plural(segments, "segment")
     lines = containment_lines(inside)
     for line in lines:
         outputs.print_finding(out, f"the path is not free: at the first pose {line}")

@@ -23,6 +23,7 @@ from feeler.interchange.urdf_file import Floats, Geometry, read_urdf
 from feeler.io import DEFAULT_CHORD_TOLERANCE, load_mockup
 from feeler.io.sniff import identify
 from feeler.mockup import Mockup
+from feeler.words import counted
 
 PathLike = str | os.PathLike[str]
 
@@ -74,7 +75,7 @@ def from_urdf(
             placed = poses[link.name] @ each.link_from_geometry
             _add(assembly, link.name, each, placed, finder, chord_tolerance, f"{file}: link {link.name!r}")
     if bare:
-        assembly.notes.append(f"{bare:,} links without {geometry} geometry add nothing")
+        assembly.notes.append(counted(bare, f"links without {geometry} geometry add nothing"))
     if assembly.is_empty:
         other = "visual" if geometry == "collision" else "collision"
         raise LoadError(f"{file}: no link has {geometry} geometry; try geometry={other!r}")

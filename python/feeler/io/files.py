@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeAlias
 from feeler.arguments import check_path
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS, known_formats
+from feeler.words import counted
 
 PathLike: TypeAlias = str | os.PathLike[str]
 
@@ -83,7 +84,7 @@ def _add_folder(folder: Path, found: FileList) -> None:
                 others[path.relative_to(folder).as_posix()] += 1
     if others:
         shown = ", ".join(sorted(others)[:_NAMES_SHOWN]) + (", ..." if len(others) > _NAMES_SHOWN else "")
-        found.notes.append(f"{len(others):,} files of other kinds in {folder} were skipped: {shown}")
+        found.notes.append(counted(len(others), f"files of other kinds in {folder} were skipped: {shown}"))
     if not meshes:
         raise MissingFileError(f"{folder}: the folder holds no mesh file ({known_formats()})")
     for path in sorted(meshes):

@@ -25,6 +25,7 @@ from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Mockup, Source, Tool
 from feeler.progress import Progress
+from feeler.words import counted
 
 DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
@@ -141,8 +142,10 @@ class _Loaded:
             doubts.append(note + self._culprits(mesh, float(np.max(upper - lower))))
         if lost := sum(mesh.report.defects[kind].count for kind in _LOST):
             doubts.append(
-                f"{lost:,} triangles have a vertex that does not exist or is no finite number, and take part in no "
-                "query: export the file again"
+                counted(
+                    lost, "triangles have a vertex that does not exist or is no finite number, and take part in no "
+                )
+                + "query: export the file again"
             )
         return Source(
             tuple(str(piece.file.path) for piece in self.pieces),
@@ -195,7 +198,7 @@ class _Notes:
         """Return the files that could not be read, with reasons."""
         lines = [f"left out, as it cannot be read: {error}" for _, error in self.failures[:_FAILURES_SHOWN]]
         if len(self.failures) > _FAILURES_SHOWN:
-            lines.append(f"{len(self.failures) - _FAILURES_SHOWN:,} more files cannot be read and were left out")
+            lines.append(counted(len(self.failures) - _FAILURES_SHOWN, "more files cannot be read and were left out"))
         return lines
 
     def said(self) -> list[str]:

@@ -24,6 +24,7 @@ from feeler.poses import PoseLike, nearest_rigid, plain
 from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
+from feeler.words import plural
 
 DIRECT = "direct"
 """The method of a path straight from its start to its goal."""
@@ -301,9 +302,7 @@ def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Sc
     if len(away):
         raise OptionError(f"part {scene.mockup.part_paths[away[0]]!r} is not in the scene: it is out already")
     if there.sum() == len(chosen):
-        raise OptionError(
-            f"parts are all {len(chosen)} that the scene has: nothing is left that they could be taken out of"
-        )
+        raise OptionError(f"parts names all {plural(len(chosen), 'part')} of the scene: leave at least one out of it")
     return chosen, scene.without(chosen)
 
 
