@@ -271,7 +271,7 @@ def test_ply_rows_of_other_elements_are_counted_by_name(tmp_path, encoding):
     mockup = load_mockup(save(tmp_path, "a.ply", content), unit="m")
     assert np.array_equal(soup(mockup), SOUP)
     said = notes(mockup)
-    assert "2 rows of 'edge' were skipped" in said and "1 rows of 'material' were skipped" in said
+    assert "2 rows of 'edge' were skipped" in said and "1 row of 'material' was skipped" in said
     assert ("1 line after the last row" if encoding == "ascii" else "3 bytes after the last row") in said
 
 

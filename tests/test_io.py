@@ -108,7 +108,7 @@ PENTAGON = [(np.cos(0.4 * np.pi * i), np.sin(0.4 * np.pi * i)) for i in range(5)
 def test_polygons_that_cross_themselves_are_counted(tmp_path, points, crosses):
     source = load_mockup(save(tmp_path, "a.obj", polygon_obj(points))).report.source
     said = [*source.notes, *source.doubts]
-    assert any("cross themselves" in line for line in said) == crosses, said
+    assert any("crosses itself" in line for line in said) == crosses, said
 
 
 def test_text_stl_has_a_part_for_every_solid(tmp_path):
@@ -293,7 +293,7 @@ def test_gltf_strips_fans_points_and_lines(tmp_path):
     expected = CORNERS[[[0, 1, 2], [1, 3, 2], [1, 2, 0], [2, 3, 0]]]
     assert np.array_equal(soup(mockup), expected)
     notes = " ".join(mockup.report.source.notes)
-    assert "1 primitives of points" in notes and "1 primitives of lines" in notes
+    assert "1 primitive of points" in notes and "1 primitive of lines" in notes
 
 
 def test_gltf_without_indices_and_with_small_ones(tmp_path):
@@ -378,7 +378,7 @@ def test_gltf_notes_what_is_not_in_the_scene(tmp_path):
     g.node(is_root=False, mesh=0, name="out")
     mockup = load_mockup(save(tmp_path, "m.glb", g.glb()))
     assert names(mockup) == ["in"]
-    assert any("1 nodes with a mesh are not in the scene" in note for note in mockup.report.source.notes)
+    assert any("1 node with a mesh is not in the scene" in note for note in mockup.report.source.notes)
 
 
 # --- 3MF ---------------------------------------------------------------------------------------------------------

@@ -43,6 +43,14 @@ _PLURALS = {"vertex": "vertices", "mesh": "meshes", "geometry": "geometries", "i
 _SINGULARS = {many: one for one, many in _PLURALS.items()}
 _PLURAL = re.compile(r"[a-z]+[a-rt-z]s")
 _VERBS = {
-    **{"were": "was", "are": "is", "have": "has", "themselves": "itself", "cross": "crosses", "touch": "touches"},
+    **{
+        "were": "was",
+        "are": "is",
+        "have": "has",
+        "their": "its",
+        "themselves": "itself",
+        "cross": "crosses",
+        "touch": "touches",
+    },
     **{verb: verb + "s" for verb in ("add", "hold", "make", "mirror", "name", "need", "scale", "state", "take")},
 }

@@ -24,9 +24,9 @@ class Clashes(Table):
     """The result of `feeler.clash`: a row for each pair of parts, the worst first.
 
     `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
-    Columns are read-only arrays with an entry for each row: `.parts_a .parts_b .verdicts .depths .depth_errors
-    .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles .boxes .rules .severities .ids .statuses`,
-    as in `Clash`. Sorted by severity; then duplicates; then clashes and contained parts, the deepest first; then
+    Columns have an entry for each row and are read-only, one for each field of `Clash`: `.parts_a .parts_b .paths_a
+    .paths_b .verdicts .depths .depth_errors .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles
+    .boxes .is_open_a .is_open_b .rules .severities .ids .statuses .by .notes .changed`. Sorted by severity; then duplicates; then clashes and contained parts, the deepest first; then
     contacts; then clearances, the nearest first; then by parts.
     """
 

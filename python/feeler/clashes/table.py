@@ -228,6 +228,45 @@ class Table(OldAttributes, Sequence[Clash]):
         return self.columns.b
 
     @property
+    def paths_a(self) -> npt.NDArray[np.object_]:
+        """`(n,)`: the path of the first part, text."""
+        return self._paths[self.columns.a]
+
+    @property
+    def paths_b(self) -> npt.NDArray[np.object_]:
+        """`(n,)`: the path of the second part."""
+        return self._paths[self.columns.b]
+
+    @cached_property
+    def _paths(self) -> npt.NDArray[np.object_]:
+        return np.array([*self.part_paths, None], dtype=object)[:-1]  # never read as an array of arrays
+
+    @property
+    def is_open_a(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether the surface of `a` is not closed."""
+        return self.columns.is_open[:, 0]
+
+    @property
+    def is_open_b(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether the surface of `b` is not closed."""
+        return self.columns.is_open[:, 1]
+
+    @property
+    def by(self) -> list[str]:
+        """The person who set each status; else empty."""
+        return [self.marks.of(each).by for each in self.ids]
+
+    @property
+    def notes(self) -> list[str]:
+        """Each finding's note."""
+        return [self.marks.of(each).note for each in self.ids]
+
+    @property
+    def changed(self) -> list[str]:
+        """`"renamed"` or `"renumbered"` for findings that `diff` found under another key, else empty."""
+        return [self.marks.of(each).changed for each in self.ids]
+
+    @property
     def verdicts(self) -> npt.NDArray[np.str_]:
         """`(n,)`: a `feeler.Verdict` each, as words."""
         return Verdict.words(self.columns.verdict)

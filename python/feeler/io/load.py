@@ -25,7 +25,7 @@ from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Mockup, Source, Tool
 from feeler.progress import Progress
-from feeler.words import counted
+from feeler.words import counted, plural
 
 DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
@@ -234,7 +234,7 @@ def _load(
         with _left_out_if_it_fails(file, said, watched):
             raw = read(file.path, format_name, chord_tolerance, given, watched)
             if not len(raw.faces):
-                points = f" (but {len(raw.vertices):,} points)" if len(raw.vertices) else ""
+                points = f" (but {plural(len(raw.vertices), 'point')})" if len(raw.vertices) else ""
                 said.add(file, [f"the {format_name} file holds no triangle{points}"])
             said.add(file, raw.notes)
             doubted.add(file, raw.doubts)

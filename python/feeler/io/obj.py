@@ -141,7 +141,7 @@ class _Reader:
     def notes(self) -> list[str]:
         """Return notes on all elements without triangles."""
         notes = [
-            f"{self.skipped[word]:,} {what} were skipped: only triangles collide"
+            counted(self.skipped[word], f"{what} were skipped: only triangles collide")
             for word, what in _SHAPES.items()
             if word in self.skipped
         ]

@@ -58,7 +58,7 @@ def read_off(path: Path, progress: Progress | None = None) -> RawMesh:
     notes = polygons.describe(result)
     for size, what in ((0, "polygons without a corner"), (1, "points"), (2, "lines")):
         if count := int((faces.sizes == size).sum()):
-            notes.append(f"{count:,} {what} were skipped: only triangles collide")
+            notes.append(counted(count, f"{what} were skipped: only triangles collide"))
     if extra:
         notes.append(counted(extra, "lines after the last polygon were ignored"))
     sealed = seal_indices(result.faces, header.vertices)
