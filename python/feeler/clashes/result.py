@@ -26,8 +26,9 @@ class Clashes(Table):
     `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
     Columns have an entry for each row and are read-only, one for each field of `Clash`: `.parts_a .parts_b .paths_a
     .paths_b .verdicts .depths .depth_errors .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles
-    .boxes .is_open_a .is_open_b .rules .severities .ids .statuses .by .notes .changed`. Sorted by severity; then duplicates; then clashes and contained parts, the deepest first; then
-    contacts; then clearances, the nearest first; then by parts.
+    .boxes .is_open_a .is_open_b .rules .severities .ids .statuses .by .notes .changed`. Sorted by severity; then
+    duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the nearest first;
+    then by parts.
     """
 
     def groups(self, by: GroupBy = "part", *, reach: float | None = None) -> list[Group]:
