@@ -19,6 +19,8 @@ from fastener_truth import sample_and_truth, scores, without_names
 from host import machine
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_TOOL_NAMES
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "access.md"
@@ -77,7 +79,7 @@ def times_table(triangles: int, rounds: int) -> str:
     targets = bolts[:: max(1, len(bolts) // TARGETS)][:TARGETS]
     lines = ["| tool | with a free seat | reachable | s |", "|---|---:|---:|---:|"]
     for what, name, grip, lift in ASKED:
-        tool = feeler.sample_tool(name)
+        tool = feeler.sample_tool(check_word("name", name, SAMPLE_TOOL_NAMES))
         seconds = []
         for _ in range(rounds):
             start = time.perf_counter()

@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_NAMES
 from feeler.samples import hardware
 from feeler.samples.mesh import MeshParts, at
 from feeler.samples.plan import Plan
@@ -42,7 +44,7 @@ def sample_and_truth(name: str, triangles: int, seed: int = 0) -> tuple[feeler.M
         return build(self, *args)
 
     with mock.patch.object(Plan, "build", kept):
-        mockup = feeler.sample(name, triangles, seed)
+        mockup = feeler.sample(check_word("name", name, SAMPLE_NAMES), triangles, seed)
     (plan,) = plans
     made: dict[int, Any] = {id(shape): key for key, shape in plan._shapes.items()}
     truth = {}

@@ -19,6 +19,7 @@ import numpy as np
 from engines import Engine, Floats, Pairs
 
 import feeler
+from feeler.choices import PoseKind
 from feeler.progress import bar
 from feeler.samples.poses import sample_poses
 
@@ -67,7 +68,7 @@ def spread(per_pose: Floats) -> dict[str, float]:
     }
 
 
-def find_poses(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, seed: int = 0) -> Floats:
+def find_poses(scene: feeler.Scene, tool: feeler.Tool, kind: PoseKind, count: int, seed: int = 0) -> Floats:
     """Poses of a kind; where they are rare, fewer than requested. Raises `OptionError` when not even one is found."""
     with bar(f"finding {kind} poses") as progress:
         while True:

@@ -32,11 +32,12 @@ import real_files
 import real_table
 
 import feeler
+from feeler.choices import PoseKind
 from feeler.io import load_mockup, load_tool
 from feeler.progress import bar
 
 TOOLS = "screwdriver.ply,adjustable_wrench.ply,hand_closed.obj,vise_grip.ply"
-KINDS = ("nominal", "near")
+KINDS: tuple[PoseKind, ...] = ("nominal", "near")
 LEAST_TRIANGLES = 10_000
 PEER_LIMIT = 3_000_000  # triangles; above, a peer's index takes minutes and gigabytes
 
@@ -196,7 +197,7 @@ class Run:
         cell: dict[str, Any],
         scene: feeler.Scene,
         tool: feeler.Tool,
-        kind: str,
+        kind: PoseKind,
         in_play: list[engines.Engine],
     ) -> None:
         try:

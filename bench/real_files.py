@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import feeler
+from feeler.choices import UnitName
 
 MESHES = {".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp", ".dae"}
 TOOL_FOLDERS = ("tools*", "hand*")  # files in these are tools; the rest are mock-ups
@@ -32,7 +33,7 @@ class Model:
     path: Path
     megabytes: float
     is_tool: bool
-    unit: str | None = None
+    unit: UnitName | None = None
     scale: float = 1.0
     # (pattern of a part's path, metres along z) of files that are stages of one machine, each at its own origin
     offsets: list[tuple[str, float]] = field(default_factory=list)
@@ -46,7 +47,7 @@ class Model:
 class Known:
     """Facts from a SOURCE.txt that the file itself lacks."""
 
-    unit: str | None = None
+    unit: UnitName | None = None
     scale: float = 1.0
 
 

@@ -37,6 +37,7 @@ from record import Origin, elsewhere, keep
 from rows import rows
 
 import feeler
+from feeler.choices import PoseKind
 from feeler.progress import bar
 from feeler.samples.mockups import sample
 
@@ -137,7 +138,9 @@ class Bench:
         if size == self._one_size:
             self._alone(about, scene, nominal.keys())
 
-    def _cells(self, about: dict[str, Any], scene: feeler.Scene, tool: feeler.Tool, kind: str) -> engines.Floats | None:
+    def _cells(
+        self, about: dict[str, Any], scene: feeler.Scene, tool: feeler.Tool, kind: PoseKind
+    ) -> engines.Floats | None:
         """The cells of one kind of poses: one for each query."""
         head = f"{about['triangles']:,} triangles, {about['tool']}, {kind}"
         queries = [query for query in self.options.queries if kind in engines.KINDS_OF[query]]

@@ -270,8 +270,8 @@ NOT_A_POSE: list[tuple[str, Any, str]] = [
     ("none", None, "dtype object"),
     ("a string", "x", "dtype <U1"),
     ("empty", [], "shape (0,)"),
-    ("3 x 3", np.eye(3), "(4, 4) is needed"),
-    ("3 x 4", np.eye(4)[:3], "(4, 4) is needed"),
+    ("3 x 3", np.eye(3), "a pose has shape (3, 3): (4, 4) is needed"),
+    ("3 x 4", np.eye(4)[:3], "a pose has shape (3, 4): (4, 4) is needed"),
     ("a batch of one", np.eye(4)[None], "shape (1, 4, 4)"),
     ("sixteen numbers", np.eye(4).ravel(), "shape (16,)"),
     ("ragged", [[1.0], [1.0, 2.0]], "cannot be read"),
@@ -284,15 +284,15 @@ NOT_A_POSE: list[tuple[str, Any, str]] = [
     ("too far", changed(_23=1e101), "at most 1e100"),
     ("mirror", np.diag([-1.0, 1, 1, 1]), "it mirrors"),
     ("point mirror", np.diag([-1.0, -1, -1, 1]), "it mirrors"),
-    ("scale", np.diag([2.0, 2, 2, 1]), "length 1"),
-    ("millimetres to metres", np.diag([1e-3, 1e-3, 1e-3, 1]), "length 1"),
-    ("stretch", np.diag([1.0, 1.0, 1.00001, 1]), "length 1"),
-    ("shear", changed(_01=1e-3), "right angles"),
-    ("flat", np.diag([1.0, 1, 0, 1]), "length 1"),
+    ("scale", np.diag([2.0, 2, 2, 1]), "have length 2, not 1: the pose scales"),
+    ("millimetres to metres", np.diag([1e-3, 1e-3, 1e-3, 1]), "have length 0.001, not 1: the pose scales"),
+    ("stretch", np.diag([1.0, 1.0, 1.00001, 1]), "row 2 of the rotation has length 1.00001, not 1 "),
+    ("shear", changed(_01=1e-3), "rows 0 and 1 of the rotation are 89.942704 degrees apart, not 90"),
+    ("flat", np.diag([1.0, 1, 0, 1]), "row 2 of the rotation has length 0, not 1 "),
     ("all zero", np.zeros((4, 4)), "not rigid"),
     ("projective", changed(_30=0.1), "the last row"),
     ("homogeneous scale", np.diag([1.0, 1, 1, 2]), "the last row"),
-    ("transposed", changed(_30=1.0, _31=2.0, _32=3.0), "the last row"),
+    ("transposed", changed(_30=1.0, _31=2.0, _32=3.0), "it looks transposed"),
 ]
 
 
@@ -446,7 +446,7 @@ def test_hashing_without_a_hashed_store(mockup: feeler.Mockup, storage: str, lev
 
 @pytest.mark.parametrize("bad", ["", "octree", "BLOCKS", None, 5, ["blocks"]])
 def test_unknown_storage(mockup: feeler.Mockup, bad: Any) -> None:
-    with pytest.raises(feeler.OptionError, match="choose 'blocks', 'dense' or 'hashed'"):
+    with pytest.raises(feeler.OptionError, match="choose blocks, dense, hashed"):
         feeler.Scene(mockup, storage=bad)
 
 
@@ -568,12 +568,12 @@ AWKWARD: dict[str, Callable[[feeler.Scene, feeler.Tool], object]] = {
     "n is": lambda scene, tool: feeler.sample_path(scene, tool, 2**63),
     "start": lambda scene, tool: feeler.insertion(scene, 0, start=[10**400] * 16),
     "max_deviation": lambda scene, tool: feeler.nearest_rigid(np.eye(4), None),  # type: ignore[arg-type]
-    "sample tool": lambda scene, tool: feeler.sample_tool([]),  # type: ignore[arg-type]
+    "name is": lambda scene, tool: feeler.sample_tool([]),  # type: ignore[arg-type]
     "storage": lambda scene, tool: feeler.optimal_voxel_size(scene.mockup, tool, "area", storage="abc"),
     "stiffness": lambda scene, tool: feeler.haptics.Coupling(stiffness_n_per_m="abc"),  # type: ignore[arg-type]
     "shading": lambda scene, tool: feeler.haptics.Session(scene, tool, shading="off"),  # type: ignore[arg-type]
-    "cannot write": lambda scene, tool: feeler.clash(scene.mockup).save(None),  # type: ignore[arg-type]
-    "Clashes.save": lambda scene, tool: feeler.load_clashes(None),  # type: ignore[arg-type]
+    "path is None": lambda scene, tool: feeler.clash(scene.mockup).save(None),  # type: ignore[arg-type]
+    "path is 5": lambda scene, tool: feeler.load_clashes(5),  # type: ignore[arg-type]
     "seed": lambda scene, tool: feeler.removal_order(scene, 0, seed="abc"),  # type: ignore[arg-type]
     "not rigid": lambda scene, tool: body_of(tool, pose=2 * np.eye(4)),
 }

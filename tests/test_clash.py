@@ -8,6 +8,7 @@ import math
 import pickle
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -316,7 +317,7 @@ def test_wrong_choices_of_rows(mockup: feeler.Mockup) -> None:
         found.where(severity="bad")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="depth"):
         found.where(depth="0")  # type: ignore[call-arg]
-    with pytest.raises(OptionError, match="groups are not made by 'colour': choose part, rule, cluster"):
+    with pytest.raises(OptionError, match="by is 'colour': do you mean cluster\\? choose part, rule, cluster"):
         found.groups("colour")
     with pytest.raises(OptionError, match="reach is for groups by"):
         found.groups("part", reach=1.0)
@@ -483,7 +484,7 @@ def test_wrong_arguments(mockup: feeler.Mockup) -> None:
             asked(mockup, contact=value)
     with pytest.raises(OptionError, match="scene is of another mock-up"):
         asked(mockup, scene=feeler.Scene(house()))
-    with pytest.raises(OptionError, match=r"ignore, of the mock-up: no part is called, or matches, '\*blot\*'.*bolt"):
+    with pytest.raises(OptionError, match=r"ignore, of the mock-up: no part matches '\*blot\*'; do you mean 'bolt"):
         asked(mockup, ignore=[("*blot*", "*")])
     with pytest.raises(OptionError, match="the mock-up has no part 99"):
         asked(mockup, ignore=np.array([[0, 99]]))
@@ -564,6 +565,26 @@ def test_verdicts_have_numbers_and_words() -> None:
     for wrong in (5, -1, True, "crash"):
         with pytest.raises(ValueError, match="is not a valid Verdict"):
             Verdict(wrong)
+
+
+COLUMN_OF = {
+    **{field.name: f"{field.name}s" for field in fields(feeler.Clash)},
+    **{"a": "parts_a", "b": "parts_b", "path_a": "paths_a", "path_b": "paths_b", "severity": "severities"},
+    **{"point_a": "points_a", "point_b": "points_b", "box": "boxes", "status": "statuses"},
+    **{name: name for name in ("triangles", "is_open_a", "is_open_b", "by", "changed")},
+}
+"""The column of each field of a row."""
+
+
+@pytest.mark.parametrize("field", list(COLUMN_OF))
+def test_every_field_of_a_row_has_a_column(field: str, mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup, clearance=1.0)
+    found.set_status(found.ids[0], "approved", by="me", note="fits")
+    column = getattr(found, COLUMN_OF[field])
+    assert len(found) > 3 and len(column) == len(found)
+    for value, row in zip(column, found, strict=True):
+        expected = getattr(row, field)
+        assert repr(np.asarray(value).tolist()) == repr(np.asarray(expected).tolist())
 
 
 def test_columns_go_by_their_old_names_too(mockup: feeler.Mockup) -> None:

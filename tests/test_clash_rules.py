@@ -180,7 +180,8 @@ def test_hidden_findings_are_counted_in_the_file_and_the_report(tmp_path: Path, 
 
 def test_names_that_are_not_there_are_told_with_near_ones(mockup: feeler.Mockup) -> None:
     with pytest.raises(
-        OptionError, match=r"rules, rule 'x', b: no part is called.*'\*blot\*'; there is 'bolt M8x30' \(optional = true"
+        OptionError,
+        match=r"rules, rule 'x', b: no part matches '\*blot\*'; do you mean 'bolt M8x30'\? \(optional = true",
     ):
         ruled(mockup, Rule("x", "*", "*blot*"))
     with pytest.raises(OptionError, match=r"exclusion 'y', a: no path matches 're:walls/\.\*' as a whole"):

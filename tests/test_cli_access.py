@@ -121,7 +121,7 @@ def test_everything_is_written(stand: Path, bar: Path, tmp_path: Path) -> None:
 
 def test_bad_input(stand: Path, bar: Path, tmp_path: Path) -> None:
     words = ["access", stand, "--tool", bar]
-    assert "--targets: no part is called, or matches, '*blot*'" in error_of(*words, "--targets", "*blot*")
+    assert "--targets: no part matches '*blot*'" in error_of(*words, "--targets", "*blot*")
     assert "of the 1 that --targets names looks like a fastener" in error_of(*words, "--targets", "*plate")
     assert "looks like a nut: feeler found Fasteners(3 bolts)" in error_of(*words, "--kind", "nut")
     assert "kind is 'rivet'" in error_of(*words, "--kind", "rivet")

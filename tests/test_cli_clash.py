@@ -153,7 +153,7 @@ def test_bad_input(tmp_path: Path, file: Path) -> None:
     assert "threads is 0" in error_of("clash", file, "--threads", "0")
     (tmp_path / "rules.toml").write_text('[[rule]]\nname = "x"\na = "*blot*"\n')
     message = error_of("clash", file, "--rules", tmp_path / "rules.toml")
-    assert "rule 'x', a: no part is called" in message and "bolt" in message
+    assert "rule 'x', a: no part matches" in message and "bolt" in message
     write_glb(tmp_path / "ship.glb", mockup_of({"hull": box((0, 0, 0), (9, 1, 1)), "mast": box((2, 0, 0), (3, 1, 7))}))
     run("clash", file, "--save", tmp_path / "last.json")
     with pytest.MonkeyPatch.context() as patch:
@@ -255,7 +255,7 @@ def test_the_chord_tolerance_of_step_can_be_given(testdata: Path) -> None:
     assembly = testdata / "meshes" / "assembly.step"
     coarse, fine = (run_json("clash", assembly, *given) for given in ((), ("--chord-tolerance", "1e-6")))
     assert fine["mockup"]["triangles"] > 2 * coarse["mockup"]["triangles"]
-    assert "chord_tolerance=-1.0 should be" in error_of("clash", assembly, "--chord-tolerance", "-1")
+    assert "chord_tolerance is -1.0: give metres" in error_of("clash", assembly, "--chord-tolerance", "-1")
 
 
 @pytest.mark.parametrize(("chord", "few"), [(None, None), (1e-5, None), (1e-4, "1 clash is")])

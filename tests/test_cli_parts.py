@@ -272,11 +272,11 @@ def test_what_cannot_be_told_is_said(tmp_path: Path) -> None:
     [
         (
             ["--part", "*pumb*"],
-            "--part: no part is called, or matches, '*pumb*'; there is 'fuel pump' (feeler info --parts",
+            "--part: no part matches '*pumb*'; do you mean 'fuel pump'? (feeler info --parts",
         ),
-        (["--part", "FUEL PUMP"], "there is 'fuel pump'"),
-        ([*PUMP, "--without", "gaskets"], "--without: no part is called, or matches, 'gaskets'; there is 'gasket'"),
-        ([*PUMP, "--only", "*zzzz*"], "--only: no part is called, or matches, '*zzzz*'"),
+        (["--part", "FUEL PUMP"], "do you mean 'fuel pump'"),
+        ([*PUMP, "--without", "gaskets"], "--without: no part has the path or name 'gaskets'; do you mean 'gasket'?"),
+        ([*PUMP, "--only", "*zzzz*"], "--only: no part matches '*zzzz*'"),
         ([*PUMP, "--only", "*pump*"], "no part of the mock-up is left"),
         (["--part", "*"], "no part of the mock-up is left"),
         ([*PUMP, "--without", "*"], "no part of the mock-up is left"),

@@ -10,13 +10,17 @@ import pkgutil
 import re
 import subprocess
 import sys
+import typing
+from collections.abc import Iterator
+from dataclasses import is_dataclass
 from enum import Enum
 from pathlib import Path
 
 import pytest
 
 import feeler
-from feeler import _core
+from feeler import _core, choices
+from feeler import figures as figures_module
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
@@ -146,6 +150,7 @@ def test_docstrings_of_the_core_are_those_of_its_stubs() -> None:
 UNTYPED = {
     "feeler.View.findings_open.findings": "JSON",
     "feeler.clashes.report.return": "JSON",
+    "feeler.LoadReport.to_dict.return": "JSON",
     "feeler.Clashes.to_dicts.return": "JSON",
     "feeler.Clashes.to_pandas.return": "pandas need not be installed",
 }
@@ -163,6 +168,48 @@ def test_public_signatures_have_types() -> None:
     assert {name.replace("feeler.clashes.Clashes", "feeler.Clashes") for name in found} == set(UNTYPED)
 
 
+def named_classes(kind: object) -> Iterator[type]:
+    """The classes in an annotation."""
+    if inspect.isclass(kind):
+        yield kind
+    for inside in typing.get_args(kind):
+        yield from named_classes(inside)
+
+
+def test_classes_of_public_signatures_can_be_imported() -> None:
+    """A user annotates with what functions take and return, and with the fields of results."""
+    rooms = [feeler, feeler.haptics, feeler.types, *map(importlib.import_module, (*SPACES, "feeler.haptics.devices"))]
+    public = {id(value) for room in rooms for name, value in vars(room).items() if not name.startswith("_")}
+    public |= {id(getattr(room, name)) for room in rooms for name in getattr(room, "__all__", ())}
+    # Queries take the core's tool, from which the public one derives.
+    public |= {id(_core.Tool), id(_core.Mockup)}
+    members = public_members()
+    asked = {name: getattr(member, "fget", None) or getattr(member, "func", member) for name, member in members.items()}
+    missing = {
+        f"{kind.__module__}.{kind.__qualname__} of {name}"
+        for name, member in asked.items()
+        if inspect.isfunction(member) or inspect.ismethod(member) or is_dataclass(member)
+        for hint in typing.get_type_hints(member).values()
+        for kind in named_classes(hint)
+        if kind.__module__.startswith("feeler.") and id(kind) not in public
+    }
+    assert missing == set()
+
+
+def test_types_and_words_are_all_exported() -> None:
+    """`feeler.types` has every word type, and the figures of results."""
+    words = {name for name, value in vars(choices).items() if typing.get_origin(value) is typing.Literal}
+    figures = {name for name, value in vars(figures_module).items() if is_dataclass(value)}
+    assert words | figures <= set(feeler.types.__all__) and len(words) > 20 and len(figures) == 3
+    assert feeler.samples.FAULTS.keys() == set(choices.FAULT_NAMES)
+    assert feeler.samples.sample_names() == choices.SAMPLE_NAMES
+    assert feeler.samples.sample_tool_names() == choices.SAMPLE_TOOL_NAMES
+    assert typing.get_args(choices.UnitName) == feeler.io.KNOWN_UNITS
+    assert [each.value for each in feeler.Verdict] == list(typing.get_args(choices.VerdictName))
+    corner = feeler.Mockup([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    assert tuple(corner.defects) == choices.DEFECT_KINDS
+
+
 def modules_after(code: str) -> set[str]:
     script = f"import sys\n{code}\nprint(*[name for name in sys.modules if name.startswith('feeler')])"
     return set(
@@ -173,7 +220,24 @@ def modules_after(code: str) -> set[str]:
 def test_an_import_loads_only_what_is_asked_for() -> None:
     assert modules_after("import feeler") == {"feeler"}
     query = "import feeler; feeler.Scene, feeler.Mockup, feeler.Tool"
-    values = {"arguments", "calibrate", "depths", "enumerations", "errors", "ignored", "parts", "poses", "progress"}
-    wanted = {"_core", "memory", "mockup", "saved", "scene", "source", *values}
+    values = {
+        "arguments",
+        "calibrate",
+        "choices",
+        "depths",
+        "enumerations",
+        "errors",
+        "figures",
+        "ignored",
+        "parts",
+        "poses",
+        "progress",
+        "renamed",
+        "words",
+        "memory",
+        "saved",
+        "source",
+    }
+    wanted = {"_core", "mockup", "scene", *values}
     assert modules_after(query) == {"feeler", "feeler.travel", *(f"feeler.{name}" for name in wanted)}
     assert "feeler.haptics.session" in modules_after("import feeler; feeler.haptics.Session")

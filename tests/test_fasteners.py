@@ -390,7 +390,11 @@ def test_what_is_found_is_a_sequence(gearbox: Any) -> None:
     ("ask", "error", "says"),
     [
         (lambda: feeler.find_fasteners(None), MeshError, "not of NoneType"),
-        (lambda: feeler.find_fasteners(mockup_of({"a": cube((0, 0, 0), 1)}), "b"), OptionError, "no part is called"),
+        (
+            lambda: feeler.find_fasteners(mockup_of({"a": cube((0, 0, 0), 1)}), "b"),
+            OptionError,
+            "no part has the path or name",
+        ),
         (lambda: feeler.find_fasteners(mockup_of({"a": cube((0, 0, 0), 1)}), progress=1), OptionError, "progress is 1"),
         (lambda: feeler.Fasteners([]).where(kind="rivet"), OptionError, "kind is 'rivet'"),
     ],

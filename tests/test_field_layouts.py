@@ -188,7 +188,7 @@ def test_off_layout(tmp_path, layout):
 def test_off_points_and_lines_are_counted(tmp_path):
     text = "OFF\n4 7 6\n" + PLAIN + "1 0\n2 0 1\n2 1 2\nrest\n"
     said = notes(load_mockup(save(tmp_path, "a.off", text)))
-    assert "1 points were skipped" in said and "2 lines were skipped" in said and "1 lines after the last" in said
+    assert "1 point was skipped" in said and "2 lines were skipped" in said and "1 line after the last" in said
 
 
 @pytest.mark.parametrize(
@@ -271,8 +271,8 @@ def test_ply_rows_of_other_elements_are_counted_by_name(tmp_path, encoding):
     mockup = load_mockup(save(tmp_path, "a.ply", content), unit="m")
     assert np.array_equal(soup(mockup), SOUP)
     said = notes(mockup)
-    assert "2 rows of 'edge' were skipped" in said and "1 rows of 'material' were skipped" in said
-    assert ("1 lines after the last row" if encoding == "ascii" else "3 bytes after the last row") in said
+    assert "2 rows of 'edge' were skipped" in said and "1 row of 'material' was skipped" in said
+    assert ("1 line after the last row" if encoding == "ascii" else "3 bytes after the last row") in said
 
 
 def test_ply_words_of_other_elements_are_passed_over(tmp_path):

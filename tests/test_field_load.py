@@ -35,11 +35,11 @@ def glb(**primitive: Any) -> bytes:
     ("name", "content", "words"),
     [
         ("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\nl 2 1\n", "no triangle (but 2 points); 2 lines were skipped"),
-        ("a.obj", "v 0 0 0\ncurv 0 1 1\n", "1 free-form curves (curv)"),
-        ("a.glb", glb(mode=0), "primitives of points"),
+        ("a.obj", "v 0 0 0\ncurv 0 1 1\n", "1 free-form curve (curv)"),
+        ("a.glb", glb(mode=0), "1 primitive of points"),
         ("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-         "end_header\n1 2 3\n", "the PLY file holds no triangle (but 1 points)"),
-        ("a.off", "OFF\n2 1 0\n0 0 0\n1 0 0\n2 0 1\n", "1 lines were skipped"),
+         "end_header\n1 2 3\n", "the PLY file holds no triangle (but 1 point)"),
+        ("a.off", "OFF\n2 1 0\n0 0 0\n1 0 0\n2 0 1\n", "1 line was skipped"),
         ("a.stl", "solid a\nsolid b\nendsolid b\n", "2 of 2 solids hold no triangle"),
     ],
 )  # fmt: skip
@@ -62,7 +62,7 @@ def test_files_without_triangles_are_all_named(tmp_path):
     save(tmp_path, "sub.obj", "v 0 0 0\np 1\n")
     with pytest.raises(LoadError, match="none holds a triangle") as error:
         load_mockup(tmp_path)
-    for words in ("a.obj: 1 lines were skipped", "sub.obj: 1 points were skipped", "b.stl: the header promises 4"):
+    for words in ("a.obj: 1 line was skipped", "sub.obj: 1 point was skipped", "b.stl: the header promises 4"):
         assert words in str(error.value)
 
 
@@ -268,7 +268,7 @@ def test_one_up_axis_is_no_doubt(up_files):
 
 @pytest.mark.parametrize("up", ["", "w", "zz", 2, ["z"]])
 def test_up_that_is_no_axis(tmp_path, up):
-    with pytest.raises(OptionError, match=r"up=.* is not an axis; use 'x', 'y' or 'z'"):
+    with pytest.raises(OptionError, match=r"up is .*: choose x, y or z"):
         load_mockup(save(tmp_path, "a.stl", stl_binary()), up=up)
 
 

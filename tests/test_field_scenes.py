@@ -81,7 +81,7 @@ def test_a_hollow_polygon_of_collada(testdata):
     corners = mockup.vertices[mockup.faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.linalg.norm(cross, axis=1).sum() / 2 == pytest.approx(7)
-    assert "1 polygons with more than three corners were cut" in notes(mockup)
+    assert "1 polygon with more than three corners was cut" in notes(mockup)
 
 
 def test_a_library_node_is_placed_once(testdata):
@@ -99,6 +99,6 @@ def test_a_required_extension_that_makes_one_item(testdata):
     assert [part.name for part in mockup.parts] == ["other"]
     assert np.allclose(mockup.bounds, [[0.05, 0, 0], [0.06, 0.01, 0.01]], atol=1e-12)
     assert volumes(mockup) == pytest.approx([1e-6])
-    assert "1 objects are boolean operations" in notes(mockup) and "is missing ('cut')" in notes(mockup)
+    assert "1 object is boolean operations" in notes(mockup) and "is missing ('cut')" in notes(mockup)
     assert "box" not in notes(mockup) and "tool" not in notes(mockup)  # they are in the build, by what they make
     assert mockup.report.source.up == "z"

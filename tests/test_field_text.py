@@ -216,7 +216,7 @@ def test_obj_colours_and_weights(tmp_path):
     mockup = load_mockup(save(tmp_path, "m.obj", text), unit="m")
     expected = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
     assert np.array_equal(soup(mockup), expected[[[0, 1, 2], [1, 2, 3], [2, 3, 4]]])
-    assert notes(mockup).startswith("1 vertices have a weight w other than 1")
+    assert notes(mockup).startswith("1 vertex has a weight w other than 1")
 
 
 @pytest.mark.parametrize(
@@ -230,11 +230,11 @@ def test_obj_vertices_that_are_no_numbers(tmp_path, monkeypatch, word, chunk_byt
     text = f"v 7 {word} 0 # no corner\n{TRIANGLE}vn {word} {word} {word}\nf 2//1 3//1 4//1 # {word}\n"
     mockup = load_mockup(save(tmp_path, "m.obj", text), unit="m")
     assert np.array_equal(soup(mockup), [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    assert notes(mockup) == "1 vertices have a coordinate that is no finite number, the first is line 1"
+    assert notes(mockup) == "1 vertex has a coordinate that is no finite number, the first is line 1"
     assert not mockup.report.source.doubts
     mockup = load_mockup(save(tmp_path, "n.obj", text + "f 1 2 3\n"))
     assert mockup.report.defects["non_finite"].first == (1,)
-    assert mockup.report.source.doubts[0].startswith("1 triangles have a vertex that does not exist or is no finite")
+    assert mockup.report.source.doubts[0].startswith("1 triangle has a vertex that does not exist or is no finite")
 
 
 def test_obj_names_keep_what_looks_like_no_number(tmp_path):
@@ -260,9 +260,9 @@ def test_obj_counts_by_name_what_is_no_triangle(tmp_path, monkeypatch, chunk_byt
     text += "blob 5\nblob 6\nwhatnot\n"
     said = notes(load_mockup(save(tmp_path, "m.obj", text)))
     for words in (
-        "2 points were skipped", "1 lines were skipped", "1 free-form curves (curv) were skipped",
-        "1 free-form curves on a surface (curv2)", "1 free-form surfaces (surf)", "shapes of old (bzp)",
-        "1 calls of other files (call)", "vp (2), cstype (1), deg (1), parm (1), end (1)",
+        "2 points were skipped", "1 line was skipped", "1 free-form curve (curv) was skipped",
+        "1 free-form curve on a surface (curv2)", "1 free-form surface (surf)", "shape of old (bzp)",
+        "1 call of other files (call)", "vp (2), cstype (1), deg (1), parm (1), end (1)",
         "3 lines with keywords that are not OBJ were ignored, the first is line 24: 'blob' (2), 'whatnot' (1)",
     ):  # fmt: skip
         assert words in said

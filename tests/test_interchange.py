@@ -61,7 +61,7 @@ def test_units_are_the_objects_or_the_callers() -> None:
     assert np.array_equal(feeler.Mockup(mesh, unit="cm").vertices, CUBE * 0.01)
     assert np.array_equal(feeler.Tool(mesh, unit="cm").vertices, CUBE * 0.01)
     for unit in ("parsecs", 1):
-        with pytest.raises(feeler.OptionError, match="unit="):
+        with pytest.raises(feeler.OptionError, match="unit is "):
             feeler.from_trimesh(mesh, unit=unit)  # type: ignore[arg-type]
     mesh.units = "cubits"
     with pytest.raises(feeler.OptionError, match="cubits"):
@@ -228,8 +228,8 @@ def test_blocks_are_parts_and_what_has_no_surface_is_counted() -> None:
         assert mockup.part_paths == ["body", "inner/core"]
         assert np.allclose(mockup.bounds, [[0, 0, 0], [0.001] * 3])
         notes = "; ".join(mockup.source.notes)
-        assert "1 empty blocks" in notes and "1 lists of lines" in notes
-    with pytest.raises(feeler.MeshError, match=r"no triangle in it \(1 lists of lines"):
+        assert "1 empty block" in notes and "1 list of lines" in notes
+    with pytest.raises(feeler.MeshError, match=r"no triangle in it \(1 list of lines"):
         feeler.Mockup(line)
 
 

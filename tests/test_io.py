@@ -108,7 +108,7 @@ PENTAGON = [(np.cos(0.4 * np.pi * i), np.sin(0.4 * np.pi * i)) for i in range(5)
 def test_polygons_that_cross_themselves_are_counted(tmp_path, points, crosses):
     source = load_mockup(save(tmp_path, "a.obj", polygon_obj(points))).report.source
     said = [*source.notes, *source.doubts]
-    assert any("cross themselves" in line for line in said) == crosses, said
+    assert any("crosses itself" in line for line in said) == crosses, said
 
 
 def test_text_stl_has_a_part_for_every_solid(tmp_path):
@@ -159,8 +159,8 @@ def test_obj_objects_and_groups_are_parts(tmp_path, monkeypatch, chunk_bytes):
     expected = [*SOUP[:2], CORNERS[[1, 2, 3]], plate[[0, 1, 2]], plate[[0, 2, 3]]]
     assert np.array_equal(soup(mockup), np.array(expected))
     notes = " ".join(mockup.report.source.notes)
-    assert "1 polygons with more than three corners" in notes
-    assert "1 points were skipped" in notes and "1 lines were skipped" in notes
+    assert "1 polygon with more than three corners" in notes
+    assert "1 point was skipped" in notes and "1 line was skipped" in notes
 
 
 def test_obj_group_named_again_is_the_same_part(tmp_path):
@@ -232,7 +232,7 @@ def test_ply_with_polygons_of_several_sizes(tmp_path, encoding):
     assert mockup.triangle_count == 4
     assert mockup.report.defects["index_out_of_range"].first == (3,)
     notes = " ".join(mockup.report.source.notes)
-    assert "1 polygons with more than three corners" in notes and "1 faces with fewer than three" in notes
+    assert "1 polygon with more than three corners" in notes and "1 face with fewer than three" in notes
 
 
 def test_ply_triangle_strips(tmp_path):
@@ -293,7 +293,7 @@ def test_gltf_strips_fans_points_and_lines(tmp_path):
     expected = CORNERS[[[0, 1, 2], [1, 3, 2], [1, 2, 0], [2, 3, 0]]]
     assert np.array_equal(soup(mockup), expected)
     notes = " ".join(mockup.report.source.notes)
-    assert "1 primitives of points" in notes and "1 primitives of lines" in notes
+    assert "1 primitive of points" in notes and "1 primitive of lines" in notes
 
 
 def test_gltf_without_indices_and_with_small_ones(tmp_path):
@@ -378,7 +378,7 @@ def test_gltf_notes_what_is_not_in_the_scene(tmp_path):
     g.node(is_root=False, mesh=0, name="out")
     mockup = load_mockup(save(tmp_path, "m.glb", g.glb()))
     assert names(mockup) == ["in"]
-    assert any("1 nodes with a mesh are not in the scene" in note for note in mockup.report.source.notes)
+    assert any("1 node with a mesh is not in the scene" in note for note in mockup.report.source.notes)
 
 
 # --- 3MF ---------------------------------------------------------------------------------------------------------
@@ -535,7 +535,7 @@ def test_unit_names(tmp_path, unit, metres):
 def test_unknown_unit_lists_the_known(tmp_path, unit):
     with pytest.raises(OptionError) as error:
         load_mockup(save(tmp_path, "p.stl", stl_binary()), unit=unit)
-    assert str(error.value).endswith("use one of " + ", ".join(KNOWN_UNITS))
+    assert str(error.value).endswith("choose " + ", ".join(KNOWN_UNITS))
 
 
 @pytest.mark.parametrize("tolerance", [0, -1.0, float("nan"), float("inf"), "fine", True])

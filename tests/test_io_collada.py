@@ -182,9 +182,9 @@ def test_uses_of_what_is_missing_are_named(tmp_path):
         '<instance_controller url="#lost"/><instance_camera url="#none"/>'
     )
     said = notes(load(tmp_path, dae(scene(node(inner)))))
-    assert "1 uses of geometries that are not in the file were left out ('#gone')" in said
-    assert "1 uses of nodes in other files were left out: load those files beside it ('other.dae#n')" in said
-    assert "1 uses of controllers that are not in the file were left out ('#lost')" in said
+    assert "1 use of geometries that is not in the file was left out ('#gone')" in said
+    assert "1 use of nodes in other files was left out: load those files beside it ('other.dae#n')" in said
+    assert "1 use of controllers that is not in the file was left out ('#lost')" in said
 
 
 # --- units and axes ------------------------------------------------------------------------------------------------
@@ -217,7 +217,7 @@ def test_a_unit_that_is_no_length(tmp_path, metres):
 
 def test_elements_with_a_unit_of_their_own_are_noted(tmp_path):
     inner = '<asset><unit meter="0.001"/></asset><instance_geometry url="#g"/>'
-    assert "state another unit or up axis than the file" in notes(load(tmp_path, dae(scene(node(inner, "odd")))))
+    assert "states another unit or up axis than the file" in notes(load(tmp_path, dae(scene(node(inner, "odd")))))
 
 
 # --- primitives ----------------------------------------------------------------------------------------------------
@@ -259,7 +259,7 @@ def test_hollow_polygons(tmp_path, tag):
     primitive = f"<{tag}>{INPUT.format('g')}{count}<p>0 1 2 3 4 5 6 7</p></{tag}>"
     mockup = load(tmp_path, dae(scene(node()), geometry(primitives=primitive, points=U_SHAPE)))
     assert mockup.triangle_count == 6 and area(mockup) == pytest.approx(7)
-    assert "1 polygons with more than three corners were cut into triangles ('g')" in notes(mockup)
+    assert "1 polygon with more than three corners was cut into triangles ('g')" in notes(mockup)
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1)])
@@ -275,7 +275,7 @@ def test_polygons_with_holes(tmp_path, holes, order):
     assert (turn >= 0).all() or (turn <= 0).all()
     middle = corners.mean(axis=1)[:, [order.index(0), order.index(1)]]
     assert not ((middle > 1) & (middle < 3)).all(axis=1).any()
-    assert "1 polygons with holes were cut along a line to each hole" in notes(mockup)
+    assert "1 polygon with holes was cut along a line to each hole" in notes(mockup)
 
 
 def test_a_ring_of_holes(tmp_path):
@@ -305,17 +305,17 @@ def test_lines_thin_polygons_and_spare_indices_are_counted(tmp_path):
         f"<triangles>{INPUT.format('g')}<p>0 2 1 0</p></triangles><triangles count='0'/>"
     )
     said = notes(load(tmp_path, dae(scene(node()), geometry(primitives=more))))
-    assert "1 primitives of lines were left out: only triangles collide ('g')" in said
-    assert "1 primitives of line strips were left out: only triangles collide ('g')" in said
-    assert "1 polygons with fewer than three corners have no triangle ('g')" in said
-    assert "1 indices at the end of primitives make no whole triangle ('g')" in said
+    assert "1 primitive of lines was left out: only triangles collide ('g')" in said
+    assert "1 primitive of line strips was left out: only triangles collide ('g')" in said
+    assert "1 polygon with fewer than three corners has no triangle ('g')" in said
+    assert "1 index at the end of primitives makes no whole triangle ('g')" in said
 
 
 def test_notes_of_a_file_without_a_triangle(tmp_path):
     other = '<geometry id="g" name="wire"><spline/></geometry>'
     raw = read_collada(save(tmp_path, dae(scene(node()), other)))
     assert not len(raw.faces)
-    assert raw.notes == ["1 geometries of the kind 'spline' were left out: only triangles collide ('wire')"]
+    assert raw.notes == ["1 geometry of the kind 'spline' was left out: only triangles collide ('wire')"]
 
 
 @pytest.mark.parametrize(
@@ -394,14 +394,14 @@ def test_a_skin_is_placed_by_its_joints(tmp_path):
     mockup = load(tmp_path, dae(skin() + scene(SKELETON + node(inner))))
     placed = CORNERS + np.array([[100, 0, 5]] * 3 + [[0, 200, 5]])
     assert np.allclose(soup(mockup), placed[FACES], atol=1e-12)
-    assert "1 skins were placed by their joints as these stand at rest ('arm')" in notes(mockup)
+    assert "1 skin was placed by its joints as these stand at rest ('arm')" in notes(mockup)
 
 
 def test_a_skin_without_its_joints_is_in_its_bind_shape(tmp_path):
     inner = '<translate>7000 0 0</translate><instance_controller url="#c"/>'
     mockup = load(tmp_path, dae(skin() + scene(node(inner))))
     assert np.allclose(soup(mockup), SOUP + np.array([7000, 0, 5]), atol=1e-12)
-    assert "1 skins were taken in their bind shape" in notes(mockup)
+    assert "1 skin was taken in its bind shape" in notes(mockup)
 
 
 @pytest.mark.parametrize(("method", "factor"), [("", 0.25), ('method="NORMALIZED"', 0.25), ('method="RELATIVE"', 1.0)])
@@ -419,13 +419,13 @@ def test_a_morph_at_rest(tmp_path, method, factor):
     )
     mockup = load(tmp_path, text)
     assert np.allclose(soup(mockup), SOUP * factor + 0.75 * (SOUP + 8), atol=1e-12)
-    assert "1 morphs were taken at rest, with the weights that the file gives ('soft')" in notes(mockup)
+    assert "1 morph was taken at rest, with the weights that the file gives ('soft')" in notes(mockup)
 
 
 def test_a_controller_without_its_geometry_is_named(tmp_path):
     inner = '<instance_controller url="#c"/><instance_geometry url="#g"/>'
     text = dae(skin().replace('source="#g"', 'source="#gone"') + scene(node(inner)))
-    assert "1 controllers have no geometry in the file and were left out ('arm')" in notes(load(tmp_path, text))
+    assert "1 controller has no geometry in the file and was left out ('arm')" in notes(load(tmp_path, text))
 
 
 # --- partial files and archives --------------------------------------------------------------------------------------

@@ -174,7 +174,7 @@ def test_morph_weights(tmp_path, of_mesh, of_node, move):
     g.node(**node | ({} if of_node is None else {"weights": of_node}))
     mockup = load(tmp_path, g)
     assert np.array_equal(soup(mockup), SOUP + move)
-    assert "1 meshes have morph targets" in notes(mockup)
+    assert "1 mesh has morph targets" in notes(mockup)
     assert ("more or fewer weights" in notes(mockup)) == (of_mesh == [2.0])
 
 
@@ -220,7 +220,7 @@ def test_a_skin_places_its_mesh_and_its_node_does_not(tmp_path):
     mockup = load(tmp_path, skinned())
     placed = CORNERS + np.array([[99, 0, 0]] * 3 + [[-1, 200, 0]])
     assert np.array_equal(soup(mockup), placed[FACES])
-    assert "1 skinned meshes were placed by their joints as these stand at rest ('arm')" in notes(mockup)
+    assert "1 skinned mesh was placed by its joints as these stand at rest ('arm')" in notes(mockup)
 
 
 def test_a_mirrored_skin_keeps_its_outside(tmp_path):
@@ -266,9 +266,9 @@ def test_points_and_lines_are_counted_by_kind(tmp_path):
         g.node(mesh=g.mesh(indices=np.arange(4), mode=mode), name=f"mode {mode}")
     said = notes(load(tmp_path, g))
     for line in (
-        "1 primitives of points were left out: only triangles collide ('mode 0')",
-        "1 primitives of lines were left out: only triangles collide ('mode 1')",
-        "1 primitives of line loops were left out: only triangles collide ('mode 2')",
+        "1 primitive of points was left out: only triangles collide ('mode 0')",
+        "1 primitive of lines was left out: only triangles collide ('mode 1')",
+        "1 primitive of line loops was left out: only triangles collide ('mode 2')",
         "2 primitives of line strips were left out: only triangles collide ('mode 3')",
     ):
         assert line in said
@@ -283,7 +283,7 @@ def test_notes_of_a_file_without_a_triangle(tmp_path):
     path.write_bytes(g.glb())
     raw: RawMesh = read_gltf(path)
     assert not len(raw.faces) and raw.up == "y"
-    assert raw.notes == ["1 primitives of points were left out: only triangles collide ('cloud')"]
+    assert raw.notes == ["1 primitive of points was left out: only triangles collide ('cloud')"]
 
 
 def test_which_of_several_scenes(tmp_path):
@@ -295,7 +295,7 @@ def test_which_of_several_scenes(tmp_path):
     g.root["scene"] = 1
     mockup = load(tmp_path, g)
     assert names(mockup) == ["b"]
-    assert "the default one was taken" in notes(mockup) and "not in the scene and were left out ('a')" in notes(mockup)
+    assert "the default one was taken" in notes(mockup) and "not in the scene and was left out ('a')" in notes(mockup)
     del g.root["scene"]
     assert names(load(tmp_path, g)) == ["a"]
 

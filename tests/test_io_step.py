@@ -122,7 +122,7 @@ def test_no_part_in_the_file_and_all_found(tmp_path):
     mockup = load_mockup(save(tmp_path, "main.step", without_housing(ASSEMBLY)))
     assert paths(mockup) == ["main/asm/bolt/screw"]
     assert np.allclose(mockup.bounds, moved(0.1, 0, 0), atol=1e-8)
-    assert "1 parts have no surface in the file ('housing')" in notes(mockup)
+    assert "1 part has no surface in the file ('housing')" in notes(mockup)
 
 
 @needs_step
@@ -370,7 +370,7 @@ def test_a_mesh_that_is_the_copy_of_a_solid_is_left_out(tmp_path, plane):
     )
     mockup = load_mockup(save(tmp_path, "a.step", text))
     assert paths(mockup) == ["a/bracket"]
-    assert "1 meshes of parts that are there as B-rep were left out: the B-rep was taken ('mesh')" in notes(mockup)
+    assert "1 mesh of parts that is there as B-rep was left out: the B-rep was taken ('mesh')" in notes(mockup)
     assert ("1 of the 6 faces" in notes(mockup)) == ("PLAIN" in plane) == (mockup.triangle_count == 10)
 
 
@@ -505,7 +505,7 @@ def placed_by(way: str, first: str, second: str, third: str, scale: str) -> str:
 def test_placements_by_an_operator(tmp_path, way, axes, scale, box):
     path = save(tmp_path, "a.step", placed_by(way, *axes, scale))
     if box is None:
-        fails(path, "1 placements mirror or scale a shape (#310)", "export the file again")
+        fails(path, "1 placement mirrors or scales a shape (#310)", "export the file again")
     else:
         assert np.allclose(boxes(load_mockup(path))[0], box, atol=1e-8)
 
@@ -533,9 +533,9 @@ def test_curves_and_points_are_counted(tmp_path):
     text = COLOURS.replace("ENDSEC;\nEND", drawn + "ENDSEC;\nEND")
     mockup = load_mockup(save(tmp_path, "a.step", text))
     said = [
-        "1 points were left out: only surfaces collide ('sketch')",
+        "1 point was left out: only surfaces collide ('sketch')",
         "2 curves were left out: only surfaces collide ('sketch')",
-        "1 wireframe models were left out: only surfaces collide ('frame')",
+        "1 wireframe model was left out: only surfaces collide ('frame')",
     ]
     assert mockup.triangle_count == 12 and all(line in mockup.report.source.notes for line in said)
     nothing = text.replace(

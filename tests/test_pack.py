@@ -56,7 +56,7 @@ def test_a_limit_out_of_range_is_refused(limit: Any) -> None:
 
 
 def test_parts_that_are_not_there_are_refused() -> None:
-    with pytest.raises(feeler.OptionError, match="no part is called"):
+    with pytest.raises(feeler.OptionError, match="no part has the path or name"):
         MOCKUP.pack(small="no such part")
     with pytest.raises(feeler.OptionError, match="mask of shape"):
         MOCKUP.pack(small=np.zeros(1, dtype=bool))

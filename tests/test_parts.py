@@ -152,7 +152,7 @@ def test_select_takes_parts_of_this_mesh_only(mockup: feeler.Mockup, tool: feele
 
 
 def test_the_error_names_what_is_spelt_alike(mockup: feeler.Mockup) -> None:
-    with pytest.raises(feeler.OptionError, match="'gaskets'; there is 'gasket'"):
+    with pytest.raises(feeler.OptionError, match="'gaskets'; do you mean 'gasket'"):
         mockup.parts.select("gaskets")
     with pytest.raises(feeler.OptionError, match=r"'\*zzz\*'$"):
         mockup.parts.select("*zzz*")
@@ -309,7 +309,7 @@ def test_the_mask_is_of_the_scene_alone(scene: feeler.Scene) -> None:
 
 
 def test_a_scene_without_parts_shares_the_index(scene: feeler.Scene) -> None:
-    whole, less = scene.memory(), scene.without(1).memory()
+    whole, less = dict(scene.memory()), dict(scene.without(1).memory())
     own = less.pop("selection")
     # A bit a triangle and a byte a part at least; blocks have a word a node beside these.
     assert 8 + 12 <= own <= 2000
@@ -356,7 +356,7 @@ def test_wrong_parts_change_nothing(scene: feeler.Scene) -> None:
         for wrong in ("nothing", 8, None, [0, "nothing"], np.array([True])):
             with pytest.raises(feeler.OptionError):
                 select(wrong)  # type: ignore[arg-type]
-    with pytest.raises(feeler.OptionError, match="there is 'frame'"):
+    with pytest.raises(feeler.OptionError, match="do you mean 'frame'"):
         scene.without("frames")
 
 

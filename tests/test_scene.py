@@ -247,9 +247,13 @@ def test_what_a_scene_says_of_itself(mockup: feeler.Mockup, monkeypatch: pytest.
 
 @stores
 def test_memory_is_the_sum_of_its_parts(store: dict[str, Any], mockup: feeler.Mockup) -> None:
-    memory = feeler.Scene(mockup, **store).memory()
+    found = feeler.Scene(mockup, **store).memory()
+    memory = dict(found)
     total = memory.pop("total")
-    assert total == sum(memory.values())
+    assert total == found.total == found["total"] == sum(memory.values())
+    assert (found.blocks is None) == ("blocks" not in found) == (found.voxels is not None)
+    with pytest.raises(KeyError):
+        _ = found["nothing"]
     assert all(isinstance(count, int) for count in memory.values())
     assert memory["triangles"] >= mockup.vertices.nbytes + mockup.faces.nbytes
     assert total < 50 * memory["triangles"]

@@ -186,6 +186,11 @@ def samples() -> dict[str, list[Any]]:
         "Planes": [step.planes],
         "Parted": [haptics.Parted(3, 1, 0.5)],
         "Mockup": [mock, feeler.Mockup(*box((0, 0, 0), 1.0))],
+        "Defect": [mock.defects["zero_area"], many.defects["duplicate"]],
+        "LoadReport": [mock.report],
+        "Source": [mock.source],
+        "Part": list(mock.parts),
+        "Parts": [mock.parts],
         "Screw": [feeler.Screw((0, 0, 1), (1, 2, 3), 0.5), feeler.Screw((1, 2, 0), (0, 0, 0), -40.0, 0.002)],
         "Tool": [tool, feeler.Tool.of_parts(mock)],
         "Scene": [

@@ -58,7 +58,7 @@ def test_links_are_parts_at_their_neutral_places(arm: Path) -> None:
     assert found["finger/sphere"] == [[0.22, 0.045, 0.57], [0.28, 0.105, 0.63]]
     report = str(mockup.report)
     assert "unit m (URDF is in metres)" in report and "joint 'reach' is at 0.25, its limit" in report
-    assert "1 links without collision geometry" in report and "wedge.stl" in report
+    assert "1 link without collision geometry" in report and "wedge.stl" in report
     assert mockup.report.source.format == "URDF" and not mockup.report.not_queried
     for part in range(len(mockup.parts)):
         assert volume(mockup, part) > 0
@@ -189,7 +189,7 @@ def test_joints_that_cannot_be(arm: Path, joints: Any, message: str) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"geometry": "both"}, "'collision' or 'visual'"),
+        ({"geometry": "both"}, "geometry is 'both': choose collision, visual"),
         ({"chord_tolerance": 0}, "chord_tolerance"),
         ({"chord_tolerance": math.nan}, "chord_tolerance"),
     ],

@@ -224,47 +224,56 @@ BASE = {
     "_core",
     "arguments",
     "calibrate",
+    "choices",
     "errors",
     "memory",
     "mockup",
     "part_meshes",
     "poses",
     "progress",
+    "renamed",
     "scene",
     "source",
     "travel",
     "words",
 }
 ROOMS: dict[str, set[str]] = {
-    "_core": {"_core_results", "poses"},
-    "_core_results": set(),  # a share of the stub
+    "_core": {"_core_results", "choices", "figures", "poses"},
+    "_core_results": {"choices", "figures"},  # a share of the stub
     "errors": set(),
     "progress": {"errors"},
     "words": set(),
-    "enumerations": set(),
+    "choices": set(),
+    "figures": set(),
+    "renamed": {"errors"},
+    # What users annotate with: it only imports.
+    "types": {*BASE, "clashes", "figures", "haptics", "ignored", "io", "parts", "picture", "workbench"},
+    "enumerations": {"arguments", "errors"},
     "arguments": {"errors", "progress"},
     "travel": {"_core", "errors"},
     "poses": {"arguments", "errors"},
-    "parts": {"errors"},
+    "parts": {"arguments", "errors"},
     "memory": set(),
     # The files of saved scenes, which mock-ups and scenes can be in.
     "saved": {"_core", "errors", "memory", "source"},
     "source": set(),
-    "mockup": {"_core", "errors", "parts", "poses", "saved", "source", "travel"},
+    "mockup": {
+        *("_core", "arguments", "choices", "errors", "parts", "poses", "saved", "source", "travel", "words"),
+    },
     "part_meshes": {"mockup"},
-    "ignored": {"_core", "errors", "mockup", "parts", "travel"},
+    "ignored": {"_core", "errors", "mockup", "parts", "travel", "words"},
     # Tasks on executors.
     "spreading": {"errors"},
     "batches": {"_core", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
-    "depths": set(),
+    "depths": {"words"},
     "scene": {
-        *("_core", "arguments", "batches", "calibrate", "depths", "enumerations", "errors", "ignored", "memory"),
-        *("mockup", "parts", "poses", "progress", "saved", "spreading", "travel"),
+        *("_core", "arguments", "batches", "calibrate", "choices", "depths", "enumerations", "errors", "figures"),
+        *("ignored", "memory", "mockup", "parts", "poses", "progress", "renamed", "saved", "spreading", "travel"),
     },
     "io": {*BASE, "saved"},
     "interchange": {*BASE, "io"},
-    "haptics": BASE,
+    "haptics": {*BASE, "figures"},
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
@@ -279,7 +288,7 @@ ROOMS: dict[str, set[str]] = {
     "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "saved", "study", "workbench", "feeler"},
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
-        *("spreading", "study", "workbench"),
+        *("parts", "spreading", "study", "types", "workbench"),
     },
     "__main__": {"cli"},
 }

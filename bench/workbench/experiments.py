@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_NAMES
 from feeler.io import write_glb
 from feeler.workbench import files
 from feeler.workbench.session.benchmark import FILE
@@ -164,7 +166,7 @@ def _soaked(opened: Any, program: stand.Viewing, seconds: float) -> Result:
 def engine(browser: Any, mockup: str) -> Result:
     """Times of the core and the jobs, and the opening of one HTML file to send."""
     _, name, size = mockup.split(":")
-    world = feeler.sample(name, int(size))
+    world = feeler.sample(check_word("name", name, SAMPLE_NAMES), int(size))
     scene = feeler.Scene(world)
     lower, upper = world.bounds
     middle = 0.5 * (lower + upper)

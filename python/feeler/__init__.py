@@ -9,6 +9,7 @@ if _typing.TYPE_CHECKING:
     from feeler import io as io
     from feeler import picture as picture
     from feeler import samples as samples
+    from feeler import types as types
     from feeler._core import (
         Batch,
         Cast,
@@ -55,7 +56,8 @@ if _typing.TYPE_CHECKING:
     from feeler.ignored import IgnoredPairs
     from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
     from feeler.io import load_mockup, load_tool
-    from feeler.mockup import Mockup, Tool
+    from feeler.mockup import Defect, LoadReport, Mockup, Tool
+    from feeler.parts import Part, Parts
     from feeler.plan.blocked import Blocker
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
@@ -68,6 +70,7 @@ if _typing.TYPE_CHECKING:
     from feeler.poses import nearest_rigid
     from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
+    from feeler.source import Source
     from feeler.spreading import WorkerLost
     from feeler.workbench.scripting import View, view
 
@@ -90,6 +93,7 @@ __all__ = [
     "ContactTracker",
     "Contacts",
     "Containment",
+    "Defect",
     "Depths",
     "DeviceError",
     "Distance",
@@ -100,6 +104,7 @@ __all__ = [
     "IgnoredPairs",
     "LimitError",
     "LoadError",
+    "LoadReport",
     "MeshError",
     "MissingFileError",
     "Mockup",
@@ -107,6 +112,8 @@ __all__ = [
     "Packed",
     "PackedPiece",
     "PairKind",
+    "Part",
+    "Parts",
     "PartsRemoval",
     "PathCheck",
     "Penetration",
@@ -125,6 +132,7 @@ __all__ = [
     "Screw",
     "SectionOutline",
     "SessionError",
+    "Source",
     "Tool",
     "VariantsInterrupted",
     "Verdict",
@@ -218,8 +226,14 @@ _HOMES = {
         "load_tool",
     ),
     "feeler.mockup": (
+        "Defect",
+        "LoadReport",
         "Mockup",
         "Tool",
+    ),
+    "feeler.parts": (
+        "Part",
+        "Parts",
     ),
     "feeler.plan.blocked": ("Blocker",),
     "feeler.plan.fasteners": (
@@ -269,6 +283,7 @@ _HOMES = {
         "open_scene",
         "optimal_voxel_size",
     ),
+    "feeler.source": ("Source",),
     "feeler.spreading": ("WorkerLost",),
     "feeler.workbench.scripting": (
         "View",
@@ -276,7 +291,7 @@ _HOMES = {
     ),
 }
 
-_ROOMS = ("clashes", "errors", "haptics", "io", "picture", "samples")
+_ROOMS = ("clashes", "errors", "haptics", "io", "picture", "samples", "types")
 
 if not _typing.TYPE_CHECKING:
 

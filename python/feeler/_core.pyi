@@ -1,7 +1,7 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check their arguments first."""
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Literal, final, overload
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -35,10 +35,10 @@ from feeler._core_results import (
     TickAnswer,
     TraceAnswer,
 )
+from feeler.choices import DefectKind, Estimator, PenetrationKind, Simd, Storage, Touching
 from feeler.poses import PoseLike, PosesLike
 
 _Progress = Callable[[float, str], object]
-_Touching = Literal["counts", "free"]
 _Ignore = Any  # feeler.ignored.Ignore, which needs this module
 
 __all__ = [
@@ -128,7 +128,7 @@ class Mockup:
     def part_count(self) -> int:
         """Parts, including those without triangles."""
     @property
-    def defects(self) -> dict[str, tuple[int, list[int]]]:
+    def defects(self) -> Mapping[DefectKind, tuple[int, Sequence[int]]]:
         """Kind of defect -> count and first ids."""
     def pack(self, vertex_limit: int, small: Sequence[bool] | None) -> Packed: ...
 
@@ -166,7 +166,7 @@ class Tool:
     def triangle_count(self) -> int:
         """Triangles given, defective ones included."""
     @property
-    def defects(self) -> dict[str, tuple[int, list[int]]]:
+    def defects(self) -> Mapping[DefectKind, tuple[int, Sequence[int]]]:
         """Kind of defect -> count and first ids."""
     def pack(self, vertex_limit: int, small: Sequence[bool] | None) -> Packed: ...
 
@@ -188,13 +188,13 @@ class Scene:
         cls,
         mockup: Mockup | Selected,
         voxel_size: float | None = None,
-        storage: str = "blocks",
+        storage: Storage = "blocks",
         hashing: float = 0.0,
         tool: Tool | None = None,
         threads: int | None = None,
         progress: _Progress | None = None,
         memory_limit: int = ...,
-        simd: str | None = None,
+        simd: Simd | None = None,
     ) -> Self: ...
     @property
     def mockup(self) -> Mockup:
@@ -203,15 +203,15 @@ class Scene:
     def voxel_size(self) -> float:
         """Edge of the voxels, or the piece size of blocks, metres."""
     @property
-    def storage(self) -> str:
+    def storage(self) -> Storage:
         """`"blocks"`, `"dense"` or `"hashed"`."""
     @property
     def hashing(self) -> float:
         """The hashing level; 0 unless hashed."""
     @property
-    def simd(self) -> str:
+    def simd(self) -> Simd:
         """The instruction set of its queries: `"avx512"`, `"avx2"` or `"portable"`."""
-    def memory(self) -> dict[str, int]:
+    def memory(self) -> Mapping[str, int]:
         """Bytes by structure, and their `"total"`: all that stays in memory for the index.
 
         `"triangles"` and `"parts"` are the mock-up's own arrays, which the index reads and does not copy.
@@ -240,7 +240,7 @@ class Scene:
         its effect. Raises `PoseError` for a pose that is not rigid.
         """
     def is_colliding(
-        self, tool: Tool, world_from_tool: PoseLike, *, touching: _Touching = "counts", ignore: _Ignore = None
+        self, tool: Tool, world_from_tool: PoseLike, *, touching: Touching = "counts", ignore: _Ignore = None
     ) -> bool:
         """Whether any two triangles collide, with the tool at a pose `(4, 4)`; stops at the first pair.
 
@@ -293,7 +293,7 @@ class Scene:
         *,
         screw: Screw | None = None,
         tolerance: float,
-        touching: _Touching,
+        touching: Touching,
         ignore: _Ignore = None,
     ) -> Cast | None: ...
     @overload
@@ -303,7 +303,7 @@ class Scene:
         poses: Sequence[PoseLike | Screw],
         *,
         tolerance: float,
-        touching: _Touching,
+        touching: Touching,
         inside: bool,
         progress: _Progress | None,
         ignore: _Ignore = None,
@@ -315,7 +315,7 @@ class Scene:
         poses: PosesLike,
         *,
         tolerance: float,
-        touching: _Touching,
+        touching: Touching,
         inside: bool,
         progress: _Progress | None,
         ignore: _Ignore = None,
@@ -472,7 +472,7 @@ class Penetration:
     def depth(self) -> float:
         """Its length, metres."""
     @property
-    def kind(self) -> str:
+    def kind(self) -> PenetrationKind:
         """`"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free the tool), or
         `"exact"` (the tool does not collide, or only touches)."""
     @property
@@ -568,7 +568,7 @@ class PathCheck:
         """The impact of the first segment that has one: `segments[0]`."""
     def __len__(self) -> int: ...
 
-def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
+def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: Estimator) -> float: ...
 def removal(
     scene: Scene,
     tool: Tool,

@@ -7,6 +7,9 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self
 
+from feeler.choices import ProxyMode, SeatKind
+from feeler.figures import CollisionStats
+
 @final
 class Collision:
     """The colliding pairs of triangles at one pose; false when there are none."""
@@ -33,17 +36,8 @@ class Collision:
     def tool_parts(self) -> npt.NDArray[np.uint32]:
         """Indices into `tool.parts` of the colliding parts; unique, sorted."""
     @property
-    def stats(self) -> dict[str, int]:
-        """Counters of the query, stage by stage.
-
-        - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
-        - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces with overlapping boxes.
-        - `repeats_skipped`: repeated pairs skipped.
-        - `box_survivors`: pairs of triangles with overlapping boxes.
-        - `triangle_tests`: triangle tests.
-        - `exact_tests`: triangle tests that needed exact arithmetic because float64 could not decide them.
-        - `pairs`: distinct colliding pairs.
-        """
+    def stats(self) -> CollisionStats:
+        """Counters of the query, stage by stage."""
     def __len__(self) -> int: ...
     def __bool__(self) -> bool: ...
 
@@ -452,7 +446,7 @@ class SeatAnswer:
     def part(self) -> int:
         """Index into `mockup.parts`."""
     @property
-    def kind(self) -> str:
+    def kind(self) -> SeatKind:
         """`touching`, `fit` or `sunk`."""
     @property
     def depth(self) -> float:
@@ -486,7 +480,7 @@ class StepAnswer:
     def age(self) -> float:
         """Age of the contact planes, seconds."""
     @property
-    def mode(self) -> str:
+    def mode(self) -> ProxyMode:
         """`free`, `contact`, `bound` or `doubt`."""
     @property
     def points(self) -> npt.NDArray[np.float64]:
@@ -547,7 +541,7 @@ class TickAnswer:
     def age(self) -> float:
         """Age of the contact planes, seconds."""
     @property
-    def mode(self) -> str:
+    def mode(self) -> ProxyMode:
         """`free`, `contact`, `bound` or `doubt`."""
     @property
     def buttons(self) -> int:
@@ -585,7 +579,7 @@ class TraceAnswer:
     def wrenches(self) -> npt.NDArray[np.float64]:
         """`(n, 6)`: force and torque on the hand."""
     @property
-    def modes(self) -> list[str]:
+    def modes(self) -> list[ProxyMode]:
         """As in `TickAnswer`, for each tick."""
     @property
     def has_device(self) -> npt.NDArray[np.bool_]:

@@ -4,24 +4,41 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
-from feeler.errors import OptionError
+from feeler.errors import FeelerError, OptionError
 from feeler.progress import Progress
 
 MOST_THREADS = 1024
+_MOST_SHOWN = 80
+
+T = TypeVar("T")
+Word = TypeVar("Word", bound=str)
+
+
+def shown(value: object) -> str:
+    """A value as error messages quote it: its `repr`, cut short."""
+    try:
+        text = repr(value)
+    except Exception:  # of any class, and of numbers with more digits than Python prints
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _MOST_SHOWN else text[: _MOST_SHOWN - 3] + "..."
 
 
 def check_real(what: str, value: object, give: str = "a number") -> float:
     """A real number, infinite and NaN too. give: what errors ask for. Raises `OptionError` for other values."""
-    if isinstance(value, (bool, str, bytes)):
-        raise OptionError(f"{what} is {value!r}: give {give}")
+    if isinstance(value, (bool, str, bytes)) or (isinstance(value, np.ndarray) and value.ndim):
+        raise OptionError(f"{what} is {shown(value)}: give {give}")
     try:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise OptionError(f"{what} is {value!r}: give {give}") from None
+        raise OptionError(f"{what} is {shown(value)}: give {give}") from None
     except OverflowError:
         raise OptionError(f"{what} is beyond what a float64 can hold: give {give}") from None
 
@@ -42,7 +59,7 @@ def check_number(
     """
     number = check_real(what, value, give)
     if not (least <= number <= most and number > above) or (math.isinf(number) and not is_endless):
-        raise OptionError(f"{what} is {value!r}: give {give}")
+        raise OptionError(f"{what} is {shown(value)}: give {give}")
     return number
 
 
@@ -56,23 +73,105 @@ def check_whole(what: str, value: object, least: int = 0, most: int | None = Non
     is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not is_whole or not least <= value or (most is not None and value > most):  # type: ignore[operator]
         span = f"{least} or more" if most is None else f"from {least} to {most}"
-        raise OptionError(f"{what} is {value!r}: give a whole number {span}{other}")
+        raise OptionError(f"{what} is {shown(value)}: give a whole number {span}{other}")
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
 def check_flag(what: str, value: object) -> bool:
     """True or false. Raises `OptionError` for other values."""
-    if not isinstance(value, (bool, np.bool_, int)) or value not in (0, 1):
-        raise OptionError(f"{what} is {value!r}: give True or False")
+    if not isinstance(value, (bool, np.bool_)) and not (isinstance(value, int) and value in (0, 1)):
+        raise OptionError(f"{what} is {shown(value)}: give True or False")
     return bool(value)
 
 
-def check_word(what: str, value: object, known: Iterable[str]) -> str:
+def check_word(what: str, value: object, known: Iterable[Word]) -> Word:
     """One of the known words. Raises `OptionError` for others."""
     words = list(known)
     if not isinstance(value, str) or value not in words:
-        raise OptionError(f"{what} is {value!r}: {near(value, words)}")
+        every = f"choose {', '.join(words)}"
+        hint = near(value, words)
+        raise OptionError(f"{what} is {shown(value)}: {hint if hint == every else f'{hint} {every}'}")
+    return words[words.index(value)]
+
+
+def check_text(what: str, value: object, give: str = "text") -> str:
+    """Text that can be written to a file. Raises `OptionError` for other values."""
+    if not isinstance(value, str) or not _is_writable(value):
+        raise OptionError(f"{what} is {shown(value)}: give {give}")
     return str(value)
+
+
+def check_path(what: str, value: object, error: type[FeelerError] = OptionError) -> Path:
+    """The path of a file. Raises `error` for other values."""
+    if isinstance(value, (str, os.PathLike)):
+        text = os.fspath(value)
+        if isinstance(text, str) and "\0" not in text and _is_writable(text, os.fsencode):
+            return Path(text)
+    raise error(f"{what} is {shown(value)}: give the path of a file")
+
+
+def check_kind(what: str, value: object, kind: type[T], give: str = "") -> T:
+    """An object of a class. give: what errors ask for. Raises `OptionError` for others."""
+    if not isinstance(value, kind):
+        raise OptionError(f"{what} is {shown(value)}: give {give or f'a feeler.{kind.__name__}'}")
+    return value
+
+
+def check_callable(what: str, value: Callable[..., object], give: str) -> Callable[..., object]:
+    """A function. give: what errors ask for. Raises `OptionError` for other values."""
+    if not callable(value):
+        raise OptionError(f"{what} is {shown(value)}: give {give}")
+    return value
+
+
+def check_list(what: str, value: object, give: str) -> list[Any]:
+    """The entries of anything that has some, other than text. Raises `OptionError` for other values."""
+    is_list = isinstance(value, Iterable) and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) > 0
+    if not is_list:
+        raise OptionError(f"{what} is {shown(value)}: give {give}")
+    return list(value)  # type: ignore[call-overload, no-any-return]
+
+
+def check_array(what: str, value: object, shape: tuple[int | None, ...], *, is_finite: bool = True) -> npt.NDArray[Any]:
+    """Real numbers of a shape, in which None is any length. Raises `OptionError` for other values."""
+    wanted = str(tuple(-1 if size is None else size for size in shape)).replace("-1", "n")
+    try:
+        array = np.asarray(value)
+        given = array.astype(np.float64, copy=False) if array.dtype.kind in "fiu" else None
+    except (TypeError, ValueError, OverflowError):
+        given = None
+    if given is None:
+        raise OptionError(f"{what} is {shown(value)}: give real numbers, {wanted}")
+    sizes = given.shape
+    if len(sizes) != len(shape) or any(size not in (None, own) for size, own in zip(shape, sizes, strict=True)):
+        raise OptionError(f"{what} has shape {sizes}: give numbers, {wanted}")
+    if is_finite and not np.isfinite(given).all():
+        raise OptionError(f"{what} has a number that is not finite: give finite numbers, {wanted}")
+    return given
+
+
+def check_ids(what: str, value: object, count: int) -> npt.NDArray[np.int64]:
+    """Whole numbers `(n,)` below a count. Raises `OptionError` for other values."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):
+        array = np.empty((0, 0))
+    if array.shape == (0,):
+        return np.empty(0, dtype=np.int64)
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise OptionError(f"{what} is {shown(value)}: give whole numbers, (n,)")
+    if array.min() < 0 or array.max() >= count:
+        raise OptionError(f"{what} has numbers from {array.min()} to {array.max()}: give 0 to {count - 1}")
+    return array.astype(np.int64, copy=False)
+
+
+def _is_writable(text: str, encode: Callable[[str], object] = str.encode) -> bool:
+    """Whether a text has no half of a character, as file systems and files refuse it."""
+    try:
+        encode(text)
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def check_threads(threads: object) -> int | None:
@@ -83,7 +182,7 @@ def check_threads(threads: object) -> int | None:
 def check_progress(progress: Progress | None) -> Progress | None:
     """A function that takes progress, or None. Raises `OptionError` for other values."""
     if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {progress!r}: give a function of (share done, stage), or None")
+        raise OptionError(f"progress is {shown(progress)}: give a function of (share done, stage), or None")
     return progress
 
 

@@ -15,7 +15,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -103,7 +103,7 @@ def measure_constants() -> Constants:
     return fit_constants(np.array(steps), np.concatenate(seconds))
 
 
-def counted(stats: dict[str, int], tool_triangles: int) -> list[float]:
+def counted(stats: Mapping[str, int], tool_triangles: int) -> list[float]:
     """How often a query ran each step of `NAMES`, from its counters (storage dense or hashed)."""
     pairs = stats["entries_scanned"] - stats["repeats_skipped"]
     return [1.0, tool_triangles, stats["voxels_visited"], stats["entries_scanned"], pairs, stats["box_survivors"]]

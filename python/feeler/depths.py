@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.words import plural
+
 
 @dataclass(frozen=True, eq=False)
 class Depths:
@@ -44,4 +46,4 @@ class Depths:
 
     def __repr__(self) -> str:
         deepest = f", the deepest {self.depths[0]:.6g} m" if len(self) else ""
-        return f"Depths({len(self)} part{'' if len(self) == 1 else 's'}{deepest})"
+        return f"Depths({plural(len(self), 'part')}{deepest})"

@@ -8,6 +8,9 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import shown
+from feeler.errors import OptionError
+
 if sys.version_info >= (3, 11):
     from enum import StrEnum
 else:
@@ -32,11 +35,11 @@ class CodedEnum(StrEnum):
         return list(type(self)).index(self)
 
     @classmethod
-    def _missing_(cls, value: object) -> CodedEnum | None:
-        """The member with this number."""
+    def _missing_(cls, value: object) -> CodedEnum:
+        """The member with this number. Raises `OptionError` for others."""
         if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and 0 <= value < len(cls):
             return list(cls)[int(value)]
-        return None
+        raise OptionError(f"{shown(value)} is not a valid {cls.__name__}: choose {', '.join(cls)}")
 
     @classmethod
     def words(cls, codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.str_]:

@@ -13,6 +13,7 @@ from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
 from feeler.travel import reduced
+from feeler.words import plural
 
 
 class IgnoredPairs(_core.IgnoredPairs):
@@ -42,7 +43,7 @@ class IgnoredPairs(_core.IgnoredPairs):
         return len(self.pairs)
 
     def __repr__(self) -> str:
-        return f"IgnoredPairs({len(self)} pairs)"
+        return f"IgnoredPairs({plural(len(self), 'pair')})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return reduced("IgnoredPairs", (type(self), *self._counts, self.pairs))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,12 +14,15 @@ import numpy.typing as npt
 
 from feeler import _core, saved
 from feeler._core import Packed
+from feeler.arguments import check_kind, check_text, check_whole, shown
+from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
 from feeler.poses import placed
 from feeler.saved import opened_again
 from feeler.source import Source
 from feeler.travel import reduced
+from feeler.words import plural
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
@@ -28,10 +31,13 @@ VERTEX_LIMIT = 65_535
 
 @dataclass(frozen=True)
 class Defect:
-    """The number of triangles with one kind of defect, and the first ids."""
+    """The number of triangles with one kind of defect, and the first ids. `count, first = defect` unpacks it."""
 
     count: int
     first: tuple[int, ...]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.count, self.first))
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,7 @@ class LoadReport:
     parts: int
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
-    defects: dict[str, Defect]
+    defects: dict[DefectKind, Defect]
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -86,7 +92,7 @@ class LoadReport:
     def __str__(self) -> str:
         x, y, z = self.extent
         lines = [
-            f"{self.triangles:,} triangles in {self.parts:,} parts, {x:.4g} x {y:.4g} x {z:.4g} m",
+            f"{plural(self.triangles, 'triangle')} in {plural(self.parts, 'part')}, {x:.4g} x {y:.4g} x {z:.4g} m",
             f"unit {self.source.unit} ({self.source.unit_source})",
         ]
         if self.source.files:
@@ -95,7 +101,7 @@ class LoadReport:
             if defect.count:
                 ids = ", ".join(str(i) for i in defect.first[:5]) + (", ..." if defect.count > 5 else "")
                 fate = "queried" if kind == "duplicate" else "not queried"
-                lines.append(f"{defect.count:,} {kind.replace('_', ' ')} triangles, {fate}: {ids}")
+                lines.append(f"{plural(defect.count, kind.replace('_', ' ') + ' triangle')}, {fate}: {ids}")
         if not any(defect.count for defect in self.defects.values()):
             lines.append("no defects")
         if self.source.up:
@@ -169,22 +175,24 @@ class Mockup(_core.Mockup):
         *,
         part_paths: Sequence[str] | None = None,
         source: Source | None = None,
-        unit: str | None = None,
+        unit: UnitName | None = None,
     ) -> Mockup:
         """See the class."""
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
-            source = source or origin
+            source = origin if source is None else source
         elif unit is not None:
-            raise OptionError(f"unit={unit!r} is for mesh objects: arrays are in metres, so scale the vertices")
+            raise OptionError(
+                f"unit is {shown(unit)}, and is for mesh objects: arrays are in metres, so scale the vertices"
+            )
         points = _points(vertices)
         indices = _indices(faces, len(points))
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), "part")
         self = super().__new__(cls, points, indices, parts, len(names))
         self.part_names = names
         self.part_paths = paths
-        self.source = source or Source()
+        self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
     @classmethod
@@ -199,6 +207,11 @@ class Mockup(_core.Mockup):
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
         return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
+
+    @property
+    def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
+        """The count and first ids of each kind of defect, as in `report`."""
+        return _defects(super().defects)
 
     @property
     def report(self) -> LoadReport:
@@ -235,7 +248,7 @@ class Mockup(_core.Mockup):
         return super().__new__(cls, *state)
 
     def __repr__(self) -> str:
-        return f"Mockup({self.triangle_count:,} triangles, {self.part_count:,} parts)"
+        return f"Mockup({plural(self.triangle_count, 'triangle')}, {plural(self.part_count, 'part')})"
 
 
 class Tool(_core.Tool):
@@ -266,23 +279,26 @@ class Tool(_core.Tool):
         *,
         part_paths: Sequence[str] | None = None,
         source: Source | None = None,
-        unit: str | None = None,
+        unit: UnitName | None = None,
     ) -> Tool:
         """See the class."""
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
-            source = source or origin
+            source = origin if source is None else source
         elif unit is not None:
-            raise OptionError(f"unit={unit!r} is for mesh objects: arrays are in metres, so scale the vertices")
+            raise OptionError(
+                f"unit is {shown(unit)}, and is for mesh objects: arrays are in metres, so scale the vertices"
+            )
         points = _points(vertices)
         indices = _indices(faces, len(points))
-        parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), str(name))
+        check_text("name", name)
+        parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), name)
         self = super().__new__(cls, points, indices, parts, len(names))
-        self.name = str(name)
+        self.name = name
         self.part_names = names
         self.part_paths = paths
-        self.source = source or Source()
+        self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
     @classmethod
@@ -361,6 +377,11 @@ class Tool(_core.Tool):
         return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
 
     @property
+    def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
+        """The count and first ids of each kind of defect, as in `report`."""
+        return _defects(super().defects)
+
+    @property
     def report(self) -> LoadReport:
         """The contents and defects of the mesh."""
         return _report(self, self.source, self.part_count)
@@ -380,7 +401,7 @@ class Tool(_core.Tool):
         return super().__new__(cls, *state)
 
     def __repr__(self) -> str:
-        return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"
+        return f"Tool({self.name!r}, {plural(self.triangle_count, 'triangle')})"
 
 
 def _attributes(file: saved.SavedFile) -> dict[str, Any]:
@@ -391,9 +412,7 @@ def _attributes(file: saved.SavedFile) -> dict[str, Any]:
 
 
 def _vertex_limit(limit: object) -> int:
-    if isinstance(limit, bool) or not isinstance(limit, (int, np.integer)) or not 3 <= limit <= VERTEX_LIMIT:
-        raise OptionError(f"vertex_limit is {limit!r}: a piece has 3 to {VERTEX_LIMIT} vertices")
-    return int(limit)
+    return check_whole("vertex_limit", limit, 3, VERTEX_LIMIT)
 
 
 def _mask(parts: Parts, chosen: PartsLike | None) -> list[bool] | None:
@@ -405,10 +424,15 @@ def _mask(parts: Parts, chosen: PartsLike | None) -> list[bool] | None:
     return mask.tolist()  # type: ignore[no-any-return]
 
 
+def _defects(found: Mapping[DefectKind, tuple[int, Sequence[int]]]) -> dict[DefectKind, Defect]:
+    return {kind: Defect(count, tuple(first)) for kind, (count, first) in found.items()}
+
+
 def _report(mesh: _core.Mockup | _core.Tool, source: Source, parts: int) -> LoadReport:
     lower, upper = mesh.bounds
-    defects = {kind: Defect(count, tuple(first)) for kind, (count, first) in mesh.defects.items()}
-    return LoadReport(source, mesh.triangle_count, len(mesh.vertices), parts, _xyz(lower), _xyz(upper), defects)
+    return LoadReport(
+        source, mesh.triangle_count, len(mesh.vertices), parts, _xyz(lower), _xyz(upper), _defects(mesh.defects)
+    )
 
 
 def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:

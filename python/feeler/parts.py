@@ -15,6 +15,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_text
 from feeler.errors import OptionError
 
 _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
@@ -32,7 +33,7 @@ class Part:
     upper: tuple[float, float, float]
 
 
-PartsLike = int | str | Part | Iterable["int | str | Part"] | npt.NDArray[Any]
+PartsLike = int | str | Part | Iterable[int | str | Part] | npt.NDArray[Any]
 """Parts, as arguments name them: see `Parts.select`."""
 
 
@@ -67,7 +68,7 @@ class Parts(Sequence[Part]):
 
     def find(self, path: str) -> list[Part]:
         """Parts whose path or name equals `path`, or whose path lies below it."""
-        return [self[i] for i in self._called(path)]
+        return [self[i] for i in self._called(check_text("path", path, "the path or name of a part"))]
 
     def select(self, parts: PartsLike) -> npt.NDArray[np.uint32]:
         """The indices of the named parts, ascending, each once.
@@ -102,14 +103,15 @@ class Parts(Sequence[Part]):
         if not isinstance(part, str):
             raise OptionError(f"{part!r} names no part: give an index, a path or a pattern")
         called = self._called(part)
-        if not called and any(sign in part for sign in "*?["):
+        is_pattern = any(sign in part for sign in "*?[")
+        if not called and is_pattern:
             matches = re.compile(fnmatch.translate(part)).match
             named = enumerate(zip(self._names, self._paths, strict=True))
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
         if not called:
             alike = self._alike(part)
-            hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
-            raise OptionError(f"no part is called, or matches, {part!r}{hint}")
+            hint = f"; do you mean {' or '.join(map(repr, alike))}?" if alike else ""
+            raise OptionError(f"no part {'matches' if is_pattern else 'has the path or name'} {part!r}{hint}")
         return called
 
     def _alike(self, part: str) -> list[str]:

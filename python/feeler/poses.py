@@ -23,7 +23,7 @@ class HasMatrix(Protocol):
         ...
 
 
-PoseLike = npt.ArrayLike | HasMatrix | tuple["npt.ArrayLike | HasMatrix", npt.ArrayLike]
+PoseLike = npt.ArrayLike | HasMatrix | tuple[npt.ArrayLike | HasMatrix, npt.ArrayLike]
 """A pose: `(4, 4)` numbers, row by row; an object with `as_matrix()`; or a pair of a rotation (`(3, 3)`, or an object
 with `as_matrix()`) and a translation `(3,)`."""
 PosesLike = PoseLike | Sequence[PoseLike]
@@ -33,7 +33,8 @@ MAX_DEVIATION = 0.01
 """The most that `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
 
 _RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: nothing to repair
-_RIGID_ENOUGH = 1e-6  # queries accept a pose up to this deviation
+QUERY_DEVIATION = 1e-6
+"""The most by which the pose of a query may be not rigid."""
 _LEAST_RANK = 1e-9  # second to first singular value; below it all rows are on one line and define no rotation
 
 
@@ -114,7 +115,7 @@ def placed(points: Floats, place: npt.ArrayLike, what: str) -> Floats:
     Raises `PoseError` for a place that a query would refuse; `what` names it in the message.
     """
     matrix = _matrices(place)
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not _deviation(matrix[None])[0] <= _RIGID_ENOUGH:
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not _deviation(matrix[None])[0] <= QUERY_DEVIATION:
         raise PoseError(
             f"the place of {what} is not a rigid (4, 4) matrix: give a rotation without scale, shear or mirror; "
             "feeler.nearest_rigid(place) repairs rounding"

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Literal, cast, overload
+from typing import Any, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -35,24 +35,26 @@ from feeler.arguments import (
     check_number,
     check_progress,
     check_real,
+    check_text,
     check_threads,
     check_whole,
     check_word,
 )
 from feeler.calibrate import machine_constants
+from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
 from feeler.errors import LimitError, LoadError, MeshError, OptionError, WriteError
+from feeler.figures import SceneMemory
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.memory import free_memory
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike, PosesLike
 from feeler.progress import Progress
+from feeler.renamed import keywords
 from feeler.travel import reduced
 
-STORAGES = ("blocks", "dense", "hashed")
-ESTIMATORS = ("calibrated", "area", "diagonal", "side")
 CAST_TOLERANCE = 1e-6
 """The most by which an impact may be early, metres."""
 
@@ -107,18 +109,21 @@ class Scene(_core.Scene):
         cls,
         mockup: Mockup,
         voxel_size: float | None = None,
-        storage: str = "blocks",
+        storage: Storage = "blocks",
         hashing: float = 0.0,
         tool: Tool | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
         memory_limit: int | None = None,
-        simd: str | None = None,
+        simd: Simd | None = None,
     ) -> Scene:
         """See the class."""
         if not isinstance(mockup, Mockup):
             raise MeshError(f"a scene needs a feeler.Mockup, not {type(mockup).__name__}")
         check_threads(threads)
+        check_word("storage", storage, STORAGES)
+        if simd is not None:
+            check_text("simd", simd, f"one of {', '.join(SIMDS)}")  # the core knows which this CPU has
         given = {"threads": threads, "memory_limit": memory_limit, "simd": simd}
         memory_limit = _memory_limit(memory_limit)
         check_progress(progress)
@@ -139,13 +144,13 @@ class Scene(_core.Scene):
             cls,
             mockup,
             None if voxel_size is None else check_real("voxel_size", voxel_size),
-            str(storage),
+            storage,
             check_real("hashing", hashing),
             tool,
             threads,
             progress,
             memory_limit,
-            None if simd is None else str(simd),
+            simd,
         )
         self.build_seconds = time.perf_counter() - start
         self._given = given
@@ -157,6 +162,13 @@ class Scene(_core.Scene):
         mockup = super().mockup
         assert isinstance(mockup, Mockup)
         return mockup
+
+    def memory(self) -> SceneMemory:
+        """Bytes by structure, and their `total`: all that stays in memory for the index.
+
+        `triangles` and `parts` are the mock-up's own arrays, which the index reads and does not copy.
+        """
+        return SceneMemory(**super().memory())
 
     def without(self, parts: PartsLike) -> Scene:
         """The scene without some parts, which can then move in it as a `Tool.of_parts`.
@@ -258,6 +270,7 @@ class Scene(_core.Scene):
             tool, world_from_tool, _within(within), check_flag("triangles", triangles), ignore=ignore
         )
 
+    @keywords({"max": "within"}, gone={"k": "call nearest(tool, pose, k)"})
     def distance(
         self,
         tool: _core.Tool,
@@ -291,6 +304,7 @@ class Scene(_core.Scene):
             tool, world_from_tool, _within(within), check_whole("k", k, 1, 2**32 - 1), ignore=ignore
         )
 
+    @keywords({"max": "within"})
     def distance_batch(
         self,
         tool: _core.Tool,
@@ -328,6 +342,7 @@ class Scene(_core.Scene):
         query = ("clearance_batch", (tool,), {"within": within, "triangles": triangles, "ignore": ignore})
         return asked() if executor is None else self._spread(asked, query, poses, executor, progress)
 
+    @keywords({"pose0": "start", "pose1": "end"})
     def cast(
         self,
         tool: _core.Tool,
@@ -336,7 +351,7 @@ class Scene(_core.Scene):
         *,
         screw: Screw | None = None,
         tolerance: float = CAST_TOLERANCE,
-        touching: Literal["counts", "free"] = "counts",
+        touching: Touching = "counts",
         ignore: Ignore = None,
     ) -> Cast | None:
         """The first impact between two poses `(4, 4)`, or along a `Screw`; None if the motion is free.
@@ -353,6 +368,7 @@ class Scene(_core.Scene):
         triangles may overlap by `tolerance`, so that the rounding of a motion causes no impact.
         """
         tolerance = check_number("tolerance", tolerance, "metres, more than 0", above=0.0)
+        check_word("touching", touching, TOUCHINGS)
         return super().cast(tool, start, end, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
     @overload
@@ -362,7 +378,7 @@ class Scene(_core.Scene):
         poses: Sequence[PoseLike | Screw],
         *,
         tolerance: float = ...,
-        touching: Literal["counts", "free"] = ...,
+        touching: Touching = ...,
         inside: bool = ...,
         progress: Progress | None = ...,
         ignore: Ignore = ...,
@@ -374,7 +390,7 @@ class Scene(_core.Scene):
         poses: PosesLike,
         *,
         tolerance: float = ...,
-        touching: Literal["counts", "free"] = ...,
+        touching: Touching = ...,
         inside: bool = ...,
         progress: Progress | None = ...,
         ignore: Ignore = ...,
@@ -385,7 +401,7 @@ class Scene(_core.Scene):
         poses: PosesLike | Sequence[PoseLike | Screw],
         *,
         tolerance: float = CAST_TOLERANCE,
-        touching: Literal["counts", "free"] = "counts",
+        touching: Touching = "counts",
         inside: bool = True,
         progress: Progress | None = None,
         ignore: Ignore = None,
@@ -402,6 +418,7 @@ class Scene(_core.Scene):
         a collision (`PathCheck.containment`). `touching` as in `cast`.
         """
         check_progress(progress)
+        check_word("touching", touching, TOUCHINGS)
         return super().check_path(
             tool,
             cast("PosesLike", poses),
@@ -412,6 +429,7 @@ class Scene(_core.Scene):
             ignore=ignore,
         )
 
+    @keywords({"margin": "within"})
     def contacts(
         self,
         tool: _core.Tool,
@@ -433,6 +451,7 @@ class Scene(_core.Scene):
         """
         return super().contacts(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
+    @keywords({"margin": "within"})
     def penetration(
         self,
         tool: _core.Tool,
@@ -471,6 +490,7 @@ class Scene(_core.Scene):
             numbers[:, 5:8].copy(),
         )
 
+    @keywords({"max": "within"})
     def rays(
         self,
         origins: npt.ArrayLike,
@@ -611,9 +631,9 @@ class ContactTracker(_core.ContactTracker):
 def optimal_voxel_size(
     mockup: Mockup,
     tool: Tool,
-    estimator: str = "calibrated",
+    estimator: Estimator = "calibrated",
     *,
-    storage: str = "dense",
+    storage: Storage = "dense",
     hashing: float = 0.0,
     memory_limit: int | None = None,
 ) -> float:
@@ -631,9 +651,7 @@ def optimal_voxel_size(
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
     if estimator != "calibrated":
-        return _core.optimal_voxel_size(mockup, tool, str(estimator))
-    if storage not in STORAGES:
-        raise OptionError(f"storage is {storage!r}: choose 'blocks', 'dense' or 'hashed'")
+        return _core.optimal_voxel_size(mockup, tool, estimator)
     level = check_real("hashing", hashing)
     if storage != "hashed" and level != 0.0:
         raise OptionError(f"hashing is {level}, but the storage is not 'hashed': leave hashing at 0")

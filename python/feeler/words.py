@@ -1,8 +1,9 @@
-"""Numbers as text."""
+"""Numbers and counts as text."""
 
 from __future__ import annotations
 
 import math
+import re
 
 
 def length(metres: float) -> str:
@@ -15,3 +16,41 @@ def length(metres: float) -> str:
         if abs(shown) >= 1.0:
             return f"{shown:.6g} {unit}"
     return f"{metres:.4g} m"
+
+
+def plural(number: int, noun: str) -> str:
+    """A number with its noun, given in the singular: "1 part", "2 vertices"."""
+    return f"{number:,} {noun if number == 1 else _PLURALS.get(noun, noun + 's')}"
+
+
+def counted(number: int, sentence: str) -> str:
+    """A number before a sentence in the plural, which becomes singular for 1: "1 line was ignored".
+
+    Its noun is the first word that ends as a plural; verbs are changed up to the first colon or semicolon.
+    """
+    if number != 1:
+        return f"{number:,} {sentence}"
+    clause, rest = re.match(r"([^:;]*)(.*)", sentence, re.DOTALL).groups()  # type: ignore[union-attr]
+    words = clause.split(" ")
+    noun = next((place for place, word in enumerate(words) if word in _SINGULARS or _PLURAL.fullmatch(word)), None)
+    if noun is not None:
+        words[noun] = _SINGULARS.get(words[noun], words[noun].removesuffix("s"))
+        words[noun + 1 :] = [_VERBS.get(word, word) for word in words[noun + 1 :]]
+    return "1 " + " ".join(words) + rest
+
+
+_PLURALS = {"vertex": "vertices", "mesh": "meshes", "geometry": "geometries", "index": "indices", "box": "boxes"}
+_SINGULARS = {many: one for one, many in _PLURALS.items()}
+_PLURAL = re.compile(r"[a-z]+[a-rt-z]s")
+_VERBS = {
+    **{
+        "were": "was",
+        "are": "is",
+        "have": "has",
+        "their": "its",
+        "themselves": "itself",
+        "cross": "crosses",
+        "touch": "touches",
+    },
+    **{verb: verb + "s" for verb in ("add", "hold", "make", "mirror", "name", "need", "scale", "state", "take")},
+}

@@ -21,3 +21,29 @@ found.clearance.upper()  # wrong
 feeler.clash(scene, clearance="2 mm")  # wrong
 feeler.haptics.Session(scene, tool).stepp(np.eye(4))  # wrong
 number: str = scene.is_colliding(tool, np.eye(4))  # wrong
+feeler.Scene(scene.mockup, storage="block")  # wrong
+feeler.Scene(scene.mockup, simd="avx")  # wrong
+feeler.load_mockup("engine.step", unit="millimetre")  # wrong
+feeler.load_tool("wrench.stl", up="w")  # wrong
+feeler.optimal_voxel_size(scene.mockup, tool, "foo")  # wrong
+feeler.sample("gear")  # wrong
+feeler.sample("gearbox", faults=["no_such_fault"])  # wrong
+feeler.sample_tool("hammer")  # wrong
+feeler.sample_poses(scene, tool, "far", 3)  # wrong
+feeler.clash(scene.mockup, contact="cord")  # wrong
+feeler.clash(scene.mockup).groups("prt")  # wrong
+feeler.clash(scene.mockup).where(verdict="crash")  # wrong
+feeler.clash(scene.mockup).where(verdit="clash")  # wrong
+feeler.clash(scene.mockup).set_status("id", "resolved")  # wrong
+feeler.clash(scene.mockup).verdict  # wrong
+feeler.find_fasteners(scene).where(kind="rivet")  # wrong
+feeler.from_urdf("robot.urdf", geometry="both")  # wrong
+feeler.io.write_stl("a.stl", tool, unit="km")  # wrong
+feeler.haptics.devices.Simulated("desk")  # wrong
+feeler.haptics.devices.Simulated(grip="weak")  # wrong
+feeler.view(scene, mode="halt")  # wrong
+found.found  # wrong
+found.free  # wrong
+scene.distance(tool, np.eye(4), max=1.0)  # wrong
+scene.memory().bytes  # wrong
+hit_stats: dict[str, int] = scene.collide(tool, np.eye(4)).stats  # wrong

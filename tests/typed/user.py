@@ -5,13 +5,31 @@ import numpy.typing as npt
 from typing_extensions import assert_type
 
 import feeler
+from feeler.types import CollisionStats, PartsLike, PoseLike, Storage
 
 mockup = feeler.load_mockup("engine.step")
 tool = feeler.load_tool("wrench.stl")
 scene = feeler.Scene(mockup)
 pose: npt.NDArray[np.float64] = np.eye(4)
 
+storage: Storage = "dense"
+dense = feeler.Scene(mockup, storage=storage, voxel_size=0.01)
+assert_type(dense.storage, Storage)
+total: int = scene.memory().total + scene.memory()["triangles"]
+parts: list[feeler.Part] = [part for part in mockup.parts if part.triangles > 100]
+report: feeler.LoadReport = mockup.report
+defect: feeler.Defect = report.defects["zero_area"]
+truth: feeler.samples.Truth = feeler.sample_truth("gearbox")
+fits: list[feeler.samples.Fit] = [fit for fit in truth.fits if fit.flush]
+
+
+def is_free_at(where: PoseLike, without: PartsLike) -> bool:
+    return scene.without(without).is_free(tool, where)
+
+
 hit = scene.collide(tool, pose)
+counters: CollisionStats = hit.stats
+print(counters.exact_tests, counters["pairs"], sum(counters.values()))
 assert_type(hit, feeler.Collision)
 assert_type(scene.is_colliding(tool, pose), bool)
 batch = scene.collide_batch(tool, np.stack([pose, pose]))

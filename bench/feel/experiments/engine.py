@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_TOOL_NAMES
 
 from ..faces import TICK_S, Face
 from .fitting import colliding
@@ -36,7 +38,7 @@ def run(
     scene = feeler.Scene(mockup, threads=1)
     rows = []
     for name in tools:
-        tool = feeler.sample_tool(name)
+        tool = feeler.sample_tool(check_word("name", name, SAMPLE_TOOL_NAMES))
         path = hand_path(scene, tool, seed)
         if most_steps is not None:
             first = max(0, (len(path) - most_steps) // 2)

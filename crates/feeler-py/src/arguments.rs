@@ -3,11 +3,12 @@
 use feeler_core as core;
 use numpy::ndarray::{ArrayView2, Ix2, Ix3};
 use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArrayMethods};
+use pyo3::call::PyCallArgs;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::{PyBool, PyList, PyTuple};
 
-use crate::errors::{message, raise, to_py};
+use crate::errors::{message, raise, shape_text, to_py};
 use crate::tool::Tool;
 
 /// A `feeler.Tool`.
@@ -57,7 +58,10 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
         let plain = plain_pose(&object)?;
         let array = real_numbers::<Ix2>(plain.as_borrowed(), "(4, 4)")?;
         if array.shape() != [4, 4] {
-            return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));
+            return Err(raise(
+                "PoseError",
+                format!("a pose has shape {}: (4, 4) is needed", shape_text(array.shape())),
+            ));
         }
         pose_of(&array.as_array()).map(PoseArgument).map_err(to_py)
     }
@@ -73,7 +77,10 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
         let plain = plain_poses(&object)?;
         let array = real_numbers::<Ix3>(plain.as_borrowed(), "(n, 4, 4)")?;
         if array.shape()[1..] != [4, 4] {
-            return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
+            return Err(raise(
+                "PoseError",
+                format!("poses have shape {}: (n, 4, 4) is needed", shape_text(array.shape())),
+            ));
         }
         let named =
             |p, pose: core::Result<_>| pose.map_err(|e| raise("PoseError", format!("poses[{p}]: {}", message(&e))));
@@ -96,15 +103,17 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
     }
 }
 
-/// Anything that is true or false in Python.
+/// True or false.
 pub struct Switch(pub bool);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Switch {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let refused = |_| raise("OptionError", "a filter is on or off: give True or False".into());
-        object.is_truthy().map(Switch).map_err(refused)
+        match object.cast::<PyBool>() {
+            Ok(flag) => Ok(Switch(flag.is_true())),
+            Err(_) => checked(object.py(), "check_flag", ("a filter", object)).map(Switch),
+        }
     }
 }
 
@@ -121,6 +130,14 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Touching {
             _ => Err(raise("OptionError", format!("touching is {}: choose 'counts' or 'free'", object.repr()?))),
         }
     }
+}
+
+/// An argument that a function of `feeler.arguments` checks, and raises an error with its name for.
+pub fn checked<'py, T>(py: Python<'py>, check: &str, arguments: impl PyCallArgs<'py>) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
+{
+    py.import("feeler.arguments")?.call_method1(check, arguments)?.extract()
 }
 
 /// A pose that is no array, as one: `feeler.poses` knows the kinds.

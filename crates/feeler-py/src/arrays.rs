@@ -9,13 +9,13 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use crate::errors::raise;
+use crate::errors::{raise, shape_text};
 
 /// Rows of three as a vector; an error of class `MeshError` for any other shape.
 pub fn rows<T: Element + Copy>(what: &str, array: &PyReadonlyArray2<'_, T>) -> PyResult<Vec<[T; 3]>> {
     let view = array.as_array();
     if view.ncols() != 3 {
-        return Err(raise("MeshError", format!("{what} has shape {:?}: (n, 3) is needed", array.shape())));
+        return Err(raise("MeshError", format!("{what} has shape {}: (n, 3) is needed", shape_text(array.shape()))));
     }
     Ok(view.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect())
 }

@@ -33,6 +33,15 @@ impl Collision {
         Collision { core, parts: Parts::Of(mockup, tool) }
     }
 
+    /// The counters of the query by name.
+    fn counters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, count) in self.core.stats.entries() {
+            dict.set_item(name, count)?;
+        }
+        Ok(dict)
+    }
+
     /// Of the tool (0) or the mock-up (1).
     fn part_ids(&self, column: usize) -> Vec<u32> {
         let (mockup, tool) = match &self.parts {
@@ -127,21 +136,9 @@ impl Collision {
     }
 
     /// Counters of the query, stage by stage.
-    ///
-    /// - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
-    /// - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces with overlapping boxes.
-    /// - `repeats_skipped`: repeated pairs skipped.
-    /// - `box_survivors`: pairs of triangles with overlapping boxes.
-    /// - `triangle_tests`: triangle tests.
-    /// - `exact_tests`: triangle tests that needed exact arithmetic because float64 could not decide them.
-    /// - `pairs`: distinct colliding pairs.
     #[getter]
-    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for (name, count) in self.core.stats.entries() {
-            dict.set_item(name, count)?;
-        }
-        Ok(dict)
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("feeler.figures")?.getattr("CollisionStats")?.call((), Some(&self.counters(py)?))
     }
 
     fn __len__(&self) -> usize {
@@ -159,7 +156,7 @@ impl Collision {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, this) = (slf.py(), slf.get());
         let parts = (this.tool_parts(py), this.parts(py));
-        reduced(py, "Collision", (Self::pairs(slf), Self::kind_codes(slf), parts.0, parts.1, this.stats(py)?))
+        reduced(py, "Collision", (Self::pairs(slf), Self::kind_codes(slf), parts.0, parts.1, this.counters(py)?))
     }
 }
 

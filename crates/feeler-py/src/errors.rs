@@ -62,3 +62,9 @@ pub fn raise(class: &str, message: String) -> PyErr {
         }
     })
 }
+
+/// A shape as Python writes it: "(3, 4)", "(16,)".
+pub fn shape_text(shape: &[usize]) -> String {
+    let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
+    format!("({}{})", sizes.join(", "), if sizes.len() == 1 { "," } else { "" })
+}

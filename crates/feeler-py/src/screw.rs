@@ -5,7 +5,7 @@ use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::arguments::{PoseArgument, PosesArgument};
+use crate::arguments::{checked, PoseArgument, PosesArgument};
 use crate::arrays::pose_array;
 use crate::errors::{raise, to_py};
 
@@ -86,9 +86,9 @@ impl Screw {
     }
 
     /// `(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`.
-    #[pyo3(signature = (pose, fraction = 1.0))]
-    fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        Ok(pose_array(py, &self.core.at(&pose.0, fraction).map_err(to_py)?))
+    #[pyo3(signature = (pose, fraction = Fraction(1.0)), text_signature = "($self, pose, fraction=1.0)")]
+    fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: Fraction) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        Ok(pose_array(py, &self.core.at(&pose.0, fraction.0).map_err(to_py)?))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
@@ -118,6 +118,17 @@ type Three = (f64, f64, f64);
 impl Screw {
     fn state(&self) -> (Three, Three, f64, f64) {
         (self.axis(), self.point(), self.angle(), self.pitch())
+    }
+}
+
+/// A share of a motion.
+struct Fraction(f64);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Fraction {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        checked(object.py(), "check_number", ("fraction", object, "a number, 0 to 1")).map(Fraction)
     }
 }
 

@@ -12,10 +12,11 @@ from feeler.clashes.as_html import write_html
 from feeler.clashes.as_json import report
 from feeler.clashes.as_xlsx import write_xlsx
 from feeler.clashes.finding import ClashInterrupted, clash
+from feeler.clashes.matching import PartMatch
 from feeler.clashes.result import Changes, Clashes, Group, load_clashes
 from feeler.clashes.rules import Exclusion, Rule, Rules
 from feeler.clashes.rules_file import write_rules
-from feeler.clashes.table import Clash
+from feeler.clashes.table import Clash, Facts
 from feeler.clashes.variants import VariantsInterrupted, clash_variants
 from feeler.clashes.verdict import Verdict
 
@@ -25,7 +26,9 @@ __all__ = [
     "ClashInterrupted",
     "Clashes",
     "Exclusion",
+    "Facts",
     "Group",
+    "PartMatch",
     "Rule",
     "Rules",
     "VariantsInterrupted",

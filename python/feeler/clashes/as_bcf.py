@@ -14,12 +14,13 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
+from feeler.arguments import check_kind, check_progress, check_text, check_whole
+from feeler.choices import GroupBy
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
 from feeler.clashes.tracking import derived_id
 from feeler.clashes.verdict import SEVERITIES, Verdict
 from feeler.clashes.words import sentence, title
-from feeler.errors import OptionError
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 from feeler.progress import Progress
@@ -47,7 +48,7 @@ def write_bcf(
     clashes: Clashes,
     mockup: Mockup,
     *,
-    by: str = "part",
+    by: GroupBy = "part",
     most: int = MOST_TOPICS,
     author: str = SYSTEM,
     when: datetime.datetime | None = None,
@@ -62,8 +63,11 @@ def write_bcf(
     from feeler.clashes.pictures import Pictures
     from feeler.clashes.table import check_same
 
-    if most < 1:
-        raise OptionError(f"most is {most!r}: give a number of topics, 1 or more")
+    most = check_whole("most", most, 1)
+    check_text("author", author)
+    check_progress(progress)
+    if when is not None:
+        check_kind("when", when, datetime.datetime, "a datetime.datetime, or None")
     check_same(mockup, clashes)
     author = _named(author, SYSTEM)
     date = (when or datetime.datetime.now(datetime.timezone.utc)).isoformat(timespec="seconds")

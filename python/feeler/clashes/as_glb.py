@@ -7,10 +7,10 @@ import os
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_kind
 from feeler.clashes.result import Clashes
 from feeler.clashes.table import check_same
 from feeler.clashes.verdict import Verdict
-from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, Body, Colour, body_of
 from feeler.io.export import write_glb
 from feeler.mockup import Mockup
@@ -54,9 +54,7 @@ def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
 
 def write_clash_glb(path: str | os.PathLike[str], clashes: Clashes, mockup: Mockup) -> int:
     """Writes `clash_bodies` as GLB; returns its size in bytes. Raises `WriteError`, `OptionError`."""
-    given: object = clashes
-    if not isinstance(given, Clashes):
-        raise OptionError(f"clashes is {type(given).__name__}: write_clash_glb takes path, clashes, mockup")
+    check_kind("clashes", clashes, Clashes)
     return write_glb(path, *clash_bodies(mockup, clashes))
 
 

@@ -8,6 +8,8 @@ import os
 from html import escape
 from typing import Any
 
+from feeler.arguments import check_kind, check_progress, check_whole
+from feeler.choices import GroupBy
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
@@ -17,7 +19,7 @@ from feeler.clashes.words import capitalised, extent, hidden, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 from feeler.progress import Progress
-from feeler.words import length
+from feeler.words import length, plural
 
 MOST_GROUPS = 200
 """Most groups on the page, the worst first. Each has a picture, about 30 kB and 0.05 s. The table has all findings."""
@@ -30,7 +32,7 @@ def write_html(
     clashes: Clashes,
     mockup: Mockup | None = None,
     *,
-    by: str = "part",
+    by: GroupBy = "part",
     pictures: int = MOST_GROUPS,
     progress: Progress | None = None,
 ) -> None:
@@ -40,6 +42,9 @@ def write_html(
     worst finding. by: how to group, as in `Clashes.groups`. Raises `WriteError`, and `OptionError` for clashes of
     another mock-up.
     """
+    check_kind("clashes", clashes, Clashes)
+    pictures = check_whole("pictures", pictures)
+    check_progress(progress)
     groups = clashes.groups(by)
     drawn = _drawn(clashes, mockup, groups[: min(pictures, MOST_GROUPS)], progress) if mockup is not None else []
     group_of = {int(row): group.name for group in groups for row in group.rows}
@@ -86,7 +91,7 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
     contact = facts.contact if isinstance(facts.contact, str) else length(facts.contact) if facts.contact else "0"
     verdicts = [(each.value, len(clashes.where(verdict=each))) for each in Verdict]
     lines = [
-        ("mock-up", f"{facts.parts:,} parts, {facts.triangles:,} triangles"),
+        ("mock-up", f"{plural(facts.parts, 'part')}, {plural(facts.triangles, 'triangle')}"),
         ("looked for", f"clearance {length(facts.clearance) if facts.clearance else '0'}, contact {contact}"),
         ("findings", ", ".join(f"{count:,} {name}" for name, count in verdicts if count) or "none"),
         ("status", ", ".join(f"{count:,} {name}" for name, count in statuses(clashes).items() if count) or "none"),
@@ -105,7 +110,7 @@ def _groups(groups: list[Group], drawn: list[str]) -> list[str]:
     lines = ["<h2>Groups</h2><div class=groups tabindex=0 role=group aria-label=Groups>"]
     for number, group in enumerate(groups[:MOST_GROUPS]):
         image = f'<img alt="" loading=lazy src="{drawn[number]}">' if number < len(drawn) else ""
-        more = f"{len(group):,} finding{'' if len(group) == 1 else 's'}"
+        more = plural(len(group), "finding")
         lines.append(
             f'<button type=button class=group aria-pressed=false data-group="{escape(group.name)}">{image}<span>'
             f"<b>{escape(group.name).replace('/', '/<wbr>')}</b>{more}; {escape(sentence(group.worst))}</span></button>"

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+from feeler.arguments import check_kind
+from feeler.choices import GroupBy
 from feeler.clashes import saving
 from feeler.clashes.advice import advice
 from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 
 
-def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
+def report(clashes: Clashes, *, by: GroupBy = "part") -> dict[str, Any]:
     """Counts, groups and findings as plain Python values, the worst first. Each finding has the name of its group.
 
     by: how to group, as in `Clashes.groups`.
     """
+    check_kind("clashes", clashes, Clashes)
     groups = clashes.groups(by)
     group_of = {int(row): group.name for group in groups for row in group.rows}
     return {

@@ -10,6 +10,8 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+from feeler.arguments import check_kind, check_progress, check_whole, check_word
+from feeler.choices import GROUPS_BY, GroupBy
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.columns import COLUMNS, cells
@@ -48,7 +50,7 @@ def write_xlsx(
     clashes: Clashes,
     mockup: Mockup | None = None,
     *,
-    by: str = "part",
+    by: GroupBy = "part",
     pictures: int = MOST_PICTURES,
     progress: Progress | None = None,
 ) -> None:
@@ -58,6 +60,10 @@ def write_xlsx(
     worst findings have a picture. by: how to group, as in `Clashes.groups`. Raises `WriteError`, and `OptionError` for
     clashes of another mock-up, or if XlsxWriter is not installed.
     """
+    check_kind("clashes", clashes, Clashes)
+    pictures = check_whole("pictures", pictures)
+    check_progress(progress)
+    check_word("by", by, GROUPS_BY)  # before the workbook, which leaves files if it is not closed
     library = xlsx_library()
     drawn = _drawing(clashes, mockup) if mockup is not None else None
     count = min(len(clashes), MOST_ROWS)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
 
+from feeler.choices import GroupBy
 from feeler.clashes.result import Clashes
 from feeler.clashes.table import Clash
 from feeler.io.csv_table import Cell
@@ -58,7 +59,7 @@ COLUMNS = (
 )
 
 
-def cells(clashes: Clashes, by: str) -> Iterator[list[Cell]]:
+def cells(clashes: Clashes, by: GroupBy) -> Iterator[list[Cell]]:
     """The cells of each finding, the worst first. by: how to group, as in `Clashes.groups`."""
     group_of = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
     for place, clash in enumerate(clashes):

@@ -12,17 +12,19 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.arguments import check_flag, check_length, check_progress
+from feeler.choices import Chord
 from feeler.clashes.fastener_rule import shape_of
 from feeler.clashes.limits import Limits, limits
 from feeler.clashes.openness import open_holders
 from feeler.clashes.result import Clashes
-from feeler.clashes.rules import RulesLike, rules_from
+from feeler.clashes.rules import RulesLike, is_chord, rules_from
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
 from feeler.progress import Progress
+from feeler.renamed import keywords
 from feeler.scene import Scene
 
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
@@ -42,10 +44,11 @@ class ClashInterrupted(KeyboardInterrupt):
         return (type(self), (self.clashes,))
 
 
+@keywords({"exclude": "ignore"})
 def clash(
     mockup: Mockup,
     clearance: float = 0.002,
-    contact: float | str = 0.0,
+    contact: float | Chord = 0.0,
     rules: RulesLike | None = None,
     ignore: Exclude | None = None,
     volume: bool = False,
@@ -79,7 +82,7 @@ def clash(
     check_progress(progress)
     check_flag("volume", volume)
     near = check_length("clearance", clearance)
-    touch = contact if contact == "chord" else check_length("contact", contact, ', or "chord"')
+    touch: float | Chord = "chord" if is_chord(contact) else check_length("contact", contact, ', or "chord"')
     if scene is not None and scene.mockup is not mockup:
         raise OptionError("scene is of another mock-up: give a scene of this mock-up, or leave it out")
     if volume:
@@ -134,7 +137,7 @@ def clash(
 
 
 def _limits(
-    mockup: Mockup, clearance: float, contact: float | str, rules: RulesLike | None, exclude: Exclude | None
+    mockup: Mockup, clearance: float, contact: float | Chord, rules: RulesLike | None, exclude: Exclude | None
 ) -> Limits:
     pairs = _pairs(mockup, exclude)
     chord = mockup.source.chord_tolerance

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_length
+from feeler.arguments import check_length, check_word
 from feeler.clashes.table import Table
 from feeler.clashes.tracking import part_keys
 from feeler.errors import OptionError
@@ -24,8 +24,7 @@ _COMPARED = 1_000_000
 
 def grouped(clashes: Table, by: str, reach: float | None) -> list[tuple[str, Ints]]:
     """Name and rows of each group: see `Clashes.groups`. Rows keep their order; groups that of their first rows."""
-    if by not in _MADE:
-        raise OptionError(f"groups are not made by {by!r}: choose {', '.join(_MADE)}")
+    check_word("by", by, _MADE)
     if reach is not None:
         check_length("reach", reach)
         if by != "cluster":

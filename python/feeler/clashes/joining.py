@@ -7,13 +7,14 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from feeler.choices import Status
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import AnyTable, Columns
 from feeler.clashes.tracking import Mark
 
 
 def joined(
-    tables: Sequence[AnyTable], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: str | None = None
+    tables: Sequence[AnyTable], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: Status | None = None
 ) -> AnyTable:
     """The rows of all tables in order, with the facts of the first table. Of rows with equal ids, the first stays.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from feeler.choices import GroupBy, Status
 from feeler.clashes.changes import compare
 from feeler.clashes.grouping import grouped
 from feeler.clashes.matching import PartMatch
@@ -23,13 +24,14 @@ class Clashes(Table):
     """The result of `feeler.clash`: a row for each pair of parts, the worst first.
 
     `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
-    Columns are read-only arrays with an entry for each row: `.parts_a .parts_b .verdicts .depths .depth_errors
-    .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles .boxes .rules .severities .ids .statuses`,
-    as in `Clash`. Sorted by severity; then duplicates; then clashes and contained parts, the deepest first; then
-    contacts; then clearances, the nearest first; then by parts.
+    Columns have an entry for each row and are read-only, one for each field of `Clash`: `.parts_a .parts_b .paths_a
+    .paths_b .verdicts .depths .depth_errors .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles
+    .boxes .is_open_a .is_open_b .rules .severities .ids .statuses .by .notes .changed`. Sorted by severity; then
+    duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the nearest first;
+    then by parts.
     """
 
-    def groups(self, by: str = "part", *, reach: float | None = None) -> list[Group]:
+    def groups(self, by: GroupBy = "part", *, reach: float | None = None) -> list[Group]:
         """Groups the rows. The group with the worst row comes first.
 
         by: "part" (each row goes to the part with most of the remaining rows, so one misplaced part is one group),
@@ -105,7 +107,7 @@ class Changes:
     resolved: Clashes
     parts: PartMatch
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> dict[Status, int]:
         """The number of findings of each status."""
         return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
 

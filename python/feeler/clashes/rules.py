@@ -35,7 +35,18 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from feeler.arguments import check_length, near
+from feeler.arguments import (
+    check_flag,
+    check_kind,
+    check_length,
+    check_list,
+    check_path,
+    check_text,
+    check_word,
+    near,
+    shown,
+)
+from feeler.choices import Chord, Severity
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.text import text_of
@@ -64,20 +75,21 @@ class Rule:
     a: Words = EVERYTHING
     b: Words = EVERYTHING
     clearance: float | None = None
-    contact: float | str | None = None
-    severity: str = DEFAULT_SEVERITY
+    contact: float | Chord | None = None
+    severity: Severity = DEFAULT_SEVERITY
     level: int = 0
     optional: bool = False
 
     def __post_init__(self) -> None:
+        check_text("the name of a rule", self.name)
         who = f"rule {self.name!r}"
+        check_flag(f"{who}: optional", self.optional)
         _check_words(self, who)
         if self.clearance is not None:
             check_length(f"{who}: clearance", self.clearance)
-        if self.contact is not None and self.contact != "chord":
+        if self.contact is not None and not is_chord(self.contact):
             check_length(f"{who}: contact", self.contact, ', or "chord"')
-        if self.severity not in SEVERITIES:
-            raise OptionError(f"{who}: severity is {self.severity!r}: {near(self.severity, SEVERITIES)}")
+        check_word(f"{who}: severity", self.severity, SEVERITIES)
         _check_level(f"{who}: level", self.level)
 
 
@@ -97,7 +109,10 @@ class Exclusion:
     optional: bool = False
 
     def __post_init__(self) -> None:
+        check_text("the name of an exclusion", self.name)
         who = f"exclusion {self.name!r}"
+        check_flag(f"{who}: optional", self.optional)
+        check_flag(f"{who}: fasteners", self.fasteners)
         _check_words(self, who)
         _check_level(f"{who}: same_assembly", self.same_assembly)
         if bool(self.a) + bool(self.same_assembly) + bool(self.fasteners) != 1:
@@ -117,6 +132,12 @@ class Rules:
     where: str = "rules"
 
     def __post_init__(self) -> None:
+        check_text("where", self.where)
+        check_flag(f"{self.where}: others", self.others)
+        for what, each, kind in (("rules", self.rules, Rule), ("exclusions", self.exclusions, Exclusion)):
+            wanted = f"a list of feeler.clashes.{kind.__name__}"
+            made = tuple(check_kind(what, one, kind, wanted) for one in check_list(what, each, wanted))
+            object.__setattr__(self, what, made)
         names = [each.name for each in self.rules]
         for name in names:
             if not name or name == DEFAULT_RULE or names.count(name) > 1:
@@ -126,9 +147,10 @@ class Rules:
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Rules:
         """Reads the rules of a TOML file. Raises `MissingFileError`, and `LoadError` if the file is invalid."""
-        data = _read(path)
+        file = check_path("path", path)
+        data = _read(file)
         try:
-            return cls(**_parsed(data, str(Path(path))))
+            return cls(**_parsed(data, str(file)))
         except OptionError as error:
             raise LoadError(str(error)) from None
 
@@ -143,18 +165,24 @@ def rules_from(rules: RulesLike | None) -> Rules:
         return Rules()
     if isinstance(rules, Mapping):
         return Rules(**_parsed(rules))
+    if isinstance(rules, Rules):
+        return rules
     given: object = rules
-    if not isinstance(given, (Rules, str, os.PathLike)) or "\0" in str(given):
-        raise OptionError(f"rules are {rules!r}: give Rules, a dict, or the path of a file")
-    return rules if isinstance(rules, Rules) else Rules.read(rules)
+    if not isinstance(given, (str, os.PathLike)):
+        raise OptionError(f"rules is {shown(rules)}: give Rules, a dict, or the path of a file")
+    return Rules.read(check_path("rules", rules))
 
 
 _TABLES = {"rule": Rule, "exclude": Exclusion}
 
 
-def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
+def is_chord(contact: object) -> bool:
+    """Whether a limit is `"chord"`: the chordal errors of both parts."""
+    return isinstance(contact, str) and contact == "chord"
+
+
+def _read(file: Path) -> dict[str, Any]:
     """The contents of a TOML file: see `Rules.read`."""
-    file = Path(path)
     try:
         data: dict[str, Any] = tomllib.loads(text_of(file))
     except FileNotFoundError:
@@ -214,5 +242,5 @@ def _check_words(each: Rule | Exclusion, who: str) -> None:
 
 
 def _check_level(what: str, value: object) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise OptionError(f"{what} is {value!r}: give a number of steps down the paths, 1 or more; 0 for none")
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**31:
+        raise OptionError(f"{what} is {shown(value)}: give a number of steps down the paths, 1 or more; 0 for none")

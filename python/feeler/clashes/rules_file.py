@@ -6,6 +6,7 @@ import json
 import os
 from collections import Counter
 
+from feeler.arguments import check_kind
 from feeler.clashes.fastener_rule import is_fastener
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import VERSION
@@ -21,6 +22,7 @@ def write_rules(path: str | os.PathLike[str], clashes: Clashes) -> None:
     It has a rule for each pair of sub-assemblies with findings. The limits are those of the check, so the same findings
     come back. Comments suggest exclusions: parts in contact, and fasteners. Raises `WriteError`.
     """
+    check_kind("clashes", clashes, Clashes)
     with atomic_file(path) as file:
         file.write(_text(clashes).encode("utf-8"))
 

@@ -22,11 +22,12 @@ from typing import Any, Generic
 
 import numpy as np
 
+from feeler.arguments import check_path
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
 from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
-from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.errors import LoadError, MissingFileError
 from feeler.io.atomic import atomic_file
 from feeler.io.text import text_of
 
@@ -141,10 +142,7 @@ def _list(name: str, lines: Sequence[Mapping[str, Any]]) -> str:
 
 def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
     """See `load_clashes`."""
-    given: object = path
-    if not isinstance(given, (str, os.PathLike)):
-        raise OptionError(f"findings are in a file of Clashes.save: give its path, not {path!r}")
-    file = Path(path)
+    file = check_path("path", path)
     try:
         text = text_of(file)
     except FileNotFoundError:

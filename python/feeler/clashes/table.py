@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast, overload
+from typing import Any, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_word
+from feeler.arguments import check_kind, check_text, check_word, shown
+from feeler.choices import Chord, DepthKind, SettableStatus, Severity, Status, VerdictName
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.tracking import STATUSES, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
+from feeler.renamed import OldAttributes
 
 Floats = npt.NDArray[np.float64]
-Severity = Literal["critical", "major", "minor"]
-Status = Literal["new", "active", "reviewed", "approved", "resolved"]
-VerdictLike = Verdict | Literal["clash", "contact", "clearance", "contained", "duplicate"]
+VerdictLike = Verdict | VerdictName
 AnyTable = TypeVar("AnyTable", bound="Table")
 Point = tuple[float, float, float]
 
@@ -46,7 +45,7 @@ class Clash:
     depth_error: float
     """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
     two million pieces, which takes seconds. NaN if both parts are open."""
-    depth_kind: str
+    depth_kind: DepthKind
     """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point
     """The shortest known translation that moves `a` out of `b`: an upper bound. 0 for contacts; NaN if not known."""
@@ -66,8 +65,8 @@ class Clash:
     """Whether the surface of `a` is not closed: it has no inside and contains nothing."""
     is_open_b: bool
     rule: str
-    severity: str
-    status: str
+    severity: Severity
+    status: Status
     """One of `"new"`, `"active"`, `"reviewed"`, `"approved"`, `"resolved"`."""
     by: str
     """The person who set the status; else empty."""
@@ -97,7 +96,7 @@ class Columns:
     rule: npt.NDArray[np.uint32]
     severity: npt.NDArray[np.uint8]
 
-    def rows(self, chosen: Any) -> Columns:
+    def rows(self, chosen: slice | npt.NDArray[Any]) -> Columns:
         """The chosen rows, in the given order."""
         return Columns(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
@@ -149,7 +148,7 @@ class Facts:
     """
 
     clearance: float = 0.0
-    contact: float | str = 0.0
+    contact: float | Chord = 0.0
     parts: int = 0
     triangles: int = 0
     files: tuple[str, ...] = ()
@@ -165,6 +164,7 @@ class Facts:
 _PLURALS = {
     "a": "parts_a",
     "b": "parts_b",
+    "verdict": "verdicts",
     "depth": "depths",
     "depth_error": "depth_errors",
     "depth_kind": "depth_kinds",
@@ -179,10 +179,10 @@ _PLURALS = {
     "severity": "severities",
     "status": "statuses",
 }
-"""Fields of `Clash`, and the columns that have one entry for each row; `verdict` and `verdicts` beside them."""
+"""Old names of columns, those of the fields of `Clash`, and their names now."""
 
 
-class Table(Sequence[Clash]):
+class Table(OldAttributes, Sequence[Clash]):
     """Rows for pairs of parts, with names of parts and rules, and the statuses of the rows. See `Clashes`."""
 
     def __init__(
@@ -211,14 +211,11 @@ class Table(Sequence[Clash]):
         self._shapes = shapes
         self._earlier: Table | None = None
 
-    if not TYPE_CHECKING:  # Columns had the names of their rows' fields, and `verdict` was an array of numbers.
+    _RENAMED = _PLURALS
 
-        def __getattr__(self, name: str) -> object:
-            new = _PLURALS.get(name, "verdicts") if name in _PLURALS or name == "verdict" else None
-            if new is None:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
-            warnings.warn(f"Clashes.{name} is now Clashes.{new}", DeprecationWarning, stacklevel=2)
-            return self.columns.verdict if name == "verdict" else getattr(self, new)
+    def _old_value(self, name: str) -> object:
+        # `verdict` was an array of numbers.
+        return self.columns.verdict if name == "verdict" else super()._old_value(name)
 
     @property
     def parts_a(self) -> npt.NDArray[np.uint32]:
@@ -229,6 +226,45 @@ class Table(Sequence[Clash]):
     def parts_b(self) -> npt.NDArray[np.uint32]:
         """`(n,)`: the second part."""
         return self.columns.b
+
+    @property
+    def paths_a(self) -> npt.NDArray[np.object_]:
+        """`(n,)`: the path of the first part, text."""
+        return self._paths[self.columns.a]
+
+    @property
+    def paths_b(self) -> npt.NDArray[np.object_]:
+        """`(n,)`: the path of the second part."""
+        return self._paths[self.columns.b]
+
+    @cached_property
+    def _paths(self) -> npt.NDArray[np.object_]:
+        return np.array([*self.part_paths, None], dtype=object)[:-1]  # never read as an array of arrays
+
+    @property
+    def is_open_a(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether the surface of `a` is not closed."""
+        return self.columns.is_open[:, 0]
+
+    @property
+    def is_open_b(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether the surface of `b` is not closed."""
+        return self.columns.is_open[:, 1]
+
+    @property
+    def by(self) -> list[str]:
+        """The person who set each status; else empty."""
+        return [self.marks.of(each).by for each in self.ids]
+
+    @property
+    def notes(self) -> list[str]:
+        """Each finding's note."""
+        return [self.marks.of(each).note for each in self.ids]
+
+    @property
+    def changed(self) -> list[str]:
+        """`"renamed"` or `"renumbered"` for findings that `diff` found under another key, else empty."""
+        return [self.marks.of(each).changed for each in self.ids]
 
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
@@ -349,7 +385,7 @@ class Table(Sequence[Clash]):
         if status is not None:
             mask &= self.statuses == check_word("status", status, STATUSES)
         if rule is not None:
-            mask &= self.rules == rule
+            mask &= self.rules == check_text("rule", rule, "the name of a rule")
         return self[mask]
 
     def __len__(self) -> int:
@@ -438,14 +474,15 @@ class Table(Sequence[Clash]):
         columns = [each.name for each in fields(Clash)]
         return pandas.DataFrame(self.to_dicts(), columns=columns).set_index("id")
 
-    def set_status(self, clash: str, status: str, *, by: str = "", note: str = "") -> None:
+    def set_status(self, clash: str, status: SettableStatus, *, by: str = "", note: str = "") -> None:
         """Sets the status of a finding: `"new"`, `"active"`, `"reviewed"` or `"approved"`. by, note: who, and why.
 
         `clash` is the id of the finding. An approval holds for the current depth: see `diff`. Raises `OptionError` for
         another status, and for an id that is not in the table.
         """
-        if clash not in self._row_of:
-            raise OptionError(f"there is no clash {clash!r} in this table: give one of its ids")
+        given: object = clash
+        if not isinstance(given, str) or clash not in self._row_of:
+            raise OptionError(f"there is no clash {shown(clash)} in this table: give one of its ids")
         row = self._row_of[clash]
         self.marks.set(clash, status, float(self.signed_depths[row]), by, note)
 
@@ -500,7 +537,9 @@ def _restored(
 
 
 def check_same(mockup: Mockup, clashes: Table) -> None:
-    """Raises `OptionError` if the findings are of another mock-up."""
+    """Raises `OptionError` if the findings are of another mock-up, or these are neither."""
+    check_kind("mockup", mockup, Mockup)
+    check_kind("clashes", clashes, Table, "feeler.Clashes")
     if tuple(mockup.part_paths) != clashes.part_paths:
         raise OptionError(
             "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "

@@ -11,12 +11,15 @@ import uuid
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from feeler import choices
+from feeler.arguments import check_text, check_word
+from feeler.choices import Status
 from feeler.errors import OptionError
 
-STATUSES = ("new", "active", "reviewed", "approved", "resolved")
+STATUSES = choices.STATUSES
 """New: not in the previous check. Active: in it. Reviewed, approved: set by a person. Resolved: gone."""
 
-SETTABLE = ("new", "active", "reviewed", "approved")
+SETTABLE = choices.SETTABLE_STATUSES
 """The statuses that a person can set."""
 
 DEPTH_GROWTH_M = 1e-4
@@ -37,7 +40,7 @@ class Mark:
     empty.
     """
 
-    status: str = "new"
+    status: Status = "new"
     by: str = ""
     note: str = ""
     approved_depth: float | None = None
@@ -89,12 +92,16 @@ class Marks:
 
     def set(self, clash: str, status: object, depth: float, by: object, note: object) -> None:
         """Sets the status of a finding. Raises `OptionError` for another status, or if `by` or `note` is not text."""
-        if status not in SETTABLE:
-            raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)} (only diff sets resolved)")
-        if not isinstance(by, str) or not isinstance(note, str):
-            raise OptionError("by and note must be text: who set the status, and why")
+        if isinstance(status, str) and status == "resolved":
+            raise OptionError(f"status is 'resolved', which only diff sets: choose {', '.join(SETTABLE)}")
+        by = check_text("by", by, "text: who set the status")
+        note = check_text("note", note, "text: why")
         self._by_id[clash] = Mark(
-            str(status), by, note, depth if status == "approved" else None, self.of(clash).changed
+            check_word("status", status, SETTABLE),
+            by,
+            note,
+            depth if status == "approved" else None,
+            self.of(clash).changed,
         )
 
     def replace(self, marks: Mapping[str, Mark]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from feeler import choices
+from feeler.choices import Severity
 from feeler.enumerations import CodedEnum
 
 
@@ -20,13 +22,13 @@ class Verdict(CodedEnum):
     """They have the same surface, however it is cut into triangles."""
 
 
-DEPTH_KINDS = ("measured", "estimate")
+DEPTH_KINDS = choices.DEPTH_KINDS
 """Kinds of depth, by the number of the core: measured within its error, or an estimate if a part is open."""
 
-SEVERITIES = ("critical", "major", "minor")
+SEVERITIES = choices.SEVERITIES
 """The severities that a rule can set, the worst first."""
 
-DEFAULT_SEVERITY = "major"
+DEFAULT_SEVERITY: Severity = "major"
 DEFAULT_RULE = "default"
 """The rule of pairs that no rule names."""
 

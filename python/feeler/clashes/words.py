@@ -7,7 +7,7 @@ import math
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
 from feeler.clashes.verdict import Verdict
-from feeler.words import length
+from feeler.words import length, plural
 
 _ERROR_SHARE, _LEAST_ERROR_M = 1.001e-3, 1e-9
 """The largest error of a measured depth, as a share and in metres, plus rounding: see `Clash.depth_error`."""
@@ -51,7 +51,7 @@ def hidden(clashes: Clashes) -> str:
 
 def title(group: Group) -> str:
     """A group in one line: name, number of findings, and the worst."""
-    more = f"{len(group):,} findings" if len(group) > 1 else "1 finding"
+    more = plural(len(group), "finding")
     return f"{group.name}: {more}; {sentence(group.worst)}"
 
 

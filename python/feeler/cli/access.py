@@ -11,8 +11,10 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import FASTENER_KINDS
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
-from feeler.cli.findings import count, mesh_facts
+from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
@@ -29,6 +31,7 @@ from feeler.cli.inputs import (
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 _SHOWN = 30
 _SHOWN_BLOCKERS = 10
@@ -119,7 +122,7 @@ def access(
     start = time.perf_counter()
     is_interrupted = False
     try:
-        with bar(f"reaching {count(len(asked), 'target')}") as progress:
+        with bar(f"reaching {plural(len(asked), 'target')}") as progress:
             found = feeler.access(
                 scene,
                 probe,
@@ -186,7 +189,7 @@ def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None
         raise OptionError(f"--targets: {error} (feeler info --parts lists all)") from None
     with bar("looking for fasteners") as progress:
         found = feeler.find_fasteners(scene, parts, progress=progress)
-    chosen = found if kind is None else found.where(kind=kind)
+    chosen = found if kind is None else found.where(kind=check_word("--kind", kind, FASTENER_KINDS))
     if not len(chosen):
         among = "of the mock-up" if parts is None else f"of the {len(parts):,} that --targets names"
         what = "fastener" if kind is None else kind
@@ -286,7 +289,7 @@ def _print(
     if found.is_partial:
         outputs.print_finding(out, "interrupted: these are the results so far")
     reached = int(found.is_reachable.sum())
-    line = f"{reached:,} of {count(len(found), 'target')} reachable ({outputs.duration(seconds)})"
+    line = f"{reached:,} of {plural(len(found), 'target')} reachable ({outputs.duration(seconds)})"
     line += f"; ways in of up to {outputs.length(approach)} were tried"
     if found.is_partial:
         line += f"; {targets - len(found):,} were not tried"

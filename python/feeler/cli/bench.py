@@ -9,13 +9,14 @@ import numpy as np
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import POSE_KINDS, STORAGES, PoseKind
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
 from feeler.cli.inputs import AsJson, BuildThreads, Hashing, MockupUnit, Storage, ToolUnit, Up, read_both
 from feeler.errors import OptionError
 from feeler.progress import bar
-
-_KINDS = ("nominal", "near", "deep")
+from feeler.words import plural
 
 
 @command(
@@ -53,9 +54,9 @@ def bench(
     """
     from feeler.cli import outputs
 
-    chosen = [kind.strip() for kind in kinds.split(",") if kind.strip()]
-    if not chosen or any(kind not in _KINDS for kind in chosen):
-        raise OptionError(f"--kinds is {kinds!r}: choose from {', '.join(_KINDS)}, split by commas")
+    chosen = [check_word("--kinds", kind.strip(), POSE_KINDS) for kind in kinds.split(",") if kind.strip()]
+    if not chosen:
+        raise OptionError(f"--kinds is {kinds!r}: choose from {', '.join(POSE_KINDS)}, split by commas")
     if poses < 1:
         raise OptionError(f"--poses is {poses}: give 1 or more")
     world, probe = read_both(mockup or ["sample:engine:100000"], unit, tool, tool_unit, up)
@@ -63,7 +64,7 @@ def bench(
         scene = feeler.Scene(
             world,
             voxel_size=voxel_size,
-            storage=storage,
+            storage=check_word("--storage", storage, STORAGES),
             hashing=hashing,
             tool=probe,
             threads=threads,
@@ -78,7 +79,7 @@ def bench(
     _print(scene, probe, rows)
 
 
-def _measure(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, seed: int) -> dict[str, Any]:
+def _measure(scene: feeler.Scene, tool: feeler.Tool, kind: PoseKind, count: int, seed: int) -> dict[str, Any]:
     """One row: times of single queries, and the rate of the whole batch on all threads."""
     from feeler.cli.measure import collide_each, warm_up
     from feeler.cli.outputs import times
@@ -109,8 +110,11 @@ def _print(scene: feeler.Scene, tool: feeler.Tool, rows: list[dict[str, Any]]) -
     outputs.print_facts(
         out,
         [
-            ("mock-up", f"{scene.mockup.triangle_count:,} triangles, {scene.mockup.part_count:,} parts"),
-            ("tool", f"{tool.name}, {tool.triangle_count:,} triangles"),
+            (
+                "mock-up",
+                f"{plural(scene.mockup.triangle_count, 'triangle')}, {plural(scene.mockup.part_count, 'part')}",
+            ),
+            ("tool", f"{tool.name}, {plural(tool.triangle_count, 'triangle')}"),
             ("storage", f"{scene.storage}, {cell} {outputs.length(scene.voxel_size)}"),
             ("build", outputs.duration(scene.build_seconds)),
             ("memory", f"{outputs.size(memory)}, {facts['bytes_per_triangle']:.0f} bytes a triangle"),

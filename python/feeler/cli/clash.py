@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import GROUPS_BY, Chord, GroupBy
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
-from feeler.cli.findings import count, mesh_facts
+from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
@@ -26,6 +28,7 @@ from feeler.cli.inputs import (
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 if TYPE_CHECKING:
     from feeler.clashes.matching import PartMatch
@@ -41,7 +44,6 @@ _ENDINGS = {
     "save": (".json",),
     "write-rules": (".toml",),
 }
-_GROUPED_BY = ("part", "rule", "cluster")
 
 
 @command(
@@ -119,7 +121,6 @@ def clash(
     partial, and ends with 130.
     """
     from feeler import clashes as room
-    from feeler.arguments import near
     from feeler.clashes.as_xlsx import xlsx_library
     from feeler.clashes.changes import check_previous
     from feeler.cli import outputs
@@ -128,8 +129,7 @@ def clash(
     outputs.check_targets(targets, _ENDINGS)
     if xlsx is not None:
         xlsx_library()
-    if by not in _GROUPED_BY:
-        raise OptionError(f"--by is {by!r}: {near(by, _GROUPED_BY)}")
+    group_by = check_word("--by", by, GROUPS_BY)
     if growth is not None and previous is None:
         raise OptionError("--growth compares with an earlier check: give --previous FILE, too")
     wanted = _wanted(fail_on)
@@ -171,15 +171,15 @@ def clash(
         match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
         if match.is_doubtful:
             outputs.warn(f"{match}; is {previous} of this mock-up?")
-    written = _write(world, found, targets, by)
+    written = _write(world, found, targets, group_by)
     is_found = wanted is not None and wanted(found)
     if as_json:
         facts = {"mockup": None if world is None else mesh_facts(world), "written": written, "failed": is_found}
         if match is not None:
             facts["previous"] = asdict(match)
-        outputs.print_json({**room.report(found, by=by), **facts})
+        outputs.print_json({**room.report(found, by=group_by), **facts})
     else:
-        _print(found, by, match, written)
+        _print(found, group_by, match, written)
     if is_interrupted:
         fail("interrupted: these are the findings so far")
         raise typer.Exit(INTERRUPTED)
@@ -230,10 +230,10 @@ def _is_given(context: typer.Context, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def _contact(text: str) -> float | str:
+def _contact(text: str) -> float | Chord:
     """The value of --contact; `feeler.clash` checks the number."""
     if text == "chord":
-        return text
+        return "chord"
     try:
         return float(text)
     except ValueError:
@@ -248,15 +248,15 @@ def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
     from feeler.clashes.tracking import SETTABLE
     from feeler.clashes.verdict import SEVERITIES, Verdict
 
-    kinds = {
+    kinds: dict[str, list[str]] = {
         "verdict": [each.value for each in Verdict],
         "status": [*SETTABLE],
         "severity": [*SEVERITIES],
     }
     every = ["any", *(word for known in kinds.values() for word in known)]
     asked: dict[str, list[str]] = {}
-    words = [word.strip().lower() for word in fail_on.split(",")]
-    for word in words:
+    given = [word.strip().lower() for word in fail_on.split(",")]
+    for word in given:
         kind = next((name for name, known in kinds.items() if word in known), None)
         if kind is None and word != "any":
             raise OptionError(f"--fail-on has {word!r}: {near(word, every)}")
@@ -274,7 +274,7 @@ def _value(row: feeler.Clash, kind: str) -> str:
 
 
 def _write(
-    world: feeler.Mockup | None, found: feeler.Clashes, targets: dict[str, Path | None], by: str
+    world: feeler.Mockup | None, found: feeler.Clashes, targets: dict[str, Path | None], by: GroupBy
 ) -> dict[str, str]:
     """Writes the requested files; returns their names by kind."""
     from feeler import clashes as room
@@ -309,7 +309,7 @@ def _write(
     return written
 
 
-def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dict[str, str]) -> None:
+def _print(found: feeler.Clashes, by: GroupBy, match: PartMatch | None, written: dict[str, str]) -> None:
     from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
     from feeler.clashes.words import extent, hidden, sentence
@@ -322,7 +322,7 @@ def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dic
     said = ", ".join(f"{number:,} {name}" for number, name in counts if number)
     seconds = sum(value for _, value in found.facts.seconds)
     took = f" ({outputs.duration(seconds)})" if seconds else ""  # saved findings took none
-    outputs.say(out, f"{count(len(found), 'finding')} among {count(found.facts.parts, 'part')}{took}")
+    outputs.say(out, f"{plural(len(found), 'finding')} among {plural(found.facts.parts, 'part')}{took}")
     if said:
         outputs.say(out, f"  {said}")
     if found.hidden:

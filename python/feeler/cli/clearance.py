@@ -13,7 +13,7 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import containment_facts, containment_lines, count, mesh_facts, scene_facts, unknown_lines
+from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts, unknown_lines
 from feeler.cli.inputs import (
     AsJson,
     At,
@@ -36,6 +36,7 @@ from feeler.cli.inputs import (
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 _SHOWN_PARTS = 40
 _SHOWN_POSES = 20
@@ -87,8 +88,9 @@ def clearance(
 ) -> None:
     """Measures the distance of the tool to each nearby part, with the closest points.
 
-    A tool wholly inside a closed part, or around one, has no clearance, and the output says so. Exit status: 0 fine, 1
-    less clearance than --require or containment, 2 bad input.
+    A tool wholly inside a closed part, or around one, has no clearance, and the output says so.
+
+    Exit status: 0 fine, 1 containment or less clearance than --require, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -242,7 +244,7 @@ def _print(
             verdict = "[bold red]no clearance[/bold red]"
         text += f"; {outputs.length(require)} are required: {verdict}"
         if missing and len(results) > 1:
-            text += f" at {count(missing, 'pose')}" if not inside else f"; too little at {count(missing, 'pose')}"
+            text += f" at {plural(missing, 'pose')}" if not inside else f"; too little at {plural(missing, 'pose')}"
     out.print(text)
     for line in unknown_lines(entry["inside"]):
         outputs.say(out, line[:1].upper() + line[1:])

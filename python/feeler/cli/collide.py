@@ -12,11 +12,12 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import STORAGES
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import (
     containment_facts,
     containment_lines,
-    count,
     kind_counts,
     mesh_facts,
     part_findings,
@@ -49,6 +50,7 @@ from feeler.cli.inputs import (
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 _SHOWN_PARTS = 40
 _SHOWN_POSES = 20
@@ -118,7 +120,7 @@ def collide(
         scene = feeler.Scene(
             world,
             voxel_size=voxel_size,
-            storage=storage,
+            storage=check_word("--storage", storage, STORAGES),
             hashing=hashing,
             tool=probe,
             threads=threads,
@@ -259,9 +261,9 @@ def _print(
     out_of_it = np.count_nonzero(~scene.part_mask) - (tool.part_count if is_of_mockup else 0)
     for role, mesh in (("mock-up", scene.mockup), ("tool", tool)):
         report = mesh.report
-        text = count(report.triangles, "triangle")
+        text = plural(report.triangles, "triangle")
         if role == "mock-up" or report.parts > 1:
-            text += f", {count(report.parts, 'part')}"
+            text += f", {plural(report.parts, 'part')}"
         if role == "mock-up" and out_of_it > 0:
             text += f" ({out_of_it:,} left out)"
         text += f", {outputs.extent(report.lower, report.upper)}"
@@ -312,7 +314,7 @@ def _print_parts(out: Any, entry: dict[str, Any], has_tool_parts: bool, query: s
     parts = entry["parts"]
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in entry["kinds"].items() if count)
     verdict = "[bold red]Collision[/bold red]" if entry["colliding"] else "[bold green]Contact only[/bold green]"
-    out.print(f"{verdict}: {entry['pairs']:,} pairs ({kinds}) with {count(len(parts), 'part')}{query}")
+    out.print(f"{verdict}: {entry['pairs']:,} pairs ({kinds}) with {plural(len(parts), 'part')}{query}")
     out.print()
     outputs.print_table(
         out,

@@ -12,6 +12,8 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
 from feeler.cli.inputs import AsJson
@@ -41,7 +43,7 @@ def demo(
     _make_folder(out)
     with bar("making the engine") as progress:
         engine = feeler.sample("engine", triangles, progress=progress)
-    probe = feeler.sample_tool(tool)
+    probe = feeler.sample_tool(check_word("--tool", tool, SAMPLE_TOOL_NAMES))
     predicted = feeler.optimal_voxel_size(engine, probe)
     with bar("indexing") as progress:
         scene = feeler.Scene(engine, tool=probe, progress=progress)

@@ -12,6 +12,8 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import DEVICE_PRESETS, DevicePreset
 from feeler.cli.app import command
 from feeler.cli.inputs import (
     AsJson,
@@ -123,7 +125,7 @@ def feel(
     if check:
         if mockup or tool or part or record:
             raise OptionError("--check brings its own plate and tool: leave out mock-up, --tool, --part and --record")
-        _press(held, preset, seconds, hz, stiffness, as_json)
+        _press(held, check_word("--preset", preset, DEVICE_PRESETS), seconds, hz, stiffness, as_json)
         return
     moving = tool if tool is not None or part else "sample:wrench"
     world, probe = read_both(mockup or [_SAMPLE], unit, moving, tool_unit, up, part)
@@ -132,7 +134,7 @@ def feel(
     scene = Choice(part, without, only).scene_of(scene)
     start, hand = _begin(scene, probe, pose, held is None, scale, seed)
     if held is None:
-        held = devices.Simulated(preset, hand=hand)
+        held = devices.Simulated(check_word("--preset", preset, DEVICE_PRESETS), hand=hand)
     coupling = Coupling.for_device(held)
     if stiffness is not None:
         coupling = Coupling(**{**coupling.__dict__, "stiffness_n_per_m": stiffness})
@@ -182,7 +184,12 @@ def _device_options(device: str, given: list[str]) -> dict[str, float | str]:
 
 
 def _press(
-    held: devices.Device | None, preset: str, seconds: float | None, hz: float, stiffness: float | None, as_json: bool
+    held: devices.Device | None,
+    preset: DevicePreset,
+    seconds: float | None,
+    hz: float,
+    stiffness: float | None,
+    as_json: bool,
 ) -> None:
     """The check of a device; exits with status 1 if something is wrong with it."""
     from feeler.cli import feel_check, outputs

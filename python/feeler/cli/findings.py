@@ -82,11 +82,6 @@ def _named(parts: list[dict[str, Any]]) -> str:
     return shown + (f" and {len(parts) - _SHOWN_PARTS:,} more" if len(parts) > _SHOWN_PARTS else "")
 
 
-def count(number: int, noun: str) -> str:
-    """A number with its noun."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
 def mesh_facts(mesh: feeler.Mockup | feeler.Tool) -> dict[str, Any]:
     """The load report as JSON values."""
     facts: dict[str, Any] = mesh.report.to_dict()

@@ -9,6 +9,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.inputs import AsJson, Up, read_mockup
+from feeler.words import plural
 
 _SHOWN = 12
 
@@ -86,7 +87,7 @@ def _print(mockup: feeler.Mockup, file: str, all_parts: bool) -> None:
     for kind, defect in found.items():
         fate = "queried" if kind == "duplicate" else "not queried"
         ids = ", ".join(str(index) for index in defect.first[:5]) + (", ..." if defect.count > 5 else "")
-        facts.append((kind.replace("_", " "), f"{defect.count:,} triangles, {fate}: {ids}"))
+        facts.append((kind.replace("_", " "), f"{plural(defect.count, 'triangle')}, {fate}: {ids}"))
     facts += [("note", note) for note in report.source.notes]
     outputs.print_facts(out, facts)
     parts = sorted(mockup.parts, key=lambda part: -part.triangles)

@@ -15,9 +15,13 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_NAMES, SAMPLE_TOOL_NAMES
 from feeler.cli.outputs import warn
 from feeler.errors import MissingFileError, OptionError, PoseError
+from feeler.io.axes import parse_axis
 from feeler.io.text import decoded, name_text, numbers_of, text_of
+from feeler.io.units import parse_name
 from feeler.progress import Progress, bar
 
 Poses = npt.NDArray[np.float64]
@@ -220,11 +224,14 @@ def read_mockup(
             raise OptionError(f"{', '.join(sources)}: a sample cannot be combined with other input")
         name, triangles, seed = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0"))
         count, arrangement = _whole(triangles, "triangles", sources[0]), _whole(seed, "seed", sources[0])
+        sample = check_word("the sample", name, SAMPLE_NAMES)
         with telling(f"making {name}", also) as progress:
-            return feeler.sample(name, count, seed=arrangement, progress=progress)
+            return feeler.sample(sample, count, seed=arrangement, progress=progress)
     with telling("loading mock-up", also) as progress:
         given = sources if len(sources) > 1 else sources[0]
-        mockup = feeler.load_mockup(given, unit, up=up, chord_tolerance=chord_tolerance, progress=progress)
+        mockup = feeler.load_mockup(
+            given, parse_name(unit), up=parse_axis(up), chord_tolerance=chord_tolerance, progress=progress
+        )
     if mockup._saved and (absent := mockup._saved.core.absent_parts):
         shown = ", ".join(mockup.part_paths[part] for part in absent[:3]) + (", ..." if len(absent) > 3 else "")
         warn(f"the scene was saved without {len(absent):,} of its parts, which are there again: {shown}")
@@ -237,9 +244,9 @@ def read_tool(source: str, unit: str | None = None, up: str | None = None) -> fe
         name, fine = _sample_words(source, ("", ""))
         if fine not in ("", "fine"):
             raise OptionError(f"{source}: expected sample:NAME or sample:NAME:fine")
-        return feeler.sample_tool(name, fine=fine == "fine")
+        return feeler.sample_tool(check_word("the sample tool", name, SAMPLE_TOOL_NAMES), fine=fine == "fine")
     with bar("loading tool") as progress:
-        return feeler.load_tool(source, unit, up=up, progress=progress)
+        return feeler.load_tool(source, parse_name(unit), up=parse_axis(up), progress=progress)
 
 
 def poses_of_options(

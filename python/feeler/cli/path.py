@@ -12,8 +12,10 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import STORAGES
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import containment_facts, containment_lines, count, mesh_facts, scene_facts, unknown_lines
+from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts, unknown_lines
 from feeler.cli.inputs import (
     AsJson,
     Choice,
@@ -37,6 +39,7 @@ from feeler.cli.inputs import (
 )
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
+from feeler.words import plural
 
 _SHOWN = 20
 
@@ -98,8 +101,9 @@ def path(
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     places = [each for each in way if isinstance(each, np.ndarray)]
     warn_of_far_poses(world, probe, np.stack(places))
+    kind = check_word("--storage", storage, STORAGES)
     with bar("indexing") as progress:
-        scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
+        scene = feeler.Scene(world, storage=kind, tool=probe, threads=threads, progress=progress)
     scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
     with bar(f"following {len(way) - 1:,} legs") as progress:
@@ -238,7 +242,7 @@ def _print(
 
     out = outputs.console()
     took = f" ({outputs.duration(seconds)})"
-    what = count(segments, "segment")
+    what = plural(segments, "segment")
     lines = containment_lines(inside)
     for line in lines:
         outputs.print_finding(out, f"the path is not free: at the first pose {line}")

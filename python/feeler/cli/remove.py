@@ -14,7 +14,7 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
-from feeler.cli.findings import count, mesh_facts, scene_facts
+from feeler.cli.findings import mesh_facts, scene_facts
 from feeler.cli.inputs import (
     AsJson,
     At,
@@ -35,6 +35,7 @@ from feeler.cli.inputs import (
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
+from feeler.words import plural
 
 _SHOWN = 20
 _SHOWN_BLOCKERS = 3
@@ -70,7 +71,7 @@ def remove(
         bool, typer.Option("--order", help="Also find the parts to remove first, and the path of each.")
     ] = False,
     keep: Annotated[
-        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must stay (several).")
+        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must stay (repeat for more).")
     ] = None,
     insert: Annotated[
         bool, typer.Option("--insert", help="Find the path into its place instead, from outside or --from FILE.")
@@ -92,7 +93,7 @@ def remove(
     pose: PoseFile = None,
     ignore: Annotated[
         list[str] | None,
-        typer.Option(metavar="PATTERN", help="Neighbours that it may meet throughout (several are allowed)."),
+        typer.Option(metavar="PATTERN", help="Neighbours that it may touch and cross on its path (repeat for more)."),
     ] = None,
     overlap: Annotated[float, typer.Option(help="Metres by which each pair may overlap on the way.")] = 0.0,
     seats: Annotated[
@@ -102,7 +103,7 @@ def remove(
         ),
     ] = True,
     direction: Annotated[
-        list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this direction first (several are allowed).")
+        list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this direction first (repeat for more).")
     ] = None,
     clearance: Annotated[float, typer.Option(help="Metres to keep from all parts that it is not seated on.")] = 0.0,
     seconds: Annotated[float, typer.Option(help="Time for a part; with --order, in total.")] = 30.0,
@@ -113,6 +114,7 @@ def remove(
     unit: MockupUnit = None,
     up: Up = None,
     threads: Annotated[int | None, typer.Option(help="Default: all cores. The path does not depend on it.")] = None,
+    allow: Annotated[str | None, typer.Option(hidden=True)] = None,  # of early builds
     csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
     way: Annotated[
         Path | None, typer.Option(help="Write the path's poses, (n, 4, 4), as .npy or .json, for path and swept.")
@@ -128,6 +130,8 @@ def remove(
     that there is none, unless feeler says which parts hold it. Exit status: 0 all come out, 1 some do not, 2 bad input.
     Ctrl-C keeps the results so far, and ends with 130.
     """
+    if allow is not None:
+        raise OptionError("--allow is gone: give --ignore PATTERN, --overlap METRES, or --no-seats")
     targets = {"csv": csv, "way": way, "glb": glb}
     _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
@@ -213,7 +217,7 @@ class _Asked:
     def answer(self, parts: npt.NDArray[np.uint32], order: bool) -> _Answer:
         """One question."""
         mockup = self.scene.mockup
-        name = mockup.part_paths[int(parts[0])] if len(parts) == 1 else count(len(parts), "part")
+        name = mockup.part_paths[int(parts[0])] if len(parts) == 1 else plural(len(parts), "part")
         gone = tuple(parts.tolist())
         grip: dict[str, Any] = {"tool": self.hand, "start": None if self.hand is None else self.start}
         with bar(f"{'taking out' if self.ends is None else 'bringing in'} {name}") as progress:
@@ -247,7 +251,7 @@ def _each(asked: _Asked, parts: list[int]) -> tuple[list[_Answer], bool]:
     """Every part separately, until Ctrl-C; and whether that came."""
     answers: list[_Answer] = []
     try:
-        with bar(f"taking out {count(len(parts), 'part')}") as progress:
+        with bar(f"taking out {plural(len(parts), 'part')}") as progress:
             for number, part in enumerate(parts):
                 progress(number / len(parts), asked.scene.mockup.part_paths[part])
                 answers.append(asked.answer(np.array([part], np.uint32), order=False))
@@ -432,16 +436,16 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
     came = sum(answer.found for answer in answers)
     whole = len(answers) > 1
     if whole:
-        outputs.say(out, f"{came:,} of {count(len(answers), 'part')} come out")
+        outputs.say(out, f"{came:,} of {plural(len(answers), 'part')} come out")
     elif answers[0].found:
         before = len(answers[0].steps) - 1
-        after = f" after {count(before, 'other step')}" if before else ""
+        after = f" after {plural(before, 'other step')}" if before else ""
         goes = "It comes out" if ends_out else "It goes in"
         out.print(f"[bold green]{goes}[/bold green]{after}: {_said(answers[0].last)}")
     elif answers[0].last.held_by:
         names = ", ".join(part.path for part in answers[0].last.held_by[:_SHOWN_BLOCKERS])
         more = len(answers[0].last.held_by) - _SHOWN_BLOCKERS
-        names += f" and {count(more, 'other part')}" if more > 0 else ""
+        names += f" and {plural(more, 'other part')}" if more > 0 else ""
         play = outputs.length(answers[0].last.play)
         outputs.print_finding(out, f"it is held by {names}: no point of it can move farther than {play}")
     else:

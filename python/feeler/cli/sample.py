@@ -8,6 +8,8 @@ from typing import Annotated, Any
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import FAULT_NAMES
 from feeler.cli.app import command
 from feeler.cli.inputs import AsJson
 from feeler.errors import OptionError
@@ -53,21 +55,22 @@ def sample(
         return
     if name not in mockups and name not in tools:
         raise OptionError(f"no sample is called {name!r}; mock-ups: {', '.join(mockups)}; tools: {', '.join(tools)}")
+    faults = [check_word("--fault", each, FAULT_NAMES) for each in fault or ()]
     if out is not None:
         outputs.check_mesh_target(out)
     mesh: Any
-    faults = tuple(fault or ())
     if name in tools:
         if faults or truth is not None:
             raise OptionError("--fault and --truth are for the gearbox")
-        mesh = feeler.sample_tool(name, fine=fine)
+        mesh = feeler.sample_tool(check_word("name", name, tools), fine=fine)
     else:
         if fine:
             raise OptionError("--fine is for tools; a mock-up takes --triangles")
+        sample_name = check_word("name", name, mockups)
         with bar(f"making {name}") as progress:
-            mesh = feeler.sample(name, triangles, seed=seed, faults=faults, progress=progress)
+            mesh = feeler.sample(sample_name, triangles, seed=seed, faults=faults, progress=progress)
         if truth is not None:
-            known = feeler.sample_truth(name, triangles, seed=seed, faults=faults)
+            known = feeler.sample_truth(sample_name, triangles, seed=seed, faults=faults)
             with atomic_file(truth) as file:
                 file.write((known.to_json() + "\n").encode())
     size = None

@@ -9,6 +9,8 @@ from typing import Annotated, Any
 import typer
 
 import feeler
+from feeler.arguments import check_word
+from feeler.choices import STORAGES
 from feeler.cli.app import app, command
 from feeler.cli.inputs import Hashing, read_mockup, read_tool
 from feeler.errors import MissingFileError, OptionError
@@ -79,11 +81,12 @@ def voxel_size(
     as_json: Json = False,
 ) -> None:
     """Time by voxel size (the paper's Figure 7 and Table 2): the measured optimum and that of each estimator."""
+    kind = check_word("--storage", storage, STORAGES)
     if sizes < 4:
         raise OptionError(f"--sizes is {sizes}: give 4 or more")
     plan = _plan("voxel-size", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, memory, quick)
     plan.sizes = 5 if quick else sizes
-    _run("voxel-size", plan, as_json, lambda: study_voxel_size(plan, storage, hashing))
+    _run("voxel-size", plan, as_json, lambda: study_voxel_size(plan, kind, hashing))
 
 
 @command(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import astuple, dataclass, fields
 
-from feeler.arguments import check_number
+from feeler.arguments import check_kind, check_number
 from feeler.haptics.devices import Device
 
 
@@ -37,7 +37,7 @@ class Coupling:
         or 0.05 rad, less if the device's largest stiffness, damping, friction, resolution, rate or delay require it; a
         fifth of it if neither damping nor largest stiffness is known.
         """
-        return cls(*device._device.coupling())
+        return cls(*check_kind("device", device, Device, "a device of feeler.haptics.devices")._device.coupling())
 
     def as_numbers(self) -> list[float]:
         """All eight values, in this order."""

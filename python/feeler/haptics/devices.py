@@ -18,10 +18,22 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import (
+    check_array,
+    check_flag,
+    check_number,
+    check_real,
+    check_text,
+    check_whole,
+    check_word,
+    shown,
+)
+from feeler.choices import DEVICE_FAULTS, DEVICE_PRESETS, HAND_GRIPS, DeviceFault, DevicePreset, HandGrip
 from feeler.errors import DeviceError, OptionError
+from feeler.figures import DeviceLimits
 
-PRESETS = ("desktop_3dof", "desktop_6dof", "large_6dof")
-FAULTS = ("nan", "nonsense", "lost", "silent", "jump", "slow")
+PRESETS = DEVICE_PRESETS
+FAULTS = DEVICE_FAULTS
 
 
 class Device:
@@ -57,11 +69,11 @@ class Device:
         return self._device.button_count
 
     @property
-    def limits(self) -> dict[str, float]:
+    def limits(self) -> DeviceLimits:
         """The limits of the device: `force_n`, `torque_nm`, `stiffness_n_per_m`, `damping_n_s_per_m`, `friction_n`,
         `resolution_m`, the same four in rotation, `rate_hz` and `delay_s`. 0: none, or not known.
         """
-        return self._device.limits
+        return DeviceLimits(**self._device.limits)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.name}>"
@@ -88,29 +100,42 @@ class Simulated(Device):
 
     def __init__(
         self,
-        preset: str = "desktop_6dof",
+        preset: DevicePreset = "desktop_6dof",
         *,
         hand: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
-        grip: str = "firm",
+        grip: HandGrip = "firm",
         delay_s: float = 0.0,
         jitter_s: float = 0.0,
         seed: int = 0,
-        fault: tuple[str, float, float, float] | None = None,
+        fault: tuple[DeviceFault, float, float, float] | None = None,
     ) -> None:
         """See the class."""
-        times, poses = (None, None) if hand is None else hand
-        moments = None if times is None else np.asarray(times, dtype=np.float64)
-        if moments is not None and moments.ndim != 1:
-            raise OptionError(f"the times of a hand have shape {moments.shape}: (n,) is needed")
+        times, poses = (None, None) if hand is None else _hand(hand)
+        delay = check_number("delay_s", delay_s, "seconds, 0 or more", least=0.0)
         self._device = _core.HapticsDevice.simulated(
-            preset,
-            None if moments is None else moments.tolist(),
+            check_word("preset", preset, PRESETS),
+            times,
             poses,
-            grip,
-            [0.5 * float(delay_s), 0.5 * float(delay_s), float(jitter_s)],
-            int(seed),
-            None if fault is None else (str(fault[0]), float(fault[1]), float(fault[2]), float(fault[3])),
+            check_word("grip", grip, HAND_GRIPS),
+            [0.5 * delay, 0.5 * delay, check_number("jitter_s", jitter_s, "seconds, 0 or more", least=0.0)],
+            check_whole("seed", seed, 0, 2**64 - 1),
+            None if fault is None else _fault(fault),
         )
+
+
+def _hand(hand: object) -> tuple[list[float], Any]:
+    if not isinstance(hand, (tuple, list)) or len(hand) != 2:
+        raise OptionError(f"hand is {shown(hand)}: give a pair of times (n,) and poses (n, 4, 4)")
+    return check_array("the times of hand", hand[0], (None,)).tolist(), hand[1]
+
+
+def _fault(fault: object) -> tuple[str, float, float, float]:
+    if not isinstance(fault, (tuple, list)) or len(fault) != 4:
+        raise OptionError(f"fault is {shown(fault)}: give (kind, value, from_s, until_s)")
+    kind, value, begin, end = fault
+    numbers = {"value": value, "from_s": begin, "until_s": end}
+    value, begin, end = (check_real(f"fault: {name}", each) for name, each in numbers.items())
+    return check_word("fault: kind", kind, FAULTS), value, begin, end
 
 
 class Mouse(Device):
@@ -124,7 +149,9 @@ class Mouse(Device):
 
     def __init__(self, pose: npt.ArrayLike, *, frequency: float = 40.0) -> None:
         """See the class."""
-        self._device = _core.HapticsDevice.mouse(pose, float(frequency))
+        self._device = _core.HapticsDevice.mouse(
+            pose, check_number("frequency", frequency, "radians per second, 1 to 1000", least=1.0, most=1000.0)
+        )
 
     def set_target(self, pose: npt.ArrayLike) -> None:
         """Sets the target, `world_from_tool`; also while a session runs."""
@@ -132,7 +159,23 @@ class Mouse(Device):
 
     def set_buttons(self, buttons: int) -> None:
         """Sets the pressed buttons, a bit each."""
-        self._device.set_buttons(int(buttons))
+        self._device.set_buttons(check_whole("buttons", buttons, 0, 2**32 - 1))
+
+
+_LIMITS = (
+    "force_n",
+    "torque_nm",
+    "stiffness_n_per_m",
+    "rotational_stiffness_nm_per_rad",
+    "damping_n_s_per_m",
+    "rotational_damping_nm_s_per_rad",
+    "friction_n",
+    "rotational_friction_nm",
+    "resolution_m",
+    "rotational_resolution_rad",
+    "rate_hz",
+    "delay_s",
+)
 
 
 @dataclass(frozen=True)
@@ -164,6 +207,15 @@ class Info:
     """Rate at which it reports poses and takes forces."""
     delay_s: float = 0.0
     """From a motion of the handle to the force in response, beyond half a period."""
+
+    def __post_init__(self) -> None:
+        check_text("name", self.name)
+        check_flag("senses_rotation", self.senses_rotation)
+        check_whole("buttons", self.buttons, 0, 32)
+        if (check_array("workspace", self.workspace, (3,)) <= 0.0).any():
+            raise OptionError(f"workspace is {shown(self.workspace)}: give three lengths in metres, more than 0")
+        for name in _LIMITS:
+            check_number(name, getattr(self, name), "a number, 0 or more", least=0.0)
 
 
 class Own(Device):
@@ -226,20 +278,6 @@ class Own(Device):
         _SERVED.add(session)
 
 
-_LIMITS = (
-    "force_n",
-    "torque_nm",
-    "stiffness_n_per_m",
-    "rotational_stiffness_nm_per_rad",
-    "damping_n_s_per_m",
-    "rotational_damping_nm_s_per_rad",
-    "friction_n",
-    "rotational_friction_nm",
-    "resolution_m",
-    "rotational_resolution_rad",
-    "rate_hz",
-    "delay_s",
-)
 _SERVED: weakref.WeakSet[Any] = weakref.WeakSet()
 """Sessions that ran with a device written in Python: their threads must not outlive the interpreter."""
 
@@ -275,4 +313,4 @@ def open_device(name: str, **options: object) -> Opened:
 
     Raises `DeviceError` with advice if no such device is found, and `OptionError` for an option that it does not have.
     """
-    return Opened(str(name), dict(options))
+    return Opened(check_text("name", name, "the name of a driver"), dict(options))

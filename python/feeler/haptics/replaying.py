@@ -13,7 +13,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from feeler.errors import LoadError, MissingFileError
+from feeler.arguments import check_path, shown
+from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import ALSO, FORMAT, GRIP, MODES, PUT_BACK, RELEASE, START, digest_of
 from feeler.haptics.session import Session
@@ -49,7 +50,11 @@ def replay(
     Records of large meshes do not contain them: pass the original `scene` and `tool`, and the parts that lay elsewhere
     (`put_down`, as in `Session`). Raises `LoadError` for files that are not records, and for other meshes.
     """
-    with _opened(Path(path)) as record:
+    for what, given, kind in (("scene", scene, Scene), ("tool", tool, Tool), ("put_down", put_down, Mapping)):
+        if given is not None and not isinstance(given, kind):
+            wanted = "a dict of parts and scenes" if kind is Mapping else f"a feeler.{kind.__name__}"
+            raise OptionError(f"{what} is {shown(given)}: give {wanted}, or None")
+    with _opened(check_path("path", path)) as record:
         try:
             head = json.loads(str(record["head"]))
             events, inputs, outputs = record["events"], record["inputs"], record["outputs"]

@@ -9,10 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import check_flag, check_number, check_whole
+from feeler.choices import ProxyMode
 from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import Device, Own
 from feeler.haptics.record import Recorder
+from feeler.poses import QUERY_DEVIATION, nearest_rigid
 
 Floats = npt.NDArray[np.float64]
 
@@ -35,7 +38,7 @@ class View:
     """`(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame."""
     age: float
     """Age of the contact planes, seconds."""
-    mode: str
+    mode: ProxyMode
     """As `Step.mode`."""
     buttons: int
     """Pressed buttons, a bit each."""
@@ -130,7 +133,7 @@ class Trace:
     """`(n, 4, 4)`."""
     wrenches: Floats
     """`(n, 6)`: force and torque on the hand, as in `View`."""
-    modes: tuple[str, ...]
+    modes: tuple[ProxyMode, ...]
     has_device: npt.NDArray[np.bool_]
     """`(n,)`: whether the device reported a valid pose."""
 
@@ -179,14 +182,16 @@ class Runs(_core.HapticsSession):
             raise SessionError("the session runs already: stop it first")
         if self._recorder is not None:
             raise SessionError("a record is of steps: close it before the session runs")
+        pose = np.eye(4) if world_from_device is None else nearest_rigid(world_from_device, QUERY_DEVIATION)
+        is_absolute = device._is_absolute if absolute is None else check_flag("absolute", absolute)
+        rate = check_number("rate_hz", rate_hz, "a rate, more than 0", above=0.0)
+        ratio = check_number("scale", scale, "a number, more than 0", above=0.0)
+        clutch = None if clutch_button is None else check_whole("clutch_button", clutch_button, 0, 31)
+        is_realtime = check_flag("realtime", realtime)
         if isinstance(device, Own):
             device._serve(self)
-        pose = np.eye(4) if world_from_device is None else np.array(world_from_device, dtype=np.float64)
-        is_absolute = device._is_absolute if absolute is None else bool(absolute)
         self._held = tuple(self._gripped)
-        self._run = _core.HapticsRun(
-            self, device._device, float(rate_hz), float(scale), pose, is_absolute, clutch_button, bool(realtime)
-        )
+        self._run = _core.HapticsRun(self, device._device, rate, ratio, pose, is_absolute, clutch, is_realtime)
         self._ended = None
 
     @property

@@ -11,13 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_flag
+from feeler.arguments import check_flag, check_length, check_path, check_real, check_whole, shown
+from feeler.choices import ProxyMode, SeatKind
 from feeler.errors import OptionError, PoseError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import MODES, Recorder
 from feeler.haptics.running import Runs
 from feeler.mockup import Tool
 from feeler.poses import PoseLike, plain
+from feeler.renamed import keywords
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -57,7 +59,7 @@ class Step:
     planes: Planes
     age: float
     """Age of the contact planes, seconds."""
-    mode: str
+    mode: ProxyMode
     """The proxy's constraint: `free`, `contact`, `bound` (it reached the limit of the planes and moves on with the next
     ones), `doubt` (no force: the pose was invalid, or the planes are too old)."""
 
@@ -69,7 +71,7 @@ class Seat:
     part: int
     """Index into `mockup.parts`."""
     tool_part: int
-    kind: str
+    kind: SeatKind
     """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, such as press fits
     and parts that overlap by their facets. `sunk`: deeper still, such as a bolt in a plate without a hole."""
     depth: float
@@ -138,16 +140,18 @@ class Session(Runs):
         """See the class."""
         if not isinstance(scene, Scene):
             raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
-        coupling = coupling or Coupling()
+        coupling = Coupling() if coupling is None else coupling
         if not isinstance(coupling, Coupling):
             raise OptionError(f"coupling is a {type(coupling).__name__}: pass a feeler.haptics.Coupling")
         options: dict[str, Any] = {
-            "margin": float(margin),
-            "skin": float(skin),
+            "margin": check_length("margin", margin),
+            "skin": check_length("skin", skin),
             "shading": check_flag("shading", shading),
-            "collision_hz": None if collision_hz is None else float(collision_hz),
-            "seed": int(seed),
+            "collision_hz": None if collision_hz is None else check_real("collision_hz", collision_hz),
+            "seed": check_whole("seed", seed, 0, 2**64 - 1),
         }
+        if put_down is not None and not isinstance(put_down, Mapping):
+            raise OptionError(f"put_down is {shown(put_down)}: give a dict of parts and scenes")
         lying = [(_one_part(scene, part, "put_down"), alone) for part, alone in (put_down or {}).items()]
         for part, alone in lying:
             if not isinstance(alone, Scene):
@@ -159,13 +163,14 @@ class Session(Runs):
         self._options, self._lying, self._recorder = options, dict(lying), None
         return self
 
+    @keywords({"pose": "world_from_tool"})
     def start(self, world_from_tool: PoseLike) -> Start:
         """Starts, or restarts, with the device at this pose `(4, 4)`.
 
         Contacts at that pose are seats, and force acts from the first step on. If parts lie elsewhere, the way out
         frees the tool from the one body that it is deepest in. Raises `PoseError` for an invalid pose.
         """
-        pose = np.array(plain(world_from_tool), dtype=np.float64)
+        pose = _pose(world_from_tool)
         started = super()._begin(pose) if self._run is None else self._run.start(pose)
         if self._recorder:
             self._recorder.start(pose)
@@ -177,10 +182,8 @@ class Session(Runs):
         A pose that is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
         `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
         """
-        pose = np.array(plain(world_from_device), dtype=np.float64)
-        if pose.shape != (4, 4):
-            raise PoseError(f"a pose has shape {pose.shape}: (4, 4) is needed")
-        dt = float(dt)
+        pose = _pose(world_from_device)
+        dt = check_real("dt", dt, "seconds, above 0, at most 1")
         made = super()._advance(pose, dt)
         planes = Planes(made.points, made.normals, made.gaps, made.parts, made.ids, made.is_holding)
         step = Step(made.world_from_proxy, made.force, made.torque, planes, made.age, made.mode)
@@ -213,6 +216,7 @@ class Session(Runs):
         `put_back`: they return to their place in the mock-up instead. Raises `SessionError` if nothing is held, or the
         tool occupies a part's place.
         """
+        check_flag("put_back", put_back)
         run = self._run
         if run is None:
             super()._release(put_back)
@@ -245,12 +249,29 @@ class Session(Runs):
     def record(self, path: str | Path) -> Recorder:
         """Records into a file, from the next start on, for `replay`; `.close()` or `with` ends it."""
         self._recorder = Recorder(
-            Path(path), self.scene, self.tool, self.coupling, self._options, self._lying, self._end_of_record
+            check_path("path", path),
+            self.scene,
+            self.tool,
+            self.coupling,
+            self._options,
+            self._lying,
+            self._end_of_record,
         )
         return self._recorder
 
     def _end_of_record(self) -> None:
         self._recorder = None
+
+
+def _pose(pose: PoseLike) -> Floats:
+    """`(4, 4)`, which may be not finite or not rigid. Raises `PoseError` for other shapes."""
+    try:
+        matrix = np.array(plain(pose), dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise PoseError(f"a pose is {shown(pose)}: give real numbers, (4, 4)") from None
+    if matrix.shape != (4, 4):
+        raise PoseError(f"a pose has shape {matrix.shape}: (4, 4) is needed")
+    return matrix
 
 
 def _start_of(started: _core.StartAnswer) -> Start:

@@ -14,6 +14,7 @@ from feeler.io.raw import OUT_OF_RANGE, PathBook, clean_name
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Meshes
 from feeler.source import Source
+from feeler.words import counted
 
 Floats = npt.NDArray[np.float64]
 
@@ -107,7 +108,7 @@ class Assembly:
 
     def meshes(self, seconds: float = 0.0) -> Meshes:
         """All meshes joined, in metres. Raises `MeshError` if there is no triangle, or if units differ."""
-        notes = [*self.notes, *(f"{count:,} {what} without triangles" for what, count in self._skipped.items())]
+        notes = [*self.notes, *(counted(count, f"{what} without triangles") for what, count in self._skipped.items())]
         if self.is_empty:
             raise MeshError(f"{self._format}: no triangle in it ({'; '.join(notes) or 'no mesh'}): give surfaces")
         unit, source = self._unit()

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from feeler.errors import MeshError
 from feeler.interchange.assembly import Assembly
 from feeler.io.polygons import describe, triangulate
+from feeler.words import counted
 
 Ints = npt.NDArray[np.int64]
 _MAX_DEPTH = 50
@@ -97,7 +98,7 @@ def _polygons(padded: Ints, points: npt.NDArray[np.float64], where: str) -> tupl
     done = triangulate(corners, sizes, points)
     notes = describe(done)
     if done.thin:
-        notes.append(f"{done.thin:,} polygons with fewer than three corners have no triangle")
+        notes.append(counted(done.thin, "polygons with fewer than three corners have no triangle"))
     return done.faces, notes
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from feeler.interchange.assembly import Assembly
+from feeler.words import counted
 
 
 def is_ours(held: Any) -> bool:
@@ -39,7 +40,7 @@ def add(assembly: Assembly, held: Any, path: tuple[str, ...]) -> None:
         _add_mesh(assembly, geometry, (*path, *_ancestors(node, parents, base)), matrix, units)
     unused = len(set(held.geometry) - placed)
     if unused:
-        assembly.notes.append(f"{unused:,} geometries that the scene places nowhere add nothing")
+        assembly.notes.append(counted(unused, "geometries that the scene places nowhere add nothing"))
 
 
 def _add_mesh(assembly: Assembly, mesh: Any, path: tuple[str, ...], matrix: Any, unit: str | None) -> None:

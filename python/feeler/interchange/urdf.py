@@ -12,7 +12,10 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from feeler.errors import FeelerError, LoadError, MissingFileError, OptionError
+from feeler.arguments import check_list, check_number, check_path, check_word
+from feeler.choices import GEOMETRIES, UnitName
+from feeler.choices import Geometry as GeometryKind
+from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.interchange import shapes
 from feeler.interchange.assembly import Assembly
 from feeler.interchange.kinematics import link_poses
@@ -20,6 +23,7 @@ from feeler.interchange.urdf_file import Floats, Geometry, read_urdf
 from feeler.io import DEFAULT_CHORD_TOLERANCE, load_mockup
 from feeler.io.sniff import identify
 from feeler.mockup import Mockup
+from feeler.words import counted
 
 PathLike = str | os.PathLike[str]
 
@@ -31,7 +35,7 @@ def from_urdf(
     path: PathLike,
     joints: Mapping[str, float] | None = None,
     *,
-    geometry: str = "collision",
+    geometry: GeometryKind = "collision",
     package_dirs: Iterable[PathLike] | Mapping[str, PathLike] = (),
     chord_tolerance: float = DEFAULT_CHORD_TOLERANCE,
 ) -> Mockup:
@@ -54,11 +58,9 @@ def from_urdf(
     does not exist; `OptionError` for the options.
     """
     started = time.perf_counter()
-    if geometry not in ("collision", "visual"):
-        raise OptionError(f"geometry is {geometry!r}: choose 'collision' or 'visual'")
-    if isinstance(chord_tolerance, (bool, str)) or not 0 < chord_tolerance < math.inf:
-        raise OptionError(f"chord_tolerance={chord_tolerance!r} should be a positive number of metres, such as 0.0001")
-    file = Path(path)
+    check_word("geometry", geometry, GEOMETRIES)
+    chord_tolerance = check_number("chord_tolerance", chord_tolerance, "metres, more than 0", above=0.0)
+    file = check_path("path", path)
     links, hinges = read_urdf(file)
     poses, notes = link_poses(links, hinges, joints, str(file))
     assembly = Assembly("URDF", "m")
@@ -73,7 +75,7 @@ def from_urdf(
             placed = poses[link.name] @ each.link_from_geometry
             _add(assembly, link.name, each, placed, finder, chord_tolerance, f"{file}: link {link.name!r}")
     if bare:
-        assembly.notes.append(f"{bare:,} links without {geometry} geometry add nothing")
+        assembly.notes.append(counted(bare, f"links without {geometry} geometry add nothing"))
     if assembly.is_empty:
         other = "visual" if geometry == "collision" else "collision"
         raise LoadError(f"{file}: no link has {geometry} geometry; try geometry={other!r}")
@@ -103,7 +105,7 @@ def _add(
 def _add_mesh(assembly: Assembly, link: str, shape: Geometry, placed: Floats, finder: _Finder, where: str) -> None:
     file = finder.find(shape.filename, where)
     try:
-        unit = "m" if identify(file)[0] in _WITHOUT_UNIT else None
+        unit: UnitName | None = "m" if identify(file)[0] in _WITHOUT_UNIT else None
         loaded = load_mockup(file, unit)
     except FeelerError as error:
         raise type(error)(f"{where}: {error}") from error
@@ -126,11 +128,12 @@ class _Finder:
         self._named: dict[str, Path] = {}
         self._folders: list[Path] = []
         if isinstance(package_dirs, Mapping):
-            self._named = {str(name): Path(folder) for name, folder in package_dirs.items()}
+            self._named = {str(name): check_path("package_dirs", folder) for name, folder in package_dirs.items()}
         elif isinstance(package_dirs, (str, os.PathLike)):
-            self._folders = [Path(package_dirs)]
+            self._folders = [check_path("package_dirs", package_dirs)]
         else:
-            self._folders = [Path(folder) for folder in package_dirs]
+            folders = check_list("package_dirs", package_dirs, "a list of folders, or a dict of names and folders")
+            self._folders = [check_path("package_dirs", folder) for folder in folders]
 
     def find(self, name: str, where: str) -> Path:
         """The file; raises `MissingFileError` with the places that were searched."""

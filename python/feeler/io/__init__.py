@@ -10,7 +10,7 @@ not acceptable where every contact counts. OpenCASCADE triangulates STEP.
 
 from feeler.errors import WriteError
 from feeler.io.atomic import check_target
-from feeler.io.body import Body, Mark, body_of, with_marks
+from feeler.io.body import Body, Mark, MeshLike, body_of, with_marks
 from feeler.io.csv_table import csv_table
 from feeler.io.export import write_glb, write_stl
 from feeler.io.load import load_mockup, load_tool
@@ -22,6 +22,7 @@ __all__ = [
     "KNOWN_UNITS",
     "Body",
     "Mark",
+    "MeshLike",
     "WriteError",
     "body_of",
     "check_target",

@@ -9,15 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from feeler.arguments import check_path
 from feeler.errors import FeelerError, WriteError
 
 
 def check_target(path: str | os.PathLike[str]) -> Path:
     """`path`, after checking that a file can be put there; raises `WriteError`. Call it before long work."""
-    given: object = path
-    if not isinstance(given, (str, os.PathLike)):
-        raise WriteError(f"cannot write to {path!r}: give the path of a file")
-    target = Path(path)
+    target = check_path("path", path, WriteError)
     folder = target.parent
     if not folder.is_dir():
         what = "is not a folder" if folder.exists() else "does not exist"

@@ -7,6 +7,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from feeler.arguments import shown
 from feeler.errors import OptionError
 from feeler.io.raw import Axis, RawMesh
 
@@ -25,7 +26,7 @@ def parse_axis(up: object) -> Axis | None:
         return None
     if isinstance(up, str) and up.strip().lower() in _FRAMES:
         return cast(Axis, up.strip().lower())
-    raise OptionError(f"up={up!r} is not an axis; use 'x', 'y' or 'z', or leave it out")
+    raise OptionError(f"up is {shown(up)}: choose x, y or z, or leave it out")
 
 
 def turn(vertices: NDArray[np.float64], axis: Axis, wanted: Axis) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_array, check_flag, check_ids, check_kind, check_list, shown
 from feeler.errors import MeshError, OptionError
 from feeler.poses import nearest_rigid
 
@@ -56,6 +57,20 @@ class Body:
     colour_of_face: npt.NDArray[Any]
     cut: bool = True
 
+    def __post_init__(self) -> None:
+        vertices = check_array("vertices", self.vertices, (None, 3), is_finite=False)
+        check_array("palette", self.palette, (None, 3))
+        faces: Any = self.faces
+        if not isinstance(faces, np.ndarray) or faces.dtype.kind not in "iu" or faces.shape[1:] != (3,):
+            raise MeshError(f"faces is {shown(faces)}: give whole numbers, (m, 3)")
+        paths = check_list("paths", self.paths, "a path for each part")
+        for name, count in (("part_of_face", len(paths)), ("colour_of_face", len(self.palette))):
+            if len(check_ids(name, getattr(self, name), count)) != len(faces):
+                raise MeshError(f"{name} does not have an entry for each of {len(faces)} faces")
+        if faces.size and not 0 <= faces.min() <= faces.max() < len(vertices):
+            raise MeshError(f"faces refer to vertices that do not exist: there are {len(vertices)}")
+        check_flag("cut", self.cut)
+
     @property
     def points(self) -> FloatArray:
         """The used vertices, (k, 3) metres, world."""
@@ -98,6 +113,11 @@ def body_of(
     """
     if isinstance(mesh, Body):
         return mesh
+    if not hasattr(mesh, "vertices") or not hasattr(mesh, "faces"):
+        raise MeshError(
+            f"a {type(mesh).__name__} is no mesh: pass a mock-up, a tool, or an object with vertices and faces"
+        )
+    check_flag("cut", cut)
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     faces = np.asarray(mesh.faces)
     if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
@@ -125,12 +145,18 @@ class Mark:
     faces: npt.NDArray[Any]
     colour: Colour
 
+    def __post_init__(self) -> None:
+        check_array("colour", self.colour, (3,))
+        check_ids("faces", self.faces, 2**32)
+
 
 def with_marks(body: Body, marks: Sequence[Mark]) -> Body:
     """`body` with marked triangles; of overlapping marks, the last one counts."""
+    check_kind("body", body, Body, "a feeler.io.Body")
+    marks = [check_kind("marks", mark, Mark, "feeler.io.Mark objects") for mark in check_list("marks", marks, "a list")]
     colour_of_face = np.array(body.colour_of_face, dtype=np.int64)
     for number, mark in enumerate(marks):
-        colour_of_face[mark.faces] = len(body.palette) + number
+        colour_of_face[check_ids("faces", mark.faces, len(body.faces))] = len(body.palette) + number
     return replace(
         body,
         palette=np.array([*body.palette, *(mark.colour for mark in marks)], dtype=np.float64).reshape(-1, 3),
@@ -194,7 +220,10 @@ def _palette(colours: Any, paths: tuple[str, ...]) -> tuple[FloatArray, IntArray
     groups %= len(_MATERIALS)
     if colours is None:
         return np.array(_MATERIALS), groups
-    table = np.asarray(colours, dtype=np.float64)
+    try:
+        table = np.array(colours, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"colours is {shown(colours)}: pass (3,) or one row per part, ({len(paths)}, 3)") from None
     if table.shape == (3,):
         return table[None, :], np.zeros(len(paths), dtype=np.int64)
     if table.shape == (len(paths), 3):

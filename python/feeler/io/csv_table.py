@@ -13,6 +13,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from feeler.arguments import check_list, check_real
+
 Cell = str | int | float | None
 
 _FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
@@ -28,6 +30,8 @@ def csv_table(heading: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
 
     Numbers have the fewest digits that read back the same; None, and numbers that are not finite, are empty fields.
     """
+    heading = check_list("heading", heading, "a list of texts")
+    rows = [check_list("rows", row, "a list of lists of cells") for row in check_list("rows", rows, "a list of rows")]
     lines = [",".join(_field(cell) for cell in row) + "\n" for row in (heading, *rows)]
     return codecs.BOM_UTF8 + "".join(lines).encode("utf-8", errors="replace")
 
@@ -40,8 +44,10 @@ def harmless(text: str) -> str:
 def _field(cell: Cell) -> str:
     if cell is None:
         return ""
+    if isinstance(cell, (int, np.integer)):
+        return str(int(cell))
     if not isinstance(cell, str):
-        return _number(cell)
+        return _number(check_real("a cell", cell, "text, a number or None"))
     text = harmless(cell.replace("\0", "\ufffd"))
     if _QUOTED.isdisjoint(text) and text == text.strip():
         return text
@@ -49,6 +55,4 @@ def _field(cell: Cell) -> str:
 
 
 def _number(value: float) -> str:
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    return repr(float(value)) if math.isfinite(value) else ""
+    return repr(value) if math.isfinite(value) else ""

@@ -19,7 +19,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.errors import MeshError, OptionError
+from feeler.arguments import check_word
+from feeler.choices import STL_UNITS, StlUnit
+from feeler.errors import MeshError
 from feeler.io.atomic import atomic_file
 from feeler.io.body import Body, FloatArray, MeshLike, body_of
 from feeler.io.gltf_document import OWN_GENERATOR
@@ -28,7 +30,7 @@ from feeler.poses import quaternion
 # Beyond this distance from the origin a part gets an origin of its own; float32 is spaced 0.5 micrometres below 8 m.
 OWN_ORIGIN_BEYOND_M = 8.0
 _UINT16_VERTICES = 65_535  # 65535 itself is reserved by glTF as the strip restart
-_STL_PER_METRE = {"m": 1.0, "cm": 100.0, "mm": 1000.0, "in": 1.0 / 0.0254, "inch": 1.0 / 0.0254}
+_STL_PER_METRE: dict[StlUnit, float] = {"m": 1.0, "cm": 100.0, "mm": 1000.0, "in": 1.0 / 0.0254, "inch": 1.0 / 0.0254}
 
 
 def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.ArrayLike | None = None) -> int:
@@ -80,14 +82,13 @@ def animated_glb(mesh: MeshLike, motions: Sequence[Motion], *, colours: npt.Arra
     return b"".join(chunks)
 
 
-def write_stl(path: str | os.PathLike[str], mesh: MeshLike, *, unit: str = "mm") -> int:
+def write_stl(path: str | os.PathLike[str], mesh: MeshLike, *, unit: StlUnit = "mm") -> int:
     """Writes a binary STL, all parts in one; returns its size in bytes.
 
     STL stores no unit; `unit` is the unit of the written numbers. Other programs, and `feeler.load_mockup`, expect
     millimetres. Raises `WriteError`, `OptionError`.
     """
-    if unit not in _STL_PER_METRE:
-        raise OptionError(f"unit {unit!r} is not known: use one of {', '.join(_STL_PER_METRE)}")
+    check_word("unit", unit, STL_UNITS)
     body = body_of(mesh)
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     triangles = np.zeros(len(body.faces), dtype=record)

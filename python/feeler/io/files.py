@@ -9,10 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
+from feeler.arguments import check_path
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS, known_formats
+from feeler.words import counted
 
-PathLike: TypeAlias = "str | os.PathLike[str]"
+PathLike: TypeAlias = str | os.PathLike[str]
 
 _NAMES_SHOWN = 5
 
@@ -62,11 +64,9 @@ def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
 
 
 def _path(path: object) -> Path:
-    if isinstance(path, (str, os.PathLike)):
-        plain = os.fspath(path)
-        if isinstance(plain, str) and plain and "\0" not in plain:
-            return Path(plain)
-    raise OptionError(f"{path!r} is not a path; give text or a pathlib.Path")
+    if path == "":
+        raise OptionError("path is empty: give the path of a file")
+    return check_path("path", path)
 
 
 def _add_folder(folder: Path, found: FileList) -> None:
@@ -84,7 +84,7 @@ def _add_folder(folder: Path, found: FileList) -> None:
                 others[path.relative_to(folder).as_posix()] += 1
     if others:
         shown = ", ".join(sorted(others)[:_NAMES_SHOWN]) + (", ..." if len(others) > _NAMES_SHOWN else "")
-        found.notes.append(f"{len(others):,} files of other kinds in {folder} were skipped: {shown}")
+        found.notes.append(counted(len(others), f"files of other kinds in {folder} were skipped: {shown}"))
     if not meshes:
         raise MissingFileError(f"{folder}: the folder holds no mesh file ({known_formats()})")
     for path in sorted(meshes):

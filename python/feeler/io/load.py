@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import time
 from collections.abc import Iterable, Iterator
@@ -13,7 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.arguments import check_progress
+from feeler.arguments import check_number, check_progress, check_text
+from feeler.choices import DefectKind, UnitName, UpAxis
 from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
 from feeler.io import axes
 from feeler.io.cache import Cache
@@ -31,19 +31,24 @@ from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
 from feeler.saved import MAGIC, opened
 from feeler.source import Source
+from feeler.words import counted, plural
 
 DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
 
 _FAILURES_SHOWN = 20
-_LOST = ("index_out_of_range", "non_finite", "too_large")  # defects that take a piece of a surface away
+_LOST: tuple[DefectKind, ...] = (
+    "index_out_of_range",
+    "non_finite",
+    "too_large",
+)  # defects that take a piece of a surface away
 
 
 def load_mockup(
     path: PathLike | Iterable[PathLike],
-    unit: str | None = None,
+    unit: UnitName | None = None,
     *,
-    up: str | None = None,
+    up: UpAxis | None = None,
     chord_tolerance: float | None = None,
     cache: PathLike | None = None,
     progress: Progress | None = None,
@@ -98,10 +103,10 @@ def load_mockup(
 
 def load_tool(
     path: PathLike | Iterable[PathLike],
-    unit: str | None = None,
+    unit: UnitName | None = None,
     *,
     name: str | None = None,
-    up: str | None = None,
+    up: UpAxis | None = None,
     chord_tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Tool:
@@ -117,7 +122,7 @@ def load_tool(
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     if progress:
         progress(0.8, "checking triangles")
-    label = name if name is not None else loaded.pieces[0].file.path.stem
+    label = check_text("name", name) if name is not None else loaded.pieces[0].file.path.stem
     with loaded.named_in_errors():
         raw = loaded.raw
         tool = Tool(raw.vertices, raw.faces, label, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
@@ -182,8 +187,10 @@ class _Loaded:
             doubts.append(note + self._culprits(mesh, float(np.max(upper - lower))))
         if lost := sum(mesh.report.defects[kind].count for kind in _LOST):
             doubts.append(
-                f"{lost:,} triangles have a vertex that does not exist or is no finite number, and take part in no "
-                "query: export the file again"
+                counted(
+                    lost, "triangles have a vertex that does not exist or is no finite number, and take part in no "
+                )
+                + "query: export the file again"
             )
         return Source(
             tuple(str(piece.file.path) for piece in self.pieces),
@@ -236,7 +243,7 @@ class _Notes:
         """Return the files that could not be read, with reasons."""
         lines = [f"left out, as it cannot be read: {error}" for _, error in self.failures[:_FAILURES_SHOWN]]
         if len(self.failures) > _FAILURES_SHOWN:
-            lines.append(f"{len(self.failures) - _FAILURES_SHOWN:,} more files cannot be read and were left out")
+            lines.append(counted(len(self.failures) - _FAILURES_SHOWN, "more files cannot be read and were left out"))
         return lines
 
     def said(self) -> list[str]:
@@ -272,7 +279,7 @@ def _load(
         with _left_out_if_it_fails(file, said, watched):
             raw = read(file.path, format_name, chord_tolerance, given, watched)
             if not len(raw.faces):
-                points = f" (but {len(raw.vertices):,} points)" if len(raw.vertices) else ""
+                points = f" (but {plural(len(raw.vertices), 'point')})" if len(raw.vertices) else ""
                 said.add(file, [f"the {format_name} file holds no triangle{points}"])
             said.add(file, raw.notes)
             doubted.add(file, raw.doubts)
@@ -334,12 +341,8 @@ def _signed(note: str, names: list[str], several: bool) -> str:
 
 
 def _check_tolerance(chord_tolerance: float | None) -> None:
-    if chord_tolerance is None:
-        return
-    tolerance: object = chord_tolerance
-    good = isinstance(tolerance, (int, float, np.floating, np.integer)) and not isinstance(tolerance, bool)
-    if not good or not math.isfinite(chord_tolerance) or chord_tolerance <= 0:
-        raise OptionError(f"chord_tolerance={chord_tolerance!r} should be a positive number of metres, such as 0.0001")
+    if chord_tolerance is not None:
+        check_number("chord_tolerance", chord_tolerance, "metres, more than 0, such as 0.0001", above=0.0)
 
 
 def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, str]:

@@ -18,6 +18,7 @@ from feeler.io.limits import check_mesh
 from feeler.io.raw import PathBook, RawMesh, clean_name, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
+from feeler.words import counted
 
 # Elements with a shape but no triangles, by keyword.
 _SHAPES = {
@@ -140,7 +141,7 @@ class _Reader:
     def notes(self) -> list[str]:
         """Return notes on all elements without triangles."""
         notes = [
-            f"{self.skipped[word]:,} {what} were skipped: only triangles collide"
+            counted(self.skipped[word], f"{what} were skipped: only triangles collide")
             for word, what in _SHAPES.items()
             if word in self.skipped
         ]
@@ -152,18 +153,20 @@ class _Reader:
                 f"{clean_name(w.decode('latin-1'), '?')!r} ({n:,})" for w, n in list(strange.items())[:_STRANGE_SHOWN]
             ]
             notes.append(
-                f"{sum(strange.values()):,} lines with keywords that are not OBJ were ignored, the first is line "
-                f"{self.first_strange:,}: " + ", ".join(shown) + (", ..." if len(strange) > _STRANGE_SHOWN else "")
+                counted(sum(strange.values()), "lines with keywords that are not OBJ were ignored")
+                + f", the first is line {self.first_strange:,}: "
+                + ", ".join(shown)
+                + (", ..." if len(strange) > _STRANGE_SHOWN else "")
             )
         if self.endless:
             notes.append(
-                f"{self.endless:,} vertices have a coordinate that is no finite number, the first is line "
-                f"{self.first_endless:,}"
+                counted(self.endless, "vertices have a coordinate that is no finite number")
+                + f", the first is line {self.first_endless:,}"
             )
         if self.weighted:
             notes.append(
-                f"{self.weighted:,} vertices have a weight w other than 1, which counts for free-form curves only: "
-                "their x, y, z were taken as they are"
+                counted(self.weighted, "vertices have a weight w other than 1, which counts for free-form curves only")
+                + ": their x, y, z were taken as they are"
             )
         return notes
 
@@ -189,7 +192,8 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
     if result.thin:
         line = int(np.concatenate(reader.lines)[result.first_thin])
         notes.append(
-            f"{result.thin:,} faces with fewer than three corners hold no triangle, the first is line {line:,}"
+            counted(result.thin, "faces with fewer than three corners hold no triangle")
+            + f", the first is line {line:,}"
         )
     notes += reader.notes()
     parts = np.concatenate(reader.parts or none)[result.polygon]

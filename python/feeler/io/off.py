@@ -19,6 +19,7 @@ from feeler.io.limits import check_mesh
 from feeler.io.raw import RawMesh, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
+from feeler.words import counted
 
 _KEYWORD = re.compile(rb"((?:ST|[CN4n])*)(?:OFF|off)(\d+)?", re.ASCII)
 _SMALL = re.compile(rb"((?:st|[cn4])*)off(\d+)?", re.ASCII)
@@ -57,9 +58,9 @@ def read_off(path: Path, progress: Progress | None = None) -> RawMesh:
     notes = polygons.describe(result)
     for size, what in ((0, "polygons without a corner"), (1, "points"), (2, "lines")):
         if count := int((faces.sizes == size).sum()):
-            notes.append(f"{count:,} {what} were skipped: only triangles collide")
+            notes.append(counted(count, f"{what} were skipped: only triangles collide"))
     if extra:
-        notes.append(f"{extra:,} lines after the last polygon were ignored")
+        notes.append(counted(extra, "lines after the last polygon were ignored"))
     sealed = seal_indices(result.faces, header.vertices)
     return RawMesh(vertices, sealed, np.zeros(len(sealed), dtype=np.uint32), [path.stem], [""], notes=notes)
 

@@ -24,6 +24,7 @@ from feeler.io.limits import check_mesh
 from feeler.io.raw import RawMesh, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
+from feeler.words import counted
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -95,12 +96,12 @@ def read_ply(path: Path, progress: Progress | None = None) -> RawMesh:
     check_mesh(len(body.vertices), len(triangles), 1, str(path))
     notes = polygons.describe(result)
     if result.thin:
-        notes.append(f"{result.thin:,} faces with fewer than three corners hold no triangle")
+        notes.append(counted(result.thin, "faces with fewer than three corners hold no triangle"))
     if len(body.strips.sizes):
-        notes.append(f"{len(body.strips.sizes):,} rows of triangle strips were cut into triangles")
+        notes.append(counted(len(body.strips.sizes), "rows of triangle strips were cut into triangles"))
     for element in elements:
         if element.name not in ("vertex", "face", "tristrips") and element.count and element.properties:
-            notes.append(f"{element.count:,} rows of {element.name[:80]!r} were skipped: only triangles collide")
+            notes.append(counted(element.count, f"rows of {element.name[:80]!r} were skipped: only triangles collide"))
     if body.rest:
         notes.append(body.rest)
     faces = seal_indices(triangles, len(body.vertices))
@@ -335,7 +336,7 @@ def _by_lines(
     for name, found in lists.items():
         body.add(name, found)
     if surplus:
-        body.rest = f"{surplus:,} lines after the last row were ignored"
+        body.rest = counted(surplus, "lines after the last row were ignored")
     return body, words == used
 
 

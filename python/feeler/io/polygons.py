@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.io.ears import cut_ears
+from feeler.words import counted
 
 CROSSING = "polygons cross themselves: their triangles overlap, or stand out of them"
 
@@ -67,9 +68,9 @@ def describe(result: Triangulated) -> list[str]:
     """Return the notes for the reader's report."""
     notes = []
     if result.cut:
-        notes.append(f"{result.cut:,} polygons with more than three corners were cut into triangles")
+        notes.append(counted(result.cut, "polygons with more than three corners were cut into triangles"))
     if result.rough:
-        notes.append(f"{result.rough:,} {CROSSING}")
+        notes.append(counted(result.rough, CROSSING))
     return notes
 
 

@@ -32,6 +32,7 @@ from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
 from feeler.io.unread import ifc_schema
 from feeler.progress import Progress
+from feeler.words import counted
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
 """Metres. A smaller value is finer: the number of triangles grows with its inverse square root."""
@@ -121,8 +122,8 @@ def _read(
     if wrong := misplaced(text):
         named = ", ".join(f"#{number}" for number in wrong[:_NOTES_SHOWN]) + (", ..." if wrong[_NOTES_SHOWN:] else "")
         raise LoadError(
-            f"{path}: {len(wrong):,} placements mirror or scale a shape ({named}), which OpenCASCADE would put in a "
-            "wrong place; export the file again with these parts as shapes of their own"
+            f"{path}: {counted(len(wrong), 'placements mirror or scale a shape')} ({named}), which OpenCASCADE would "
+            "put in a wrong place; export the file again with these parts as shapes of their own"
         )
     assembly = Assembly(text)
     slots: list[Slot] = []

@@ -25,6 +25,7 @@ from feeler.io.raw import PathBook, RawMesh, clean_name, weld
 from feeler.io.sniff import is_binary_stl
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
+from feeler.words import counted
 
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
@@ -159,7 +160,7 @@ def _parse(path: Path, data: bytes, progress: Progress | None, relaid: bool) -> 
     check_mesh(3 * count, count, len(solids), str(path))
     notes: list[str] = []
     if strange:
-        notes.append(f"{strange:,} lines that are not STL were ignored" + _first_line(first_strange, relaid))
+        notes.append(counted(strange, "lines that are not STL were ignored") + _first_line(first_strange, relaid))
     if not has_end:
         notes.append("the last solid has no 'endsolid': if it is not complete, the file is truncated; copy it again")
     if progress:

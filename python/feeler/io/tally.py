@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from feeler.io.raw import clean_name
+from feeler.words import counted
 
 _NAMES_SHOWN = 5
 _NAME_LENGTH = 60
@@ -44,5 +45,5 @@ class Tally:
                 continue
             shown = [f"'{name}'" for name in self._names[kind]]
             more = ", ..." if len(shown) > _NAMES_SHOWN else ""
-            lines.append(f"{count:,} {kind}" + (f" ({', '.join(shown[:_NAMES_SHOWN])}{more})" if shown else ""))
+            lines.append(counted(count, kind) + (f" ({', '.join(shown[:_NAMES_SHOWN])}{more})" if shown else ""))
         return lines

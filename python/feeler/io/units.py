@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from feeler.arguments import check_word, shown
+from feeler.choices import UnitName
 from feeler.errors import OptionError
 
 
@@ -14,7 +16,7 @@ class Unit(NamedTuple):
     metres: float
 
 
-_UNITS: dict[str, tuple[float, tuple[str, ...]]] = {
+_UNITS: dict[UnitName, tuple[float, tuple[str, ...]]] = {
     "m": (1.0, ("metre", "metres", "meter", "meters")),
     "mm": (0.001, ("millimetre", "millimetres", "millimeter", "millimeters")),
     "cm": (0.01, ("centimetre", "centimetres", "centimeter", "centimeters")),
@@ -32,8 +34,13 @@ _BY_NAME: dict[str, Unit] = {
     alias: Unit(name, metres) for name, (metres, aliases) in _UNITS.items() for alias in (name, *aliases)
 }
 
-KNOWN_UNITS: tuple[str, ...] = tuple(_UNITS)
+KNOWN_UNITS: tuple[UnitName, ...] = tuple(_UNITS)
 """The short names, in the order of messages."""
+
+
+def parse_name(unit: object) -> UnitName | None:
+    """Return the short name of a unit, None for None; raise `OptionError` for an unknown one."""
+    return None if unit is None else check_word("unit", parse_unit(unit).name, KNOWN_UNITS)
 
 
 def parse_unit(unit: object) -> Unit:
@@ -42,4 +49,4 @@ def parse_unit(unit: object) -> Unit:
         found = _BY_NAME.get(unit.strip()) or _BY_NAME.get(unit.strip().lower())
         if found is not None:
             return found
-    raise OptionError(f"unit={unit!r} is not a unit feeler knows; use one of {', '.join(KNOWN_UNITS)}")
+    raise OptionError(f"unit is {shown(unit)}, which is no unit that feeler knows: choose {', '.join(KNOWN_UNITS)}")

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_array, check_list, check_number, check_text
+from feeler.errors import OptionError
 from feeler.io.body import RED, Body, Colour
 
 LEAST_THICKNESS_M = 2e-5
@@ -20,6 +22,13 @@ def bars(
     colour: Colour = RED,
 ) -> Body | None:
     """A bar between each two points `(k, 3)`, metres, with its path, if it has a length. None if none has."""
+    start, end = check_array("start", start, (None, 3)), check_array("end", end, (None, 3))
+    thickness = check_number("thickness", thickness, "metres, more than 0", above=0.0)
+    paths = [check_text("paths", path) for path in check_list("paths", paths, "a path for each bar")]
+    if not len(start) == len(end) == len(paths):
+        raise OptionError(
+            f"there are {len(start)} starts, {len(end)} ends and {len(paths)} paths: give as many of each"
+        )
     kept = np.flatnonzero(np.abs(end - start).max(axis=1, initial=0.0) > 0.0)
     if not len(kept):
         return None

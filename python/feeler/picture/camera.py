@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_array, check_list, check_number, check_whole, shown
 from feeler.errors import OptionError
 
 FloatArray = npt.NDArray[np.float64]
@@ -24,6 +25,11 @@ class Camera:
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     fov_deg: float = 26.0
 
+    def __post_init__(self) -> None:
+        for name in ("eye", "target", "up"):
+            check_array(name, getattr(self, name), (3,))
+        _check_fov(self.fov_deg)
+
     @classmethod
     def framing(
         cls,
@@ -39,9 +45,13 @@ class Camera:
 
         size: of the picture, pixels. box: left, top, width, height as shares of the picture, 0 to 1.
         """
-        cloud = np.atleast_2d(np.asarray(points, dtype=np.float64))
+        cloud = check_array("points", np.atleast_2d(check_array("points", points, (None, 3))), (None, 3))
+        if not len(cloud):
+            raise OptionError("points is empty: give at least one")
         forward = _unit(direction, "direction")
-        right, true_up = _right_up(forward, np.asarray(up, dtype=np.float64))
+        right, true_up = _right_up(forward, _unit(up, "up"))
+        size, box = check_size(size), check_box(box)
+        _check_fov(fov_deg)
         half = np.tan(np.radians(fov_deg) / 2)
         centre = (cloud.min(axis=0) + cloud.max(axis=0)) / 2
         z = (cloud - centre) @ forward
@@ -66,7 +76,8 @@ class Camera:
     def shares(self, points: npt.ArrayLike, size: tuple[int, int]) -> FloatArray:
         """The image of points (n, 3), (n, 2): shares of width and height from the left and from the top."""
         right, up, forward = self.axes()
-        away = np.asarray(points, dtype=np.float64) - np.asarray(self.eye)
+        size = check_size(size)
+        away = check_array("points", points, (None, 3)) - np.asarray(self.eye)
         half = np.tan(np.radians(self.fov_deg) / 2) * np.maximum(away @ forward, 1e-12)
         x = away @ right / half * size[1] / size[0]
         return np.stack([(1 + x) / 2, (1 - away @ up / half) / 2], axis=1)
@@ -102,6 +113,10 @@ class Section:
     point: tuple[float, float, float]
     normal: tuple[float, float, float]
 
+    def __post_init__(self) -> None:
+        check_array("point", self.point, (3,))
+        _unit(self.normal, "normal")
+
     def plane(self) -> tuple[FloatArray, float]:
         """Unit normal n and offset d; points with n.x > d are removed."""
         normal = _unit(self.normal, "section normal")
@@ -109,11 +124,39 @@ class Section:
 
 
 def _unit(vector: npt.ArrayLike, what: str) -> FloatArray:
-    array = np.asarray(vector, dtype=np.float64)
-    length = float(np.sqrt(np.sum(array * array)))
-    if array.shape != (3,) or not np.isfinite(length) or length == 0:
-        raise OptionError(f"{what} is {array.tolist()}: give three finite numbers, not all zero")
-    return array / length
+    array = check_array(what, vector, (3,))
+    largest = float(np.abs(array).max())
+    if largest == 0.0:
+        raise OptionError(f"{what} is zero: give three numbers, not all zero")
+    array = array / largest  # squares of large numbers are infinite
+    return np.asarray(array / np.sqrt(array @ array))
+
+
+MOST_PIXELS = 16_384
+
+
+def check_size(size: object, least: int = 1, most: int = MOST_PIXELS) -> tuple[int, int]:
+    """Width and height of a picture, pixels. Raises `OptionError`."""
+    sides = check_list("size", size, "a width and a height, pixels")
+    if len(sides) != 2:
+        raise OptionError(f"size is {shown(size)}: give a width and a height, pixels")
+    width, height = (check_whole(what, side, least, most, " pixels") for what, side in zip(_SIDES, sides, strict=True))
+    return width, height
+
+
+_SIDES = ("size: the width", "size: the height")
+
+
+def check_box(box: object) -> tuple[float, float, float, float]:
+    """Left, top, width and height as shares of a picture. Raises `OptionError`."""
+    left, top, width, height = check_array("box", box, (4,)).tolist()
+    if min(left, top) < 0.0 or min(width, height) <= 0.0 or max(left + width, top + height) > 1.0 + 1e-9:
+        raise OptionError(f"box is {shown(box)}: give left, top, width and height within the picture, 0 to 1")
+    return left, top, width, height
+
+
+def _check_fov(fov_deg: object) -> None:
+    check_number("fov_deg", fov_deg, "degrees, between 0 and 180", above=0.0, most=179.0)
 
 
 def _right_up(forward: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:

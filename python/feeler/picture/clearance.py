@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Clearance
+from feeler.arguments import shown
+from feeler.errors import OptionError
 from feeler.io.body import Body, MeshLike
 from feeler.io.export import write_glb
 from feeler.picture.bars import LEAST_THICKNESS_M, bars
@@ -31,6 +33,8 @@ def clearance_bodies(
     of three sides, as thick as 0.2 % of the tool, which every viewer shows; it is left out where tool and part collide.
     context, parts: as for `collision_bodies`.
     """
+    if not hasattr(clearance, "points_on_tool"):
+        raise OptionError(f"clearance is {shown(clearance)}: give a feeler.Clearance")
     body, tool_body = collision_bodies(mockup, tool, world_from_tool, clearance, context=context, parts=parts)
     size = float(np.linalg.norm(tool_body.bounds[1] - tool_body.bounds[0]))
     start, end = np.asarray(clearance.points_on_tool), np.asarray(clearance.points_on_mockup)

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_flag, check_number, shown
 from feeler.errors import OptionError
 from feeler.io.body import (
     LIGHT_GREY,
@@ -57,8 +58,10 @@ def collision_bodies(
     assembly. context: None keeps every part; a distance in metres keeps only parts whose box is that near to the tool's
     box (and all parts that are hit). parts: which parts are drawn, (parts,) bool, such as `scene.part_mask`; None: all.
     """
-    if context is not None and not context >= 0:
-        raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
+    if context is not None:
+        context = check_number("context", context, "metres, 0 or more, or None", least=0.0, is_endless=True)
+    check_flag("grey", grey)
+    check_hits(collision)
     tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
     tool_body = with_marks(tool_body, [Mark(np.asarray(collision.tool_triangles, dtype=np.int64), ORANGE)])
     body = body_of(mockup, colours=LIGHT_GREY if grey else None)
@@ -68,10 +71,27 @@ def collision_bodies(
     body = with_marks(body, [Mark(tinted, TINT), Mark(np.asarray(collision.mockup_triangles, dtype=np.int64), RED)])
     if context is None and parts is None:
         return body, tool_body
-    shown = is_hit | True if context is None else is_hit | _near_parts(body, tool_body.bounds, context)
+    drawn = is_hit | True if context is None else is_hit | _near_parts(body, tool_body.bounds, context)
     if parts is not None:
-        shown &= np.asarray(parts, dtype=bool)
-    return only_faces(body, shown[body.part_of_face]), tool_body
+        drawn &= check_mask(parts, len(drawn))
+    return only_faces(body, drawn[body.part_of_face]), tool_body
+
+
+def check_hits(hits: object) -> None:
+    """Raises `OptionError` for what has no triangles and parts."""
+    if not all(hasattr(hits, name) for name in ("tool_triangles", "mockup_triangles", "parts")):
+        raise OptionError(f"{shown(hits)} has no triangles to show: give a feeler.Collision or feeler.Clearance")
+
+
+def check_mask(parts: npt.ArrayLike, count: int) -> npt.NDArray[np.bool_]:
+    """Which parts are drawn, (count,) bool. Raises `OptionError` for others."""
+    try:
+        mask = np.asarray(parts)
+    except ValueError:
+        mask = np.empty(0)
+    if mask.dtype != bool or mask.shape != (count,):
+        raise OptionError(f"parts is {shown(parts)}: give True or False for each of {count} parts")
+    return mask
 
 
 def write_collision_glb(

@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_kind, check_progress
 from feeler.errors import MeshError, OptionError
 from feeler.io.atomic import atomic_file
 from feeler.io.body import Body, MeshLike, body_of
 from feeler.picture import shade
-from feeler.picture.camera import Camera, Section, usual_view
+from feeler.picture.camera import Camera, Section, check_box, check_size, usual_view
 from feeler.picture.clip import clip_triangles
 from feeler.picture.png import write_png
 from feeler.picture.raster import DepthBuffer
@@ -29,7 +30,6 @@ Image = npt.NDArray[np.uint8]
 
 _CUT, _CUT_SHARE = np.array((0.085, 0.105, 0.135)), 0.18  # a cut's colour, linear, and how much of the part's is added
 _CHUNK = 1 << 16  # triangles at a time
-_LARGEST_SIDE = 16_384
 _NEAR = 1e-3  # of the distance: nearer geometry is clipped, since a plane through the eye cannot be projected
 _NUDGE = 2e-5  # of the distance: far above float32 rounding, far below a pixel
 _INK, _CIRCLE_PX = (40, 44, 52), 10.0  # frame of the inset and its pointer, sRGB bytes; the circle's radius
@@ -44,6 +44,10 @@ class Inset:
 
     camera: Camera
     box: tuple[float, float, float, float] = (0.66, 0.04, 0.32, 0.42)
+
+    def __post_init__(self) -> None:
+        check_kind("camera", self.camera, Camera, "a feeler.picture.Camera")
+        check_box(self.box)
 
 
 def render(
@@ -61,10 +65,11 @@ def render(
     cuts the bodies with `cut`, also in the inset. Needs no display and no GPU.
     Raises `WriteError`, `OptionError`, `MeshError`.
     """
-    report = progress or (lambda _fraction, _stage: None)
-    width, height = size
-    if not (1 <= width <= _LARGEST_SIDE and 1 <= height <= _LARGEST_SIDE):
-        raise OptionError(f"size is {size}: give a width and a height from 1 to {_LARGEST_SIDE} pixels")
+    report = check_progress(progress) or (lambda _fraction, _stage: None)
+    size = check_size(size)
+    for what, given, kind in (("camera", camera, Camera), ("section", section, Section), ("inset", inset, Inset)):
+        if given is not None:
+            check_kind(what, given, kind, f"a feeler.picture.{kind.__name__}, or None")
     bodies = [body for body in map(body_of, meshes) if len(body.faces)]
     if not bodies:
         raise MeshError("nothing to show: pass at least one mesh with triangles")

@@ -7,9 +7,11 @@ import os
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_array, check_progress
+from feeler.errors import OptionError
 from feeler.io.body import MeshLike, only_faces
-from feeler.picture.camera import Camera, Section, triple, usual_view
-from feeler.picture.collision import Hits, collision_bodies
+from feeler.picture.camera import Camera, Section, check_size, triple, usual_view
+from feeler.picture.collision import Hits, check_mask, collision_bodies
 from feeler.picture.renderer import Inset, render
 from feeler.progress import Progress
 
@@ -38,6 +40,8 @@ def render_collision(
     of the view, (3,); None: `usual_view` of the mock-up's box. parts: which parts are drawn, (parts,) bool, such as
     `scene.part_mask`; None: all. path: None writes no file. Raises `WriteError`, `OptionError`.
     """
+    size = check_size(size)
+    check_progress(progress)
     body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, grey=False)
     hit = np.asarray(collision.mockup_triangles, dtype=np.int64)
     low, high = tool_body.bounds
@@ -45,8 +49,10 @@ def render_collision(
     if len(hit):
         focus = np.clip(body.vertices[body.faces[hit]].mean(axis=(0, 1)), low, high)
     usual = usual_view(body.bounds)
-    forward = np.asarray(usual[0] if direction is None else direction, dtype=np.float64)
-    upright = np.asarray(usual[1] if up is None else up, dtype=np.float64)
+    forward = check_array("direction", usual[0] if direction is None else direction, (3,))
+    upright = check_array("up", usual[1] if up is None else up, (3,))
+    if not forward.any() or not upright.any():
+        raise OptionError("direction or up is zero: give three numbers, not all zero")
     across = forward - upright * (forward @ upright) / (upright @ upright)
     axis = int(np.argmax(np.abs(across)))
     normal = -np.sign(across[axis]) * np.eye(3)[axis]
@@ -63,7 +69,7 @@ def render_collision(
     close_size = int(size[0] * _INSET[2]), int(size[1] * _INSET[3])
     close = Camera.framing([focus - reach, focus + reach], forward, upright, size=close_size)
     if parts is not None:
-        body = only_faces(body, np.asarray(parts, dtype=bool)[body.part_of_face])
+        body = only_faces(body, check_mask(parts, max(len(body.paths), 1))[body.part_of_face])
     return render(
         path,
         body,

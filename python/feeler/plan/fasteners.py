@@ -10,7 +10,8 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_length, check_progress, check_word
+from feeler.arguments import check_kind, check_length, check_list, check_progress, check_text, check_word
+from feeler.choices import FASTENER_KINDS, FastenerKind
 from feeler.errors import MeshError
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
@@ -23,7 +24,7 @@ from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
-KINDS = ("bolt", "screw", "nut", "stud")
+KINDS = FASTENER_KINDS
 
 LARGEST_M = 0.6
 """The longest side of the box of examined parts: longer bolts are rare, and large parts cost time."""
@@ -66,7 +67,7 @@ class Fastener:
     part: int
     """Index into `mockup.parts`."""
     path: str
-    kind: str
+    kind: FastenerKind
     """"bolt" (hexagon head), "screw" (round head, or a socket without one), "nut" or "stud"."""
     frame: Floats
     """`(4, 4)` world_from_fastener: the origin in the middle of the top of head or nut; z along the axis out of the
@@ -95,7 +96,8 @@ class Fasteners(Sequence[Fastener]):
     """The results of `find_fasteners`, sorted by part."""
 
     def __init__(self, rows: Iterable[Fastener]) -> None:
-        self._rows = tuple(rows)
+        found = check_list("rows", rows, "a list of feeler.Fastener")
+        self._rows = tuple(check_kind("rows", row, Fastener, "a list of feeler.Fastener") for row in found)
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -129,7 +131,7 @@ class Fasteners(Sequence[Fastener]):
         self,
         pattern: str | None = None,
         *,
-        kind: str | None = None,
+        kind: FastenerKind | None = None,
         across_flats: float | tuple[float, float] | None = None,
     ) -> Fasteners:
         """The fasteners of a kind and of a width across flats whose path, or its last step, matches a pattern
@@ -139,6 +141,8 @@ class Fasteners(Sequence[Fastener]):
         """
         if kind is not None:
             check_word("kind", kind, KINDS)
+        if pattern is not None:
+            check_text("pattern", pattern, "a pattern of paths, such as *bolt*")
         low, high = -np.inf, np.inf
         if isinstance(across_flats, tuple) and len(across_flats) == 2:
             low, high = (check_length("across_flats", each) for each in across_flats)
@@ -324,17 +328,14 @@ def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
     return DOUBTED if is_telling else WEAK
 
 
-def _kind(looks: Looks, name: str | None) -> str:
+def _kind(looks: Looks, name: str | None) -> FastenerKind:
     """A strong shape decides, except for studs; for other shapes the name does, if it says so."""
     if name == "stud" and looks.kind != "nut":
         return "stud"
     if looks.kind == "head":
         return "screw" if name == "screw" else "bolt"
-    if looks.is_strong:
-        return looks.kind
-    if name in KINDS:
-        return str(name)
-    return "bolt" if looks.kind == "prism" else looks.kind
+    said = looks.kind if looks.is_strong or name not in KINDS else name
+    return check_word("kind", "bolt" if said == "prism" else said, KINDS)
 
 
 def _frame(origin: Floats, axis: Floats) -> Floats:

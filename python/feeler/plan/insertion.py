@@ -20,6 +20,7 @@ from feeler.plan.legs import RemovalLeg
 from feeler.plan.removal import DIRECT, Allowed, Removal, alone, rigid_pose, way_from
 from feeler.poses import PoseLike, rotation_vector
 from feeler.progress import Progress
+from feeler.renamed import ALLOW, keywords
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -28,6 +29,7 @@ ROOM = 2.0
 """How far the moving parts stay off everything when they go around it, in diagonals of the whole."""
 
 
+@keywords(gone={"allow": ALLOW})
 def insertion(
     scene: Scene,
     parts: PartsLike,

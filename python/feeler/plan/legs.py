@@ -50,7 +50,7 @@ class RemovalLeg:
         return f"move {_length(self.path_length)} and turn {math.degrees(self.rotation):.3g} degrees"
 
     def as_json(self) -> dict[str, object]:
-        """The input of `path_of_json`: `{"screw": {...}}` or `{"to": pose}`."""
+        """`{"screw": {...}}` or `{"to": pose}`, as `feeler remove --json` writes a leg and `feeler path` reads it."""
         if self.screw is None:
             return {"to": self.pose.tolist()}
         screw = self.screw

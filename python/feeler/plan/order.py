@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy.typing as npt
 
@@ -17,6 +17,7 @@ from feeler.plan.question import TARGET, Clock, Question
 from feeler.plan.removal import LARGEST_SEED, Allowed, Removal, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
 from feeler.progress import Progress
+from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
 
 TRY_SHARE = 0.05
@@ -35,7 +36,7 @@ class RemovalStep:
 
 
 @dataclass(frozen=True)
-class RemovalOrder:
+class RemovalOrder(OldAttributes):
     """The parts to remove, in order, the wanted ones last.
 
     - `is_found`: whether these steps free the wanted parts. False is no proof that nothing does.
@@ -43,15 +44,11 @@ class RemovalOrder:
     - `seconds`: the time it took.
     """
 
+    _RENAMED: ClassVar[Mapping[str, str]] = {"found": "is_found"}
+
     is_found: bool
     steps: tuple[RemovalStep, ...]
     seconds: float
-
-    @property
-    def found(self) -> bool:
-        """An older name of `is_found`."""
-        warnings.warn("RemovalOrder.found is now RemovalOrder.is_found", DeprecationWarning, stacklevel=2)
-        return self.is_found
 
     @property
     def parts(self) -> tuple[int, ...]:
@@ -69,6 +66,7 @@ class RemovalOrder:
         return f"RemovalOrder({said})"
 
 
+@keywords({"part": "parts"}, gone={"allow": ALLOW})
 def removal_order(
     scene: Scene,
     parts: PartsLike,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,7 @@ from feeler.plan.swings import Swing, Swings, turned, uncovered
 from feeler.plan.tool_seat import SeatedTool, seated_tool
 from feeler.poses import nearest_rigid, placed
 from feeler.progress import Progress
+from feeler.renamed import OldAttributes, keywords
 from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
 
@@ -48,8 +49,10 @@ _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a to
 
 
 @dataclass(frozen=True, eq=False)  # it holds arrays
-class Reach:
+class Reach(OldAttributes):
     """The result for one target."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"swing": "swing_deg", "angle": "angle_deg", "reachable": "is_reachable"}
 
     target: int
     """Index of the target."""
@@ -77,8 +80,10 @@ class Reach:
     """The blockers, most frequent first."""
 
 
-class Access(Sequence[Reach]):
+class Access(OldAttributes, Sequence[Reach]):
     """The results of `access`, one per target, in their order."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"swing": "swings_deg", "angle": "angles_deg", "reachable": "is_reachable"}
 
     def __init__(self, rows: Sequence[Reach], is_partial: bool = False) -> None:
         self._rows = tuple(rows)
@@ -138,6 +143,7 @@ class AccessInterrupted(KeyboardInterrupt):
         return (type(self), (self.access,))
 
 
+@keywords({"swing": "swing_deg"})
 def access(
     scene: Scene,
     tool: Tool,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +22,9 @@ from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
 from feeler.poses import PoseLike, nearest_rigid, plain
 from feeler.progress import Progress
+from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
+from feeler.words import plural
 
 DIRECT = "direct"
 """The method of a path straight from its start to its goal."""
@@ -55,8 +56,11 @@ class Certificate:
 
 
 @dataclass(frozen=True, eq=False)
-class Removal:
+class Removal(OldAttributes):
     """A path of parts out of a mock-up, or the blocking parts. Only `held_by` proves that there is no path."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"found": "is_found"}
+    _GONE: ClassVar[Mapping[str, str]] = {"free": "a path that is found was verified: read is_found"}
 
     is_found: bool
     legs: tuple[RemovalLeg, ...]
@@ -84,12 +88,6 @@ class Removal:
     is_out_of_time: bool
     """Whether `seconds` ran out before the search was complete."""
     seconds: float
-
-    @property
-    def found(self) -> bool:
-        """An older name of `is_found`."""
-        warnings.warn("Removal.found is now Removal.is_found", DeprecationWarning, stacklevel=2)
-        return self.is_found
 
     @property
     def path(self) -> list[npt.NDArray[np.float64] | Screw]:
@@ -141,6 +139,7 @@ class Allowed:
         return [("*", list(self.parts))] if self.parts else None
 
 
+@keywords(gone={"allow": ALLOW})
 def removal(
     scene: Scene,
     parts: PartsLike,
@@ -304,9 +303,7 @@ def chosen(scene: object, parts: PartsLike) -> npt.NDArray[np.uint32]:
     if len(away):
         raise OptionError(f"part {scene.mockup.part_paths[away[0]]!r} is not in the scene: it is out already")
     if there.sum() == len(moved):
-        raise OptionError(
-            f"parts are all {len(moved)} that the scene has: nothing is left that they could be taken out of"
-        )
+        raise OptionError(f"parts names all {plural(len(moved), 'part')} of the scene: leave at least one out of it")
     return moved
 
 

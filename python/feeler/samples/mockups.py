@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterable, Set
+from typing import Final
 
 import numpy as np
 
-from feeler.arguments import check_progress
+from feeler.arguments import check_progress, check_word
+from feeler.choices import Fault, SampleName
 from feeler.progress import Progress
 
 from ..errors import OptionError
@@ -24,7 +26,7 @@ from .mesh import MeshParts
 from .nacelle import add_fan, add_nacelle
 from .plan import Plan
 
-GEARBOX = "gearbox"
+GEARBOX: Final = "gearbox"
 LEAST_TRIANGLES = 10_000
 MOST_TRIANGLES = 100_000_000
 # For small mock-ups the vertex grid would limit the tessellation.
@@ -32,11 +34,11 @@ MOST_BY_NAME = {"differential": 20_000_000, "gearbox": 4_000_000}
 
 
 def sample(
-    name: str,
+    name: SampleName,
     triangles: int = 1_600_000,
     seed: int = 0,
     *,
-    faults: Iterable[str] = (),
+    faults: Iterable[Fault] = (),
     progress: Progress | None = None,
 ) -> Mockup:
     """A built-in mock-up: CAD-like, made of hundreds to thousands of named parts.
@@ -86,13 +88,13 @@ def sample(
     return mockup
 
 
-def sample_names() -> tuple[str, ...]:
+def sample_names() -> tuple[SampleName, ...]:
     """The names that `sample` knows."""
     return (*_MAKERS, GEARBOX)
 
 
 def sample_truth(
-    name: str, triangles: int = 1_600_000, seed: int = 0, *, faults: Iterable[str] = ()
+    name: SampleName, triangles: int = 1_600_000, seed: int = 0, *, faults: Iterable[Fault] = ()
 ) -> accessory.Truth:
     """The known facts of the sample "gearbox" with the same arguments: fits, removal paths, tools, joints, masses,
     faults.
@@ -101,6 +103,7 @@ def sample_truth(
 
     Raises OptionError as `sample` does.
     """
+    check_word("name", name, sample_names())
     if name != GEARBOX:
         raise OptionError(f"the sample {name!r} has no truth; the one that has it is {GEARBOX!r}")
     wanted, number = _checked(name, triangles, seed)
@@ -108,11 +111,11 @@ def sample_truth(
 
 
 def sample_parts(
-    name: str,
+    name: SampleName,
     triangles: int = 1_600_000,
     seed: int = 0,
     *,
-    faults: Iterable[str] = (),
+    faults: Iterable[Fault] = (),
     progress: Progress | None = None,
 ) -> MeshParts:
     """The result of `sample` as plain arrays; see there."""
@@ -135,8 +138,7 @@ def sample_parts(
 
 
 def _checked(name: str, triangles: object, seed: object) -> tuple[int, int]:
-    if name not in sample_names():
-        raise OptionError(f"no sample mock-up is called {name!r}; choose one of {', '.join(sample_names())}")
+    check_word("name", name, sample_names())
     wanted = _whole(triangles, "triangles")
     most = MOST_BY_NAME.get(name, MOST_TRIANGLES)
     if wanted > most or (wanted < LEAST_TRIANGLES and name != GEARBOX):  # the gearbox has its own minimum
@@ -205,7 +207,7 @@ def _tay(plan: Plan, amount: Amount) -> None:
 
 # how each is made, and the triangle count at which its richness is 1: the engine then has about 4,300 parts at 1.6
 # million triangles
-_MAKERS: dict[str, tuple[Callable[[Plan, Amount], None], float]] = {
+_MAKERS: dict[SampleName, tuple[Callable[[Plan, Amount], None], float]] = {
     "carcass": (_carcass, 0.5e6),
     "differential": (add_differential, 0.3e6),
     "turbine": (_turbine, 0.8e6),

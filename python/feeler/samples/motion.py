@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from feeler.arguments import check_progress
 from feeler.progress import Progress
 
 from ..errors import OptionError
@@ -48,6 +49,7 @@ def sample_path(scene: Scene, tool: Tool, n: int, seed: int = 0, progress: Progr
     """
     _check_pair(scene, tool)
     _check_count(n, 2)
+    check_progress(progress)
     rng = _generator(seed, "path")
     searcher = Searcher(scene, tool, rng)
     way = _find_way(searcher, progress)

@@ -15,14 +15,15 @@ import numpy.typing as npt
 
 from feeler.progress import Progress
 
-from ..arguments import check_whole
+from ..arguments import check_progress, check_whole, check_word, shown
+from ..choices import POSE_KINDS, PoseKind
 from ..errors import MeshError, OptionError
 from ..mockup import Tool
 from ..scene import Scene
 from . import rigid
 from .mesh import Floats
 
-KINDS = ("nominal", "near", "deep")
+KINDS = POSE_KINDS
 NOMINAL_SHARE = (0.01, 0.05)  # of the tool's triangles
 DEEP_SHARE = 0.10
 NEAR_GAP_SHARE = 0.01  # of the tool's size: a push of this length makes a near pose collide
@@ -170,7 +171,7 @@ class Searcher:
 
 
 def sample_poses(
-    scene: Scene, tool: Tool, kind: str, n: int, seed: int = 0, progress: Progress | None = None
+    scene: Scene, tool: Tool, kind: PoseKind, n: int, seed: int = 0, progress: Progress | None = None
 ) -> Floats:
     """Poses of a tool among the parts of a scene: `(n, 4, 4) float64`, world_from_tool, metres, rigid.
 
@@ -184,10 +185,10 @@ def sample_poses(
     `progress(fraction, stage)` is called as poses are found. Raises OptionError for an unknown kind, a count that is
     not a whole number from 0, and if too few such poses are found in a bounded number of attempts.
     """
-    if kind not in KINDS:
-        raise OptionError(f"no kind of poses is called {kind!r}; choose one of {', '.join(KINDS)}")
+    check_word("kind", kind, KINDS)
     _check_pair(scene, tool)
     _check_count(n, 0)
+    check_progress(progress)
     searcher = Searcher(scene, tool, _generator(seed, kind))
     poses: list[Floats] = []
     spare: list[tuple[int, Floats]] = []
@@ -239,6 +240,6 @@ def _check_count(n: object, least: int) -> None:
 
 def _generator(seed: object, purpose: str) -> np.random.Generator:
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise OptionError(f"seed is {seed!r}; give a whole number from 0")
+        raise OptionError(f"seed is {shown(seed)}: give a whole number, 0 or more")
     words = [int(seed) & 0xFFFFFFFF, int(seed) >> 32, zlib.crc32(purpose.encode())]
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence(words)))

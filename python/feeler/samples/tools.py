@@ -7,8 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..arguments import check_flag
-from ..errors import OptionError
+from ..arguments import check_flag, check_word
+from ..choices import SampleToolName
 from ..mockup import Tool
 from ..source import Source
 from .mesh import Floats, Mesh, at, merge, moved, snapped, turned
@@ -18,7 +18,7 @@ from .tessellation import Tolerance, circle, hexagon, lifted, rounded
 FINE_TRIANGLES = 50_000
 
 
-def sample_tool(name: str, fine: bool = False) -> Tool:
+def sample_tool(name: SampleToolName, fine: bool = False) -> Tool:
     """A built-in tool of real size, after the paper's: metres, right-handed, z along its shaft.
 
     - "torque": a torque driver, 0.26 m, about 280 triangles; origin at the bit's tip, handle towards +z.
@@ -37,21 +37,20 @@ def sample_tool(name: str, fine: bool = False) -> Tool:
     return Tool(mesh.vertices, mesh.faces.astype(np.uint32), name=name, source=source)
 
 
-def sample_tool_names() -> tuple[str, ...]:
+def sample_tool_names() -> tuple[SampleToolName, ...]:
     """The names that `sample_tool` knows."""
     return tuple(_MAKERS)
 
 
-def tool_mesh(name: str, fine: bool = False) -> Mesh:
+def tool_mesh(name: SampleToolName, fine: bool = False) -> Mesh:
     """The result of `sample_tool` as a plain mesh; see there."""
-    if name not in list(_MAKERS):
-        raise OptionError(f"no sample tool is called {name!r}; choose one of {', '.join(_MAKERS)}")
+    check_word("name", name, _MAKERS)
     mesh = _tool_mesh(name, fine)
     return Mesh(mesh.vertices.copy(), mesh.faces.copy())
 
 
 @lru_cache(maxsize=8)
-def _tool_mesh(name: str, fine: bool) -> Mesh:
+def _tool_mesh(name: SampleToolName, fine: bool) -> Mesh:
     make, triangles = _MAKERS[name]
     mesh = _nearest(make, FINE_TRIANGLES if fine else triangles)
     return Mesh(snapped(mesh.vertices), mesh.faces)
@@ -247,7 +246,7 @@ def _digit(corners: Floats, radius: float, tol: Tolerance) -> Mesh:
     return skin(sweep(Path(points, tangents), section, size))
 
 
-_MAKERS: dict[str, tuple[Callable[[Tolerance], Mesh], int]] = {
+_MAKERS: dict[SampleToolName, tuple[Callable[[Tolerance], Mesh], int]] = {
     "torque": (torque_driver, 280),
     "wrench": (wrench, 588),
     "square": (square_drive, 400),

@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..calibrate import counted, machine_constants
+from ..choices import Estimator, Storage
 from ..errors import LimitError, OptionError
 from ..mockup import Mockup, Tool
 from ..samples import sample_poses
@@ -21,14 +22,14 @@ from .runs import measure_pairs
 from .subjects import Plan
 from .timing import Setting, least_in_turns, machine, mean_work, time_in_turns
 
-PAPERS = ("area", "diagonal", "side")
+PAPERS: tuple[Estimator, ...] = ("area", "diagonal", "side")
 ALL = (*PAPERS, "calibrated")
 
 _RANGE = (0.4, 3.6)  # of the ladder's middle
 _FILTERS = {"repeat_filter": True, "box_filter": True}
 
 
-def study_voxel_size(plan: Plan, storage: str = "dense", hashing: float = 0.0) -> dict[str, Any]:
+def study_voxel_size(plan: Plan, storage: Storage = "dense", hashing: float = 0.0) -> dict[str, Any]:
     """Measures, writes the study's files, returns the results (as in `results.json`)."""
     if storage not in ("dense", "hashed"):
         raise OptionError(f"storage is {storage!r}: the study of voxel sizes is about 'dense' and 'hashed'")
@@ -44,7 +45,7 @@ def study_voxel_size(plan: Plan, storage: str = "dense", hashing: float = 0.0) -
     return results
 
 
-def _measure(mockup: Mockup, tool: Tool, plan: Plan, storage: str, hashing: float) -> Cell:
+def _measure(mockup: Mockup, tool: Tool, plan: Plan, storage: Storage, hashing: float) -> Cell:
     """The cell of one pair: the size of each estimator, and the times at a ladder of sizes and at these sizes."""
     around = Scene(mockup)
     poses = np.asarray(sample_poses(around, tool, "nominal", plan.poses, seed=plan.seed))

@@ -14,10 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Cast, Collision
-from feeler.errors import MeshError, OptionError, WorkbenchError
-from feeler.io.atomic import atomic_file
+from feeler.arguments import check_callable, check_flag, check_whole, check_word
+from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
+from feeler.errors import MeshError, WorkbenchError
+from feeler.io.atomic import atomic_file, check_target
 from feeler.io.body import body_of, only_faces
 from feeler.mockup import Mockup, Tool
+from feeler.picture.camera import check_size
 from feeler.picture.png import write_png
 from feeler.picture.renderer import render
 from feeler.scene import Scene
@@ -38,8 +41,8 @@ def view(
     port: int = 0,
     browser: bool = True,
     pose: npt.ArrayLike | None = None,
-    mode: str = "stop",
-    unit: str = "mm",
+    mode: ViewMode = "stop",
+    unit: ViewUnit = "mm",
 ) -> View:
     """Opens the workbench on a scene, or on a mock-up, which is indexed first, with a tool in hand.
 
@@ -57,8 +60,10 @@ def view(
         raise MeshError(f"view needs a feeler.Scene or feeler.Mockup, not {type(given).__name__}")
     if tool is not None and not isinstance(tool, Tool):
         raise MeshError(f"the tool is a {type(tool).__name__}: pass a feeler.Tool, or None")
-    if mode not in MODES:
-        raise OptionError(f"mode is {mode!r}: choose {', '.join(MODES)}")
+    check_word("mode", mode, MODES)
+    check_word("unit", unit, VIEW_UNITS)
+    check_whole("port", port, 0, 65535)
+    check_flag("browser", browser)
     start = None if pose is None else motion.checked(pose, "pose")
     session = Session(unit=unit)
     try:
@@ -143,6 +148,7 @@ class View(ViewCommands):
 
         It runs in a thread of its own, which ends with the view, or by calling the result.
         """
+        check_callable("watcher", watcher, "a function of a pose (4, 4)")
         started = _Watcher(self.session, watcher)
         self._watchers.append(started)
         return started.end
@@ -152,9 +158,9 @@ class View(ViewCommands):
 
         size: width and height in pixels. Raises `WriteError`, `OptionError`.
         """
-        width, height = (int(each) for each in size)
-        if not (16 <= width <= 8192 and 16 <= height <= 8192):
-            raise OptionError(f"size is {width} by {height}: choose 16 to 8192 pixels")
+        width, height = check_size(size, 16, 8192)
+        if path is not None:
+            check_target(path)
         data = self.session.shot(width, height, _SHOT_S) or self._headless(width, height)
         if path is not None:
             with atomic_file(path) as file:

@@ -126,8 +126,16 @@ fn of_last_row(m: &[[f64; 4]; 4], column: usize) -> f64 {
 
 /// How far two rows are from right angles, or one from length 1.
 fn deviation(r: &[[f64; 3]; 3], i: usize, j: usize) -> f64 {
-    let dot = r[i][0] * r[j][0] + r[i][1] * r[j][1] + r[i][2] * r[j][2];
-    (dot - if i == j { 1.0 } else { 0.0 }).abs()
+    (dot(r, i, j) - if i == j { 1.0 } else { 0.0 }).abs()
+}
+
+fn dot(r: &[[f64; 3]; 3], i: usize, j: usize) -> f64 {
+    r[i][0] * r[j][0] + r[i][1] * r[j][1] + r[i][2] * r[j][2]
+}
+
+/// A number for a message, to eight significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.7e}").parse().unwrap_or(value)
 }
 
 fn determinant(r: &[[f64; 3]; 3]) -> f64 {
@@ -146,14 +154,22 @@ fn fault(m: &[[f64; 4]; 4], r: &[[f64; 3]; 3]) -> Error {
     let mirrors = determinant(r) < 0.0;
     let fault = |why| Error::PoseNotRigid { why, deviation: if mirrors { most.max(2.0) } else { most } };
     if (0..4).any(|c| too_far(of_last_row(m, c))) {
-        return fault(format!("the last row is {:?}, not [0, 0, 0, 1]", m[3]));
+        let is_transposed = (0..4).all(|row| !too_far((m[row][3] - if row == 3 { 1.0 } else { 0.0 }).abs()));
+        let hint = if is_transposed { "; it looks transposed, with the translation in the last row" } else { "" };
+        return fault(format!("the last row is {:?}, not [0, 0, 0, 1]{hint}", m[3]));
     }
-    for [i, j] in ROWS {
-        let deviation = deviation(r, i, j);
-        if too_far(deviation) {
-            let what = if i == j { "length 1" } else { "right angles" };
-            return fault(format!("rows {j} and {i} of the rotation miss {what} by {deviation:.3e}"));
-        }
+    let lengths = [0, 1, 2].map(|i| dot(r, i, i).sqrt());
+    if let Some(i) = (0..3).find(|i| too_far(deviation(r, *i, *i))) {
+        let is_scale = lengths.iter().all(|length| (length - lengths[0]).abs() <= POSE_TOLERANCE * lengths[0]);
+        let length = rounded(lengths[i]);
+        return fault(match is_scale && lengths[0] > 0.0 {
+            true => format!("all rows of the rotation have length {length}, not 1: the pose scales"),
+            false => format!("row {i} of the rotation has length {length}, not 1"),
+        });
+    }
+    if let Some([i, j]) = ROWS.into_iter().find(|[i, j]| i != j && too_far(deviation(r, *i, *j))) {
+        let degrees = rounded((dot(r, i, j) / (lengths[i] * lengths[j])).acos().to_degrees());
+        return fault(format!("rows {j} and {i} of the rotation are {degrees} degrees apart, not 90"));
     }
     fault("it mirrors (determinant -1)".into())
 }

@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Cast, Collision
 from feeler.arguments import near
 from feeler.errors import OptionError, WorkbenchError
 from feeler.parts import Part, Parts, PartsLike
@@ -39,11 +40,13 @@ def plain_parts(parts: PartsLike | None) -> object:
     """Parts as the page sends them: a path, a pattern, an index, or a list of these. None stays."""
     if isinstance(parts, Part):
         return parts.index
+    if isinstance(parts, (Collision, Cast)):  # what `View.show` took in early builds
+        raise WorkbenchError("an answer of the scene names no part", "show", "call show_hit(hit)")
     if isinstance(parts, np.ndarray):
         return np.flatnonzero(parts).tolist() if parts.dtype == bool else parts.tolist()
     if isinstance(parts, np.integer):
         return int(parts)
-    if parts is None or isinstance(parts, (str, int)):
+    if parts is None or isinstance(parts, (str, int)) or not isinstance(parts, Iterable):
         return parts
     return [plain_parts(each) for each in parts]
 
@@ -124,7 +127,7 @@ class Arguments:
         # The page has lists of words that are known beforehand.
         is_listed = get_origin(_bare(self._shape[name])) is Literal
         value = self.raw(name, Literal[tuple(words)] if is_listed else str)
-        if value not in words:
+        if not isinstance(value, str) or value not in words:
             raise self.fail(name, f"there is no {_shown(value)}", near(value, words))
         return str(value)
 

@@ -44,7 +44,7 @@ def checked(given: Any, where: str) -> Floats:
         if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > _LARGEST_M:
             raise ValueError("a number that is not finite, or is out of all reach")
         return nearest_rigid(pose, _NEARLY_RIGID)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise WorkbenchError(
             f"this is not a pose: {error}", where, "give 16 numbers, row by row, rigid, metres"
         ) from None

@@ -6,6 +6,8 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import TypeVar
 
+from feeler.arguments import check_word
+from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.errors import WorkbenchError
 from feeler.mockup import Tool
 from feeler.samples import sample_tool, sample_tool_names
@@ -54,7 +56,7 @@ class Hands:
     def tool(self, name: str) -> Tool:
         """The tool of a name in `names`."""
         if name not in self._tools:
-            self._tools[name] = sample_tool(name)
+            self._tools[name] = sample_tool(check_word("name", name, SAMPLE_TOOL_NAMES))
         return self._tools[name]
 
     def counts(self) -> dict[str, int]:

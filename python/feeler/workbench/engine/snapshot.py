@@ -79,7 +79,7 @@ class Snapshot:
     @property
     def depth_kind(self) -> DepthKind:
         """As of `feeler.Penetration`."""
-        return "exact" if self.is_free or self.way_out is None else cast(DepthKind, self.way_out.kind)
+        return "exact" if self.is_free or self.way_out is None else self.way_out.kind
 
     def packed_hits(self) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], int]:
         """Colliding packed triangles of mock-up and hand, at most `MOST_HITS` each, and the number of further ones."""

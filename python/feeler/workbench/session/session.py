@@ -379,8 +379,9 @@ class Session:
         command = COMMANDS.get(name)
         hands = self._opened()
         before = self._document
-        if name == "take_tool" and isinstance(args, dict) and args.get("name") in hands.names:
-            hands.tool(args["name"])
+        wanted = args.get("name") if isinstance(args, dict) else None
+        if name == "take_tool" and isinstance(wanted, str) and wanted in hands.names:
+            hands.tool(wanted)
         known = self._known(hands)
         if command is not None and command.moves_hand:
             # Undo returns the hand to its last pose, not to where it was last put down; undoing a motion, which ends
@@ -392,7 +393,8 @@ class Session:
                 reached = self.engine.place(motion.matrix(given.pose("pose")))
                 known = replace(known, pose=motion.row(reached))
             elif name == "take_tool" and given.has("name"):
-                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.raw("name", str))))
+                tool = given.choice("name", hands.names)
+                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, tool)))
             elif name == "release" and before.trip is not None:
                 least = self.engine.least_clearance(before.trip)
                 known = replace(known, trip=before.trip, least_clearance=least)

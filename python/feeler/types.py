@@ -1,0 +1,119 @@
+"""Types for annotations: the words that arguments take, what counts as a pose or as parts, and classes of results.
+
+from feeler.types import PartsLike, PoseLike, Storage
+
+def hit(scene: feeler.Scene, tool: feeler.Tool, pose: PoseLike) -> bool: ...
+"""
+
+from __future__ import annotations
+
+from feeler.choices import (
+    Chord,
+    DefectKind,
+    DepthKind,
+    DeviceFault,
+    DevicePreset,
+    Estimator,
+    FastenerKind,
+    Fault,
+    Geometry,
+    GroupBy,
+    HandGrip,
+    PenetrationKind,
+    PoseKind,
+    ProxyMode,
+    SampleName,
+    SampleToolName,
+    SeatKind,
+    SettableStatus,
+    Severity,
+    Simd,
+    Status,
+    StlUnit,
+    Storage,
+    Touching,
+    UnitName,
+    UpAxis,
+    VerdictName,
+    ViewMode,
+    ViewUnit,
+)
+from feeler.clashes.finding import Exclude
+from feeler.clashes.rules import RulesLike
+from feeler.clashes.shapes import Shapes
+from feeler.clashes.table import Columns, VerdictLike
+from feeler.figures import CollisionStats, DeviceLimits, SceneMemory
+from feeler.haptics.record import Recorder
+from feeler.ignored import Ignore
+from feeler.io.body import Colour, MeshLike
+from feeler.io.files import PathLike
+from feeler.mockup import Defect, LoadReport
+from feeler.parts import Part, Parts, PartsLike
+from feeler.picture.collision import Hits
+from feeler.poses import HasMatrix, PoseLike, PosesLike
+from feeler.progress import Progress
+from feeler.source import Source
+from feeler.workbench.document.arguments import VectorLike
+from feeler.workbench.document.protocol import Camera as ViewCamera
+from feeler.workbench.document.protocol import CommandAnswer, Material, MeasureType
+
+__all__ = [
+    "Chord",
+    "CollisionStats",
+    "Colour",
+    "Columns",
+    "CommandAnswer",
+    "Defect",
+    "DefectKind",
+    "DepthKind",
+    "DeviceFault",
+    "DeviceLimits",
+    "DevicePreset",
+    "Estimator",
+    "Exclude",
+    "FastenerKind",
+    "Fault",
+    "Geometry",
+    "GroupBy",
+    "HandGrip",
+    "HasMatrix",
+    "Hits",
+    "Ignore",
+    "LoadReport",
+    "Material",
+    "MeasureType",
+    "MeshLike",
+    "Part",
+    "Parts",
+    "PartsLike",
+    "PathLike",
+    "PenetrationKind",
+    "PoseKind",
+    "PoseLike",
+    "PosesLike",
+    "Progress",
+    "ProxyMode",
+    "Recorder",
+    "RulesLike",
+    "SampleName",
+    "SampleToolName",
+    "SceneMemory",
+    "SeatKind",
+    "SettableStatus",
+    "Severity",
+    "Shapes",
+    "Simd",
+    "Source",
+    "Status",
+    "StlUnit",
+    "Storage",
+    "Touching",
+    "UnitName",
+    "UpAxis",
+    "VectorLike",
+    "VerdictLike",
+    "VerdictName",
+    "ViewCamera",
+    "ViewMode",
+    "ViewUnit",
+]

@@ -1,0 +1,394 @@
+"""Every public callable with arguments of the wrong kind: it answers, or raises an error of feeler."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from shapes import box
+from workbench_scene import Bench, cube
+
+import feeler
+from feeler import clashes, haptics, io, picture, samples
+from feeler.haptics import devices
+from feeler.workbench.scripting import View
+
+SPACES = ("feeler", "feeler.haptics", "feeler.haptics.devices", "feeler.clashes", "feeler.io", "feeler.picture")
+SPACES = (*SPACES, "feeler.samples")
+BAD: list[object] = [
+    None, "x", b"x", float("nan"), float("inf"), -1, 10**400, object(), [], np.zeros(3), "\ud800", 2**63, True, {},
+]  # fmt: skip
+MADE_BY_FEELER = {
+    feeler.Access, feeler.Batch, feeler.Blocker, feeler.Cast, feeler.Certificate, feeler.Clash, feeler.Clashes,
+    feeler.Clearance, feeler.ClearanceBatch, feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
+    feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
+    feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
+    feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
+    feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
+    haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
+    clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
+    feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint, samples.Leg,
+    samples.Step, samples.Truth, io.MeshLike, picture.Hits,
+}  # fmt: skip
+"""Classes of results: users get their objects and do not make them. Their methods are swept."""
+URDF = '<robot name="r"><link name="l"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>'
+
+Call = tuple[Callable[..., object], dict[str, Any]]
+
+
+class World:
+    """A small mock-up of three parts, a tool above them, and answers about both; files in the present folder."""
+
+    def __init__(self) -> None:
+        boxes = [box((0, 0, 0), (1, 1, 0.1)), box((0, 0, 0.05), (0.2, 0.2, 0.3)), box((2, 2, 2), (3, 3, 3))]
+        vertices = np.concatenate([each[0] for each in boxes])
+        faces = np.concatenate([np.asarray(each[1]) + 8 * i for i, each in enumerate(boxes)])
+        self.mockup = feeler.Mockup(vertices, faces, np.repeat([0, 1, 2], 12), ["plate", "post", "far"])
+        self.tool = feeler.Tool(*box((0, 0, 0), (0.3, 0.3, 0.3)), name="cube")
+        self.scene = feeler.Scene(self.mockup)
+        self.pose = np.eye(4)
+        self.away = np.eye(4)
+        self.away[2, 3] = 1.0
+        self.collision = self.scene.collide(self.tool, self.pose)
+        self.clearance = self.scene.clearance(self.tool, self.pose, 1.0)
+        self.clashes = feeler.clash(self.mockup)
+        self.body = io.body_of(self.mockup)
+        self.camera = picture.Camera((3.0, 3.0, 3.0), (0.0, 0.0, 0.0))
+        self.fastener = feeler.Fastener(0, "plate", "bolt", np.eye(4), 0.008, 0.013, 0.02, 0.005, 1.0, "")
+        self.session = haptics.Session(self.scene, self.tool)
+        self.session.start(self.away)
+        self.device = devices.Simulated()
+        self.mouse = devices.Mouse(np.eye(4))
+        io.write_stl("mesh.stl", self.mockup)
+        Path("robot.urdf").write_text(URDF)
+        Path("rules.toml").write_text("version = 1\n")
+        self.clashes.save("clashes.json")
+        self.truth = feeler.sample_truth("gearbox", 75_000)
+        haptics_record(self)
+
+
+def haptics_record(world: World) -> None:
+    with world.session.record("session.npz"):
+        world.session.start(world.away)
+        world.session.step(world.away)
+
+
+def query(name: str, **more: Any) -> Callable[[World], Call]:
+    return lambda w: (getattr(w.scene, name), {"tool": w.tool, "world_from_tool": w.pose, **more})
+
+
+def batch(name: str, **more: Any) -> Callable[[World], Call]:
+    return lambda w: (getattr(w.scene, name), {"tool": w.tool, "poses": [w.pose, w.away], **more})
+
+
+def plan(function: Callable[..., object], **more: Any) -> Callable[[World], Call]:
+    return lambda w: (function, {"scene": w.scene, "parts": "far", "seconds": 5.0, **more})
+
+
+def written(function: Callable[..., object], name: str, *, has_mockup: bool = True) -> Callable[[World], Call]:
+    more = (lambda w: {"mockup": w.mockup}) if has_mockup else (lambda w: {})
+    return lambda w: (function, {"path": name, "clashes": w.clashes, **more(w)})
+
+
+def drawn(function: Callable[..., object], answer: str, **more: Any) -> Callable[[World], Call]:
+    return lambda w: (
+        function,
+        {"mockup": w.mockup, "tool": w.tool, "world_from_tool": w.pose, answer: getattr(w, answer), **more},
+    )
+
+
+GOOD: dict[str, Callable[[World], Call]] = {
+    "feeler.ContactTracker": lambda w: (feeler.ContactTracker, {"scene": w.scene, "tool": w.tool}),
+    "feeler.ContactTracker.contacts": lambda w: (
+        feeler.ContactTracker(w.scene, w.tool).contacts,
+        {"world_from_tool": w.pose},
+    ),
+    "feeler.Clashes.diff": lambda w: (w.clashes.diff, {"previous": w.clashes}),
+    "feeler.Clashes.groups": lambda w: (w.clashes.groups, {"by": "cluster", "reach": 1.0}),
+    "feeler.Clashes.save": lambda w: (w.clashes.save, {"path": "out.json"}),
+    "feeler.Clashes.set_status": lambda w: (w.clashes.set_status, {"clash": w.clashes[0].id, "status": "approved"}),
+    "feeler.Clashes.where": lambda w: (w.clashes.where, {}),
+    "feeler.Clashes.with_rules": lambda w: (w.clashes.with_rules, {"rules": {}}),
+    "feeler.Fasteners": lambda w: (feeler.Fasteners, {"rows": [w.fastener]}),
+    "feeler.Fasteners.where": lambda w: (feeler.Fasteners([w.fastener]).where, {"pattern": "*"}),
+    "feeler.IgnoredPairs": lambda w: (feeler.IgnoredPairs, {"tool": w.tool, "mockup": w.mockup, "pairs": [(0, 0)]}),
+    "feeler.Mockup": lambda w: (feeler.Mockup, {"vertices": w.mockup.vertices, "faces": w.mockup.faces}),
+    "feeler.Mockup.pack": lambda w: (w.mockup.pack, {}),
+    "feeler.Parts.find": lambda w: (w.mockup.parts.find, {"path": "plate"}),
+    "feeler.Parts.select": lambda w: (w.mockup.parts.select, {"parts": "plate"}),
+    "feeler.Scene": lambda w: (feeler.Scene, {"mockup": w.mockup}),
+    "feeler.Scene.cast": lambda w: (w.scene.cast, {"tool": w.tool, "start": w.away, "end": w.pose}),
+    "feeler.Scene.check_path": batch("check_path"),
+    "feeler.Scene.clearance": query("clearance"),
+    "feeler.Scene.clearance_batch": batch("clearance_batch"),
+    "feeler.Scene.collide": query("collide"),
+    "feeler.Scene.collide_batch": batch("collide_batch"),
+    "feeler.Scene.contacts": query("contacts"),
+    "feeler.Scene.containment": query("containment"),
+    "feeler.Scene.depth": query("depth"),
+    "feeler.Scene.distance": query("distance"),
+    "feeler.Scene.distance_batch": batch("distance_batch"),
+    "feeler.Scene.is_colliding": query("is_colliding"),
+    "feeler.Scene.is_free": query("is_free"),
+    "feeler.Scene.nearest": query("nearest", k=2),
+    "feeler.Scene.only": lambda w: (w.scene.only, {"parts": "plate"}),
+    "feeler.Scene.penetration": query("penetration"),
+    "feeler.Scene.rays": lambda w: (w.scene.rays, {"origins": [[0, 0, 9.0]], "directions": [[0, 0, -1.0]]}),
+    "feeler.Scene.section": lambda w: (w.scene.section, {"point": [0.5, 0.5, 0.05], "normal": [0, 0, 1.0]}),
+    "feeler.Scene.without": lambda w: (w.scene.without, {"parts": "far"}),
+    "feeler.Screw": lambda w: (feeler.Screw, {"axis": [0, 0, 1], "point": [0, 0, 0], "angle": 1.0}),
+    "feeler.Screw.at": lambda w: (feeler.Screw([0, 0, 1], [0, 0, 0], 1.0).at, {"pose": w.pose}),
+    "feeler.Tool": lambda w: (feeler.Tool, {"vertices": w.tool.vertices, "faces": w.tool.faces}),
+    "feeler.Tool.assembly": lambda w: (feeler.Tool.assembly, {"items": {"cube": (w.tool, w.pose)}}),
+    "feeler.Tool.of_parts": lambda w: (feeler.Tool.of_parts, {"mockup": w.mockup}),
+    "feeler.Tool.pack": lambda w: (w.tool.pack, {}),
+    "feeler.access": lambda w: (
+        feeler.access,
+        {"scene": w.scene, "tool": w.tool, "targets": w.away[None], "angles": 4, "approach": 0.01},
+    ),
+    "feeler.clash": lambda w: (feeler.clash, {"mockup": w.mockup}),
+    "feeler.find_fasteners": lambda w: (feeler.find_fasteners, {"mockup": w.mockup}),
+    "feeler.from_open3d": lambda w: (feeler.from_open3d, {"mesh": None}),
+    "feeler.from_pyvista": lambda w: (feeler.from_pyvista, {"mesh": None}),
+    "feeler.from_trimesh": lambda w: (feeler.from_trimesh, {"mesh": w.mockup}),
+    "feeler.from_urdf": lambda w: (feeler.from_urdf, {"path": "robot.urdf"}),
+    "feeler.insertion": plan(feeler.insertion),
+    "feeler.load_clashes": lambda w: (feeler.load_clashes, {"path": "clashes.json"}),
+    "feeler.load_mockup": lambda w: (feeler.load_mockup, {"path": "mesh.stl"}),
+    "feeler.load_tool": lambda w: (feeler.load_tool, {"path": "mesh.stl"}),
+    "feeler.nearest_rigid": lambda w: (feeler.nearest_rigid, {"pose": w.pose}),
+    "feeler.optimal_voxel_size": lambda w: (feeler.optimal_voxel_size, {"mockup": w.mockup, "tool": w.tool}),
+    "feeler.removal": plan(feeler.removal),
+    "feeler.removal_order": plan(feeler.removal_order),
+    "feeler.sample": lambda w: (feeler.sample, {"name": "differential", "triangles": 10_000}),
+    "feeler.sample_path": lambda w: (feeler.sample_path, {"scene": w.scene, "tool": w.tool, "n": 2}),
+    "feeler.sample_poses": lambda w: (
+        feeler.sample_poses,
+        {"scene": w.scene, "tool": w.tool, "kind": "near", "n": 1},
+    ),
+    "feeler.sample_tool": lambda w: (feeler.sample_tool, {"name": "wrench"}),
+    "feeler.sample_truth": lambda w: (feeler.sample_truth, {"name": "gearbox", "triangles": 75_000}),
+    "feeler.swept": lambda w: (feeler.swept, {"tool": w.tool, "poses": [w.pose, w.away], "error": 0.05}),
+    "feeler.samples.Truth.fit": lambda w: (w.truth.fit, {"a": w.truth.fits[0].a, "b": w.truth.fits[0].b}),
+    "feeler.samples.Truth.holds": lambda w: (w.truth.holds, {"path": w.truth.fits[0].a}),
+    "feeler.samples.Truth.needed": lambda w: (w.truth.needed, {"step": w.truth.steps[0]}),
+    "feeler.samples.Truth.way": lambda w: (w.truth.way, {"path": w.truth.fits[0].a}),
+    "feeler.haptics.Coupling": lambda w: (haptics.Coupling, {}),
+    "feeler.haptics.Coupling.for_device": lambda w: (haptics.Coupling.for_device, {"device": w.device}),
+    "feeler.haptics.Session": lambda w: (haptics.Session, {"scene": w.scene, "tool": w.tool}),
+    "feeler.haptics.Session.grip": lambda w: (started(w).grip, {"parts": "far"}),
+    "feeler.haptics.Session.record": lambda w: (started(w).record, {"path": "record.npz"}),
+    "feeler.haptics.Session.release": lambda w: (gripping(w).release, {}),
+    "feeler.haptics.Session.run": lambda w: (run_and_stop(w), {"device": w.device, "realtime": False}),
+    "feeler.haptics.Session.set_scene": lambda w: (started(w).set_scene, {"scene": w.scene}),
+    "feeler.haptics.Session.start": lambda w: (started(w).start, {"world_from_tool": w.away}),
+    "feeler.haptics.Session.step": lambda w: (started(w).step, {"world_from_device": w.away}),
+    "feeler.haptics.open_device": lambda w: (haptics.open_device, {"name": "nothing"}),
+    "feeler.haptics.replay": lambda w: (haptics.replay, {"path": "session.npz"}),
+    "feeler.haptics.devices.Info": lambda w: (devices.Info, {"name": "own"}),
+    "feeler.haptics.devices.Mouse": lambda w: (devices.Mouse, {"pose": w.pose}),
+    "feeler.haptics.devices.Mouse.set_buttons": lambda w: (w.mouse.set_buttons, {"buttons": 1}),
+    "feeler.haptics.devices.Mouse.set_target": lambda w: (w.mouse.set_target, {"pose": w.pose}),
+    "feeler.haptics.devices.Simulated": lambda w: (
+        devices.Simulated,
+        {"hand": ([0.0, 1.0], [w.pose, w.away]), "fault": ("nan", 0.0, 0.0, 1.0)},
+    ),
+    "feeler.clashes.Exclusion": lambda w: (clashes.Exclusion, {"name": "seals", "a": "*"}),
+    "feeler.clashes.Rule": lambda w: (clashes.Rule, {"name": "all"}),
+    "feeler.clashes.Rules": lambda w: (clashes.Rules, {"rules": (clashes.Rule("all"),)}),
+    "feeler.clashes.Rules.read": lambda w: (clashes.Rules.read, {"path": "rules.toml"}),
+    "feeler.clashes.report": lambda w: (clashes.report, {"clashes": w.clashes}),
+    "feeler.clashes.write_bcf": written(clashes.write_bcf, "out.bcf"),
+    "feeler.clashes.write_clash_glb": written(clashes.write_clash_glb, "out.glb"),
+    "feeler.clashes.write_csv": written(clashes.write_csv, "out.csv", has_mockup=False),
+    "feeler.clashes.write_html": written(clashes.write_html, "out.html"),
+    "feeler.clashes.write_rules": written(clashes.write_rules, "out.toml", has_mockup=False),
+    "feeler.clashes.write_xlsx": written(clashes.write_xlsx, "out.xlsx"),
+    "feeler.io.Body": lambda w: (io.Body, vars(w.body)),
+    "feeler.io.Mark": lambda w: (io.Mark, {"faces": np.array([0]), "colour": (1.0, 0.0, 0.0)}),
+    "feeler.io.body_of": lambda w: (io.body_of, {"mesh": w.mockup}),
+    "feeler.io.check_target": lambda w: (io.check_target, {"path": "out.glb"}),
+    "feeler.io.csv_table": lambda w: (io.csv_table, {"heading": ["a"], "rows": [[1]]}),
+    "feeler.io.with_marks": lambda w: (
+        io.with_marks,
+        {"body": w.body, "marks": [io.Mark(np.array([0]), (1.0, 0.0, 0.0))]},
+    ),
+    "feeler.io.write_glb": lambda w: (io.write_glb, {"path": "out.glb", "meshes": w.mockup}),
+    "feeler.io.write_stl": lambda w: (io.write_stl, {"path": "out.stl", "mesh": w.mockup}),
+    "feeler.picture.Camera": lambda w: (picture.Camera, {"eye": (3.0, 3.0, 3.0), "target": (0.0, 0.0, 0.0)}),
+    "feeler.picture.Camera.framing": lambda w: (picture.Camera.framing, {"points": w.mockup.vertices}),
+    "feeler.picture.Camera.shares": lambda w: (w.camera.shares, {"points": w.mockup.vertices, "size": (64, 48)}),
+    "feeler.picture.Inset": lambda w: (picture.Inset, {"camera": w.camera}),
+    "feeler.picture.Section": lambda w: (picture.Section, {"point": (0.0, 0.0, 0.0), "normal": (0.0, 0.0, 1.0)}),
+    "feeler.picture.bars": lambda w: (
+        picture.bars,
+        {"start": np.zeros((1, 3)), "end": np.ones((1, 3)), "thickness": 0.1, "paths": ["a"]},
+    ),
+    "feeler.picture.clearance_bodies": drawn(picture.clearance_bodies, "clearance"),
+    "feeler.picture.collision_bodies": drawn(picture.collision_bodies, "collision"),
+    "feeler.picture.render": lambda w: (picture.render, {"path": "out.png", "meshes": w.mockup, "size": (64, 48)}),
+    "feeler.picture.render_collision": drawn(picture.render_collision, "collision", path="out.png", size=(64, 48)),
+    "feeler.picture.write_clearance_glb": drawn(picture.write_clearance_glb, "clearance", path="out.glb"),
+    "feeler.picture.write_collision_glb": drawn(picture.write_collision_glb, "collision", path="out.glb"),
+}
+"""A good call of each public callable that takes arguments: the callable, and its arguments."""
+
+OTHERWISE = {
+    "feeler.view": "opens a server: tested with the workbench",
+    "feeler.haptics.devices.Own.write": "of the user's device",
+    "feeler.View.command": "arguments by name",
+}
+"""Public callables that this sweep leaves out, and why."""
+
+
+def started(world: World) -> haptics.Session:
+    if world.session._recorder is not None:
+        world.session._recorder.close()
+    if world.session.gripped:
+        world.session.release()
+    world.session.start(world.away)
+    return world.session
+
+
+def gripping(world: World) -> haptics.Session:
+    session = started(world)
+    session.grip("far")
+    return session
+
+
+def run_and_stop(world: World) -> Callable[..., object]:
+    session = haptics.Session(world.scene, world.tool)
+    session.start(world.away)
+
+    def run(*args: Any, **kwargs: Any) -> object:
+        try:
+            return session.run(*args, **kwargs)
+        finally:
+            session.stop()
+
+    run.__signature__ = inspect.signature(session.run)  # type: ignore[attr-defined]
+    return run
+
+
+def public_callables() -> dict[str, object]:
+    """Functions, constructors and methods of the public modules that take arguments, by name."""
+    found: dict[str, object] = {}
+    for space in map(importlib.import_module, SPACES):
+        own = [name for name, value in vars(space).items() if getattr(value, "__module__", "") == space.__name__]
+        for name in getattr(space, "__all__", own):
+            value = getattr(space, name)
+            is_call = inspect.isfunction(value) or (inspect.isclass(value) and not issubclass(value, BaseException))
+            if name.startswith("_") or not is_call:
+                continue
+            if any(value is each for each in found.values()):
+                continue  # of several modules
+            found[f"{space.__name__}.{name}"] = value
+            for member in dir(value) if inspect.isclass(value) else ():
+                each = getattr(value, member)
+                is_own = any(member in vars(base) for base in value.__mro__ if base.__module__.startswith("feeler"))
+                if is_own and not member.startswith("_") and callable(each):
+                    found[f"{space.__name__}.{name}.{member}"] = each
+    return {name: value for name, value in found.items() if value not in MADE_BY_FEELER and takes_arguments(value)}
+
+
+def takes_arguments(value: object) -> bool:
+    return any(name != "self" for name in inspect.signature(value).parameters)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("sweep"))
+        yield World()
+
+
+def test_every_public_callable_is_swept() -> None:
+    views = {name for name in public_callables() if name.startswith("feeler.View.")}
+    assert set(public_callables()) - set(OTHERWISE) - views == set(GOOD)
+    assert set(OTHERWISE) <= set(public_callables()) and len(views) > 20
+
+
+def called(call: Call, **other: object) -> None:
+    function, arguments = call
+    arguments = {**arguments, **other}
+    signature = inspect.signature(function)
+    rest = [name for name, each in signature.parameters.items() if each.kind is each.VAR_POSITIONAL]
+    more = [arguments.pop(name) for name in rest]
+    before = [arguments.pop(name) for name in list(signature.parameters) if rest and name == "path"]
+    function(*before, *more, **arguments)
+
+
+def swept(make: Callable[[], Call]) -> list[str]:
+    """Arguments and values with errors that are not feeler's."""
+    wrong = []
+    for name, parameter in inspect.signature(make()[0]).parameters.items():
+        if parameter.kind is parameter.VAR_KEYWORD:
+            continue
+        for value in BAD:
+            try:
+                called(make(), **{name: value})
+            except feeler.FeelerError:
+                pass
+            except Exception as error:
+                wrong.append(f"{name}={value!r:.40}: {type(error).__name__}: {error!s:.80}")
+    return wrong
+
+
+@pytest.mark.parametrize("name", list(GOOD))
+def test_bad_arguments_are_refused_by_errors_of_feeler(name: str, world: World) -> None:
+    if name == "feeler.clashes.write_xlsx":
+        pytest.importorskip("xlsxwriter")
+    if name not in ("feeler.from_open3d", "feeler.from_pyvista", "feeler.haptics.open_device"):
+        called(GOOD[name](world))  # the good call is one
+    assert swept(lambda: GOOD[name](world)) == []
+
+
+VIEW_ARGUMENTS: dict[str, object] = {
+    "camera": {"pose": np.eye(4).ravel().tolist(), "distance": 1.0, "fov_deg": 40.0, "is_ortho": False},
+    "findings": [],
+    "hit": np.eye(4),
+    "id": 1,
+    "index": 0,
+    "is_on": True,
+    "is_touching_hidden": True,
+    "material": None,
+    "mode": "stop",
+    "name": "one",
+    "normal": (0.0, 0.0, 1.0),
+    "offset": 0.0,
+    "parts": "sheet",
+    "pose": np.eye(4).ravel().tolist(),
+    "share": 0.0,
+    "status": "approved",
+    "type": "distance",
+    "unit": "mm",
+    "watcher": print,
+}
+"""An argument of each name for the commands that need it; the command itself may be impossible."""
+
+
+@pytest.fixture(scope="module")
+def view() -> Iterator[View]:
+    class Nobody:
+        url = "http://127.0.0.1"
+
+        def close(self) -> None: ...
+
+    bench = Bench(cube())
+    with View(bench.session, Nobody()) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("name", sorted(name for name in public_callables() if name.startswith("feeler.View.")))
+def test_bad_arguments_of_a_view_are_refused_too(name: str, view: View, tmp_path: Path) -> None:
+    if name in OTHERWISE:
+        return
+    method = getattr(view, name.removeprefix("feeler.View."))
+    needed = [each.name for each in inspect.signature(method).parameters.values() if each.default is each.empty]
+    arguments = {each: VIEW_ARGUMENTS[each] for each in needed}
+    assert swept(lambda: (method, arguments)) == []
