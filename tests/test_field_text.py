@@ -268,3 +268,11 @@ def test_obj_counts_by_name_what_is_no_triangle(tmp_path, monkeypatch, chunk_byt
         assert words in said
     for word in ("usemtl", "vn", "lod", "'s'"):
         assert word not in said
+
+
+@pytest.mark.parametrize(
+    ("cut", "is_doubtful"), [("f", True), ("f 1", True), ("f 1 2", True), ("f 1 2\nv 1 1 1", False)]
+)
+def test_obj_that_ends_in_a_face(tmp_path, cut, is_doubtful):
+    doubts = load_mockup(save(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n" + cut)).report.source.doubts
+    assert [doubt.startswith("the last line is a face") for doubt in doubts] == [True] * is_doubtful
