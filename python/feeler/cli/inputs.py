@@ -16,7 +16,7 @@ import typer
 
 import feeler
 from feeler.cli.outputs import warn
-from feeler.errors import MissingFileError, OptionError, PoseError
+from feeler.errors import LoadError, MissingFileError, OptionError, PoseError
 from feeler.io.text import decoded, name_text, numbers_of, text_of
 from feeler.progress import Progress, bar
 
@@ -285,6 +285,8 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
         else:
             values = _from_text(name_text(decoded(path.read_bytes())))
         poses = np.asarray(values, dtype=np.float64)
+    except LoadError as error:
+        raise PoseError(f"pose file {error}") from None
     except (ValueError, TypeError, EOFError, RecursionError) as error:
         raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
     except OSError as error:
@@ -317,10 +319,10 @@ def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Scr
                 from feeler.plan.legs import path_of_json
 
                 way = path_of_json(legs)
+        except LoadError as error:
+            raise PoseError(f"pose file {error}") from None
         except (ValueError, TypeError, RecursionError) as error:
             raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
-        except OSError as error:
-            raise PoseError(f"pose file {path} cannot be read: {error.strerror or error}") from None
     if legs is None:
         return read_poses(path, snap)
     return [feeler.nearest_rigid(each) if snap and isinstance(each, np.ndarray) else each for each in way]

@@ -348,8 +348,8 @@ def _by_lines(
     if pending:
         promised, found_rows = pending[0].count, pending[0].count - left
         raise LoadError(
-            f"{path}: the header promises {promised:,} rows of {pending[0].name!r}, and {found_rows:,} lines follow for "
-            "them: truncated; copy or export it again"
+            f"{path}: the header promises {promised:,} rows of {pending[0].name!r}, and {found_rows:,} lines follow "
+            "for them: truncated; copy or export it again"
         )
     if vertices:
         body.vertices = np.concatenate(vertices)
