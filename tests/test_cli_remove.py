@@ -125,7 +125,7 @@ def test_an_order(chest: Path) -> None:
         (("--part", "lid", "--clearance", -1), "clearance"),
         (("--part", "lid", "--direction", "up"), "--direction"),
         (("--part", "lid", "--direction", "0,0,0"), "direction"),
-        (("--part", "lid", "--overlap", "-0.001"), "overlap is -0.001"),
+        (("--part", "lid", "--overlap", "-0.001"), "--overlap is '-0.001'"),
         (("--part", "lid", "--ignore", "*gasket*"), "gasket"),
         (("--part", "lid", "--way", "way.txt"), ".npy or .json"),
         (("--part", "lid", "--each", "--order"), "--each"),

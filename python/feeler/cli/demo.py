@@ -15,6 +15,7 @@ import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
 from feeler.cli.inputs import AsJson
+from feeler.cli.values import COUNT, Word
 from feeler.progress import bar
 
 _POSES = 1000
@@ -29,8 +30,10 @@ feeler demo --json
 """
 )
 def demo(
-    triangles: Annotated[int, typer.Option(help="Size of the engine.")] = 1_600_000,
-    tool: Annotated[str, typer.Option(help="Built-in tool to move: torque, wrench, square, hand.")] = "wrench",
+    triangles: Annotated[int, typer.Option(help="Size of the engine."), COUNT] = 1_600_000,
+    tool: Annotated[
+        str, typer.Option(help="Built-in tool to move."), Word(("torque", "wrench", "square", "hand"))
+    ] = "wrench",
     out: Annotated[Path, typer.Option(help="Folder for the picture, the GLB and the pose.")] = Path("feeler-demo"),
     as_json: AsJson = False,
 ) -> None:
