@@ -49,7 +49,10 @@ def access(
     mockup: MockupFiles,
     *,
     tool: Annotated[
-        str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine. Its z axis points out of the joint.")
+        str,
+        typer.Option(
+            metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine. Its z axis points out of the joint."
+        ),
     ],
     targets: Annotated[
         list[str] | None,
@@ -70,7 +73,8 @@ def access(
         ),
     ] = None,
     hand: Annotated[
-        str | None, typer.Option(help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame.")
+        str | None,
+        typer.Option(metavar="FILE", help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame."),
     ] = None,
     grip: Annotated[
         str | None,

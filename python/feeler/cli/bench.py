@@ -35,9 +35,13 @@ def bench(
             show_default="sample:engine:100000",
         ),
     ] = None,
-    tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")] = "sample:wrench",
+    tool: Annotated[
+        str, typer.Option(metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine.")
+    ] = "sample:wrench",
     poses: Annotated[int, typer.Option(help="Poses of each kind."), POSES] = 200,
-    kinds: Annotated[str, typer.Option(help="Which poses, split by commas: nominal, near, deep.")] = "nominal,near",
+    kinds: Annotated[
+        str, typer.Option(metavar="LIST", help="Which poses, split by commas: nominal, near, deep.")
+    ] = "nominal,near",
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,

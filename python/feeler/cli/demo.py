@@ -34,7 +34,9 @@ def demo(
     tool: Annotated[
         str, typer.Option(help="Built-in tool to move."), Word(("torque", "wrench", "square", "hand"))
     ] = "wrench",
-    out: Annotated[Path, typer.Option(help="Folder for the picture, the GLB and the pose.")] = Path("feeler-demo"),
+    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the picture, the GLB and the pose.")] = Path(
+        "feeler-demo"
+    ),
     as_json: AsJson = False,
 ) -> None:
     """Moves a wrench in and out of an engine of 1.6 million triangles and reports its collisions."""

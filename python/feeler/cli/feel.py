@@ -66,12 +66,17 @@ def feel(
     mockup: MockupFilesOrSample = None,
     *,
     tool: Annotated[
-        str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench.")
+        str | None,
+        typer.Option(metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench."),
     ] = None,
     part: PartOption = None,
     without: Without = None,
     only: Only = None,
-    device: Annotated[str, typer.Option(help="The haptic device."), Word(("simulated", *DRIVERS))] = "simulated",
+    device: Annotated[
+        str,
+        typer.Option(metavar="DEVICE", help=f"The haptic device: simulated, {', '.join(DRIVERS)}."),
+        Word(("simulated", *DRIVERS)),
+    ] = "simulated",
     device_option: Annotated[
         list[str] | None,
         typer.Option(
@@ -79,7 +84,9 @@ def feel(
         ),
     ] = None,
     preset: Annotated[
-        str, typer.Option(help="Preset of the simulated device."), Word(tuple(devices.PRESETS))
+        str,
+        typer.Option(metavar="PRESET", help=f"Preset of the simulated device: {', '.join(devices.PRESETS)}."),
+        Word(tuple(devices.PRESETS)),
     ] = "large_6dof",
     check: Annotated[
         bool,

@@ -50,7 +50,7 @@ MockupFilesOrSample = Annotated[
         help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
     ),
 ]
-ToolFile = Annotated[str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
+ToolFile = Annotated[str | None, typer.Option(metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine.")]
 PartOption = Annotated[
     list[str] | None,
     typer.Option(

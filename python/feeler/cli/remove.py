@@ -86,7 +86,9 @@ def remove(
     ] = None,
     hand: Annotated[
         str | None,
-        typer.Option(help="A hand that grips it: a file, or sample:NAME, placed by --at, --rotate or --pose."),
+        typer.Option(
+            metavar="FILE", help="A hand that grips it: a file, or sample:NAME, placed by --at, --rotate or --pose."
+        ),
     ] = None,
     hand_unit: ToolUnit = None,
     at: At = None,

@@ -43,7 +43,9 @@ Triangles = Annotated[int, typer.Option(help="Size of sample mock-ups."), COUNT]
 Poses = Annotated[int, typer.Option(help="Work positions for each pair of mock-up and tool."), POSES]
 Rounds = Annotated[int, typer.Option(help="Repetitions of each measurement."), Whole(1, 1_000_000)]
 Seed = Annotated[int, typer.Option(help="Another seed, other poses."), SEED]
-Out = Annotated[Path, typer.Option(help="Folder for the results; a sub-folder is made for each study.")]
+Out = Annotated[
+    Path, typer.Option(metavar="FOLDER", help="Folder for the results; a sub-folder is made for each study.")
+]
 Resume = Annotated[bool, typer.Option("--resume/--anew", help="Continue with the folder's results, or start anew.")]
 Unit = Annotated[str | None, typer.Option(help="Unit of files that do not state one."), UNIT]
 Memory = Annotated[

@@ -26,7 +26,7 @@ feeler swept sample:wrench --poses way_out.csv --error 0.002 --out swept.stl --j
 """
 )
 def swept(
-    tool: Annotated[str, typer.Argument(help="Mesh file, or sample:NAME[:fine].")],
+    tool: Annotated[str, typer.Argument(metavar="TOOL", help="Mesh file, or sample:NAME[:fine].")],
     *,
     poses: Annotated[
         Path,

@@ -144,7 +144,7 @@ class Whole(Value):
         """See `Value.read`."""
         if _WHOLE.fullmatch(text.strip()) and self.least <= int(text) <= self.most:
             return int(text)
-        span = f"{self.least:,} or more" if self.most == 2**64 - 1 else f"from {self.least:,} to {self.most:,}"
+        span = f"of {self.least:,} or more" if self.most == 2**64 - 1 else f"from {self.least:,} to {self.most:,}"
         raise ValueError(f"give a whole number {span}")
 
 

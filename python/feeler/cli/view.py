@@ -65,6 +65,7 @@ def view(
     tool: Annotated[
         str | None,
         typer.Option(
+            metavar="FILE",
             help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench if the mock-up is the sample, "
             "else an empty hand, which takes out parts.",
         ),
@@ -75,7 +76,7 @@ def view(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     device: Annotated[
         str | None,
-        typer.Option(help="A device for the tool."),
+        typer.Option(metavar="DEVICE", help="A device for the tool: spacemouse, haply, dhd or openhaptics."),
         Word(("spacemouse", "haply", "dhd", "openhaptics")),
     ] = None,
     record: Annotated[
