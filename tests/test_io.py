@@ -538,7 +538,7 @@ def test_collada(tmp_path):
 def test_unit_names(tmp_path, unit, metres):
     mockup = load_mockup(save(tmp_path, "p.stl", stl_binary()), unit=unit)
     assert np.array_equal(soup(mockup), SOUP * metres)
-    assert mockup.report.source.unit_source == "given by unit="
+    assert mockup.report.source.unit_source == "given"
 
 
 @pytest.mark.parametrize("unit", ["parsec", "", 5, "m m"])

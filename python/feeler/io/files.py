@@ -66,7 +66,7 @@ def _path(path: object) -> Path:
         plain = os.fspath(path)
         if isinstance(plain, str) and plain and "\0" not in plain:
             return Path(plain)
-    raise OptionError(f"{path!r} is not a path; give text or a pathlib.Path")
+    raise OptionError(f"{path!r} is not a path: give the name of a file or folder")
 
 
 def _add_folder(folder: Path, found: FileList) -> None:
