@@ -136,10 +136,10 @@ def test_approved_findings_grow_by_as_much_as_is_said(tmp_path: Path) -> None:
 
 
 def test_bad_input(tmp_path: Path, file: Path) -> None:
-    assert "clearance is -1" in error_of("clash", file, "--clearance", "-1")
+    assert "--clearance is '-1': give a length" in error_of("clash", file, "--clearance", "-1")
     assert "--contact is 'much'" in error_of("clash", file, "--contact", "much")
     assert 'contact="chord"' in error_of("clash", file, "--contact", "chord")
-    assert "contact is nan" in error_of("clash", file, "--contact", "nan")
+    assert "--contact is 'nan'" in error_of("clash", file, "--contact", "nan")
     assert "--by is 'parts': do you mean part" in error_of("clash", file, "--by", "parts")
     assert "--fail-on has 'crash': do you mean clash" in error_of("clash", file, "--fail-on", "new,crash")
     assert "resolved" in error_of("clash", file, "--fail-on", "resolved")
@@ -150,7 +150,7 @@ def test_bad_input(tmp_path: Path, file: Path) -> None:
     assert "rules.toml does not exist" in error_of("clash", file, "--rules", tmp_path / "rules.toml")
     assert "last.json does not exist" in error_of("clash", file, "--previous", tmp_path / "last.json")
     assert "--only: no part" in error_of("clash", file, "--only", "nothing")
-    assert "threads is 0" in error_of("clash", file, "--threads", "0")
+    assert "--threads is '0'" in error_of("clash", file, "--threads", "0")
     (tmp_path / "rules.toml").write_text('[[rule]]\nname = "x"\na = "*blot*"\n')
     message = error_of("clash", file, "--rules", tmp_path / "rules.toml")
     assert "rule 'x', a: no part matches" in message and "bolt" in message
@@ -255,7 +255,7 @@ def test_the_chord_tolerance_of_step_can_be_given(testdata: Path) -> None:
     assembly = testdata / "meshes" / "assembly.step"
     coarse, fine = (run_json("clash", assembly, *given) for given in ((), ("--chord-tolerance", "1e-6")))
     assert fine["mockup"]["triangles"] > 2 * coarse["mockup"]["triangles"]
-    assert "chord_tolerance is -1.0: give metres" in error_of("clash", assembly, "--chord-tolerance", "-1")
+    assert "--chord-tolerance is '-1': give a length above 0" in error_of("clash", assembly, "--chord-tolerance", "-1")
 
 
 @pytest.mark.parametrize(("chord", "few"), [(None, None), (1e-5, None), (1e-4, "1 clash is")])

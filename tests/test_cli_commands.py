@@ -249,9 +249,9 @@ def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> Non
     assert "the tool has no pose" in error_of("collide", stand, *tool)
     assert "exclude" in error_of("collide", stand, *tool, "--at", "0,0,0", "--pose", tmp_path / "p.json")
     assert "p.json does not exist" in error_of("collide", stand, *tool, "--pose", tmp_path / "p.json")
-    assert "three numbers" in error_of("collide", stand, *tool, "--at", "0,zero,0")
-    assert "three numbers" in error_of("collide", stand, *tool, "--at", "0,0")
-    assert "three numbers" in error_of("collide", stand, *tool, "--rotate", "nan,0,0")
+    assert "three lengths" in error_of("collide", stand, *tool, "--at", "0,zero,0")
+    assert "three lengths" in error_of("collide", stand, *tool, "--at", "0,0")
+    assert "three angles" in error_of("collide", stand, *tool, "--rotate", "nan,0,0")
     at = ["--at", "0,0,0"]
     assert "storage" in error_of("collide", stand, *tool, *at, "--storage", "shoebox")
     assert "voxel" in error_of("collide", stand, *tool, *at, "--voxel-size", "-1")
@@ -289,7 +289,7 @@ def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> Non
         ("h.txt", "", "holds no pose"),
         ("i.npy", "no array", "cannot be read"),
         ("j.txt", "\xff\xfe", "holds no pose"),
-        ("j2.txt", "\xff 1", "could not convert"),
+        ("j2.txt", "\xff 1", "is not a number"),
         ("k.json", "[" * 100_000, "cannot be read"),
         ("l.txt", " ".join(["1"] * 16), "not rigid"),
         ("m.txt", " ".join(["nan"] * 16), "pose[0, 0] is NaN"),

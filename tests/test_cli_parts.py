@@ -294,7 +294,7 @@ def test_wrong_words(engine: Path, way_out: Path, command: str, words: list[str]
 def test_wrong_touching(engine: Path, way_out: Path) -> None:
     for command, where in (("collide", "--pose"), ("path", "--poses")):
         message = error_of(command, engine, *PUMP, "--touching", "maybe", where, way_out)
-        assert "--touching is 'maybe': choose counts or free" in message
+        assert "--touching is 'maybe': choose counts, free" in message
 
 
 @pytest.mark.parametrize("command", COMMANDS)

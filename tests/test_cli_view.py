@@ -139,7 +139,7 @@ def test_options_that_cannot_be(tmp_path: Path) -> None:
     assert "--show-unit" in error_of("view", "--show-unit", "ft")
     assert "--tool-unit is for" in error_of("view", "a.stl", "--tool-unit", "mm")
     assert "--device moves a tool" in error_of("view", "a.stl", "--device", "haply")
-    assert "port is 70000" in error_of("view", "--port", "70000")
+    assert "--port is '70000'" in error_of("view", "--port", "70000")
     assert "allow remote access" in error_of("view", "--host", "0.0.0.0")
     assert "needs TLS" in error_of("view", "--host", "box.example", "--allow-remote")
     assert "does not exist" in error_of("view", "--record", tmp_path / "no" / "a.jsonl")

@@ -28,7 +28,7 @@ MADE_BY_FEELER = {
     feeler.Clearance, feeler.ClearanceBatch, feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
     feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
-    feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
+    feeler.PartsRemoval, feeler.Removals, feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
     feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
     clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
@@ -65,6 +65,7 @@ class World:
         self.device = devices.Simulated()
         self.mouse = devices.Mouse(np.eye(4))
         io.write_stl("mesh.stl", self.mockup)
+        self.scene.save("scene.feeler")
         Path("robot.urdf").write_text(URDF)
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
@@ -151,7 +152,9 @@ GOOD: dict[str, Callable[[World], Call]] = {
         feeler.access,
         {"scene": w.scene, "tool": w.tool, "targets": w.away[None], "angles": 4, "approach": 0.01},
     ),
+    "feeler.Scene.save": lambda w: (w.scene.save, {"path": "out.feeler"}),
     "feeler.clash": lambda w: (feeler.clash, {"mockup": w.mockup}),
+    "feeler.clash_variants": lambda w: (feeler.clash_variants, {"variants": [w.mockup]}),
     "feeler.find_fasteners": lambda w: (feeler.find_fasteners, {"mockup": w.mockup}),
     "feeler.from_open3d": lambda w: (feeler.from_open3d, {"mesh": None}),
     "feeler.from_pyvista": lambda w: (feeler.from_pyvista, {"mesh": None}),
@@ -162,9 +165,11 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.load_mockup": lambda w: (feeler.load_mockup, {"path": "mesh.stl"}),
     "feeler.load_tool": lambda w: (feeler.load_tool, {"path": "mesh.stl"}),
     "feeler.nearest_rigid": lambda w: (feeler.nearest_rigid, {"pose": w.pose}),
+    "feeler.open_scene": lambda w: (feeler.open_scene, {"path": "scene.feeler"}),
     "feeler.optimal_voxel_size": lambda w: (feeler.optimal_voxel_size, {"mockup": w.mockup, "tool": w.tool}),
     "feeler.removal": plan(feeler.removal),
     "feeler.removal_order": plan(feeler.removal_order),
+    "feeler.removals": lambda w: (feeler.removals, {"scene": w.scene, "parts": ["far"], "seconds": 5.0}),
     "feeler.sample": lambda w: (feeler.sample, {"name": "differential", "triangles": 10_000}),
     "feeler.sample_path": lambda w: (feeler.sample_path, {"scene": w.scene, "tool": w.tool, "n": 2}),
     "feeler.sample_poses": lambda w: (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from loading import notes, save, soup
@@ -117,6 +119,29 @@ def test_stl_cut_anywhere_is_refused_or_noted(tmp_path, layout):
     assert (whole > 0) == (layout == "lines")
 
 
+@pytest.mark.parametrize("layout", ["one line", "a facet a line", "a word a line"])
+def test_stl_of_another_layout_is_refused_for_what_is_wrong(tmp_path, layout):
+    text = stl_text()
+    relay = {
+        "one line": lambda t: t.replace("\n", " "),
+        "a facet a line": lambda t: re.sub(r"\n(?!  facet|endsolid)", " ", t),
+        "a word a line": lambda t: "\n".join(t.split()),
+    }[layout]
+    name = text.index("\n") + 1
+    for end in [
+        found.end() for found in re.finditer(r"\S+", text[: text.index("endsolid")]) if found.end() > name + 80
+    ]:
+        with pytest.raises(LoadError) as error:
+            load_mockup(save(tmp_path, "a.stl", relay(text[:end])))
+        said = str(error.value)
+        whole = text[:end].split()
+        at = len(whole) - max(i for i, word in enumerate(whole) if word in ("vertex", "facet", "endfacet"))
+        if whole[-at] == "vertex" and at < 4:
+            assert "statement" in said and ("a vertex needs three numbers" in said or "broken here" in said)
+        else:
+            assert "truncated" in said
+
+
 @pytest.mark.parametrize("header", [b"made by a test", b"solid of spaces".ljust(80)])
 @pytest.mark.parametrize("count", [0, 5, 2**32 - 1])
 def test_stl_binary_with_a_wrong_count_is_read_by_its_size(tmp_path, header, count):
@@ -199,7 +224,10 @@ def test_off_points_and_lines_are_counted(tmp_path):
         ("OFF BINARY\n" + PLAIN, "binary OFF"),
         ("OFF\n4 5 6\n" + PLAIN, "truncated"),
         ("OFF 4 5 6 " + PLAIN.replace("\n", " "), "truncated"),
-        ("OFF 4 4 6 " + PLAIN.replace("3 0 1 3", "3 0 1 9").replace("\n", " "), "truncated"),  # words for no vertex
+        (
+            "OFF 4 4 6 " + PLAIN.replace("3 0 1 3", "3 0 1 9").replace("\n", " "),
+            r"line 1: polygon 2 of the 4 .*'3 0 1 9",
+        ),
         ("OFF\n4 four 6\n" + PLAIN, "missing"),
         ("blob\n4 4 6\n" + PLAIN, "starts with 'OFF'"),
         ("OFF\n4 4 6\n" + PLAIN.replace("3 0 1 3", "5 0 1 3"), "line 8: the polygon promises 5 corners"),
@@ -208,6 +236,71 @@ def test_off_points_and_lines_are_counted(tmp_path):
 def test_off_that_is_refused(tmp_path, text, words):
     with pytest.raises(LoadError, match=words):
         load_mockup(save(tmp_path, "a.off", text))
+
+
+# --- words and header that disagree -----------------------------------------------------------------------------------
+
+CUBE_VERTICES = "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1"
+CUBE_FACES = "3 0 2 1 3 0 3 2 3 4 5 6 3 4 6 7 3 0 1 5 3 0 5 4 3 1 2 6 3 1 6 5 3 2 3 7 3 2 7 6 3 3 0 4 3 3 4 7"
+CUBE = f"{CUBE_VERTICES} {CUBE_FACES}".split()
+IN_WORDS = {
+    "a.off": "OFF 8 12 18 ",
+    "a.ply": "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 12\nproperty list uchar int vertex_indices\nend_header\n",
+}
+ROW = {"a.off": "polygon {} of the 12", "a.ply": "row {} of the 12 rows of 'face'"}
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+@pytest.mark.parametrize("between", [" ", "\n", "  \n\n"])
+def test_words_cut_anywhere(tmp_path, name, between):
+    for count in range(len(CUBE)):
+        path = save(tmp_path, name, IN_WORDS[name] + between.join(CUBE[:count]))
+        with pytest.raises(LoadError) as error:
+            load_mockup(path)
+        said = str(error.value)
+        row = ROW[name].format((count - 24) // 4 + 1) if count >= 24 else "vertex"
+        assert row in said or (count < 36 and "bytes" in said)  # fewer bytes than the shortest numbers need
+        assert "truncated" in said
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+@pytest.mark.parametrize("between", [" ", "\n"])
+@pytest.mark.parametrize("word", ["7", "0", "3", "0.5", "1e3"])
+def test_a_word_too_many_anywhere(tmp_path, name, between, word):
+    for at in range(len(CUBE) + 1):
+        words = [*CUBE[:at], word, *CUBE[at:]]
+        path = save(tmp_path, name, IN_WORDS[name] + between.join(words))
+        try:
+            mockup = load_mockup(path)
+        except LoadError as error:
+            assert re.search("left over|the file ends (in|before) (polygon|row)", str(error))
+            if at == len(CUBE):
+                assert ": 1 words are left over" in str(error)
+        else:
+            # The words fit: a triangle became a quad whose corners all exist.
+            assert word in "703" and 44 <= at <= 67 and mockup.triangle_count == 13
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+@pytest.mark.parametrize("between", [" ", "\n"])
+def test_a_word_that_is_no_number(tmp_path, name, between):
+    head = IN_WORDS[name]
+    for at in range(len(CUBE)):
+        words = [*CUBE[:at], "seven", *CUBE[at + 1 :]]
+        line = head.count("\n") + 1 + (at if between == "\n" else 0)
+        with pytest.raises(LoadError, match=rf"line {line}: 'seven' is not"):
+            load_mockup(save(tmp_path, name, head + between.join(words)))
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+@pytest.mark.parametrize("count", [8, 19])
+def test_lines_cut_anywhere(tmp_path, name, count):
+    lines = [" ".join(CUBE[3 * i : 3 * i + 3]) + " 100 100 100 255" for i in range(8)]
+    lines += [" ".join(CUBE[24 + 4 * i : 28 + 4 * i]) for i in range(12)]
+    promised = {"a.off": f"and {count} lines with", "a.ply": f"and {count - 8} lines follow"}[name]
+    with pytest.raises(LoadError, match=promised):
+        load_mockup(save(tmp_path, name, IN_WORDS[name].rstrip() + "\n" + "\n".join(lines[:count]) + "\n"))
 
 
 # --- PLY --------------------------------------------------------------------------------------------------------------
@@ -309,7 +402,7 @@ def test_ply_strips_restart_and_rows_do_not_run_together(tmp_path):
         ("element face", "element vertex 1\nproperty float x\nelement face", "several elements 'vertex'"),
         ("3 0 2 1", "3 0 2", r"line 14: the face promises more values"),
         ("float x", "float q", "no x, y and z"),
-        ("3 2 0 3\n", "", "inside its 4 rows of 'face'"),
+        ("3 2 0 3\n", "", "promises 4 rows of 'face', and 3 lines follow"),
     ],
 )
 def test_ply_that_is_refused(tmp_path, old, new, words):

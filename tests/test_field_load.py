@@ -144,25 +144,25 @@ def test_unit_counts_more_than_the_metre_of_gltf(tmp_path):
     mockup = load_mockup(save(tmp_path, "a.glb", glb()), unit="mm")
     assert np.array_equal(soup(mockup), SOUP * 0.001)
     assert mockup.report.source.unit == "mm"
-    assert mockup.report.source.unit_source == "given by unit=, instead of the m the file states"
+    assert mockup.report.source.unit_source == "given, instead of the m the file states"
 
 
 @pytest.mark.parametrize(
     ("longest", "unit", "note"),
     [
-        (743, "m", "743 m long: if the file is in millimetres, pass unit='mm'"),
-        (0.7, None, "0.7 mm long: if the file is in metres, pass unit='m'"),
-        (0.7, "mm", "0.7 mm long: if the file is in metres, pass unit='m'"),
+        (743, "m", "743 m long: if the file is in millimetres, give the unit mm"),
+        (0.7, None, "0.7 mm long: if the file is in metres, give the unit m"),
+        (0.7, "mm", "0.7 mm long: if the file is in metres, give the unit m"),
         (500, "m", None),
-        (500.1, "m", "500 m long: if the file is in millimetres, pass unit='mm'"),
+        (500.1, "m", "500 m long: if the file is in millimetres, give the unit mm"),
         (1, "mm", None),
-        (0.999, "mm", "0.999 mm long: if the file is in metres, pass unit='m'"),
-        (20_000, "in", "508 m long: if the file is in millimetres, pass unit='mm'"),
+        (0.999, "mm", "0.999 mm long: if the file is in metres, give the unit m"),
+        (20_000, "in", "508 m long: if the file is in millimetres, give the unit mm"),
         (600_000, "mm", "600 m long: check the unit (mm)"),  # no usual unit would make it plausible
         (600_000, "m", "600,000 m long: check the unit (m)"),
-        (400, "um", "0.4 mm long: if the file is in millimetres, pass unit='mm'"),
+        (400, "um", "0.4 mm long: if the file is in millimetres, give the unit mm"),
         (0.0005, "m", "0.5 mm long: check the unit (m)"),
-        (0.005, "mm", "0.005 mm long: if the file is in metres, pass unit='m'"),
+        (0.005, "mm", "0.005 mm long: if the file is in metres, give the unit m"),
         (1e-5, "mm", "1e-05 mm long: check the unit (mm)"),
         (1e30, "m", "1e+30 m long: check the unit (m)"),
     ],

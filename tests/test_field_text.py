@@ -12,10 +12,12 @@ from shapes import box
 from test_io_builders import SOUP, Gltf, obj_text, off_text, ply, stl_binary, stl_text
 
 import feeler
-from feeler import Mockup, PoseError
-from feeler.cli.inputs import read_poses
+from feeler import LoadError, Mockup, PoseError
+from feeler.clashes.rules import Rules
+from feeler.cli.inputs import read_path, read_poses
 from feeler.io import load_mockup
 from feeler.io.sniff import identify
+from feeler.workbench.document.findings import read_findings
 
 
 def volume(mockup: Mockup) -> float:
@@ -154,8 +156,8 @@ def test_poses_as_text(tmp_path, layout, encoding, count):
     ("text", "words"),
     [
         (POSE_TEXTS["decimal commas"].replace("0,5", "0,5,1"), "not a multiple of 16"),
-        (POSE_TEXTS["semicolons"].replace("0.5", "0.5x"), "0.5x"),
-        ("x;y;z\n" + POSE_TEXTS["semicolons"], "could not convert"),
+        (POSE_TEXTS["semicolons"].replace("0.5", "0.5x"), "'0.5x' is not a number"),
+        ("x;y;z\n" + POSE_TEXTS["semicolons"], "'x' is not a number"),
     ],
 )
 def test_poses_as_text_that_are_refused(tmp_path, text, words):
@@ -177,6 +179,28 @@ def test_rules_findings_and_poses_in_any_encoding(tmp_path, encoding):
     assert len(found) == 1 and len(left) == 0
     poses = read_poses(save(tmp_path, "p.json", json.dumps({"pose": POSE.tolist()}).encode(encoding)))
     assert np.array_equal(poses, [POSE])
+
+
+@pytest.mark.parametrize(
+    ("name", "read", "kind"),
+    [
+        ("r.toml", Rules.read, LoadError),
+        ("c.json", feeler.load_clashes, LoadError),
+        ("f.json", read_findings, LoadError),
+        ("p.json", read_poses, PoseError),
+        ("q.json", read_path, PoseError),
+        ("m.gltf", load_mockup, LoadError),
+    ],
+)
+def test_text_of_an_encoding_that_does_not_say_so(tmp_path, name, read, kind):
+    """As old programs of Windows write it: the message has the file, the line and the encoding, nothing of codecs."""
+    text = (
+        'version = 1\n# "Gehäuse"\n' if name.endswith("toml") else '{"asset": {"version": "2.0"},\n"name": "Gehäuse"}'
+    )
+    path = save(tmp_path, name, text.encode("cp1252"))
+    with pytest.raises(kind, match=r", line 2: this is not UTF-8 .* such as Windows-1252 \('.*Gehäuse") as error:
+        read(path)
+    assert str(path) in str(error.value) and "codec" not in str(error.value) and "0x" not in str(error.value)
 
 
 # --- OBJ --------------------------------------------------------------------------------------------------------------
@@ -268,3 +292,11 @@ def test_obj_counts_by_name_what_is_no_triangle(tmp_path, monkeypatch, chunk_byt
         assert words in said
     for word in ("usemtl", "vn", "lod", "'s'"):
         assert word not in said
+
+
+@pytest.mark.parametrize(
+    ("cut", "is_doubtful"), [("f", True), ("f 1", True), ("f 1 2", True), ("f 1 2\nv 1 1 1", False)]
+)
+def test_obj_that_ends_in_a_face(tmp_path, cut, is_doubtful):
+    doubts = load_mockup(save(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n" + cut)).report.source.doubts
+    assert [doubt.startswith("the last line is a face") for doubt in doubts] == [True] * is_doubtful

@@ -33,13 +33,10 @@ AWAY = np.eye(4)
 AWAY[2, 3] = 5.0
 
 MOVED: dict[str, Callable[[Any], object]] = {
-    "Scene.distance(max=) is now within=": lambda s: s.distance(TOOL, AWAY, max=9.0),
     "Scene.distance_batch(max=) is now within=": lambda s: s.distance_batch(TOOL, [AWAY], max=9.0),
     "Scene.rays(max=) is now within=": lambda s: s.rays([[0.5, 0.5, 9]], [[0, 0, -1.0]], max=9.0),
     "Scene.contacts(margin=) is now within=": lambda s: s.contacts(TOOL, AWAY, margin=0.01),
     "Scene.penetration(margin=) is now within=": lambda s: s.penetration(TOOL, POSE, margin=0.01),
-    "Scene.cast(pose0=) is now start=": lambda s: s.cast(TOOL, pose0=AWAY, end=POSE),
-    "Scene.cast(pose1=) is now end=": lambda s: s.cast(TOOL, AWAY, pose1=POSE),
     "clash(exclude=) is now ignore=": lambda s: feeler.clash(s.mockup, exclude=[("a", "b")]),
     "removal_order(part=) is now parts=": lambda s: feeler.removal_order(s, part="b"),
     "access(swing=) is now swing_deg=": lambda s: feeler.access(s, TOOL, AWAY[None], swing=10.0, angles=4),
@@ -64,12 +61,11 @@ def test_old_names_answer_and_say_the_new_one(said: str, scene: feeler.Scene) ->
 
 
 GONE: dict[str, tuple[type[Exception], Callable[[Any], object]]] = {
-    "call nearest(tool, pose, k)": (feeler.OptionError, lambda s: s.distance(TOOL, AWAY, k=2)),
     "removal(allow=) is gone: pass ignore=": (feeler.OptionError, lambda s: feeler.removal(s, "b", allow="start")),
     "removal_order(allow=) is gone": (feeler.OptionError, lambda s: feeler.removal_order(s, "b", allow=None)),
     "insertion(allow=) is gone": (feeler.OptionError, lambda s: feeler.insertion(s, "b", allow=0.001)),
     "read is_found": (AttributeError, lambda s: feeler.removal(s, "b").free),
-    "within=, which is given too": (feeler.OptionError, lambda s: s.distance(TOOL, AWAY, within=1.0, max=1.0)),
+    "within=, which is given too": (feeler.OptionError, lambda s: s.distance_batch(TOOL, [AWAY], within=1.0, max=1.0)),
 }
 
 

@@ -82,6 +82,10 @@ def fails(_scene: None, _shared: None, task: int) -> int:
     return task
 
 
+def fails_in_words(_scene: None, _shared: None, task: int) -> None:
+    raise (feeler.LimitError, feeler.MissingFileError, feeler.WriteError)[task]("said by the worker")
+
+
 def process_of(scene: feeler.Scene, _shared: None, _task: int) -> tuple[int, int, int]:
     time.sleep(0.02)
     return os.getpid(), id(scene), len(spreading._questions)
@@ -135,6 +139,13 @@ def test_an_error_of_a_task_is_raised(processes: Executor) -> None:
         with pytest.raises(ZeroDivisionError, match="task 3"):
             spread(fails, None, None, range(1000), executor)
     assert spread(fails, None, None, range(3), processes) == [0, 1, 2]
+
+
+@pytest.mark.parametrize("where", ["processes", "dask", "loky"])
+def test_errors_of_feeler_come_back_from_workers(where: str, request: pytest.FixtureRequest) -> None:
+    for task, kind in enumerate((feeler.LimitError, feeler.MissingFileError, feeler.WriteError)):
+        with pytest.raises(kind, match="said by the worker"):
+            spread(fails_in_words, None, None, [task], _executor(where, request))
 
 
 def test_a_process_opens_the_scene_once(scene: feeler.Scene, processes: Executor) -> None:

@@ -108,12 +108,12 @@ def test_own_files(tmp_path: Path) -> None:
         (["--mockups", "nothing.stl"], "nothing.stl does not exist"),
         (["--mockups", " , "], "--mockups is empty"),
         (["--tools", "hammer"], "hammer does not exist"),
-        (["--poses", "0"], "--poses is 0"),
-        (["--rounds", "-1"], "--rounds is -1"),
-        (["--sizes", "2"], "--sizes is 2"),
-        (["--seed", "-1"], "--seed is -1"),
-        (["--memory", "nan"], "--memory is nan"),
-        (["--storage", "blocks"], "is about 'dense' and 'hashed'"),
+        (["--poses", "0"], "--poses is '0'"),
+        (["--rounds", "-1"], "--rounds is '-1'"),
+        (["--sizes", "2"], "--sizes is '2'"),
+        (["--seed", "-1"], "--seed is '-1'"),
+        (["--memory", "nan"], "--memory is 'nan'"),
+        (["--storage", "blocks"], "--storage is 'blocks': choose dense, hashed"),
     ],
 )
 def test_bad_input_is_said_in_a_line(words: list[str], message: str, tmp_path: Path) -> None:

@@ -206,7 +206,7 @@ def test_the_command_writes_what_it_says(files: Path) -> None:
 def test_the_command_refuses_bad_input(files: Path) -> None:
     words = ("swept", files / "bar.stl", "--poses", files / "way.npy")
     assert "--error is '1 parsec'" in error_of(*words, "--error", "1 parsec")
-    assert "error is -0.001" in error_of(*words, "--error", "-1mm")
+    assert "--error is '-1mm': give a length above 0," in error_of(*words, "--error", "-1mm")
     assert "choose at least" in error_of(*words, "--error", "1e-14")
     assert "must end in .glb or .stl" in error_of(*words, "--out", files / "swept.step")
     assert "does not exist" in error_of("swept", files / "bar.stl", "--poses", files / "none.npy")

@@ -245,7 +245,7 @@ OLD = ("free", "fraction")
 def facts(value: Any) -> Any:
     """All that can be asked of an object without arguments, arrays as (dtype, shape, bytes)."""
     if isinstance(value, np.ndarray):
-        return value.dtype.str, value.shape, value.tobytes()
+        return value.dtype.str, value.shape, value.tolist() if value.dtype == object else value.tobytes()
     if isinstance(value, (list, tuple)):
         return [facts(each) for each in value]
     if isinstance(value, dict):

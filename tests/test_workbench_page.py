@@ -55,7 +55,11 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], list[tuple[np.ndarray, np.nda
     version, size = struct.unpack_from("<II", data)
     assert (version, size % 8) == (1, 0)
     header = json.loads(data[8 : 8 + size])
+    kind, (count,), offset = header["arrays"]["pieces"]
+    assert (kind, offset) == ("u1", 0)
     at = 8 + size
+    end = at + count
+    assert end <= len(data) < end + 8
 
     def numbers(count: int, width: int) -> list[int]:
         nonlocal at
@@ -82,7 +86,7 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], list[tuple[np.ndarray, np.nda
             corners.append(named - each)
             named = max(named, corners[-1] + 1)
         pieces.append((positions, parts, np.array(corners).reshape(-1, 3)))
-    assert at == len(data)
+    assert at == end
     return header, pieces
 
 
@@ -118,6 +122,7 @@ def test_any_piece_comes_back(data: st.DataObject) -> None:
     header = {
         "manifest": {"pieces": [{"vertices": used, "triangles": triangles}]},
         "grid": {"lower": [-3] * 3, "step": 0.5},
+        "arrays": {"pieces": ["u1", [len(block)], 0]},
     }
     text = json.dumps(header).encode()
     text += b" " * (-len(text) % 8)

@@ -255,7 +255,7 @@ ROOMS: dict[str, set[str]] = {
     "parts": {"arguments", "errors"},
     "memory": set(),
     # The files of saved scenes, which mock-ups and scenes can be in.
-    "saved": {"_core", "errors", "memory", "source"},
+    "saved": {"_core", "arguments", "errors", "memory", "source"},
     "source": set(),
     "mockup": {
         *("_core", "arguments", "choices", "errors", "parts", "poses", "saved", "source", "travel", "words"),

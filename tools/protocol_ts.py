@@ -31,7 +31,7 @@ SIMPLE = {"int": "number", "float": "number", "str": "string", "bool": "boolean"
 LINE = 120
 Object = dict[str, "str | Object"]
 """The fields of a type without a name."""
-ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array"}
+ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1": "Uint8Array"}
 
 
 TABLES = """\

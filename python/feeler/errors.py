@@ -7,9 +7,16 @@ remedy.
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class FeelerError(Exception):
     """Base of all errors feeler raises on purpose."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # As for other exceptions. Those that say so themselves also travel from workers whose library for tracebacks
+        # makes all others anew without their arguments.
+        return (type(self), self.args, vars(self)) if vars(self) else (type(self), self.args)
 
 
 class MeshError(FeelerError, ValueError):

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import check_path
 from feeler.errors import FeelerError, LoadError
 from feeler.memory import free_memory
 from feeler.source import Source
@@ -43,14 +44,9 @@ class SavedFile:
 
 def path_of(path: object, error: type[FeelerError]) -> str:
     """The path as text. Raises `error` for anything else."""
-    plain = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
-    if not isinstance(plain, str) or not plain or "\0" in plain:
-        raise error(f"{path!r} is not the path of a file; give text or a pathlib.Path")
-    try:
-        os.fsencode(plain)
-    except UnicodeEncodeError:
-        raise error(f"{path!r} is not a path that this system has") from None
-    return plain
+    if isinstance(path, str) and not path:
+        raise error("path is empty: give the path of a file")
+    return str(check_path("path", path, error))
 
 
 _known: WeakValueDictionary[tuple[str, str], SavedFile] = WeakValueDictionary()

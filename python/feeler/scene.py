@@ -270,7 +270,6 @@ class Scene(_core.Scene):
             tool, world_from_tool, _within(within), check_flag("triangles", triangles), ignore=ignore
         )
 
-    @keywords({"max": "within"}, gone={"k": "call nearest(tool, pose, k)"})
     def distance(
         self,
         tool: _core.Tool,
@@ -342,7 +341,6 @@ class Scene(_core.Scene):
         query = ("clearance_batch", (tool,), {"within": within, "triangles": triangles, "ignore": ignore})
         return asked() if executor is None else self._spread(asked, query, poses, executor, progress)
 
-    @keywords({"pose0": "start", "pose1": "end"})
     def cast(
         self,
         tool: _core.Tool,

@@ -68,8 +68,8 @@ test("what is damaged or cut short is said", async () => {
   new DataView(other).setUint32(0, 2, true);
   const wrong = whole.slice(0);
   // The last plane has corners: one that is far below the first names no vertex.
-  new Uint8Array(wrong).fill(255, wrong.byteLength - 8);
-  for (const bad of [new ArrayBuffer(0), new ArrayBuffer(8), other, wrong, whole.slice(0, whole.byteLength - 1)]) {
+  new Uint8Array(wrong).fill(255, wrong.byteLength - 16);
+  for (const bad of [new ArrayBuffer(0), new ArrayBuffer(8), other, wrong, whole.slice(0, whole.byteLength - 8)]) {
     assert.throws(() => unpackOffline(bad), OfflineError);
   }
   const text = base64(whole);

@@ -187,8 +187,6 @@ def _read(file: Path) -> dict[str, Any]:
         data: dict[str, Any] = tomllib.loads(text_of(file))
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise LoadError(f"{file} cannot be read: {error}") from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise LoadError(f"{file} is not valid TOML: {error}") from None
     return data

@@ -147,8 +147,6 @@ def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
         text = text_of(file)
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give a file of Clashes.save") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise LoadError(f"{file} cannot be read: {error}") from None
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 from typing import Annotated, Any
@@ -29,6 +30,7 @@ from feeler.cli.inputs import (
     read_poses,
     read_tool,
 )
+from feeler.cli.values import ANY_LENGTH, POSITIVE_LENGTH, SWING, Whole, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -50,7 +52,10 @@ def access(
     mockup: MockupFiles,
     *,
     tool: Annotated[
-        str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine. Its z axis points out of the joint.")
+        str,
+        typer.Option(
+            metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine. Its z axis points out of the joint."
+        ),
     ],
     targets: Annotated[
         list[str] | None,
@@ -60,7 +65,9 @@ def access(
             "allowed.",
         ),
     ] = None,
-    kind: Annotated[str | None, typer.Option(help="Only bolts, screws, nuts or studs: bolt, screw, nut, stud.")] = None,
+    kind: Annotated[
+        str | None, typer.Option(help="Only this kind of fastener."), Word(("bolt", "screw", "nut", "stud"))
+    ] = None,
     frames: Annotated[
         Path | None,
         typer.Option(
@@ -69,7 +76,8 @@ def access(
         ),
     ] = None,
     hand: Annotated[
-        str | None, typer.Option(help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame.")
+        str | None,
+        typer.Option(metavar="FILE", help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame."),
     ] = None,
     grip: Annotated[
         str | None,
@@ -80,11 +88,13 @@ def access(
         ),
     ] = None,
     lift: Annotated[
-        float, typer.Option(help="Metres by which the tool sits above the top of the head; negative: below.")
+        float, typer.Option(help="How far the tool sits above the top of the head; negative: below."), ANY_LENGTH
     ] = 0.0,
-    swing: Annotated[float, typer.Option(help="Required swing, degrees.")] = 60.0,
-    angles: Annotated[int, typer.Option(help="Even steps around the axis that are tried first, and counted.")] = 72,
-    approach: Annotated[float, typer.Option(help="Length of the way in, metres.")] = 0.1,
+    swing: Annotated[float, typer.Option(help="Required swing; plain numbers: degrees."), SWING] = 60.0,
+    angles: Annotated[
+        int, typer.Option(help="Even steps around the axis that are tried first, and counted."), Whole(4, 3600)
+    ] = 72,
+    approach: Annotated[float, typer.Option(help="Length of the way in."), POSITIVE_LENGTH] = 0.1,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -172,7 +182,7 @@ def _grip(text: str | None) -> str | npt.NDArray[np.float64] | None:
 
     if text is None or text in AXES:
         return text
-    if not Path(text).is_file():
+    if not os.path.isfile(text):
         raise OptionError(f"--grip is {text!r}: give one of {', '.join(AXES)}, or a file with a (4, 4) matrix")
     poses = read_poses(Path(text))
     if len(poses) != 1:
@@ -193,7 +203,8 @@ def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None
     if not len(chosen):
         among = "of the mock-up" if parts is None else f"of the {len(parts):,} that --targets names"
         what = "fastener" if kind is None else kind
-        raise OptionError(f"no part {among} looks like a {what}: feeler found {found!r}; or give --frames FILE")
+        others = repr(found).removeprefix("Fasteners(").removesuffix(")")
+        raise OptionError(f"no part {among} looks like a {what}: feeler found {others}; or give --frames FILE")
     return chosen
 
 

@@ -6,13 +6,18 @@ Exit status: 0 fine, 1 a finding (a collision; too little clearance; a blocked p
 from __future__ import annotations
 
 import functools
+import inspect
 import os
+import re
+import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any, TypeVar
 
 import typer
+from typer.core import TyperCommand
 
+from feeler.cli.options import in_command_line_words, in_text
 from feeler.errors import FeelerError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -38,14 +43,17 @@ def command(
     """
 
     def register(function: Command) -> Command:
+        signature, options = in_text(function)
+
         @functools.wraps(function)
         def run(*args: Any, **kwargs: Any) -> Any:
             try:
-                return function(*args, **kwargs)
+                values = kwargs | {name: option.read(kwargs[name]) for name, option in options.items()}
+                return function(*args, **values)
             except BrokenPipeError:
                 raise  # some of our errors are OSErrors too; this one is not
             except FeelerError as error:
-                fail(str(error))
+                fail(in_command_line_words(str(error), options, kwargs))
                 raise typer.Exit(BAD_INPUT) from None
             except MemoryError:
                 fail("not enough memory: use a smaller mock-up, or a larger --voxel-size")
@@ -54,11 +62,36 @@ def command(
                 fail("interrupted")
                 raise typer.Exit(INTERRUPTED) from None
 
-        epilog = "[bold]Examples[/bold]\n\n" + "\n\n".join(examples.strip().splitlines())
-        (parent or app).command(name=name or function.__name__.rstrip("_"), epilog=epilog)(run)
+        class WithExamples(TyperCommand):
+            def format_help(self, ctx: Any, formatter: Any) -> None:
+                super().format_help(ctx, formatter)
+                print_examples(examples.strip().splitlines())
+
+        run.__signature__ = signature  # type: ignore[attr-defined]
+        run.__annotations__ = {name: each.annotation for name, each in signature.parameters.items()}
+        paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
+        (parent or app).command(
+            name=name or function.__name__.rstrip("_"),
+            cls=WithExamples,
+            help="\n\n".join(" ".join(each.split()) for each in paragraphs),
+        )(run)
         return function
 
     return register
+
+
+def print_examples(examples: Iterable[str]) -> None:
+    """Prints commands below a help page; long ones are continued as a shell reads them."""
+    width = shutil.get_terminal_size().columns - len("   \\")
+    print(" Examples\n")
+    for example in examples:
+        lines = [" "]
+        for word in re.findall(r'(?:"[^"]*"|[^\s"])+', example):
+            if len(lines[-1]) + 1 + len(word) > width:
+                lines.append("     ")
+            lines[-1] += f" {word}"
+        print(" \\\n".join(lines))
+    print()
 
 
 def fail(message: str) -> None:
@@ -94,6 +127,8 @@ def feeler(
     ] = False,
 ) -> None:
     """Exact collision detection between a moving tool and a large digital mock-up, clash checks and removal paths.
+
+    Lengths, times and angles take a unit: 5mm, 0.2in, 2min, 1.05rad. Plain numbers are metres, seconds and degrees.
 
     Exit status: 0 fine, 1 a finding (a collision, too little clearance, a blocked path), 2 bad input.
     """

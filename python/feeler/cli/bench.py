@@ -13,7 +13,8 @@ from feeler.arguments import check_word
 from feeler.choices import POSE_KINDS, STORAGES, PoseKind
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
-from feeler.cli.inputs import AsJson, BuildThreads, Hashing, MockupUnit, Storage, ToolUnit, Up, read_both
+from feeler.cli.inputs import AsJson, BuildThreads, Hashing, MockupUnit, Storage, ToolUnit, Up, VoxelSize, read_both
+from feeler.cli.values import POSES, SEED
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -35,17 +36,21 @@ def bench(
             show_default="sample:engine:100000",
         ),
     ] = None,
-    tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")] = "sample:wrench",
-    poses: Annotated[int, typer.Option(help="Poses of each kind.")] = 200,
-    kinds: Annotated[str, typer.Option(help="Which poses, split by commas: nominal, near, deep.")] = "nominal,near",
+    tool: Annotated[
+        str, typer.Option(metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine.")
+    ] = "sample:wrench",
+    poses: Annotated[int, typer.Option(help="Poses of each kind."), POSES] = 200,
+    kinds: Annotated[
+        str, typer.Option(metavar="LIST", help="Which poses, split by commas: nominal, near, deep.")
+    ] = "nominal,near",
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    voxel_size: Annotated[float | None, typer.Option(help="Metres; default: predicted.")] = None,
+    voxel_size: VoxelSize = None,
     storage: Storage = "blocks",
     hashing: Hashing = 0.0,
     threads: BuildThreads = None,
-    seed: Annotated[int, typer.Option(help="Another seed, other poses.")] = 0,
+    seed: Annotated[int, typer.Option(help="Another seed, other poses."), SEED] = 0,
     as_json: AsJson = False,
 ) -> None:
     """Measures build time, memory and query times.
@@ -57,8 +62,6 @@ def bench(
     chosen = [check_word("--kinds", kind.strip(), POSE_KINDS) for kind in kinds.split(",") if kind.strip()]
     if not chosen:
         raise OptionError(f"--kinds is {kinds!r}: choose from {', '.join(POSE_KINDS)}, split by commas")
-    if poses < 1:
-        raise OptionError(f"--poses is {poses}: give 1 or more")
     world, probe = read_both(mockup or ["sample:engine:100000"], unit, tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(

@@ -26,6 +26,7 @@ from feeler.cli.inputs import (
     Without,
     read_mockup,
 )
+from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -49,24 +50,24 @@ _ENDINGS = {
 @command(
     examples="""
 feeler clash engine.step
-feeler clash engine.step --clearance 0.005 --contact chord --html clashes.html --bcf clashes.bcf
+feeler clash engine.step --clearance 5mm --contact chord --html clashes.html --bcf clashes.bcf
 feeler clash engine.step --write-rules clash.toml
 feeler clash engine.step --rules clash.toml --previous last.json --save now.json --fail-on new
 feeler clash now.json --rules other.toml
-feeler clash sample:gearbox:100000 --clearance 0 --contact 0.001 --fail-on clash,duplicate,contained --json
+feeler clash sample:gearbox:100000 --clearance 0 --contact 1mm --fail-on clash,duplicate,contained --json
 """
 )
 def clash(
     context: typer.Context,
     mockup: MockupFiles,
-    clearance: Annotated[float, typer.Option(help="Required distance of parts, metres; 0: only collisions.")] = 0.002,
+    clearance: Annotated[float, typer.Option(help="Required distance of parts; 0: only collisions."), LENGTH] = 0.002,
     contact: Annotated[
-        str,
+        float | Chord,
         typer.Option(
-            metavar="METRES|chord",
             help="How deep parts may overlap and still count as contact; chord: the chordal errors of both (STEP).",
         ),
-    ] = "0",
+        Or(LENGTH, "chord"),
+    ] = 0.0,
     rules: Annotated[Path | None, typer.Option(help="Limits by pairs of parts, and pairs to hide (TOML).")] = None,
     write_rules: Annotated[
         Path | None, typer.Option("--write-rules", help="Write a first file of rules from the findings.")
@@ -80,7 +81,8 @@ def clash(
     save: Annotated[Path | None, typer.Option(help="Save the findings with their status, for the next check.")] = None,
     growth: Annotated[
         float | None,
-        typer.Option(help="Metres by which an approved finding may get deeper and stay approved; default 0.0001."),
+        typer.Option(help="How much deeper an approved finding may get and stay approved. Default: 0.1mm."),
+        LENGTH,
     ] = None,
     fail_on: Annotated[
         str | None,
@@ -95,7 +97,7 @@ def clash(
     volume: Annotated[
         bool, typer.Option("--volume", help="Measure the shared volume of closed parts (needs feeler\\[volume]).")
     ] = False,
-    by: Annotated[str, typer.Option(metavar="part|rule|cluster", help="How to group findings.")] = "part",
+    by: Annotated[str, typer.Option(help="How to group findings."), Word(GROUPS_BY)] = "part",
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -155,7 +157,7 @@ def clash(
                 found = feeler.clash(
                     world,
                     clearance,
-                    _contact(contact),
+                    contact,
                     given,
                     volume=volume,
                     scene=scene,
@@ -228,16 +230,6 @@ def _is_given(context: typer.Context, name: str) -> bool:
     """Whether an option was given on the command line."""
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"
-
-
-def _contact(text: str) -> float | Chord:
-    """The value of --contact; `feeler.clash` checks the number."""
-    if text == "chord":
-        return "chord"
-    try:
-        return float(text)
-    except ValueError:
-        raise OptionError(f"--contact is {text!r}: give metres, or chord") from None
 
 
 def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:

@@ -18,6 +18,7 @@ from feeler.cli.inputs import (
     AsJson,
     At,
     Choice,
+    Context,
     MockupFiles,
     MockupUnit,
     Only,
@@ -25,6 +26,7 @@ from feeler.cli.inputs import (
     PoseFile,
     Rotate,
     SnapPose,
+    Threads,
     ToolFile,
     ToolUnit,
     Up,
@@ -34,6 +36,7 @@ from feeler.cli.inputs import (
     read_both,
     warn_of_far_poses,
 )
+from feeler.cli.values import LENGTH
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -49,8 +52,8 @@ _COLUMNS = (
 
 @command(
     examples="""
-feeler clearance engine.step --tool wrench.stl --pose pose.json --within 0.01
-feeler clearance engine.glb --tool wrench.stl --tool-unit mm --at 0.42,-0.1,0.3 --require 0.002
+feeler clearance engine.step --tool wrench.stl --pose pose.json --within 10mm
+feeler clearance engine.glb --tool wrench.stl --tool-unit mm --at 0.42,-0.1,0.3 --require 2mm
 feeler clearance engine.glb --tool wrench.stl --pose path.npy --csv gaps.csv --glb tightest.glb
 feeler clearance engine.step --part "*fuel pump*" --at 0,0,0.02 --require 0.001
 feeler clearance sample:gearbox --tool sample:wrench --at 0,0,0.2 --within 0.1 --json
@@ -66,23 +69,19 @@ def clearance(
     at: At = None,
     rotate: Rotate = None,
     snap_pose: SnapPose = False,
-    within: Annotated[float, typer.Option(help="List parts up to this distance, metres.")] = 0.005,
+    within: Annotated[float, typer.Option(help="List parts up to this distance."), LENGTH] = 0.005,
     require: Annotated[
-        float | None, typer.Option(help="Required clearance, metres: with less, the exit status is 1.")
+        float | None, typer.Option(help="Required clearance: with less, the exit status is 1."), LENGTH
     ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    threads: Annotated[
-        int | None, typer.Option(help="For the build and for several poses; default: all cores.")
-    ] = None,
+    threads: Threads = None,
     glb: Annotated[
         Path | None,
         typer.Option(help="Write mock-up, tool and a line from the tool to each listed part as GLB (tightest pose)."),
     ] = None,
-    context: Annotated[
-        float | None, typer.Option(help="In --glb, only listed parts and those nearer to the tool than this, metres.")
-    ] = None,
+    context: Context = None,
     csv_: Annotated[Path | None, typer.Option("--csv", help="Write a row for each pose and listed part.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -96,9 +95,6 @@ def clearance(
 
     check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
-    for option, value in (("--within", within), ("--require", require)):
-        if value is not None and not value >= 0:
-            raise OptionError(f"{option} is {value}: give a distance in metres, 0 or more")
     for target, ending in ((glb, ".glb"), (csv_, ".csv")):
         if target is not None:
             _check_out(target, ending)

@@ -29,6 +29,8 @@ from feeler.cli.inputs import (
     At,
     BuildThreads,
     Choice,
+    Context,
+    Hashing,
     MockupFiles,
     MockupUnit,
     Only,
@@ -41,13 +43,14 @@ from feeler.cli.inputs import (
     ToolUnit,
     Touching,
     Up,
+    VoxelSize,
     Without,
     check_moving,
-    check_touching,
     poses_of_options,
     read_both,
     warn_of_far_poses,
 )
+from feeler.cli.values import PIXELS
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -80,21 +83,16 @@ def collide(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    voxel_size: Annotated[
-        float | None,
-        typer.Option(help="Metres; default: predicted. With blocks it is the piece size."),
-    ] = None,
+    voxel_size: VoxelSize = None,
     storage: Storage = "blocks",
-    hashing: Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99.")] = 0.0,
+    hashing: Hashing = 0.0,
     threads: BuildThreads = None,
     glb: Annotated[
         Path | None, typer.Option(help="Write mock-up and tool as GLB, colliding triangles red and orange.")
     ] = None,
-    context: Annotated[
-        float | None, typer.Option(help="In --glb, only hit parts and those nearer to the tool than this, metres.")
-    ] = None,
+    context: Context = None,
     picture: Annotated[Path | None, typer.Option(help="Write a picture (PNG).")] = None,
-    picture_size: Annotated[str, typer.Option(metavar="WxH", help="Size of --picture, pixels.")] = "1600x1000",
+    picture_size: Annotated[tuple[int, int], typer.Option(help="Size of --picture, pixels."), PIXELS] = (1600, 1000),
     list_pairs: Annotated[
         bool, typer.Option("--pairs", help="With --json: list every pair (tool triangle, mock-up triangle).")
     ] = False,
@@ -109,8 +107,6 @@ def collide(
 
     check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
-    check_touching(touching)
-    pixels = _pixels(picture_size)
     for target, ending in ((glb, ".glb"), (picture, ".png")):
         if target is not None:
             _check_out(target, ending)
@@ -132,7 +128,7 @@ def collide(
     written = {}
     if glb is not None or picture is not None:
         collision = scene.collide(probe, poses[worst])
-        written = _write(scene, probe, poses[worst], collision, glb, context, picture, pixels)
+        written = _write(scene, probe, poses[worst], collision, glb, context, picture, picture_size)
     if as_json:
         if list_pairs:
             for entry, matrix in zip(results, poses, strict=True):
@@ -204,13 +200,6 @@ def _entry(
         "kinds": kind_counts(kinds),
         "parts": part_findings(mockup, tool, pairs, kinds) if len(pairs) else [],
     }
-
-
-def _pixels(text: str) -> tuple[int, int]:
-    words = text.lower().split("x")
-    if len(words) != 2 or not all(word.isdecimal() for word in words):
-        raise OptionError(f"--picture-size is {text!r}: give width and height in pixels, such as 1600x1000")
-    return int(words[0]), int(words[1])
 
 
 def _check_out(target: Path, ending: str) -> None:

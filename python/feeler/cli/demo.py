@@ -17,6 +17,7 @@ from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
 from feeler.cli.inputs import AsJson
+from feeler.cli.values import COUNT, Word
 from feeler.progress import bar
 
 _POSES = 1000
@@ -31,9 +32,13 @@ feeler demo --json
 """
 )
 def demo(
-    triangles: Annotated[int, typer.Option(help="Size of the engine.")] = 1_600_000,
-    tool: Annotated[str, typer.Option(help="Built-in tool to move: torque, wrench, square, hand.")] = "wrench",
-    out: Annotated[Path, typer.Option(help="Folder for the picture, the GLB and the pose.")] = Path("feeler-demo"),
+    triangles: Annotated[int, typer.Option(help="Size of the engine."), COUNT] = 1_600_000,
+    tool: Annotated[
+        str, typer.Option(help="Built-in tool to move."), Word(("torque", "wrench", "square", "hand"))
+    ] = "wrench",
+    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the picture, the GLB and the pose.")] = Path(
+        "feeler-demo"
+    ),
     as_json: AsJson = False,
 ) -> None:
     """Moves a wrench in and out of an engine of 1.6 million triangles and reports its collisions."""

@@ -28,6 +28,7 @@ from feeler.cli.inputs import (
     Without,
     read_both,
 )
+from feeler.cli.values import COLLISION_RATE, SECONDS, SEED, SERVO_RATE, STIFFNESS, Number, Word
 from feeler.errors import OptionError
 from feeler.haptics import Coupling, Granted, Session, Statistics, Trace, View, devices
 from feeler.progress import bar
@@ -67,13 +68,16 @@ def feel(
     mockup: MockupFilesOrSample = None,
     *,
     tool: Annotated[
-        str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench.")
+        str | None,
+        typer.Option(metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench."),
     ] = None,
     part: PartOption = None,
     without: Without = None,
     only: Only = None,
     device: Annotated[
-        str, typer.Option(metavar="|".join(("simulated", *DRIVERS)), help="The haptic device.")
+        str,
+        typer.Option(metavar="DEVICE", help=f"The haptic device: simulated, {', '.join(DRIVERS)}."),
+        Word(("simulated", *DRIVERS)),
     ] = "simulated",
     device_option: Annotated[
         list[str] | None,
@@ -82,23 +86,31 @@ def feel(
         ),
     ] = None,
     preset: Annotated[
-        str, typer.Option(metavar="|".join(devices.PRESETS), help="Preset of the simulated device.")
+        str,
+        typer.Option(metavar="PRESET", help=f"Preset of the simulated device: {', '.join(devices.PRESETS)}."),
+        Word(tuple(devices.PRESETS)),
     ] = "large_6dof",
     check: Annotated[
         bool,
         typer.Option("--check", help="Check a device: press it on a virtual plate, and measure the result."),
     ] = False,
-    hz: Annotated[float, typer.Option(help="Rate of the servo loop.")] = 1000.0,
+    hz: Annotated[float, typer.Option(help="Rate of the servo loop, Hz."), SERVO_RATE] = 1000.0,
     collision_hz: Annotated[
-        float | None, typer.Option(help="Rate of the search for contacts. Default: as fast as possible.")
+        float | None,
+        typer.Option(help="Rate of the search for contacts, Hz. Default: as fast as possible."),
+        COLLISION_RATE,
     ] = None,
-    seconds: Annotated[float | None, typer.Option(help="Duration. Default: until Ctrl-C.")] = None,
-    scale: Annotated[float, typer.Option(help="Travel of the tool for a metre of the handle.")] = 1.0,
+    seconds: Annotated[float | None, typer.Option(help="Duration. Default: until Ctrl-C."), SECONDS] = None,
+    scale: Annotated[
+        float, typer.Option(help="Travel of the tool for a metre of the handle."), Number(least=0.001, most=1000.0)
+    ] = 1.0,
     pose: Annotated[Path | None, typer.Option(help="Start of the tool, world_from_tool. Default: outside.")] = None,
     stiffness: Annotated[
-        float | None, typer.Option(help="Stiffness of the coupling, N/m. Default: the most that the device holds.")
+        float | None,
+        typer.Option(help="Stiffness of the coupling, N/m. Default: the most that the device holds."),
+        STIFFNESS,
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the simulated hand's path.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the simulated hand's path."), SEED] = 0,
     record: Annotated[
         Path | None,
         typer.Option(help="Record the hand's motion and the results, step by step, for feeler.haptics.replay (.npz)."),
@@ -118,7 +130,7 @@ def feel(
     """
     from feeler.cli import outputs
 
-    _check(device, preset, seconds, scale, record)
+    _check(record)
     # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
     held: devices.Device | None = None if device == "simulated" else devices.open_device(device, **options)
@@ -217,15 +229,7 @@ def _press(
         raise typer.Exit(FOUND)
 
 
-def _check(device: str, preset: str, seconds: float | None, scale: float, record: Path | None) -> None:
-    if device not in ("simulated", *DRIVERS):
-        raise OptionError(f"--device is {device!r}: choose {', '.join(('simulated', *DRIVERS))}")
-    if preset not in devices.PRESETS:
-        raise OptionError(f"--preset is {preset!r}: choose {', '.join(devices.PRESETS)}")
-    if not 1e-3 <= scale <= 1e3:
-        raise OptionError(f"--scale is {scale}: give a number between 0.001 and 1000")
-    if seconds is not None and not 0 < seconds < 1e9:
-        raise OptionError(f"--seconds is {seconds}: give a number above 0")
+def _check(record: Path | None) -> None:
     if record is not None:
         from feeler.io import check_target
 

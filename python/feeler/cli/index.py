@@ -10,7 +10,7 @@ import typer
 
 import feeler
 from feeler.cli.app import command
-from feeler.cli.inputs import AsJson, BuildThreads, ChordTolerance, MockupFiles, MockupUnit, Up, read_mockup
+from feeler.cli.inputs import AsJson, BuildThreads, ChordTolerance, MockupFiles, MockupUnit, Up, VoxelSize, read_mockup
 from feeler.errors import OptionError
 from feeler.io.atomic import check_target
 from feeler.progress import bar
@@ -21,7 +21,7 @@ from feeler.saved import SUFFIX
     examples="""
 feeler index engine.step -o engine.feeler
 feeler index plant/ --unit mm --up z -o plant.feeler
-feeler clash engine.feeler --clearance 5mm
+feeler clash engine.feeler
 feeler view engine.feeler
 """
 )
@@ -34,9 +34,7 @@ def index(
     unit: MockupUnit = None,
     up: Up = None,
     chord_tolerance: ChordTolerance = None,
-    voxel_size: Annotated[
-        float | None, typer.Option(help="Piece size of the index, metres; default: chosen for the mock-up.")
-    ] = None,
+    voxel_size: VoxelSize = None,
     threads: BuildThreads = None,
     as_json: AsJson = False,
 ) -> None:

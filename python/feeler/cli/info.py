@@ -9,6 +9,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.inputs import AsJson, Up, read_mockup
+from feeler.cli.values import UNIT
 from feeler.words import plural
 
 _SHOWN = 12
@@ -28,6 +29,7 @@ def info(
     unit: Annotated[
         str | None,
         typer.Option(help="Unit of the numbers; overrides the files: mm (default if they do not say), cm, m, in, ..."),
+        UNIT,
     ] = None,
     up: Up = None,
     all_parts: Annotated[bool, typer.Option("--parts", help="List every part, not only the largest.")] = False,

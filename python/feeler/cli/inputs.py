@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,12 +19,25 @@ import feeler
 from feeler.arguments import check_word
 from feeler.choices import SAMPLE_NAMES, SAMPLE_TOOL_NAMES
 from feeler.cli.outputs import warn
-from feeler.errors import MissingFileError, OptionError, PoseError
+from feeler.cli.values import (
+    LENGTH,
+    POSITION,
+    POSITIVE_LENGTH,
+    SHARE_SAVED,
+    STORAGE,
+    THREADS,
+    TOUCHING,
+    TURN,
+    UNIT,
+    UP,
+)
+from feeler.errors import LoadError, MissingFileError, OptionError, PoseError
 from feeler.io.axes import parse_axis
 from feeler.io.text import decoded, name_text, numbers_of, text_of
 from feeler.io.units import parse_name
 from feeler.progress import Progress, bar
 
+Triple = tuple[float, float, float]
 Poses = npt.NDArray[np.float64]
 
 # Options that several commands share, with one help text each.
@@ -42,7 +56,7 @@ MockupFilesOrSample = Annotated[
         "(sample:engine).",
     ),
 ]
-ToolFile = Annotated[str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
+ToolFile = Annotated[str | None, typer.Option(metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine.")]
 PartOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -56,7 +70,7 @@ Only = Annotated[
     list[str] | None, typer.Option(metavar="PATTERN", help="Leave out all parts of the mock-up but these.")
 ]
 Touching = Annotated[
-    str, typer.Option(metavar="counts|free", help="Whether touching and sliding count as collision; free: no.")
+    Literal["counts", "free"], typer.Option(help="Whether touching and sliding count as collision; free: no."), TOUCHING
 ]
 PoseFile = Annotated[
     Path | None,
@@ -65,35 +79,49 @@ PoseFile = Annotated[
         "are checked one by one.",
     ),
 ]
-At = Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Position of the origin of the tool or hand, metres.")]
+At = Annotated[
+    Triple | None,
+    typer.Option(help="Position of the origin of the tool or hand; plain numbers: metres."),
+    POSITION,
+]
 Rotate = Annotated[
-    str | None,
-    typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
+    Triple | None,
+    typer.Option(help="Angles about the mock-up's x, then y, then z axis (fixed axes); plain numbers: degrees."),
+    TURN,
 ]
 MockupUnit = Annotated[
     str | None,
     typer.Option(
         help="Unit of the mock-up's numbers; overrides its files: mm (default if they do not say), cm, m, in, ..."
     ),
+    UNIT,
 ]
-ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's or hand's numbers; overrides its file.")]
+ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's or hand's numbers; overrides its file."), UNIT]
 SnapPose = Annotated[
     bool, typer.Option("--snap-pose", help="Replace poses that rounding made non-rigid by the nearest rigid ones.")
 ]
 Up = Annotated[
     str | None,
-    typer.Option(metavar="x|y|z", help="The up axis: files with a known other up axis are turned to it."),
+    typer.Option(help="The up axis: files with a known other up axis are turned to it."),
+    UP,
 ]
 ChordTolerance = Annotated[
     float | None,
-    typer.Option(
-        "--chord-tolerance", help="STEP: how far triangles may be from their surface, metres; default 0.0001."
-    ),
+    typer.Option("--chord-tolerance", help="STEP: how far triangles may be from their surface. Default: 0.1mm."),
+    POSITIVE_LENGTH,
 ]
-Storage = Annotated[str, typer.Option(help="blocks, dense or hashed.")]
-Hashing = Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99.")]
-Threads = Annotated[int | None, typer.Option(help="Default: all cores.")]
-BuildThreads = Annotated[int | None, typer.Option(help="For the build; default: all cores.")]
+VoxelSize = Annotated[
+    float | None,
+    typer.Option(help="Size of a voxel; of a piece for --storage blocks. Default: predicted."),
+    POSITIVE_LENGTH,
+]
+Storage = Annotated[str, typer.Option(help="The index."), STORAGE]
+Hashing = Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99."), SHARE_SAVED]
+Context = Annotated[
+    float | None, typer.Option(help="In --glb, only the parts listed and those nearer to the tool than this."), LENGTH
+]
+Threads = Annotated[int | None, typer.Option(help="Default: all cores."), THREADS]
+BuildThreads = Annotated[int | None, typer.Option(help="For the build; default: all cores."), THREADS]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
 
 _SAMPLE = "sample:"
@@ -187,13 +215,6 @@ def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None
         raise OptionError("--tool-unit is for --tool FILE: parts of the mock-up are in its unit, --unit")
 
 
-def check_touching(touching: str) -> Literal["counts", "free"]:
-    """The value of --touching."""
-    if touching not in ("counts", "free"):
-        raise OptionError(f"--touching is {touching!r}: choose counts or free")
-    return "free" if touching == "free" else "counts"
-
-
 @contextlib.contextmanager
 def telling(label: str, also: Progress | None = None) -> Iterator[Progress]:
     """`bar(label)` for the terminal, and a second receiver of the same progress."""
@@ -250,7 +271,7 @@ def read_tool(source: str, unit: str | None = None, up: str | None = None) -> fe
 
 
 def poses_of_options(
-    pose: Path | None, at: str | None, rotate: str | None, snap: bool = False, has_place: bool = False
+    pose: Path | None, at: Triple | None, rotate: Triple | None, snap: bool = False, has_place: bool = False
 ) -> Poses:
     """The poses, (n, 4, 4), of --pose, or of --at and --rotate; with `snap` the nearest rigid ones.
 
@@ -263,9 +284,9 @@ def poses_of_options(
     if at is None and rotate is None and not has_place:
         raise OptionError("the tool has no pose: give --pose FILE, or --at X,Y,Z (and --rotate RX,RY,RZ)")
     matrix = np.eye(4)
-    matrix[:3, 3] = _triple(at, "--at") if at is not None else 0.0
+    matrix[:3, 3] = at if at is not None else 0.0
     if rotate is not None:
-        matrix[:3, :3] = rotation_xyz(*_triple(rotate, "--rotate"))
+        matrix[:3, :3] = rotation_xyz(*rotate)
     return matrix[None]
 
 
@@ -287,8 +308,8 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
     commas; `#` begins a comment.
     Raises `MissingFileError`, `PoseError`.
     """
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "does not exist"
+    if not os.path.isfile(path):  # Path.is_file raises for names that are too long
+        what = "is a folder" if os.path.isdir(path) else "does not exist"
         raise MissingFileError(f"pose file {path} {what}: give a .json, .npy or text file")
     try:
         if path.suffix.lower() == ".npy":
@@ -298,6 +319,8 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
         else:
             values = _from_text(name_text(decoded(path.read_bytes())))
         poses = np.asarray(values, dtype=np.float64)
+    except LoadError as error:
+        raise PoseError(f"pose file {error}") from None
     except (ValueError, TypeError, EOFError, RecursionError) as error:
         raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
     except OSError as error:
@@ -322,7 +345,7 @@ def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Scr
     Raises the errors of `read_poses`, and `OptionError` for an invalid screw.
     """
     legs = None
-    if path.suffix.lower() == ".json" and path.is_file():
+    if path.suffix.lower() == ".json" and os.path.isfile(path):
         try:
             document = json.loads(text_of(path))
             legs = document.get("legs") if isinstance(document, dict) else None
@@ -330,10 +353,10 @@ def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Scr
                 from feeler.plan.legs import path_of_json
 
                 way = path_of_json(legs)
+        except LoadError as error:
+            raise PoseError(f"pose file {error}") from None
         except (ValueError, TypeError, RecursionError) as error:
             raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
-        except OSError as error:
-            raise PoseError(f"pose file {path} cannot be read: {error.strerror or error}") from None
     if legs is None:
         return read_poses(path, snap)
     return [feeler.nearest_rigid(each) if snap and isinstance(each, np.ndarray) else each for each in way]
@@ -361,16 +384,6 @@ def _cos_sin(angle_deg: float) -> tuple[float, float]:
     if turn % 90.0 == 0:
         return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(turn // 90) % 4]
     return math.cos(math.radians(turn)), math.sin(math.radians(turn))
-
-
-def _triple(text: str, option: str) -> list[float]:
-    try:
-        values = numbers_of(text, 3, "triples")
-    except ValueError:
-        values = []
-    if len(values) != 3 or not all(math.isfinite(value) for value in values):
-        raise OptionError(f"{option} is {text!r}: give three numbers, such as 0.5,-0.1,0")
-    return values
 
 
 def _sample_words(source: str, defaults: tuple[str, ...]) -> list[str]:

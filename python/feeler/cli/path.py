@@ -19,6 +19,7 @@ from feeler.cli.findings import containment_facts, containment_lines, mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
+    Context,
     MockupFiles,
     MockupUnit,
     Only,
@@ -32,11 +33,11 @@ from feeler.cli.inputs import (
     Up,
     Without,
     check_moving,
-    check_touching,
     read_both,
     read_path,
     warn_of_far_poses,
 )
+from feeler.cli.values import POSITIVE_LENGTH
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
 from feeler.words import plural
@@ -49,7 +50,7 @@ _SHOWN = 20
 feeler path engine.step --tool wrench.stl --poses way_out.npy
 feeler path engine.glb --tool wrench.stl --poses way_out.json --csv hits.csv --glb first.glb
 feeler path engine.step --part "*fuel pump*" --poses way_out.json --touching free
-feeler path sample:engine:200000 --tool sample:wrench --poses way_out.csv --tolerance 1e-5 --json
+feeler path sample:engine:200000 --tool sample:wrench --poses way_out.csv --tolerance 0.01mm --json
 """
 )
 def path(
@@ -68,7 +69,7 @@ def path(
         ),
     ],
     tolerance: Annotated[
-        float, typer.Option(help="Metres by which an impact may be reported too early; never too late.")
+        float, typer.Option(help="How much too early an impact may be reported; never too late."), POSITIVE_LENGTH
     ] = CAST_TOLERANCE,
     snap_pose: SnapPose = False,
     unit: MockupUnit = None,
@@ -80,9 +81,7 @@ def path(
     glb: Annotated[
         Path | None, typer.Option(help="Write mock-up and tool at the first impact as GLB, the pair coloured.")
     ] = None,
-    context: Annotated[
-        float | None, typer.Option(help="In --glb, only the hit part and those nearer to the tool than this, metres.")
-    ] = None,
+    context: Context = None,
     as_json: AsJson = False,
 ) -> None:
     """Moves the tool along a path of poses, and finds the first impact of each segment by continuous collision
@@ -96,7 +95,6 @@ def path(
 
     outputs.check_targets({"csv": csv, "glb": glb}, {"csv": (".csv",), "glb": (".glb",)})
     check_moving(tool, tool_unit, part)
-    how = check_touching(touching)
     way = read_path(poses, snap_pose)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     places = [each for each in way if isinstance(each, np.ndarray)]
@@ -107,7 +105,7 @@ def path(
     scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
     with bar(f"following {len(way) - 1:,} legs") as progress:
-        check = scene.check_path(probe, way, tolerance=tolerance, touching=how, progress=progress)
+        check = scene.check_path(probe, way, tolerance=tolerance, touching=touching, progress=progress)
     seconds = time.perf_counter() - start
     hits = _hits(world, probe, check)
     assert check.containment is not None

@@ -26,6 +26,7 @@ from feeler.cli.inputs import (
     Rotate,
     SnapPose,
     ToolUnit,
+    Triple,
     Up,
     Without,
     poses_of_options,
@@ -33,6 +34,7 @@ from feeler.cli.inputs import (
     read_poses,
     read_tool,
 )
+from feeler.cli.values import DIRECTION, LENGTH, SECONDS, SEED, THREADS
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -85,7 +87,9 @@ def remove(
     ] = None,
     hand: Annotated[
         str | None,
-        typer.Option(help="A hand that grips it: a file, or sample:NAME, placed by --at, --rotate or --pose."),
+        typer.Option(
+            metavar="FILE", help="A hand that grips it: a file, or sample:NAME, placed by --at, --rotate or --pose."
+        ),
     ] = None,
     hand_unit: ToolUnit = None,
     at: At = None,
@@ -95,7 +99,7 @@ def remove(
         list[str] | None,
         typer.Option(metavar="PATTERN", help="Neighbours that it may touch and cross on its path (repeat for more)."),
     ] = None,
-    overlap: Annotated[float, typer.Option(help="Metres by which each pair may overlap on the way.")] = 0.0,
+    overlap: Annotated[float, typer.Option(help="How deep each pair may overlap on the way."), LENGTH] = 0.0,
     seats: Annotated[
         bool,
         typer.Option(
@@ -103,17 +107,21 @@ def remove(
         ),
     ] = True,
     direction: Annotated[
-        list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this direction first (repeat for more).")
+        list[Triple] | None, typer.Option(help="Try this direction first (repeat for more)."), DIRECTION
     ] = None,
-    clearance: Annotated[float, typer.Option(help="Metres to keep from all parts that it is not seated on.")] = 0.0,
-    seconds: Annotated[float, typer.Option(help="Time for a part; with --order, in total.")] = 30.0,
-    seed: Annotated[int, typer.Option(help="Seed of the random search; the same seed finds the same path.")] = 0,
+    clearance: Annotated[
+        float, typer.Option(help="Distance to keep from all parts that it is not seated on."), LENGTH
+    ] = 0.0,
+    seconds: Annotated[float, typer.Option(help="Time for a part; with --order, in total."), SECONDS] = 30.0,
+    seed: Annotated[int, typer.Option(help="Seed of the random search; the same seed finds the same path."), SEED] = 0,
     snap_pose: SnapPose = False,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
     up: Up = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all cores. The path does not depend on it.")] = None,
+    threads: Annotated[
+        int | None, typer.Option(help="Default: all cores. The path does not depend on it."), THREADS
+    ] = None,
     allow: Annotated[str | None, typer.Option(hidden=True)] = None,  # of early builds
     csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
     way: Annotated[
@@ -140,7 +148,7 @@ def remove(
         "ignore": ignore,
         "overlap": overlap,
         "seats": seats,
-        "directions": _directions(direction),
+        "directions": np.array(direction) if direction else None,
         "clearance": clearance,
         "seconds": seconds,
         "seed": seed,
@@ -301,21 +309,6 @@ def _ends(insert: bool, files: dict[str, Path | None], is_other: bool, snap: boo
             raise OptionError(f"{option} {file} has {len(read)} poses: one is needed")
         poses["start" if option == "--from" else "goal"] = read[0]
     return poses
-
-
-def _directions(given: list[str] | None) -> npt.NDArray[np.float64] | None:
-    if not given:
-        return None
-    rows = []
-    for text in given:
-        try:
-            values = [float(word) for word in text.replace(",", " ").split()]
-        except ValueError:
-            values = []
-        if len(values) != 3:
-            raise OptionError(f"--direction is {text!r}: give three numbers, such as 0,0,1")
-        rows.append(values)
-    return np.array(rows)
 
 
 def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None]) -> dict[str, str]:

@@ -36,7 +36,8 @@ def replay(
     ] = None,
     *,
     tool: Annotated[
-        str | None, typer.Option(help="The tool of the record: a file, or sample:NAME or sample:NAME:fine.")
+        str | None,
+        typer.Option(metavar="FILE", help="The tool of the record: a file, or sample:NAME or sample:NAME:fine."),
     ] = None,
     without: Without = None,
     only: Only = None,

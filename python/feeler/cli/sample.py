@@ -12,6 +12,7 @@ from feeler.arguments import check_word
 from feeler.choices import FAULT_NAMES
 from feeler.cli.app import command
 from feeler.cli.inputs import AsJson
+from feeler.cli.values import COUNT, SEED
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -26,12 +27,15 @@ feeler sample wrench --fine --out wrench.stl
 """
 )
 def sample(
-    name: Annotated[str | None, typer.Argument(help="Mock-up or tool; without it all names are listed.")] = None,
-    triangles: Annotated[int, typer.Option(help="Size of a mock-up; the gearbox has 40000 or more.")] = 100_000,
-    seed: Annotated[int, typer.Option(help="Another seed, another arrangement of the same mock-up.")] = 0,
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="Mock-up or tool; without it all names are listed.")
+    ] = None,
+    triangles: Annotated[int, typer.Option(help="Size of a mock-up; the gearbox has 40000 or more."), COUNT] = 100_000,
+    seed: Annotated[int, typer.Option(help="Another seed, another arrangement of the same mock-up."), SEED] = 0,
     fine: Annotated[bool, typer.Option("--fine", help="A tool of about 50 thousand triangles.")] = False,
     fault: Annotated[
-        list[str] | None, typer.Option(help="Plant a fault in the gearbox; repeat for more. An unknown one lists all.")
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Plant a fault in the gearbox; repeat for more. An unknown one lists all."),
     ] = None,
     truth: Annotated[
         Path | None, typer.Option(help="Write the known facts of the gearbox: fits, removal order, tools (JSON).")

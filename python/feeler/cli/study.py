@@ -13,6 +13,7 @@ from feeler.arguments import check_word
 from feeler.choices import STORAGES
 from feeler.cli.app import app, command
 from feeler.cli.inputs import Hashing, read_mockup, read_tool
+from feeler.cli.values import COUNT, POSES, SEED, UNIT, Number, Whole, Word
 from feeler.errors import MissingFileError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import bar
@@ -40,14 +41,20 @@ Tools = Annotated[
         "--tools", metavar="LIST", help="Split by commas: torque, wrench, square, hand (and :fine), all, or files."
     ),
 ]
-Triangles = Annotated[int, typer.Option(help="Size of sample mock-ups.")]
-Poses = Annotated[int, typer.Option(help="Work positions for each pair of mock-up and tool.")]
-Rounds = Annotated[int, typer.Option(help="Repetitions of each measurement.")]
-Seed = Annotated[int, typer.Option(help="Another seed, other poses.")]
-Out = Annotated[Path, typer.Option(help="Folder for the results; a sub-folder is made for each study.")]
+Triangles = Annotated[int, typer.Option(help="Size of sample mock-ups."), COUNT]
+Poses = Annotated[int, typer.Option(help="Work positions for each pair of mock-up and tool."), POSES]
+Rounds = Annotated[int, typer.Option(help="Repetitions of each measurement."), Whole(1, 1_000_000)]
+Seed = Annotated[int, typer.Option(help="Another seed, other poses."), SEED]
+Out = Annotated[
+    Path, typer.Option(metavar="FOLDER", help="Folder for the results; a sub-folder is made for each study.")
+]
 Resume = Annotated[bool, typer.Option("--resume/--anew", help="Continue with the folder's results, or start anew.")]
-Unit = Annotated[str | None, typer.Option(help="Unit of files that do not state one.")]
-Memory = Annotated[float, typer.Option(help="GB that the largest index may take; finer sizes are skipped.")]
+Unit = Annotated[str | None, typer.Option(help="Unit of files that do not state one."), UNIT]
+Memory = Annotated[
+    float,
+    typer.Option(help="GB that the largest index may take; finer sizes are skipped."),
+    Number(least=0.001, most=1e6),
+]
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A small form, in seconds; its numbers mean little.")]
 
@@ -69,8 +76,8 @@ def voxel_size(
     triangles: Triangles = 200_000,
     poses: Poses = 40,
     rounds: Rounds = 15,
-    sizes: Annotated[int, typer.Option(help="Voxel sizes to measure for each pair.")] = 13,
-    storage: Annotated[str, typer.Option(help="dense or hashed.")] = "dense",
+    sizes: Annotated[int, typer.Option(help="Voxel sizes to measure for each pair."), Whole(4, 1000)] = 13,
+    storage: Annotated[str, typer.Option(help="The index."), Word(("dense", "hashed"))] = "dense",
     hashing: Hashing = 0.0,
     seed: Seed = 0,
     out: Out = _OUT,
@@ -82,8 +89,6 @@ def voxel_size(
 ) -> None:
     """Time by voxel size (the paper's Figure 7 and Table 2): the measured optimum and that of each estimator."""
     kind = check_word("--storage", storage, STORAGES)
-    if sizes < 4:
-        raise OptionError(f"--sizes is {sizes}: give 4 or more")
     plan = _plan("voxel-size", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, memory, quick)
     plan.sizes = 5 if quick else sizes
     _run("voxel-size", plan, as_json, lambda: study_voxel_size(plan, kind, hashing))
@@ -116,8 +121,8 @@ def hashing(
 def scaling(
     mockups: Mockups = "engine",
     tools: Tools = "wrench,hand",
-    triangles: Annotated[int, typer.Option(help="Size of the sample mock-up for tools that grow.")] = 400_000,
-    most: Annotated[int, typer.Option(help="The largest sample mock-up.")] = 6_400_000,
+    triangles: Annotated[int, typer.Option(help="Size of the sample mock-up for tools that grow."), COUNT] = 400_000,
+    most: Annotated[int, typer.Option(help="The largest sample mock-up."), COUNT] = 6_400_000,
     poses: Poses = 10,
     rounds: Rounds = 15,
     seed: Seed = 0,
@@ -166,7 +171,7 @@ def piece_size(
     triangles: Triangles = 200_000,
     poses: Poses = 10,
     rounds: Rounds = 15,
-    sizes: Annotated[int, typer.Option(help="Piece sizes to measure for each pair.")] = 11,
+    sizes: Annotated[int, typer.Option(help="Piece sizes to measure for each pair."), Whole(2, 1000)] = 11,
     seed: Seed = 0,
     out: Out = _OUT,
     resume: Resume = True,
@@ -175,8 +180,6 @@ def piece_size(
     as_json: Json = False,
 ) -> None:
     """Not in the paper: the effect of the piece size of blocks, the counterpart of the voxel size."""
-    if sizes < 2:
-        raise OptionError(f"--sizes is {sizes}: give 2 or more")
     plan = _plan("piece-size", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, 2.0, quick)
     plan.sizes = 3 if quick else sizes
     _run("piece-size", plan, as_json, lambda: study_piece_size(plan))
@@ -196,13 +199,6 @@ def _plan(
     memory: float,
     quick: bool,
 ) -> Plan:
-    for option, value in (("--poses", poses), ("--rounds", rounds)):
-        if value < 1:
-            raise OptionError(f"{option} is {value}: give 1 or more")
-    if seed < 0:
-        raise OptionError(f"--seed is {seed}: give a whole number from 0")
-    if not 0.001 <= memory <= 1e6:
-        raise OptionError(f"--memory is {memory}: give a number of GB from 0.001")
     if quick:
         triangles, poses, rounds = 20_000, min(poses, 3), min(rounds, 2)
     plan = Plan(

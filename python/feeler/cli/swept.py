@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Annotated
 
@@ -13,10 +12,9 @@ import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import AsJson, SnapPose, Threads, ToolUnit, Up, read_poses, read_tool
-from feeler.errors import OptionError
+from feeler.cli.values import POSITIVE_LENGTH
 from feeler.progress import bar
 
-_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254, "": 1.0}
 _FLOAT32 = float(np.finfo(np.float32).eps)
 _ROUNDING_SHARE = 0.1  # of the error: more rounding in a file raises a warning
 
@@ -28,7 +26,7 @@ feeler swept sample:wrench --poses way_out.csv --error 0.002 --out swept.stl --j
 """
 )
 def swept(
-    tool: Annotated[str, typer.Argument(help="Mesh file, or sample:NAME[:fine].")],
+    tool: Annotated[str, typer.Argument(metavar="TOOL", help="Mesh file, or sample:NAME[:fine].")],
     *,
     poses: Annotated[
         Path,
@@ -38,9 +36,8 @@ def swept(
         ),
     ],
     error: Annotated[
-        str,
-        typer.Option(help="How far the mesh may exceed the swept volume: metres, or with a unit, as 0.5mm."),
-    ] = "1mm",
+        float, typer.Option(help="How far the mesh may exceed the swept volume."), POSITIVE_LENGTH
+    ] = 0.001,
     snap_pose: SnapPose = False,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -58,7 +55,6 @@ def swept(
     """
     from feeler.cli import outputs
 
-    length = _length(error)
     if out is not None:
         outputs.check_mesh_target(out)
     way = read_poses(poses, snap_pose)
@@ -66,11 +62,11 @@ def swept(
     for doubt in probe.source.doubts:
         outputs.warn(f"tool: {doubt}")
     with bar(f"sweeping along {len(way):,} poses") as progress:
-        mesh = feeler.swept(probe, way, length, threads=threads, progress=progress)
+        mesh = feeler.swept(probe, way, error, threads=threads, progress=progress)
     size = None
     if out is not None:
         rounding = _FLOAT32 * float(np.abs(mesh.bounds).max())
-        if out.suffix.lower() == ".stl" and rounding > _ROUNDING_SHARE * length:
+        if out.suffix.lower() == ".stl" and rounding > _ROUNDING_SHARE * error:
             outputs.warn(
                 f"{out}: numbers in an STL are rounded, here by up to {outputs.length(rounding)}; write a .glb, which "
                 "has an origin near the mesh"
@@ -87,7 +83,7 @@ def swept(
                 "area_m2": area,
                 "lower": mesh.bounds[0],
                 "upper": mesh.bounds[1],
-                "error_m": length,
+                "error_m": error,
                 "poses": len(way),
                 "seconds": mesh.source.seconds,
                 "tool": mesh_facts(probe),
@@ -102,7 +98,7 @@ def swept(
         ("triangles", f"{mesh.triangle_count:,} ({outputs.duration(mesh.source.seconds)})"),
         ("volume", _volume(volume)),
         ("extent", outputs.extent(mesh.bounds[0], mesh.bounds[1])),
-        ("error", f"{outputs.length(length)} at most, outwards only"),
+        ("error", f"{outputs.length(error)} at most, outwards only"),
     ]
     if size is not None:
         rows.append(("written", f"{out} ({outputs.size(size)})"))
@@ -115,17 +111,6 @@ def measures(mesh: feeler.Mockup) -> tuple[float, float]:
     a, b, c = np.moveaxis((mesh.vertices - middle)[mesh.faces], 1, 0)
     normals = np.cross(b - a, c - a)
     return float(np.einsum("ij,ij->", a, normals)) / 6, float(np.linalg.norm(normals, axis=1).sum()) / 2
-
-
-def _length(text: str) -> float:
-    """Metres of a number with a unit or without."""
-    match = re.fullmatch(r"\s*([-+0-9.eE]+|nan|inf)\s*([a-zµ]*)\s*", text)
-    try:
-        if match and match[2] in _UNITS:
-            return float(match[1]) * _UNITS[match[2]]
-    except ValueError:
-        pass
-    raise OptionError(f"--error is {text!r}: give metres, or a number with m, cm, mm, um or in, such as 0.5mm")
 
 
 def _volume(cubic_metres: float) -> str:

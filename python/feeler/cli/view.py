@@ -29,6 +29,7 @@ from feeler.cli.inputs import (
     read_tool,
     telling,
 )
+from feeler.cli.values import Whole, Word
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
 from feeler.progress import Progress
@@ -64,17 +65,19 @@ def view(
     tool: Annotated[
         str | None,
         typer.Option(
+            metavar="FILE",
             help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench if the mock-up is the sample, "
             "else an empty hand, which takes out parts.",
         ),
     ] = None,
     without: Without = None,
     only: Only = None,
-    port: Annotated[int, typer.Option(help="Port of the address. 0: any free one.")] = 0,
+    port: Annotated[int, typer.Option(help="Port of the address. 0: any free one."), Whole(0, 65535)] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     device: Annotated[
         str | None,
-        typer.Option(metavar="|".join(("spacemouse", "haply", "dhd", "openhaptics")), help="A device for the tool."),
+        typer.Option(metavar="DEVICE", help="A device for the tool: spacemouse, haply, dhd or openhaptics."),
+        Word(("spacemouse", "haply", "dhd", "openhaptics")),
     ] = None,
     record: Annotated[
         Path | None, typer.Option(help="Record all actions, line by line, for feeler replay (.jsonl).")
@@ -92,9 +95,7 @@ def view(
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
-    show_unit: Annotated[
-        str, typer.Option(metavar="|".join(_SHOWN), help="Initial unit of lengths in the page.")
-    ] = "mm",
+    show_unit: Annotated[str, typer.Option(help="Initial unit of lengths in the page."), Word(_SHOWN)] = "mm",
     threads: Threads = None,
     host: Annotated[
         str | None,
@@ -122,8 +123,6 @@ def view(
     from feeler.workbench.session.benchmark import FILE
     from feeler.workbench.session.session import Session
 
-    if show_unit not in _SHOWN:
-        raise OptionError(f"--show-unit is {show_unit!r}: choose {', '.join(_SHOWN)}")
     if tool is None:
         if tool_unit is not None:
             raise OptionError("--tool-unit is for --tool FILE")

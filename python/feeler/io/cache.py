@@ -10,7 +10,8 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from feeler.errors import FeelerError, OptionError
+from feeler.arguments import check_path
+from feeler.errors import FeelerError, OptionError, WriteError
 from feeler.io.files import PathLike, collect
 from feeler.memory import free_memory
 from feeler.mockup import Mockup
@@ -33,13 +34,13 @@ class Cache:
     """The entry of one load in a folder of saved scenes."""
 
     def __init__(self, folder: PathLike, paths: PathLike | Iterable[PathLike], options: tuple[object, ...]) -> None:
-        given: object = folder
-        if not isinstance(given, (str, os.PathLike)) or not os.fspath(given):
-            raise OptionError(f"cache={folder!r} is not a folder; give text or a pathlib.Path")
+        given = check_path("cache", folder)
+        if not str(folder) or (given.exists() and not given.is_dir()):
+            raise OptionError(f"cache is {folder!r}: give a folder")
         self._files = sorted(str(found.path.resolve()) for found in collect(paths).files)
         key = hashlib.sha256(json.dumps([self._files, [repr(option) for option in options]]).encode("ascii"))
         stem = Path(self._files[0]).stem[:40]
-        self.path = Path(folder) / f"{stem}-{key.hexdigest()[:16]}{SUFFIX}"
+        self.path = given / f"{stem}-{key.hexdigest()[:16]}{SUFFIX}"
 
     def find(self, progress: Progress | None) -> Mockup | None:
         """The mock-up, if it was loaded before and none of its files has changed since."""
@@ -66,7 +67,10 @@ class Cache:
     def keep(self, mockup: Mockup) -> Mockup:
         """Saves a mock-up that was loaded while it was watched, and opens it from there. Raises `WriteError`."""
         inputs = self._before + _states(path for path in self._others if path not in self._files)
-        self.path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise WriteError(f"{self.path.parent}: the cache cannot be made: {error.strerror or error}") from None
         Scene(mockup)._save_with(self.path, [(_INPUTS, json.dumps(inputs).encode("ascii"))])
         return Mockup._of_file(opened(str(self.path), False, free_memory() * 4 // 5, None))
 

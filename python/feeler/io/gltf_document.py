@@ -17,6 +17,7 @@ from feeler.errors import LoadError
 from feeler.io import meshopt
 from feeler.io.cache import note_read
 from feeler.io.limits import check_memory
+from feeler.io.text import decoded, utf8_text
 
 OWN_GENERATOR = "feeler"
 """`asset.generator` of the files that feeler writes."""
@@ -59,8 +60,9 @@ class Document:
         # Memory of its Python objects: a list or object about 100 bytes, any other value about 64.
         values = 100 * (text.count(b"[") + text.count(b"{")) + 64 * text.count(b",")
         check_memory(2 * len(text) + values, f"{path}: its JSON")
+        readable = utf8_text(decoded(text), path)
         try:
-            root = json.loads(text)
+            root = json.loads(readable)
         except RecursionError:
             raise self.fail("the JSON is nested too deeply to be a glTF file") from None
         except ValueError as error:

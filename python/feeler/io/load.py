@@ -350,9 +350,7 @@ def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, st
     stated = raw.unit
     if given is not None:
         factor = given.metres / stated.metres if raw.in_metres and stated else given.metres
-        source = "given by unit=" + (
-            f", instead of the {stated.name} the file states" if stated and stated != given else ""
-        )
+        source = "given" + (f", instead of the {stated.name} the file states" if stated and stated != given else "")
         unit = given
     elif stated is not None:
         factor = 1.0 if raw.in_metres else stated.metres
@@ -361,7 +359,7 @@ def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, st
     else:
         unit = parse_unit(DEFAULT_UNIT)
         factor = unit.metres
-        source = f"assumed: {format_name} has no unit and none was given by unit="
+        source = f"assumed: {format_name} has no unit, and none was given"
     if factor != 1.0:
         with np.errstate(all="ignore"):  # the mock-up counts values outside the range of float64
             raw.vertices = np.multiply(raw.vertices, factor, out=raw.vertices if raw.vertices.flags.writeable else None)

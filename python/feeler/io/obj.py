@@ -182,6 +182,7 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
         if progress:
             progress(0.9 * done, f"reading {path.name}")
         reader.take(chunk)
+    last_line = data.rstrip().count(b"\n") + 1
     del data
     none = [np.empty(0, dtype=np.int64)]
     vertices = np.concatenate(reader.vertices or [np.empty((0, 3))])
@@ -189,8 +190,14 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
     result = polygons.triangulate(np.concatenate(reader.corners or none), sizes, vertices)
     check_mesh(len(vertices), len(result.faces), len(reader.part_of), str(path))
     notes += polygons.describe(result)
+    doubts = []
     if result.thin:
-        line = int(np.concatenate(reader.lines)[result.first_thin])
+        lines = np.concatenate(reader.lines)
+        if sizes[-1] < 3 and lines[-1] == last_line:
+            doubts.append(
+                "the last line is a face with fewer than three corners: the file may be truncated; copy it again"
+            )
+        line = int(lines[result.first_thin])
         notes.append(
             counted(result.thin, "faces with fewer than three corners hold no triangle")
             + f", the first is line {line:,}"
@@ -201,7 +208,7 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
     pairs = list(reader.part_of)
     names, paths = _names([pairs[part] for part in used.tolist()], path)
     faces = seal_indices(result.faces, len(vertices))
-    return RawMesh(vertices, faces, part_of_face.astype(np.uint32), names, paths, notes=notes)
+    return RawMesh(vertices, faces, part_of_face.astype(np.uint32), names, paths, notes=notes, doubts=doubts)
 
 
 def _joined(data: bytes) -> tuple[bytes, int]:

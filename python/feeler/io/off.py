@@ -1,7 +1,8 @@
 """OFF (Geomview), text: the word `OFF`, the counts, then vertices and polygons. Colours and normals are not used.
 
 An OFF file is a sequence of words. Most writers put every vertex and polygon on a line of its own; then the rest of the
-line (normals, colours) is skipped. Files with another layout are read word by word.
+line (normals, colours) is skipped. Files with another layout are read word by word. What fits neither is refused for
+what is wrong in the layout that its first lines show.
 """
 
 from __future__ import annotations
@@ -39,20 +40,29 @@ class _Polygons(NamedTuple):
     sizes: NDArray[np.int64]
 
 
+class _Read(NamedTuple):
+    vertices: NDArray[np.float64]
+    polygons: _Polygons
+    extra: int = 0  # lines after the last polygon
+
+
+class _Walk(NamedTuple):
+    """Words read as polygons of three or more valid corners, up to the first place that is none."""
+
+    whole: NDArray[np.int64]  # all words; -1 for what is no whole number
+    starts: list[int]  # the word of each polygon's number of corners
+    end: int  # the word behind the last polygon
+
+
+_WIDEST_VERTEX = 12  # x y z, a normal, a colour of four and a texture coordinate of two
+_WORDS_SHOWN = 4
+
+
 def read_off(path: Path, progress: Progress | None = None) -> RawMesh:
     """Read an OFF file as one part named after the file."""
     data = decoded(path.read_bytes())
     header = _read_header(path, data)
-    try:
-        vertices, faces, extra = _by_lines(path, data, header, progress)
-    except LoadError:
-        free = _by_words(path, data, header)
-        if free is None:
-            raise  # its line is what helps
-        vertices, faces, extra = *free, 0
-    else:
-        if extra and (free := _by_words(path, data, header)):  # the lines matched by chance
-            vertices, faces, extra = *free, 0
+    vertices, faces, extra = _read_body(path, data, header, progress)
     result = polygons.triangulate(faces.corners, faces.sizes, vertices)
     check_mesh(header.vertices, len(result.faces), 1, str(path))
     notes = polygons.describe(result)
@@ -108,18 +118,40 @@ def _read_header(path: Path, data: bytes) -> _Header:
     return _Header(flags, vertices, faces, last[2], last[1])
 
 
-def _by_lines(
-    path: Path, data: bytes, header: _Header, progress: Progress | None
-) -> tuple[NDArray[np.float64], _Polygons, int]:
-    """Read a file with a line for each vertex and polygon; return also the number of remaining lines."""
+def _read_body(path: Path, data: bytes, header: _Header, progress: Progress | None) -> _Read:
+    """Read the body by its lines, or by its words where these fit the header and the lines do not."""
+    try:
+        read = _by_lines(path, data, header, progress)
+    except LoadError as error:
+        free = _by_words(path, data, header)
+        if isinstance(free, _Read):
+            return free
+        raise (free if _is_free(path, data, header) else error) from None
+    if read.extra and isinstance(free := _by_words(path, data, header), _Read):
+        return free  # the lines matched by chance
+    return read
+
+
+def _is_free(path: Path, data: bytes, header: _Header) -> bool:
+    """Tell from the lines that would be vertices that lines mean nothing: one is too long, or most too short."""
+    _, chunk = next(chunks_of(data[header.body :], path, comments=True, first_line=header.line), (0.0, None))
+    if chunk is None:
+        return False
+    lengths = chunk.tokens_in_line[chunk.tokens_in_line > 0][: header.vertices]
+    return bool((lengths > _WIDEST_VERTEX).any() or 2 * (lengths < 3).sum() > len(lengths))
+
+
+def _by_lines(path: Path, data: bytes, header: _Header, progress: Progress | None) -> _Read:
+    """Read a file with a line for each vertex and polygon."""
     vertices = np.empty((header.vertices, 3))
     corners: list[NDArray[np.int64]] = [np.empty(0, dtype=np.int64)]
     sizes: list[NDArray[np.int64]] = [np.empty(0, dtype=np.int64)]
-    have_vertices = have_faces = extra = 0
+    have_vertices = have_faces = extra = words = 0
     for done, chunk in chunks_of(data[header.body :], path, comments=True, first_line=header.line):
         if progress:
             progress(0.9 * done, f"reading {path.name}")
         rows = np.flatnonzero(chunk.tokens_in_line)
+        words += len(chunk.starts)
         take = rows[: header.vertices - have_vertices]
         if len(take):
             if (chunk.tokens_in_line[take] < 3).any():
@@ -139,10 +171,10 @@ def _by_lines(
         extra += len(rows) - len(take)
     if have_vertices < header.vertices or have_faces < header.polygons:
         raise LoadError(
-            f"{path}: the header promises {header.vertices:,} vertices and {header.polygons:,} polygons, the file has "
-            f"{have_vertices:,} and {have_faces:,}: it is truncated; copy or export it again"
+            f"{path}: the header promises {header.vertices:,} vertices and {header.polygons:,} polygons, and "
+            f"{have_vertices + have_faces:,} lines with {words:,} words follow: truncated; copy or export it again"
         )
-    return vertices, _Polygons(np.concatenate(corners), np.concatenate(sizes)), extra
+    return _Read(vertices, _Polygons(np.concatenate(corners), np.concatenate(sizes)), extra)
 
 
 def _corner_counts(chunk: Chunk, lines: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -154,8 +186,8 @@ def _corner_counts(chunk: Chunk, lines: NDArray[np.int64]) -> NDArray[np.int64]:
     return counts
 
 
-def _by_words(path: Path, data: bytes, header: _Header) -> tuple[NDArray[np.float64], _Polygons] | None:
-    """Read a file without regard to lines, except that colours end at a line end; None if the words do not match.
+def _by_words(path: Path, data: bytes, header: _Header) -> _Read | LoadError:
+    """Read a file without regard to lines, except that colours end at a line end; or return what is wrong.
 
     All words must be used, by polygons with three or more valid corners: otherwise the layout is ambiguous.
     """
@@ -165,44 +197,72 @@ def _by_words(path: Path, data: bytes, header: _Header) -> tuple[NDArray[np.floa
             tokens = np.arange(len(chunk.starts))
             values.append(chunk.floats(tokens))
             lines.append(chunk.first_line + chunk.token_line(tokens))
-    except LoadError:
-        return None
+    except LoadError as error:
+        return error
     words, line = np.concatenate(values), np.concatenate(lines)
     extra = 3 * ("N" in header.flags.upper()) + 2 * ("ST" in header.flags.upper())
+    best: tuple[int, LoadError] | None = None  # the reading that goes farthest says what is wrong
     for colour in (4, 3) if "C" in header.flags.upper() else (0,):
         width = 3 + extra + colour
         body = header.vertices * width
-        if body > len(words):
-            continue
         for colours_follow in (False, True):
-            faces = _walk(words[body:], line[body:], header.polygons, colours_follow)
-            if faces is not None and _exist(faces, header.vertices):
-                return np.ascontiguousarray(words[:body].reshape(-1, width)[:, :3]), faces
-    return None
+            walk = _walk(words[body:], line[body:], header, colours_follow)
+            if body + walk.end == len(words) and len(walk.starts) == header.polygons:
+                return _Read(np.ascontiguousarray(words[:body].reshape(-1, width)[:, :3]), _walked(walk))
+            if best is None or len(walk.starts) > best[0]:
+                best = len(walk.starts), LoadError(f"{path}{_mismatch(walk, words, line, width, header)}")
+    assert best is not None
+    return best[1]
 
 
-def _walk(words: NDArray[np.float64], line: NDArray[np.int64], count: int, colours_follow: bool) -> _Polygons | None:
-    """Read `count` consecutive polygons, each perhaps with a colour up to the end of its line."""
-    if not ((words == np.rint(words)) & (np.abs(words) < 2**53)).all() and not colours_follow:
-        return None
-    whole = np.where(np.abs(words) < 2**53, words, -1).astype(np.int64)
+def _walk(words: NDArray[np.float64], line: NDArray[np.int64], header: _Header, colours_follow: bool) -> _Walk:
+    """Read consecutive polygons, each perhaps with a colour up to the end of its line."""
+    is_whole = (words == np.rint(words)) & (np.abs(words) < 2**53)
+    whole = np.where(is_whole, words, -1).astype(np.int64)
     next_line = np.searchsorted(line, line, side="right").tolist() if colours_follow else []
     plain = whole.tolist()
-    starts, at = [], 0
-    for _ in range(count):
-        if at >= len(plain) or not 3 <= plain[at] < len(plain) - at:
-            return None
+    starts: list[int] = []
+    at = 0
+    while len(starts) < header.polygons and at < len(plain) and 3 <= plain[at] < len(plain) - at:
+        corners = plain[at + 1 : at + 1 + plain[at]]
+        if min(corners) < 0 or max(corners) >= header.vertices:
+            break
         starts.append(at)
         at += 1 + plain[at]
         if colours_follow:
             at = next_line[at - 1]
-    if at != len(plain):
-        return None
-    begin = np.array(starts, dtype=np.int64)
-    sizes = whole[begin]
+    return _Walk(whole, starts, at)
+
+
+def _walked(walk: _Walk) -> _Polygons:
+    """Return the polygons of a walk."""
+    begin = np.array(walk.starts, dtype=np.int64)
+    sizes = walk.whole[begin]
     offsets = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    return _Polygons(whole[np.repeat(begin + 1, sizes) + offsets], sizes)
+    return _Polygons(walk.whole[np.repeat(begin + 1, sizes) + offsets], sizes)
 
 
-def _exist(faces: _Polygons, vertex_count: int) -> bool:
-    return not faces.corners.size or (int(faces.corners.min()) >= 0 and int(faces.corners.max()) < vertex_count)
+def _mismatch(walk: _Walk, words: NDArray[np.float64], line: NDArray[np.int64], width: int, header: _Header) -> str:
+    """Say where words and header part, as the end of a message that begins with the file."""
+    end = "it is truncated or damaged; copy or export it again"
+    if len(words) < width * header.vertices:
+        at = len(words) // width + 1
+        return f": the file ends at vertex {at:,} of the {header.vertices:,} that the header promises: {end}"
+    number, left = len(walk.starts) + 1, len(walk.whole) - walk.end
+    polygon = f"polygon {number:,} of the {header.polygons:,} that the header promises"
+    if not left:
+        return f": the file ends before {polygon}: {end}"
+    at = len(words) - left
+    where = f", line {int(line[at]):,}"
+    if number > header.polygons:
+        return (
+            f"{where}: {left:,} words are left over behind the last of {header.polygons:,} polygons: a count or a word "
+            "is wrong; export it again"
+        )
+    if left <= (size := int(walk.whole[walk.end])) <= header.vertices:
+        return f"{where}: the file ends in {polygon}, with {left - 1:,} of its {size:,} corners: {end}"
+    shown = " ".join(f"{word:g}" for word in words[at : at + _WORDS_SHOWN].tolist())
+    return (
+        f"{where}: {polygon} cannot be '{shown} ...': it needs a number of corners, 3 or more, and vertices from 0 to "
+        f"{header.vertices - 1:,}; a word is wrong, missing or left over, here or before; export it again"
+    )

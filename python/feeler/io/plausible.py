@@ -24,7 +24,7 @@ def size_note(length_m: float, units: list[Unit]) -> str | None:
         return f"{size}: check the units of its files"
     for name, words in _USUAL:
         if SHORTEST_M <= length_m / units[0].metres * parse_unit(name).metres <= LONGEST_M:
-            return f"{size}: if the file is in {words}, pass unit='{name}'"
+            return f"{size}: if the file is in {words}, give the unit {name}"
     return f"{size}: check the unit ({units[0].name}), and the file for parts far from the rest"
 
 

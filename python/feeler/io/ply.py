@@ -4,6 +4,7 @@ Other properties of these are skipped; rows of other elements (edges, materials)
 
 A text is a sequence of words. Most programs write each row of an element on a line of its own, and further words on the
 line are skipped. A text whose lines hold more or less than a row is read word by word, if all its words are used up.
+What fits neither is refused for what is wrong in the layout that its first lines show.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ _MAX_HEADER = 2**20
 _FIRST_LINE = re.compile(rb"ply[ \t]*(\r?\n|\r)")
 _HEADER_END = re.compile(rb"(?<=[\r\n])[ \t]*end_header[ \t]*(\r?\n|\r)")
 _IGNORED = ("ply", "comment", "obj_info")
+_SHIFTED = "a word is wrong, missing or left over, here or before; export it again"
+_LONG_ROW = 12  # more words than this are not one row, even with colours or normals that the header does not name
 
 
 class _Property(NamedTuple):
@@ -291,11 +294,25 @@ def _read_text(path: Path, data: bytes, first_line: int, elements: list[_Element
     """Read a text by its lines, or by its words where these fit the header and the lines do not."""
     try:
         body, is_tidy = _by_lines(path, data, first_line, elements, progress)
-    except LoadError:
-        if (free := _by_words(path, data, first_line, elements)) is None:
-            raise  # its line is what helps
+    except LoadError as error:
+        free = _by_words(path, data, first_line, elements)
+        if isinstance(free, _Body):
+            return free
+        raise (free if _is_free(path, data, elements) else error) from None
+    if not is_tidy and isinstance(free := _by_words(path, data, first_line, elements), _Body):
         return free
-    return body if is_tidy else _by_words(path, data, first_line, elements) or body
+    return body
+
+
+def _is_free(path: Path, data: bytes, elements: list[_Element]) -> bool:
+    """Tell from the first element that lines mean nothing: one has several rows, or most have no whole one."""
+    first = next((element for element in elements if element.count and element.properties), None)
+    _, chunk = next(chunks_of(data, path, comments=False), (0.0, None))
+    if first is None or chunk is None or any(prop.count_type for prop in first.properties):
+        return False
+    lengths = chunk.tokens_in_line[chunk.tokens_in_line > 0][: first.count]
+    width = len(first.properties)
+    return bool((lengths > max(2 * width, _LONG_ROW)).any() or 2 * (lengths < width).sum() > len(lengths))
 
 
 def _by_lines(
@@ -330,7 +347,11 @@ def _by_lines(
                 left = pending[0].count if pending else 0
         surplus += len(rows)
     if pending:
-        raise _truncated(path, pending[0])
+        promised, found_rows = pending[0].count, pending[0].count - left
+        raise LoadError(
+            f"{path}: the header promises {promised:,} rows of {pending[0].name!r}, and {found_rows:,} lines follow "
+            "for them: truncated; copy or export it again"
+        )
     if vertices:
         body.vertices = np.concatenate(vertices)
     for name, found in lists.items():
@@ -340,15 +361,17 @@ def _by_lines(
     return body, words == used
 
 
-def _by_words(path: Path, data: bytes, first_line: int, elements: list[_Element]) -> _Body | None:
-    """Read a text whose lines mean nothing; None if the words are not those that the header promises, to the last."""
-    found = [np.empty(0)]
+def _by_words(path: Path, data: bytes, first_line: int, elements: list[_Element]) -> _Body | LoadError:
+    """Read a text whose lines mean nothing; or return where its words are not those that the header promises."""
+    found, lines = [np.empty(0)], [np.empty(0, dtype=np.int64)]
     try:
         for _, chunk in chunks_of(data, path, comments=False, first_line=first_line):
-            found.append(chunk.floats(np.arange(len(chunk.starts))))
-    except LoadError:
-        return None
-    words = np.concatenate(found)
+            tokens = np.arange(len(chunk.starts))
+            found.append(chunk.floats(tokens))
+            lines.append(chunk.first_line + chunk.token_line(tokens))
+    except LoadError as error:
+        return error
+    words, line = np.concatenate(found), np.concatenate(lines)
     body = _Body()
     lists: dict[str, list[_Lists]] = {"face": [], "tristrips": []}
     at = 0
@@ -357,48 +380,80 @@ def _by_words(path: Path, data: bytes, first_line: int, elements: list[_Element]
             width = len(element.properties)
             rows, at = words[at : at + element.count * width], at + element.count * width
             if at > len(words):
-                return None
+                return _words_end(path, element, len(rows) // width)
             if element.name == "vertex" and element.count:
                 body.vertices = rows.reshape(-1, width)[:, _axes(path, element)]
             continue
-        walked = _walk_words(words, at, element)
-        if walked is None or element.name == "vertex":
-            return None
-        starts, at = walked
+        if element.name == "vertex":
+            return LoadError(f"{path}: vertices with lists are read only with a row a line; export the file again")
+        starts, done, at = _walk_words(words, at, element)
+        if done < element.count:
+            if at >= len(words):
+                return _words_end(path, element, done)
+            return LoadError(
+                f"{path}, line {int(line[at]):,}: row {done + 1:,} of {element.count:,} of {element.name!r} cannot "
+                f"have {words[at]:g} values in a list: {_SHIFTED}"
+            )
         if element.name in lists and element.count:
             wanted = starts[_index_property(path, element)]
             sizes = words[wanted].astype(np.int64)
             offsets = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
             lists[element.name].append(_Lists(_whole(words[np.repeat(wanted + 1, sizes) + offsets]), sizes))
+            # A row that is wrong tells that a word is, and shifts the others.
+            if element.name == "face" and (row := _first_odd(lists["face"][-1], len(body.vertices))) is not None:
+                return LoadError(
+                    f"{path}, line {int(line[wanted[row]]):,}: row {row + 1:,} of the {element.count:,} rows of 'face' "
+                    f"needs 3 or more corners, vertices from 0 to {len(body.vertices) - 1:,}: {_SHIFTED}"
+                )
     if at != len(words):
-        return None
+        return LoadError(
+            f"{path}, line {int(line[at]):,}: {len(words) - at:,} words are left over behind the last row that the "
+            "header promises: a count or a word is wrong; export it again"
+        )
     for name, each in lists.items():
         body.add(name, each)
     return body
 
 
+def _first_odd(faces: _Lists, vertex_count: int) -> int | None:
+    """Return the first polygon with fewer than three corners, or with one that does not exist."""
+    odd = faces.sizes < 3
+    outside = (faces.values < 0) | (faces.values >= vertex_count)
+    odd[np.repeat(np.arange(len(odd)), faces.sizes)[outside]] = True
+    return int(np.argmax(odd)) if odd.any() else None
+
+
+def _words_end(path: Path, element: _Element, done: int) -> LoadError:
+    return LoadError(
+        f"{path}: the file ends in row {done + 1:,} of the {element.count:,} rows of {element.name!r} that the header "
+        "promises: it is truncated or damaged; copy or export it again"
+    )
+
+
 def _walk_words(
     words: NDArray[np.float64], at: int, element: _Element
-) -> tuple[dict[int, NDArray[np.int64]], int] | None:
-    """Return where the count of each list property of an element stands, row by row, and the word behind the element.
+) -> tuple[dict[int, NDArray[np.int64]], int, int]:
+    """Return where the count of each list property of an element stands, row by row; whole rows; the word behind them.
 
-    None if a count is none, or the words end before.
+    Where rows are missing, that word is the count that is none, or the end of the words.
     """
     is_count = (words >= 0) & (words == np.rint(words)) & (words < len(words))
     counts = np.where(is_count, words, -1).astype(np.int64).tolist()
     lists = [bool(prop.count_type) for prop in element.properties]
     starts: dict[int, list[int]] = {place: [] for place, is_list in enumerate(lists) if is_list}
-    for _ in range(element.count):
+    done = 0
+    while done < element.count:
         for place, is_list in enumerate(lists):
-            if is_list:
-                if at >= len(counts) or counts[at] < 0:
-                    return None
+            if is_list and at < len(counts):
+                if counts[at] < 0:
+                    return {}, done, at
                 starts[place].append(at)
                 at += counts[at]
             at += 1
-    if at > len(counts):
-        return None
-    return {place: np.array(found, dtype=np.int64) for place, found in starts.items()}, at
+        if at > len(counts):
+            return {}, done, len(counts)
+        done += 1
+    return {place: np.array(found, dtype=np.int64) for place, found in starts.items()}, done, at
 
 
 def _text_vertices(path: Path, chunk: Chunk, lines: NDArray[np.int64], element: _Element) -> NDArray[np.float64]:

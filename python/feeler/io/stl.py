@@ -12,7 +12,6 @@ three vertices, and the file does not end inside one.
 
 from __future__ import annotations
 
-import contextlib
 import re
 from pathlib import Path
 
@@ -118,9 +117,15 @@ def _read_text(path: Path, progress: Progress | None) -> RawMesh:
     try:
         return _parse(path, data, progress, relaid=False)
     except LoadError as error:
-        with contextlib.suppress(LoadError):
-            return _parse(path, _one_statement_a_line(data), None, relaid=True)
-        raise error  # its line numbers are the file's
+        relaid = _one_statement_a_line(data)
+        try:
+            return _parse(path, relaid, None, relaid=True)
+        except LoadError as second:
+            # The first error has the file's lines; it is wrong where the lines are far from one statement each.
+            before, after = len(data.split(b"\n")), len(relaid.split(b"\n"))
+            if before < 2 * after and after < 2 * before:
+                raise error from None
+            raise LoadError(re.sub(r", line (\d+):", r", statement \1:", str(second), count=1)) from None
 
 
 def _one_statement_a_line(data: bytes) -> bytes:
@@ -158,11 +163,12 @@ def _parse(path: Path, data: bytes, progress: Progress | None, relaid: bool) -> 
     soup = np.concatenate(corners)
     count = len(solid_of_face)
     check_mesh(3 * count, count, len(solids), str(path))
+    doubts: list[str] = []
     notes: list[str] = []
     if strange:
         notes.append(counted(strange, "lines that are not STL were ignored") + _first_line(first_strange, relaid))
     if not has_end:
-        notes.append("the last solid has no 'endsolid': if it is not complete, the file is truncated; copy it again")
+        doubts.append("the last solid has no 'endsolid': if it is not complete, the file is truncated; copy it again")
     if progress:
         progress(0.6, f"merging equal vertices of {path.name}")
     vertices, index = weld(soup, None)
@@ -174,7 +180,9 @@ def _parse(path: Path, data: bytes, progress: Progress | None, relaid: bool) -> 
     names = [clean_name(solids[solid], "") if solid >= 0 else "" for solid in used.tolist()]
     paths = [""] if names == [""] else [book.claim("", name or f"solid {i + 1}") for i, name in enumerate(names)]
     names = [name or (path.stem if len(names) == 1 else f"solid {i + 1}") for i, name in enumerate(names)]
-    return RawMesh(vertices, index.reshape(-1, 3), part_of_face.astype(np.uint32), names, paths, notes=notes)
+    return RawMesh(
+        vertices, index.reshape(-1, 3), part_of_face.astype(np.uint32), names, paths, notes=notes, doubts=doubts
+    )
 
 
 def _first_line(line: int, relaid: bool) -> str:

@@ -32,6 +32,7 @@ _MARKS = (
 # How the C library of old Windows compilers writes what is no number: 1.#IND, -1.#IND00, 1.#QNAN, 1.#INF.
 _NOT_FINITE = re.compile(rb"(?<![^\s/])([-+]?)1\.#(?:(INF)|IND|[QS]NAN)\d*(?=[\s/])", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?")
+_LINE_SHOWN = 60
 _WITHOUT_MARK = 4  # characters at the start that have to be ASCII in UTF-16 where no mark says so
 
 
@@ -69,9 +70,28 @@ def _utf16_without_mark(data: bytes) -> str | None:
 def text_of(path: Path) -> str:
     """Return the text of a file in UTF-8, UTF-16 or UTF-32, as editors and PowerShell write it, without its mark.
 
-    Raises `UnicodeDecodeError` for another encoding, `OSError`.
+    Raises `LoadError` for another encoding, with its line, and for a file that cannot be read; `FileNotFoundError`.
     """
-    return decoded(path.read_bytes()).decode("utf-8")
+    try:
+        data = decoded(path.read_bytes())
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise LoadError(f"{path} cannot be read: {error.strerror or error}") from None
+    return utf8_text(data, path)
+
+
+def utf8_text(data: bytes, path: Path) -> str:
+    """Return `decoded` text. Raises `LoadError`, with the line, if it is in an encoding that does not say so."""
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        number = data.count(b"\n", 0, error.start)
+        line = name_text(data.split(b"\n")[number].strip())[:_LINE_SHOWN]
+        raise LoadError(
+            f"{path}, line {number + 1}: this is not UTF-8 but an older encoding, such as Windows-1252 ({line!r}): "
+            "save the file as UTF-8"
+        ) from None
 
 
 def numbers_of(text: str, each: int, what: str) -> list[float]:
@@ -84,7 +104,12 @@ def numbers_of(text: str, each: int, what: str) -> list[float]:
     words = text.replace(";", " ").split()
     if not ("," in text and len(words) % each == 0 and all(_DECIMAL_COMMA.fullmatch(word) for word in words)):
         words = [word for part in words for word in part.split(",") if word]
-    numbers = [float(word.replace(",", ".")) for word in words]
+    numbers = []
+    for word in words:
+        try:
+            numbers.append(float(word.replace(",", ".")))
+        except ValueError:
+            raise ValueError(f"{word[:_LINE_SHOWN]!r} is not a number") from None
     if len(numbers) % each:
         raise ValueError(f"{len(numbers)} numbers are not a multiple of {each}, as {what} have")
     return numbers

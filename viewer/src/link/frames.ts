@@ -1,4 +1,4 @@
-// Encodes messages as frames of the socket, and decodes them. Text frames are JSON; a binary one is, little-endian:
+// Encodes messages as frames of the socket and of saved pages, and decodes them. Text frames are JSON; a binary one is, little-endian:
 //
 //     u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | arrays, each at a multiple of 8
 //
@@ -75,7 +75,8 @@ export function decodeFrame(frame: string | ArrayBuffer): FromServer {
   return message as unknown as FromServer;
 }
 
-function decodeBinary(frame: ArrayBuffer): Json {
+/** The fields of a binary frame, as `ARRAYS` has its kind. Throws `FrameError`. */
+export function decodeBinary(frame: ArrayBuffer): Json {
   if (frame.byteLength < PREFIX_BYTES) {
     throw new FrameError(`a frame of ${frame.byteLength} bytes is shorter than its prefix`);
   }

@@ -1,24 +1,17 @@
-// Reads the mock-up inside one HTML file; `python/feeler/workbench/session/page.py` writes it and documents the format.
+// Reads the mock-up inside one HTML file: a frame of the link, whose pieces are filtered.
+// `python/feeler/workbench/session/page.py` writes it and documents the filter.
 //
 //     const page = await readOffline();     // null: a server is behind this page
 //
 // Pieces have the server's form, so that the drawing code is the same.
 
-import type { Camera, Document, Manifest } from "./protocol";
-
-const VERSION = 1;
-const PREFIX_BYTES = 8;
+import { decodeBinary, FrameError } from "./frames";
+import type { SavedPage } from "./protocol";
 
 /** The content of the file. */
-export interface OfflinePage {
-  document: Document;
-  /** From where it is seen at first; null: as the page likes. */
-  camera: Camera | null;
-  manifest: Manifest;
+export interface OfflinePage extends Pick<SavedPage, "document" | "camera" | "manifest" | "left_out"> {
   /** In the manifest's order, as `GET /scene/pieces/K` answers. */
   pieces: ArrayBuffer[];
-  /** Triangles that had no room in the file. */
-  left_out: number;
 }
 
 /** The file cannot be read: it is cut short, or of another version. */
@@ -40,25 +33,26 @@ export async function readOffline(
 
 /** The same from the bytes after decompression. */
 export function unpackOffline(data: ArrayBuffer): OfflinePage {
-  const start = data.byteLength < PREFIX_BYTES ? Number.NaN : PREFIX_BYTES + new DataView(data).getUint32(4, true);
-  if (!(start <= data.byteLength) || new DataView(data).getUint32(0, true) !== VERSION) {
-    throw new OfflineError("This file is damaged, or was made by another version of feeler: make it again.");
-  }
-  const header: Omit<OfflinePage, "pieces"> & { grid: { lower: number[]; step: number } } = JSON.parse(
-    new TextDecoder().decode(new Uint8Array(data, PREFIX_BYTES, start - PREFIX_BYTES)),
-  );
-  const { document, camera, manifest, left_out, grid } = header;
-  let offset = start;
+  const { document, camera, manifest, left_out, grid, pieces: filtered } = saved(data);
+  let offset = 0;
   const pieces = manifest.pieces.map(({ triangles, vertices }) => {
-    const bytes = 13 * vertices + 6 * triangles;
-    if (offset + bytes > data.byteLength) {
-      throw new OfflineError("This file is cut short: copy it again.");
-    }
-    const planes = new Planes(new Uint8Array(data, offset, bytes));
-    offset += bytes;
+    const end = offset + 13 * vertices + 6 * triangles;
+    if (end > filtered.length) throw new OfflineError("This file is cut short: copy it again.");
+    const planes = new Planes(filtered.subarray(offset, end));
+    offset = end;
     return piece(planes, vertices, triangles, manifest.part_bytes, grid.lower, grid.step);
   });
   return { document, camera, manifest, pieces, left_out };
+}
+
+function saved(data: ArrayBuffer): SavedPage {
+  try {
+    const message = decodeBinary(data);
+    if (message.kind === "page") return message as unknown as SavedPage;
+  } catch (error) {
+    if (!(error instanceof FrameError)) throw error;
+  }
+  throw new OfflineError("This file is damaged, or was made by another version of feeler: make it again.");
 }
 
 function piece(

@@ -596,6 +596,27 @@ export interface Refusal {
   readonly error: Trouble;
 }
 
+/** The places of vertices in a saved page: `lower + whole numbers * step`. */
+export interface Grid {
+  readonly lower: Vec3;
+  readonly step: number;
+}
+
+/** The mock-up inside an HTML file; it is never sent. */
+export interface SavedPage {
+  readonly kind: "page";
+  readonly document: Document;
+  /** The initial view. Null: the page's own. */
+  readonly camera: Camera | null;
+  /** Of the included pieces. */
+  readonly manifest: Manifest;
+  /** Triangles that had no room in the file. */
+  readonly left_out: number;
+  readonly grid: Grid;
+  /** The pieces of the manifest in order, filtered: see `page.py`. */
+  readonly pieces: Uint8Array;
+}
+
 export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
@@ -741,5 +762,8 @@ export const ARRAYS = {
     plane_parts: ["u4", ["planes"], MOST_PLANES],
     clearance: ["f4", ["clearances", 7], MOST_CLEARANCES],
     clearance_parts: ["u4", ["clearances"], MOST_CLEARANCES],
+  },
+  page: {
+    pieces: ["u1", ["n"], null],
   },
 } as const;

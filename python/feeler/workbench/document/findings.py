@@ -33,10 +33,12 @@ def read_findings(path: str | Path) -> Any:
     """The content of a file, for `grouped`. Raises `MissingFileError`, and `LoadError` for other files."""
     file = Path(path)
     try:
-        data = json.loads(text_of(file))
+        text = text_of(file)
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give findings of feeler clash --json") from None
-    except (OSError, ValueError, RecursionError) as error:
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise LoadError(f"{file} cannot be read as JSON: {error}") from None
     _clashes(data, str(file))
     return data

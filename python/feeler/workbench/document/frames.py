@@ -1,4 +1,4 @@
-"""Encodes messages as frames of the socket, and decodes them strictly.
+"""Encodes messages as frames of the socket and of saved pages, and decodes them strictly.
 
 A message is a frozen dataclass with a `KIND`. One without arrays is JSON text: its fields, and "kind". One with arrays
 is binary, little-endian:

@@ -60,6 +60,7 @@ MOST_CLEARANCES = 16
 F8 = npt.NDArray[np.float64]
 F4 = npt.NDArray[np.float32]
 U4 = npt.NDArray[np.uint32]
+U1 = npt.NDArray[np.uint8]
 
 Vec3 = tuple[float, float, float]
 Pose = list[float]
@@ -707,6 +708,30 @@ class Refusal:
     id: int | None
     """Null: the message had none."""
     error: Trouble
+
+
+class Grid(TypedDict):
+    """The places of vertices in a saved page: `lower + whole numbers * step`."""
+
+    lower: Vec3
+    step: float
+
+
+@dataclass(frozen=True, eq=False)
+class SavedPage:
+    """The mock-up inside an HTML file; it is never sent."""
+
+    KIND: ClassVar[str] = "page"
+    document: DocumentFields
+    camera: Camera | None
+    """The initial view. Null: the page's own."""
+    manifest: Manifest
+    """Of the included pieces."""
+    left_out: int
+    """Triangles that had no room in the file."""
+    grid: Grid
+    pieces: Annotated[U1, Array("u1", ("n",))]
+    """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
 FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked

@@ -1,21 +1,18 @@
 """One HTML file to send: the page with the mock-up inside. It works offline, and is read-only.
 
 The file has the page's style, its script, and in a `<script type="application/octet-stream" id="feeler-page">` the
-base64 of a gzip of
+base64 of a gzip of one frame of the link (`frames.py`), the message `SavedPage`.
 
-    u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | data
-
-little-endian. The header has "document", "camera" (the initial view, or null), "manifest" (of the included pieces),
-"left_out" (number of missing triangles) and "grid": {"lower": [3], "step"}. The data are the pieces of the manifest in
-order, each as planes of bytes: the lowest bytes of all numbers first, then the next, which compresses better.
-Of v vertices, in the order in which the triangles first use them, and t triangles:
+Its pieces are filtered, because gzip then makes them a fifth as large (an engine of 200 thousand triangles: 265 kB
+instead of 1.28 MB): each is planes of bytes, the lowest bytes of all numbers first, then the next. Of v vertices, in
+the order in which the triangles first use them, and t triangles:
 
     3 times (x, y, z)  3 planes of v   difference to the vertex before, zigzag: position = lower + number * step
     1 time (part)      4 planes of v   difference to the vertex before, zigzag
     3 times (corners)  2 planes of t   how far a corner is below the first vertex that no corner before it named
 
 where zigzag encodes 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and 0 precedes the first vertex.
-`viewer/src/link/offline-file.ts` reads it.
+`viewer/src/link/offline-file.ts` turns them back into pieces as the server sends them.
 """
 
 from __future__ import annotations
@@ -24,7 +21,6 @@ import base64
 import gzip
 import hashlib
 import html
-import struct
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -33,11 +29,9 @@ import numpy.typing as npt
 
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
-from feeler.workbench.document.frames import dumps
-from feeler.workbench.document.protocol import Camera, DocumentFields, Manifest, ManifestPiece
+from feeler.workbench.document.frames import pack
+from feeler.workbench.document.protocol import Camera, DocumentFields, Manifest, ManifestPiece, SavedPage
 from feeler.workbench.files import File
-
-VERSION = 1
 
 GRID_BITS = 18
 """Positions are in whole steps of the longest side over 2^18: 11 micrometres of a mock-up of 3 m."""
@@ -74,7 +68,7 @@ def container(
     progress: Progress,
     most_bytes: int = MOST_BYTES,
 ) -> tuple[bytes, int]:
-    """Header and data before compression, and the number of triangles left out."""
+    """The frame before compression, and the number of triangles left out."""
     # From the pieces' own boxes: triangles that are not drawn have no place on the grid.
     lower = np.min([each["lower"] for each in manifest["pieces"]], axis=0)
     upper = np.max([each["upper"] for each in manifest["pieces"]], axis=0)
@@ -93,22 +87,19 @@ def container(
         blocks.append(block)
         inside.append(sizes)
     triangles = sum(each["triangles"] for each in inside)
-    header = {
-        "document": {**document, "loading": None},
-        "camera": camera,
-        "manifest": {
-            **manifest,
-            "triangles": triangles,
-            "vertices": sum(each["vertices"] for each in inside),
-            "pieces": inside,
-        },
-        "left_out": manifest["triangles"] - triangles,
-        "grid": {"lower": lower.tolist(), "step": step},
-    }
-    text = dumps(header, "page").encode()
-    text += b" " * (-len(text) % 8)
-    packed = b"".join([struct.pack("<II", VERSION, len(text)), text, *blocks])
-    return packed, manifest["triangles"] - triangles
+    left_out = manifest["triangles"] - triangles
+    vertices = sum(each["vertices"] for each in inside)
+    saved = SavedPage(
+        document={**document, "loading": None},
+        camera=camera,
+        manifest={**manifest, "triangles": triangles, "vertices": vertices, "pieces": inside},
+        left_out=left_out,
+        grid={"lower": (float(lower[0]), float(lower[1]), float(lower[2])), "step": step},
+        pieces=np.frombuffer(b"".join(blocks), np.uint8),
+    )
+    frame = pack(saved)
+    assert isinstance(frame, bytes)
+    return frame, left_out
 
 
 def packed_piece(

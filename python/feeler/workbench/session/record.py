@@ -19,6 +19,7 @@ import numpy as np
 
 from feeler._core import Collision
 from feeler.errors import LoadError, MissingFileError, WorkbenchError
+from feeler.io.text import decoded
 from feeler.mockup import Mockup, Tool
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Document
@@ -132,7 +133,7 @@ def read_record(path: str | Path) -> Record:
     """Reads a record. Raises `MissingFileError`, and `LoadError` for other files, and for errors before the end."""
     file = Path(path)
     try:
-        data = file.read_bytes()
+        data = decoded(file.read_bytes())
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give a record of feeler view --record") from None
     except OSError as error:

@@ -1,0 +1,104 @@
+"""Reads the options of a command: typer passes them as text, and each `Value` reads its own.
+
+So wrong values get one form of error, whatever the version of typer: the option, its text, and what to give.
+"""
+
+from __future__ import annotations
+
+import copy
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, get_args, get_origin
+
+from typer.models import OptionInfo
+
+from feeler.cli.values import FileName, Text, Value
+from feeler.errors import OptionError
+
+_SHOWN = 60  # characters of a wrong text
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a command: its name, its kind, and its default as value and as text."""
+
+    name: str
+    value: Value | None
+    default: Any = None
+    shown: str | None = None
+
+    def read(self, given: Any) -> Any:
+        """The value of a text, or of a list of texts. Raises `OptionError` for a wrong one."""
+        if self.value is None or given is None:
+            return given
+        if given == self.shown:
+            return self.default
+        values = []
+        for text in [given] if isinstance(given, str) else given:
+            try:
+                values.append(self.value.read(text))
+            except ValueError as error:
+                cut = text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
+                raise OptionError(f"{self.name} is {cut!r}: {error}") from None
+        return values[0] if isinstance(given, str) else values
+
+
+def in_text(function: Callable[..., Any]) -> tuple[inspect.Signature, dict[str, Option]]:
+    """The signature of a command in which options with a `Value` are text, and its options by parameter."""
+    signature = inspect.signature(function, eval_str=True)
+    parameters, options = [], {}
+    for name, parameter in signature.parameters.items():
+        annotation = parameter.annotation
+        plain, *extra = get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
+        info = next((each for each in extra if isinstance(each, OptionInfo)), None)
+        value = next((each for each in extra if isinstance(each, Value)), None)
+        if info is not None:
+            kinds = (plain, *get_args(plain))
+            if value is None and bool not in kinds:
+                value = FileName() if Path in kinds else Text()
+            options[name] = option = _option(name, info, value, parameter.default)
+            info = copy.copy(info)
+            if info.metavar is None:
+                info.metavar = value.metavar if value else ""
+            if value is None:
+                parameter = parameter.replace(annotation=Annotated[plain, info])
+            else:
+                is_list = any(get_origin(each) is list for each in kinds)
+                text: Any = list[str] if is_list else str
+                if parameter.default is None:
+                    text = text | None
+                elif parameter.default is not parameter.empty:
+                    parameter = parameter.replace(default=option.shown)
+                parameter = parameter.replace(annotation=Annotated[text, info])
+        parameters.append(parameter)
+    return signature.replace(parameters=parameters), options
+
+
+def _option(name: str, info: OptionInfo, value: Value | None, default: Any) -> Option:
+    declared = [word for word in (info.default, *(info.param_decls or ())) if isinstance(word, str)]
+    words = [word for word in declared if word.startswith("--")]
+    option = words[0].partition("/")[0] if words else "--" + name.strip("_").replace("_", "-")
+    if value is None or default in (None, inspect.Parameter.empty):
+        return Option(option, value)
+    return Option(option, value, default, value.shown(default))
+
+
+def in_command_line_words(message: str, options: Mapping[str, Option], given: Mapping[str, Any]) -> str:
+    """An error of the library, with the option that it is about.
+
+    An argument at its beginning ("triangles is 5") becomes the option; in front of an error about a file or a name that
+    an option gave, the option is added.
+    """
+    for name, option in options.items():
+        if message.startswith(f"{name} is "):
+            return option.name + message[len(name) :]
+    if message.startswith("--"):
+        return message
+    for name, option in options.items():
+        value = given.get(name)
+        for text in map(str, value if isinstance(value, list) else [value] if value is not None else []):
+            if message.startswith((f"{text}: ", f"{text} ", f"pose file {text} ")) or repr(text) in message:
+                return f"{option.name}: {message}"
+    return message

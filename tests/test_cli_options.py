@@ -1,0 +1,194 @@
+"""Values of options: every option of every command refuses what it cannot read, in one line that names it."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+import typer
+from commands import error_of, run, run_json
+from shapes import box
+
+import feeler
+from feeler.cli import app, values
+from feeler.cli.options import Option, in_text
+from feeler.io import write_glb, write_stl
+
+WRONG = ["", "x", "nan", "-1", "1e999", "\u00e9", "9" * 400, "5 parsec", "1,2", "0x10", "--", "\x00"]
+NEEDED = {"path": ["--poses", "p.txt"], "swept": ["--poses", "p.txt"], "access": ["--tool", "t.stl"]}
+NO_ARGUMENT = ("demo", "feel", "view", "bench", "study")
+
+
+def commands() -> dict[str, typer.models.CommandInfo]:
+    """The table of commands, "study hashing" among them."""
+    every = {str(each.name): each for each in app.registered_commands}
+    for group in app.registered_groups:
+        assert group.typer_instance is not None
+        every |= {f"{group.name} {each.name}": each for each in group.typer_instance.registered_commands}
+    return every
+
+
+def options_of(name: str) -> dict[str, Option]:
+    callback = commands()[name].callback
+    assert callback is not None
+    return in_text(inspect.unwrap(callback))[1]
+
+
+OPTIONS = [(name, option) for name in commands() for option in options_of(name).values() if option.value is not None]
+
+
+def test_the_table_is_whole() -> None:
+    assert len(commands()) == 20 and len(OPTIONS) > 200
+
+
+def test_every_option_with_a_number_has_a_value() -> None:
+    """No number is left to typer, which has other words for wrong ones."""
+    for name, info in commands().items():
+        assert info.callback is not None
+        for parameter in inspect.signature(info.callback).parameters.values():
+            assert not re.search(r"\b(int|float)\b", str(parameter.annotation)), (name, parameter)
+
+
+@pytest.mark.parametrize(("name", "option"), OPTIONS, ids=[f"{name} {option.name}" for name, option in OPTIONS])
+def test_wrong_values_are_refused_by_name(name: str, option: Option) -> None:
+    assert option.value is not None
+    tried = 0
+    for text in WRONG:
+        try:
+            option.value.read(text)
+        except ValueError:
+            tried += 1
+        else:
+            continue
+        needed = [*([] if name.split()[0] in NO_ARGUMENT else ["nothing.stl"]), *NEEDED.get(name, [])]
+        if option.name in needed:
+            at = needed.index(option.name)
+            del needed[at : at + 2]
+        said = error_of(*name.split(), *needed, f"{option.name}={text}")
+        assert said.startswith(f"feeler: {option.name} is {text[:60]!r}"[:40]), said
+        assert re.search("give|choose|do you mean", said) and "Input should" not in said and len(said) < 300
+    least = 1 if isinstance(option.value, values.Text | values.FileName) else 5
+    assert tried >= least, "nearly everything reads as a value of this option"
+
+
+@pytest.mark.parametrize(("name", "option"), OPTIONS, ids=[f"{name} {option.name}" for name, option in OPTIONS])
+def test_defaults_read_as_what_they_are(name: str, option: Option) -> None:
+    if option.shown is not None:
+        assert option.value is not None
+        assert option.value.read(option.shown) == pytest.approx(option.default)
+        assert option.read(option.shown) == option.default
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mock-up of two parts, a tool and a path, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    parts = {"a": feeler.Mockup(*box([0, 0, 0], [1, 1, 1])), "b": feeler.Mockup(*box([2, 0, 0], [3, 1, 1]))}
+    write_glb(tmp_path / "m.glb", feeler.Mockup(parts))
+    write_stl(tmp_path / "t.stl", feeler.Tool(*box([0, 0, 0], [0.1, 0.1, 0.1])))
+    (tmp_path / "p.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n" * 2)
+
+
+MOVING = ["m.glb", "--tool", "t.stl"]
+FILES: list[tuple[list[str], list[str]]] = [
+    (["collide", *MOVING], ["--pose"]),
+    (["collide", *MOVING, "--at", "0,0,3"], ["--glb", "--picture"]),
+    (["clearance", *MOVING], ["--pose"]),
+    (["clearance", *MOVING, "--at", "0,0,3"], ["--glb", "--csv"]),
+    (["collide", "m.glb", "--at", "0,0,3"], ["--tool", "--part"]),
+    (["collide", *MOVING, "--at", "0,0,3"], ["--without", "--only"]),
+    (["path", *MOVING], ["--poses"]),
+    (["path", *MOVING, "--poses", "p.txt"], ["--csv", "--glb"]),
+    (["clash", "m.glb"], ["--rules", "--previous", "--csv", "--xlsx", "--html", "--bcf", "--glb", "--save"]),
+    (["clash", "m.glb"], ["--write-rules", "--fail-on", "--only"]),
+    (["remove", "m.glb"], ["--part", "--hand"]),
+    (["remove", "m.glb", "--part", "m/a/part"], ["--ignore", "--csv", "--way", "--glb", "--without"]),
+    (["remove", "m.glb", "--part", "m/a/part", "--insert"], ["--from", "--goal"]),
+    (["access", *MOVING], ["--targets", "--frames", "--hand", "--grip", "--csv", "--glb"]),
+    (["swept", "t.stl"], ["--poses"]),
+    (["swept", "t.stl", "--poses", "p.txt"], ["--out"]),
+    (["feel", "m.glb"], ["--tool", "--record", "--pose", "--device-option"]),
+    (["view"], ["--findings", "--record", "--host"]),
+    (["sample", "gearbox"], ["--fault", "--out"]),
+    (["bench", "m.glb"], ["--tool", "--kinds"]),
+]
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(("words", "option"), [(words, each) for words, every in FILES for each in every])
+@pytest.mark.parametrize("text", ["x y", "-1", "\u00e9", "n" * 300])
+def test_files_and_names_that_are_not_there_are_told_with_their_option(
+    words: list[str], option: str, text: str
+) -> None:
+    if (option, text) in (("--record", "-1"), ("--hand", "x")) or (words == ["view"] and option == "--record"):
+        pytest.skip("a name like others")
+    more = ["--part", "m/a/part"] if words == ["remove", "m.glb"] and option == "--hand" else []
+    said = error_of(*words, *more, option, text)
+    assert option in said or (option == "--host" and "host" in said), said
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(
+    ("text", "metres"),
+    [("5mm", 0.005), ("0.2 in", 0.00508), ("0,5 cm", 0.005), ("5000um", 0.005), ("0.005", 0.005), ("2e-3 M", 0.002)],
+)
+def test_lengths_have_units(text: str, metres: float) -> None:
+    found = run_json("clearance", *MOVING, "--at", "0,0,3", "--within", text, "--require", text)
+    assert found["within_m"] == metres and found["required_m"] == metres
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("1,2,3", [1, 2, 3]),
+        ("1000mm,200cm,3m", [1, 2, 3]),
+        ("1m 2m 3m", [1, 2, 3]),
+        ("0,5; 2; 3", [0.5, 2, 3]),
+        ("-10in,0,0m", [-0.254, 0, 0]),
+    ],
+)
+def test_positions_have_units(text: str, place: list[float]) -> None:
+    found = run_json("clearance", *MOVING, "--at", text)
+    assert [row[3] for row in found["poses"][0]["world_from_tool"][:3]] == pytest.approx(place)
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize("text", ["1,2", "1,2,3,4", "1,2,3mm", "1mm,2,3", "1,,3", "1;2,3"])
+def test_positions_that_are_refused(text: str) -> None:
+    assert "give three lengths" in error_of("clearance", *MOVING, "--at", text)
+
+
+def test_other_units() -> None:
+    assert values.SECONDS.read("2min") == 120 and values.SECONDS.read("500 ms") == 0.5
+    assert values.SWING.read("60\u00b0") == 60 and values.SWING.read("3.141592653589793 rad") == pytest.approx(180)
+    assert values.THREADS.read(" 8 ") == 8 and values.COUNT.read("1_600_000") == 1_600_000
+    assert values.UNIT.read("Inch") == "in" and values.STORAGE.read("Dense") == "dense"
+
+
+def help_of(words: list[str], width: int, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setenv("COLUMNS", str(width))
+    text: str = run(*words, "--help").stdout
+    return text
+
+
+@pytest.mark.parametrize("name", [*commands(), "study", ""])
+@pytest.mark.parametrize("width", [80, 120])
+def test_help_pages(name: str, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = help_of(name.split(), width, monkeypatch)
+    assert max(len(line) for line in text.splitlines()) <= width
+    assert "likewise" not in text and not re.search(r"--\S+ +<(str|path|int|float)", text)
+    examples = text.partition(" Examples\n")[2]
+    if name in commands():
+        whole = examples.replace(" \\\n", "").splitlines()
+        assert all(line.strip().startswith("feeler ") for line in whole if line.strip()) and "feeler" in examples
+        for option in re.findall(r"--[a-z-]+", re.sub(r"&&[^\n]*\n[^\n]*", "", examples)):
+            assert option in text.partition(" Examples\n")[0], f"{option} of an example is no option"
+
+
+def test_lines_of_a_paragraph_are_joined(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = help_of(["remove"], 120, monkeypatch).split("Arguments")[0]
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    assert len(lines) <= 6, "the source's line ends are none of the page"
