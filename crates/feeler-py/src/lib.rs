@@ -26,6 +26,7 @@ mod restore;
 mod scene;
 mod screw;
 mod selection;
+mod signals;
 mod swept;
 mod tool;
 mod travel;

@@ -5,7 +5,7 @@
 //! process.
 
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use feeler_core as core;
 use feeler_devices::machine::MonotonicClock;
@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::raise;
+use crate::signals::{on_pool_or_left, SIGNALS_EVERY};
 
 /// Forks between the process that loaded this module and the present one.
 static GENERATION: AtomicU64 = AtomicU64::new(0);
@@ -119,9 +120,9 @@ pub fn on_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + Send) ->
 
 /// Finds how the triangles of both hang together, which contacts ask for, if nobody has; for `escape` also the ways between the
 /// tool's surfaces. One thread does, on all threads of the process, and the others wait for it; in a forked process for none that
-/// is not there.
-pub fn find_topology(mockup: &core::Mockup, tool: &core::Tool, escape: bool) -> PyResult<()> {
-    static ONE: PerProcess<Mutex<()>> = PerProcess::new();
+/// is not there. Called without the interpreter's lock. After Ctrl-C it is still found to the end, for the next call.
+pub fn find_topology(mockup: &Arc<core::Mockup>, tool: &Arc<core::Tool>, escape: bool) -> PyResult<()> {
+    static FINDER: PerProcess<Finder> = PerProcess::new();
     let is_found = || {
         let [adjacency, links] = tool.has_topology();
         mockup.has_adjacency() && adjacency && (links || !escape)
@@ -129,17 +130,51 @@ pub fn find_topology(mockup: &core::Mockup, tool: &core::Tool, escape: bool) -> 
     if is_found() {
         return Ok(());
     }
-    let find = || {
+    let finder = FINDER.get(|| Ok::<_, PyErr>(Finder::default()))?;
+    let turn = finder.turn()?;
+    if is_found() {
+        return Ok(());
+    }
+    let (mockup, tool) = (Arc::clone(mockup), Arc::clone(tool));
+    on_pool_or_left(move || {
+        let _turn = turn;
         mockup.adjacency();
         tool.adjacency();
         if escape {
             tool.links();
         }
-    };
-    let one = ONE.get(|| Ok::<_, PyErr>(Mutex::new(())))?;
-    let _alone = one.lock().unwrap_or_else(PoisonError::into_inner);
-    if is_found() {
-        return Ok(());
+    })
+}
+
+/// Lets one thread at a time find what several ask for.
+#[derive(Default)]
+struct Finder {
+    is_busy: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl Finder {
+    /// Waits until nobody else has the turn, or a signal handler raises.
+    fn turn(&'static self) -> PyResult<Turn> {
+        let mut is_busy = self.is_busy.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if !std::mem::replace(&mut *is_busy, true) {
+                return Ok(Turn(self));
+            }
+            let waited = self.changed.wait_timeout(is_busy, SIGNALS_EVERY);
+            drop(waited.unwrap_or_else(PoisonError::into_inner));
+            Python::attach(|py| py.check_signals())?;
+            is_busy = self.is_busy.lock().unwrap_or_else(PoisonError::into_inner);
+        }
     }
-    on_pool(None, find)
+}
+
+/// Gives the turn to the next thread when dropped.
+struct Turn(&'static Finder);
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        *self.0.is_busy.lock().unwrap_or_else(PoisonError::into_inner) = false;
+        self.0.changed.notify_one();
+    }
 }

@@ -47,7 +47,7 @@ impl World {
     fn asked<T: Send>(
         &self,
         py: Python<'_>,
-        tool: &core::Tool,
+        tool: &Arc<core::Tool>,
         ask: impl FnOnce(&world::Environment) -> world::Result<T> + Send,
     ) -> PyResult<T> {
         py.detach(|| {

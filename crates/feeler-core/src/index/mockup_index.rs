@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::index::selection::Selection;
 use crate::index::store::{Storage, Store};
 use crate::mesh::mockup::Mockup;
-use crate::progress::Progress;
+use crate::progress::Control;
 
 /// A mock-up and its store, with a selection. Immutable while it is queried; a copy shares mock-up and store.
 #[derive(Debug, Clone)]
@@ -32,12 +32,12 @@ impl Index {
         storage: Storage,
         voxel_size: f64,
         memory_limit: u64,
-        progress: Progress<'_>,
+        control: Control<'_>,
     ) -> Result<Index> {
         if !(voxel_size.is_finite() && voxel_size > 0.0) {
             return Err(Error::VoxelSize { value: voxel_size });
         }
-        let store = Arc::new(Store::build(mockup.mesh(), storage, voxel_size, memory_limit, progress)?);
+        let store = Arc::new(Store::build(mockup.mesh(), storage, voxel_size, memory_limit, control)?);
         let (selection, lanes) = (Selection::default(), Level::best().checked());
         Ok(Index { mockup, voxel_size, storage, memory_limit, store, selection, lanes })
     }

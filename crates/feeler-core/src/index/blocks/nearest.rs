@@ -255,6 +255,9 @@ impl<W: NearSink> Kernel for Descend<'_, '_, W> {
         let levels = &run.blocks.levels;
         let mut near = Near::ZERO;
         while let Some(pair) = scratch.stack.pop() {
+            if run.wanted.must_stop() {
+                return;
+            }
             if pair.bound > run.limit {
                 continue;
             }
@@ -326,7 +329,7 @@ impl<W: NearSink> Kernel for Collect<'_, '_, W> {
                         prefetch_at(&run.blocks.pieces, later as usize);
                     }
                 }
-                if super::nearest_leaf::scan(s, run, scratch, cluster, block) {
+                if run.wanted.must_stop() || super::nearest_leaf::scan(s, run, scratch, cluster, block) {
                     return;
                 }
             }
