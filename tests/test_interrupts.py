@@ -19,7 +19,8 @@ polar = np.linspace(0, np.pi, rings + 1)[:, None]
 around = np.linspace(0, 2 * np.pi, columns, endpoint=False)[None, :]
 ball = np.stack(np.broadcast_arrays(np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)), -1)
 i, j = (x.ravel() for x in np.meshgrid(np.arange(rings), np.arange(columns), indexing="ij"))
-a, b, c, d = i * columns + j, (i + 1) * columns + j, (i + 1) * columns + (j + 1) % columns, i * columns + (j + 1) % columns
+beside = (j + 1) % columns
+a, b, c, d = i * columns + j, (i + 1) * columns + j, (i + 1) * columns + beside, i * columns + beside
 quads = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 balls = np.argwhere(np.ones((4, 4, 4))) * 0.1
 vertices = (balls[:, None] + 0.04 * ball.reshape(1, -1, 3)).reshape(-1, 3)
@@ -38,7 +39,7 @@ ENDLESS = {
     "clearance of all pairs": "scene.clearance(tool, off, within=np.inf, triangles=True)",
     "colliding pairs of many poses": "scene.collide_batch(tool, np.tile(off, (1_000_000, 1, 1)))",
     "distances of many poses": "scene.distance_batch(tool, np.tile(away, (1_000_000, 1, 1)))",
-    "clearances of many poses": "scene.clearance_batch(tool, np.tile(off, (4000, 1, 1)), within=np.inf, triangles=True)",
+    "clearances of many poses": "scene.clearance_batch(tool, np.tile(off, (4000, 1, 1)), np.inf, triangles=True)",
     "a checked path": "scene.check_path(tool, np.tile(np.stack([away, turned]), (100_000, 1, 1)))",
 }
 

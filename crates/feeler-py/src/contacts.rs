@@ -15,10 +15,10 @@ use crate::arguments::{PoseArgument, ToolArgument};
 use crate::arrays::pose_array;
 use crate::arrays::{view, view_blocks, view_rows};
 use crate::errors::to_py;
-use crate::pools::find_topology;
 use crate::scene::Scene;
 use crate::selection::Ignore;
 use crate::signals::stoppable;
+use crate::topology::find_topology;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
 /// Contact planes, deepest first; false when there are none. `contacts[i]` is one. All arrays are read-only.

@@ -29,6 +29,7 @@ mod selection;
 mod signals;
 mod swept;
 mod tool;
+mod topology;
 mod travel;
 mod world;
 

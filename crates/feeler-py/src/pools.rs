@@ -5,9 +5,8 @@
 //! process.
 
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
 
-use feeler_core as core;
 use feeler_devices::machine::MonotonicClock;
 use feeler_haptics::Clock;
 use once_cell::race::OnceBox;
@@ -15,7 +14,6 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::raise;
-use crate::signals::{on_pool_or_left, SIGNALS_EVERY};
 
 /// Forks between the process that loaded this module and the present one.
 static GENERATION: AtomicU64 = AtomicU64::new(0);
@@ -45,14 +43,14 @@ pub fn machine_clock() -> Arc<dyn Clock> {
 
 /// What the threads of one process share, made when first asked for, and anew in each forked process. What the process before
 /// it had is left alone: to drop it, its threads would be waited for.
-struct PerProcess<T>(AtomicPtr<(u64, T)>);
+pub struct PerProcess<T>(AtomicPtr<(u64, T)>);
 
 impl<T: Send + Sync> PerProcess<T> {
-    const fn new() -> PerProcess<T> {
+    pub const fn new() -> PerProcess<T> {
         PerProcess(AtomicPtr::new(std::ptr::null_mut()))
     }
 
-    fn get<E>(&self, make: impl Fn() -> Result<T, E>) -> Result<&T, E> {
+    pub fn get<E>(&self, make: impl Fn() -> Result<T, E>) -> Result<&T, E> {
         loop {
             let at = self.0.load(Ordering::Acquire);
             // SAFETY: null, or a box that is only freed when `self` is dropped.
@@ -116,65 +114,4 @@ pub fn threads_of(pool: Option<&Pool>) -> PyResult<&ThreadPool> {
 /// asks is never one of a pool: those do not enter the interpreter (`reporter.rs`).
 pub fn on_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     Ok(threads_of(pool)?.install(work))
-}
-
-/// Finds how the triangles of both hang together, which contacts ask for, if nobody has; for `escape` also the ways between the
-/// tool's surfaces. One thread does, on all threads of the process, and the others wait for it; in a forked process for none that
-/// is not there. Called without the interpreter's lock. After Ctrl-C it is still found to the end, for the next call.
-pub fn find_topology(mockup: &Arc<core::Mockup>, tool: &Arc<core::Tool>, escape: bool) -> PyResult<()> {
-    static FINDER: PerProcess<Finder> = PerProcess::new();
-    let is_found = || {
-        let [adjacency, links] = tool.has_topology();
-        mockup.has_adjacency() && adjacency && (links || !escape)
-    };
-    if is_found() {
-        return Ok(());
-    }
-    let finder = FINDER.get(|| Ok::<_, PyErr>(Finder::default()))?;
-    let turn = finder.turn()?;
-    if is_found() {
-        return Ok(());
-    }
-    let (mockup, tool) = (Arc::clone(mockup), Arc::clone(tool));
-    on_pool_or_left(move || {
-        let _turn = turn;
-        mockup.adjacency();
-        tool.adjacency();
-        if escape {
-            tool.links();
-        }
-    })
-}
-
-/// Lets one thread at a time find what several ask for.
-#[derive(Default)]
-struct Finder {
-    is_busy: Mutex<bool>,
-    changed: Condvar,
-}
-
-impl Finder {
-    /// Waits until nobody else has the turn, or a signal handler raises.
-    fn turn(&'static self) -> PyResult<Turn> {
-        let mut is_busy = self.is_busy.lock().unwrap_or_else(PoisonError::into_inner);
-        loop {
-            if !std::mem::replace(&mut *is_busy, true) {
-                return Ok(Turn(self));
-            }
-            let waited = self.changed.wait_timeout(is_busy, SIGNALS_EVERY);
-            drop(waited.unwrap_or_else(PoisonError::into_inner));
-            Python::attach(|py| py.check_signals())?;
-            is_busy = self.is_busy.lock().unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-}
-
-/// Gives the turn to the next thread when dropped.
-struct Turn(&'static Finder);
-
-impl Drop for Turn {
-    fn drop(&mut self) {
-        *self.0.is_busy.lock().unwrap_or_else(PoisonError::into_inner) = false;
-        self.0.changed.notify_one();
-    }
 }

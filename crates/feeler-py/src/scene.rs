@@ -17,13 +17,14 @@ use crate::contacts::{Contacts, Penetration};
 use crate::containment::Containment;
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
-use crate::pools::{find_topology, on_pool, Pool};
+use crate::pools::{on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
 use crate::screw::{PathArgument, ScrewArgument};
 use crate::selection::{ignored_of, Ignore, SceneSource, Selected};
 use crate::signals::stoppable;
+use crate::topology::find_topology;
 use crate::travel::rows_of;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.

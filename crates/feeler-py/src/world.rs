@@ -13,9 +13,10 @@ use crate::collision::Collision;
 use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
-use crate::pools::{find_topology, on_pool};
+use crate::pools::on_pool;
 use crate::proximity::{Clearance, Distance};
 use crate::scene::Scene;
+use crate::topology::find_topology;
 use crate::travel::{check_lengths, kinds_of, rows_of, stays};
 
 /// The name of a kind of seat.
