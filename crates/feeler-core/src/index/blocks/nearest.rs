@@ -255,15 +255,13 @@ impl<W: NearSink> Kernel for Descend<'_, '_, W> {
         let levels = &run.blocks.levels;
         let mut near = Near::ZERO;
         while let Some(pair) = scratch.stack.pop() {
-            if run.wanted.must_stop() {
-                return;
-            }
             if pair.bound > run.limit {
                 continue;
             }
             let node = &levels[pair.level as usize][pair.node as usize];
             if pair.level == 0 && pair.tool_level == 0 {
-                if super::nearest_leaf::scan(s, run, scratch, pair.entry as usize, pair.node) {
+                if run.wanted.must_stop() || super::nearest_leaf::scan(s, run, scratch, pair.entry as usize, pair.node)
+                {
                     return;
                 }
                 continue;
