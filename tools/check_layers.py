@@ -79,7 +79,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "index": INDEX_BASE,
         "collide": QUERY_BASE,
         "distance": QUERY_BASE,
-        "cast": {*QUERY_BASE, "collide"},
+        "cast": {*QUERY_BASE, "collide", "setters"},
         # The mock-up against itself.
         "clash": {*QUERY_BASE, "collide", "setters"},
         "sizing": {*INDEX_BASE, "index", "setters"},
@@ -91,6 +91,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "interop": {"error", "geometry"},
         "setters": set(),
         "scene": {*QUERY_BASE, "collide", "distance", "cast", "rays", "section", "sizing"},
+        "stoppable": {*QUERY_BASE, "collide", "distance", "scene"},
     },
     "feeler-contacts": {
         "constants": set(),

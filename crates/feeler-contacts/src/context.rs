@@ -3,7 +3,7 @@
 use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{dot, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
-use feeler_core::{Aabb, Mockup, Point, Pose, Scene, Tool, Triangle};
+use feeler_core::{Aabb, GoOn, Mockup, Point, Pose, Scene, Tool, Triangle};
 use feeler_lanes::Checked;
 
 use crate::constants::ENCLOSURE_SLACK;
@@ -22,6 +22,8 @@ pub(crate) struct QueryContext<'a> {
     /// The tool's centre of area, metres, world.
     pub centre: Point,
     pub lanes: Checked,
+    /// Whether the query goes on.
+    pub go_on: GoOn<'a>,
 }
 
 impl<'a> QueryContext<'a> {
@@ -34,7 +36,13 @@ impl<'a> QueryContext<'a> {
             adjacency: [tool.adjacency(), scene.mockup().adjacency()],
             centre: pose.apply(&tool.adjacency().centre),
             lanes: scene.index().lanes(),
+            go_on: GoOn::default(),
         }
+    }
+
+    /// The same for a query that can be stopped.
+    pub fn asking(self, go_on: GoOn<'a>) -> QueryContext<'a> {
+        QueryContext { go_on, ..self }
     }
 }
 

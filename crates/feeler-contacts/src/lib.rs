@@ -74,7 +74,7 @@ pub use footing::find::Footing;
 pub use footing::manifold::{Manifold, ManifoldPoint, Manifolds};
 pub use point_depth::depth::DepthKind;
 pub use point_depth::of_tool::PartDepth;
-pub use solver::ContactSolver;
+pub use solver::{ContactSolver, StoppableSolver};
 pub use tracker::ContactTracker;
 
 // For plans: where a point lies to a tool.

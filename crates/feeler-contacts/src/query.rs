@@ -7,9 +7,10 @@
 
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;
+use feeler_core::geometry::vectors::{add, length, scaled, sub};
 use feeler_core::index::sink::Divider;
 use feeler_core::scratch_pool::ScratchPool;
-use feeler_core::{Collision, Error, Filters, Pose, Result, Scene, Tool};
+use feeler_core::{Aabb, Collision, Error, Filters, GoOn, Pace, Pose, Result, Scene, Tool};
 use feeler_lanes::Sorter;
 
 use crate::constants::{
@@ -40,7 +41,11 @@ use crate::surface::Surface;
 pub(crate) struct ContactQuery<'a> {
     pub scene: &'a Scene,
     pub pool: &'a ScratchPool<ContactScratch>,
+    pub go_on: GoOn<'a>,
 }
+
+/// Contact regions between two questions whether the query goes on.
+const REGIONS_BETWEEN: u32 = 16;
 
 /// The contacts of the tool with one part.
 #[derive(Debug, Default)]
@@ -141,9 +146,9 @@ impl ContactQuery<'_> {
             ..
         } = &mut *scratch;
         let (scene, mockup) = (self.scene, self.scene.mockup());
-        scene.collide_into(tool, pose, Filters::default(), collision);
+        scene.stoppable(self.go_on).collide_into(tool, pose, Filters::default(), collision)?;
         show(&collision.pairs);
-        let context = QueryContext::new(scene, tool, pose, reference);
+        let context = QueryContext::new(scene, tool, pose, reference).asking(self.go_on);
         if collision.pairs.len() > MANY_PAIRS {
             if let Some(pairs) = without_copies(&context, &collision.pairs) {
                 collision.pairs = pairs;
@@ -158,10 +163,14 @@ impl ContactQuery<'_> {
         let part_of = |pair: &[u32; 2]| mockup.part_of_face(pair[1]);
         let mut parts: Vec<PartContacts<'_>> = Vec::new();
         let mut piercings = Vec::new();
+        let mut pace = Pace::new(self.go_on, REGIONS_BETWEEN);
         for (part, pairs) in by_part.sort(hits, part_of, meeting) {
             let mut contacts = PartContacts { part, pairs, ..PartContacts::default() };
             let regions = find(&context, pairs, None, region_scratch);
             for region in 0..regions.regions.len() {
+                if pace.step() {
+                    return Err(Error::Cancelled);
+                }
                 let before = contacts.planes.len();
                 let filter = AxisFilter::LeadingOut;
                 push_region(&context, regions, region, part, filter, body_scratch, &mut contacts.planes);
@@ -174,6 +183,7 @@ impl ContactQuery<'_> {
         }
         if count_deep(&parts) < MANY_DEEP {
             for (at, piercing) in piercings {
+                self.go_on.check()?;
                 push_piercing(&context, &piercing, region_scratch, body_scratch, &mut parts[at]);
             }
         }
@@ -188,7 +198,7 @@ impl ContactQuery<'_> {
             for (part, same) in by_part.sort(&near, |c| c.part, candidates) {
                 let mut apart = PartContacts::default();
                 let found = parts.iter_mut().find(|met| met.part == part).unwrap_or(&mut apart);
-                plane_search.push_planes(same, found.pairs, &found.inside, &mut found.planes);
+                plane_search.push_planes(same, found.pairs, &found.inside, &mut found.planes)?;
                 contacts.planes.append(&mut apart.planes);
             }
             most_pairs = most_pairs.max(near.len());
@@ -213,7 +223,7 @@ impl ContactQuery<'_> {
         }
         let mut scratch = self.pool.take();
         let ContactScratch { by_part, candidates, near: near_scratch, distance, planes, .. } = &mut *scratch;
-        let context = QueryContext::new(self.scene, tool, pose, None);
+        let context = QueryContext::new(self.scene, tool, pose, None).asking(self.go_on);
         let (margin, near) = self.near_pairs(tool, pose, margin, &[], distance)?;
         let size = tool.mesh().bounds().longest();
         out.manifolds.clear();
@@ -221,7 +231,7 @@ impl ContactQuery<'_> {
         let mut plane_search = PlaneSearch::new(&context, margin, near_scratch);
         for (_, same) in by_part.sort(&near, |c| c.part, candidates) {
             planes.clear();
-            plane_search.push_planes(same, &[], &[Vec::new(), Vec::new()], planes);
+            plane_search.push_planes(same, &[], &[Vec::new(), Vec::new()], planes)?;
             set_ids(&context, planes);
             plane_search.each_separated(planes, |plane, separated| {
                 out.manifolds.push(manifold(context.lanes, plane, separated, margin, size));
@@ -246,13 +256,17 @@ impl ContactQuery<'_> {
         dividers: &[Divider],
         scratch: &mut DistanceScratch,
     ) -> Result<(f64, Vec<Candidate>)> {
-        let mut near =
-            |within: f64, most: usize| near_candidates(self.scene.index(), tool, pose, within, dividers, most, scratch);
+        let (scene, go_on) = (self.scene, self.go_on);
+        let mut near = |within: f64, most: usize| {
+            near_candidates(scene.index(), tool, pose, within, dividers, most, go_on, scratch)
+        };
         if let Some(found) = near(margin, MANY_NEAR)? {
             return Ok((margin, found));
         }
-        let least = self
-            .scene
+        // No pair is farther apart than that: halving a longer margin would only find all of them again.
+        let margin = margin.min(longest_distance(scene, tool, pose));
+        let least = scene
+            .stoppable(go_on)
             .distance(tool, pose, margin)?
             .map_or(0.0, |gap| LEAST_MARGIN_OVER_NEAREST * gap.distance)
             .min(margin);
@@ -269,6 +283,16 @@ impl ContactQuery<'_> {
         // However many: where surfaces are flush, all of them are the nearest.
         Ok((within, near(within, usize::MAX)?.unwrap_or_default()))
     }
+}
+
+/// No two points of the mock-up and of the tool at a pose are farther apart, metres: by the spheres around their boxes.
+fn longest_distance(scene: &Scene, tool: &Tool, pose: &Pose) -> f64 {
+    let [of_mockup, of_tool] = [scene.mockup().mesh().bounds(), tool.mesh().bounds()];
+    let middle = |b: &Aabb| scaled(&add(&b.lower, &b.upper), 0.5);
+    let apart = length(&sub(&middle(&of_mockup), &pose.apply(&middle(&of_tool))));
+    let diagonals = length(&of_mockup.extent()) + length(&of_tool.extent());
+    // With ample room for rounding.
+    1.001 * (apart + 0.5 * diagonals) + tool.margin_at(pose)
 }
 
 /// Adds the planes of a piercing: those along any axis, or where there are none the one across its own.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use feeler_core::scratch_pool::ScratchPool;
-use feeler_core::{Pose, Result, Scene, Tool};
+use feeler_core::{GoOn, Pose, Result, Scene, Tool};
 
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::containment::find::{containment, Containment};
@@ -74,19 +74,19 @@ impl ContactSolver {
     /// for open ones it is unknown. Exact except for the rounding of a point's rotation into the tool's frame (for
     /// parts inside the tool) and for cracks, where the majority of three rays decides.
     pub fn containment(&self, tool: &Tool, pose: &Pose) -> Containment {
-        containment(&self.scene, tool, pose)
+        containment(&self.scene, tool, pose, GoOn::default())
     }
 
     /// The depth of the tool in each part that it collides with, or that contains it, or that it contains: how far the
     /// deepest point of one surface lies inside the other part. The deepest first, then by part. Trees of these parts
     /// are made on demand, in time about linear in their triangles, and kept.
     pub fn depths(&self, tool: &Tool, pose: &Pose) -> Vec<PartDepth> {
-        depths(&self.scene, &self.bodies, tool, pose)
+        depths(&self.scene, &self.bodies, tool, pose, GoOn::default())
     }
 
     /// Whether there is no collision and no containment.
     pub fn is_free(&self, tool: &Tool, pose: &Pose) -> bool {
-        is_free_and_outside(&self.scene, tool, pose)
+        is_free_and_outside((&self.scene, GoOn::default()), tool, pose)
     }
 
     /// The footing of a plane that [`contacts`](Self::contacts) found for this tool at this pose: one to four points of the tool, in its
@@ -105,6 +105,56 @@ impl ContactSolver {
     }
 
     pub(crate) fn query(&self) -> ContactQuery<'_> {
-        ContactQuery { scene: &self.scene, pool: &self.pool }
+        self.query_while(GoOn::default())
+    }
+
+    fn query_while<'a>(&'a self, go_on: GoOn<'a>) -> ContactQuery<'a> {
+        ContactQuery { scene: &self.scene, pool: &self.pool, go_on }
+    }
+
+    /// The queries that can take long, with a function that is asked every few milliseconds on the calling thread. They stop where
+    /// it returns false; it must return false from then on.
+    pub fn stoppable<'a>(&'a self, go_on: GoOn<'a>) -> StoppableSolver<'a> {
+        StoppableSolver { solver: self, go_on }
+    }
+}
+
+/// The queries of a solver that can be stopped; see [`ContactSolver::stoppable`]. Each returns
+/// [`Error::Cancelled`](feeler_core::Error::Cancelled) if it was stopped.
+#[derive(Debug, Clone, Copy)]
+pub struct StoppableSolver<'a> {
+    solver: &'a ContactSolver,
+    go_on: GoOn<'a>,
+}
+
+impl StoppableSolver<'_> {
+    /// See [`ContactSolver::contacts`].
+    pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
+        self.solver.query_while(self.go_on).contacts(tool, pose, margin, reference)
+    }
+
+    /// See [`ContactSolver::penetration`].
+    pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
+        self.unless_stopped(penetration(&self.solver.query_while(self.go_on), tool, pose, margin, reference)?)
+    }
+
+    /// See [`ContactSolver::containment`].
+    pub fn containment(&self, tool: &Tool, pose: &Pose) -> Result<Containment> {
+        self.unless_stopped(containment(&self.solver.scene, tool, pose, self.go_on))
+    }
+
+    /// See [`ContactSolver::depths`].
+    pub fn depths(&self, tool: &Tool, pose: &Pose) -> Result<Vec<PartDepth>> {
+        self.unless_stopped(depths(&self.solver.scene, &self.solver.bodies, tool, pose, self.go_on))
+    }
+
+    /// See [`ContactSolver::is_free`].
+    pub fn is_free(&self, tool: &Tool, pose: &Pose) -> Result<bool> {
+        self.unless_stopped(is_free_and_outside((&self.solver.scene, self.go_on), tool, pose))
+    }
+
+    /// What was found, if the query was not stopped on the way.
+    fn unless_stopped<T>(&self, found: T) -> Result<T> {
+        self.go_on.check().map(|()| found)
     }
 }

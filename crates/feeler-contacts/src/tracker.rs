@@ -1,6 +1,6 @@
 //! Contacts along a path: the last free pose is the reference of the next query.
 
-use feeler_core::{Pose, Result, Tool};
+use feeler_core::{GoOn, Pose, Result, Tool};
 
 use crate::contact_plane::Contacts;
 use crate::solver::ContactSolver;
@@ -30,7 +30,19 @@ impl ContactTracker {
     /// [`ContactSolver::contacts`] with the last free pose as reference; a pose without a collision becomes the next
     /// one.
     pub fn contacts(&mut self, solver: &ContactSolver, tool: &Tool, pose: &Pose, margin: f64) -> Result<Contacts> {
-        let contacts = solver.contacts(tool, pose, margin, self.last_free.as_ref())?;
+        self.contacts_while(solver, tool, pose, margin, GoOn::default())
+    }
+
+    /// The same, as a query that can be stopped ([`ContactSolver::stoppable`]).
+    pub fn contacts_while(
+        &mut self,
+        solver: &ContactSolver,
+        tool: &Tool,
+        pose: &Pose,
+        margin: f64,
+        go_on: GoOn<'_>,
+    ) -> Result<Contacts> {
+        let contacts = solver.stoppable(go_on).contacts(tool, pose, margin, self.last_free.as_ref())?;
         if !contacts.is_meeting {
             self.last_free = Some(*pose);
         }

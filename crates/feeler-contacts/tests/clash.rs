@@ -18,7 +18,7 @@ fn clashes_of(parts: Vec<Arrays>, clearance: f64, contact: f64) -> Vec<Clash> {
     clashes_between(parts, clearance, contact, Vec::new())
 }
 
-/// Of all pairs but some.
+/// Limits of all pairs except some.
 fn clashes_between(parts: Vec<Arrays>, clearance: f64, contact: f64, excluded: Vec<[u32; 2]>) -> Vec<Clash> {
     let count = parts.len();
     let scene = Scene::build(mockup_of(parts), &SceneOptions::default()).unwrap();
@@ -31,7 +31,7 @@ fn clashes_between(parts: Vec<Arrays>, clearance: f64, contact: f64, excluded: V
     search.measure().unwrap()
 }
 
-/// A box by its corners, moved; its corners are sums of these and `off`, the same for whoever shares them.
+/// A box by its corners, moved by `off`. Boxes that share a corner get exactly the same sum for it.
 fn block(lower: Point, upper: Point, cells: usize, off: f64) -> Arrays {
     let (vertices, faces) = box_mesh([0.0; 3], [2.0; 3], cells);
     let place = |p: Point| {
@@ -66,7 +66,7 @@ fn depth_by_points(p: [Point; 2], q: [Point; 2]) -> f64 {
     from(p, q).max(from(q, p))
 }
 
-/// What two boxes on a lattice are to each other, and how long the way out is, by their sides alone.
+/// The verdict on two boxes on a lattice, and the length of the shortest translation that frees them, from their sides alone.
 fn expected(p: [[i64; 3]; 2], q: [[i64; 3]; 2]) -> Option<(Verdict, Option<i64>)> {
     let shared: [i64; 3] = std::array::from_fn(|a| p[1][a].min(q[1][a]) - p[0][a].max(q[0][a]));
     let least = *shared.iter().min()?;
@@ -123,10 +123,10 @@ fn boxes_on_a_lattice_are_to_each_other_what_integers_say() {
     assert!(counts.iter().zip([100, 100, 0, 10, 5]).all(|(count, least)| *count >= least), "{counts:?}");
 }
 
-/// A name, two boxes, what they are to each other, and the gap.
+/// A name, two boxes, their verdict, and the gap.
 type Case = (&'static str, [Point; 2], [Point; 2], Option<Verdict>, f64);
 
-/// The cases of which tools are mostly wrong.
+/// The cases that most tools get wrong.
 const CASES: [Case; 15] = {
     const CUBE: [Point; 2] = [[0.0; 3], [2.0; 3]];
     [
@@ -171,7 +171,7 @@ fn cases_of_which_tools_are_mostly_wrong() {
     }
 }
 
-/// A ring of so many sides around z, of height 2.
+/// A ring around z with this many sides, of height 2.
 fn ring(inner: f64, outer: f64, sides: u32, off: f64) -> Arrays {
     let around = |radius: f64, z: f64| {
         (0..sides).map(move |i| {
@@ -189,7 +189,7 @@ fn ring(inner: f64, outer: f64, sides: u32, off: f64) -> Arrays {
     (vertices.concat(), (0..4).flat_map(sides_of).collect())
 }
 
-/// A pin with such sides, from `low` to `high`.
+/// A pin with the same sides, from `low` to `high`.
 fn pin(radius: f64, sides: u32, [low, high]: [f64; 2], off: f64) -> Arrays {
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for z in [low, high] {
@@ -221,7 +221,7 @@ fn a_pin_in_its_hole_is_in_contact_and_not_deep() {
             assert_eq!((row.verdict, row.depth, row.translation), (Verdict::Contact, 0.0, [0.0; 3]), "{ends:?} {off}");
             assert!(row.triangles >= 64 && row.kind == DepthKind::Measured, "{row:?}");
         }
-        // A little too thick.
+        // The pin is slightly too thick.
         let found = clashes_of(vec![pin(0.501, 64, [-1.0, 3.0], off), ring(0.5, 1.5, 64, off)], 0.0, 0.0);
         assert_eq!(found[0].verdict, Verdict::Clash);
         assert!(found[0].depth > 0.9e-3, "{found:?}");
@@ -255,7 +255,7 @@ fn open_surfaces_are_told_and_hold_nothing() {
     let cube = block([0.0; 3], [2.0; 3], 3, 0.0);
     let square =
         |half: f64, z: f64| sheet(4, 4, move |s, t| [1.0 + half * (2.0 * s - 1.0), 1.0 + half * (2.0 * t - 1.0), z]);
-    // Through the box, within it, on its face.
+    // A bar through the box, one inside it, and one on its face.
     for (sheet, verdict) in [
         (square(1.5, 0.9), Verdict::Clash),
         (square(0.5, 0.9), Verdict::Contained),
@@ -341,11 +341,11 @@ fn what_touches_is_judged_by_all_of_it() {
     let cube = block([0.0; 3], [2.0; 3], 2, 0.0);
     let flush = block([0.5, 0.6, 0.0], [1.0, 1.1, 1.2], 1, 0.0);
     let verdict = |p: &Arrays, q: Arrays| clashes_of(vec![p.clone(), q], 0.0, 0.0)[0].verdict;
-    // Beside the cube, with a surface of its own inside it.
+    // A part beside the cube that has a second surface inside it.
     let beside = block([2.0, 0.0, 0.0], [3.0, 1.0, 1.0], 1, 0.0);
     assert_eq!(verdict(&cube, beside.clone()), Verdict::Contact);
     assert_eq!(verdict(&cube, joined([beside, block([0.5; 3], [1.0; 3], 1, 0.0)])), Verdict::Clash);
-    // Inside it, with one outside.
+    // A part inside the cube that has a second surface outside it.
     assert_eq!(verdict(&cube, flush.clone()), Verdict::Contained);
     assert_eq!(verdict(&cube, joined([flush, block([5.0; 3], [6.0; 3], 1, 0.0)])), Verdict::Clash);
     // A bar from one cheek to the next, with corners where it leaves the one and enters the other and none between.

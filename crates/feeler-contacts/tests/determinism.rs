@@ -18,7 +18,7 @@ const STORES: [Storage; 5] = [
     Storage::Hashed { level: 0.95 },
 ];
 
-/// A case as meshes, and what is asked of it: poses with margins and references.
+/// A case as meshes, and its queries: poses with margins and references.
 struct Asked {
     name: &'static str,
     mockup: Arc<Mockup>,
@@ -36,7 +36,7 @@ impl Asked {
         let off = [0.25, 0.75, 1.5].map(|share| share * extent);
         let queries = case.poses.iter().flat_map(|matrix| {
             let pose = Pose::new(matrix).unwrap();
-            // From where most of the tool stands off, and it may have come.
+            // A pose at which most of the tool is clear of the mock-up: it serves as the reference.
             let away = pose.translated(&off).unwrap();
             [(pose, 0.01, None), (pose, 0.0, Some(away)), (away, 0.05, None)]
         });
@@ -53,12 +53,12 @@ impl Asked {
         solver.contacts(&self.tool, pose, *margin, reference.as_ref()).unwrap()
     }
 
-    /// One query after the other, with the working memory that the last one left.
+    /// One query after the other: each reuses the working memory of the last one.
     fn answers(&self, solver: &ContactSolver) -> Vec<Contacts> {
         self.queries.iter().map(|query| self.answer(solver, query)).collect()
     }
 
-    /// Several at once, and some with the working memory of others than before.
+    /// Several queries at once: some use working memory of other queries than before.
     fn answers_on(&self, solver: &ContactSolver, threads: usize) -> Vec<Contacts> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let twice: Vec<_> = self.queries.iter().rev().chain(&self.queries).collect();

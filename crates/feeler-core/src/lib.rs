@@ -79,6 +79,7 @@ pub mod scratch_pool;
 mod section;
 mod setters;
 mod sizing;
+mod stoppable;
 #[doc(hidden)]
 pub mod tool;
 
@@ -107,6 +108,8 @@ pub use mesh::defects::{Defect, DefectKind, Defects};
 pub use mesh::mockup::Mockup;
 pub use mesh::triangle_mesh::Mesh;
 pub use mesh::weld::weld_vertices;
+#[doc(hidden)]
+pub use progress::Pace;
 pub use progress::{BatchOptions, GoOn, Progress};
 pub use rays::ray::{HalfSpace, Ray, RayHit};
 pub use scene::{Scene, SceneOptions};
@@ -117,6 +120,7 @@ pub use sizing::cost_constants::CostConstants;
 pub use sizing::piece_predictor::{PiecePredictor, PieceWork};
 pub use sizing::predictor::Predictor;
 pub use sizing::work::Work;
+pub use stoppable::StoppableScene;
 pub use tool::motion::{Chord, Motion};
 pub use tool::moving_tool::Tool;
 pub use tool::screw::{Leg, Screw};

@@ -40,7 +40,7 @@ impl fmt::Debug for Progress<'_> {
     }
 }
 
-/// Asks whether long work goes on. The default always does.
+/// Asks whether long work goes on. The default always does. A function that returned false must return false from then on.
 #[derive(Clone, Copy, Default)]
 pub struct GoOn<'a>(Option<&'a (dyn Fn() -> bool + Sync)>);
 
@@ -48,6 +48,20 @@ impl<'a> GoOn<'a> {
     /// Asks a function every few milliseconds. Work stops where it returns false.
     pub fn new(function: &'a (dyn Fn() -> bool + Sync)) -> GoOn<'a> {
         GoOn(Some(function))
+    }
+
+    /// Whether the work goes on.
+    pub fn goes_on(&self) -> bool {
+        self.0.is_none_or(|function| function())
+    }
+
+    /// An error where the work is to stop.
+    pub fn check(&self) -> Result<()> {
+        if self.goes_on() {
+            Ok(())
+        } else {
+            Err(Error::Cancelled)
+        }
     }
 
     /// The function to ask.
@@ -59,6 +73,54 @@ impl<'a> GoOn<'a> {
 impl fmt::Debug for GoOn<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if self.0.is_some() { "GoOn(..)" } else { "GoOn" })
+    }
+}
+
+/// How building an index reports, and how it is stopped.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Control<'a> {
+    /// Told of each stage.
+    pub progress: Progress<'a>,
+    /// Asked on all threads while a stage runs.
+    pub go_on: GoOn<'a>,
+}
+
+/// Asks a [`GoOn`] once every so many steps of a loop, so that a step costs an addition and a comparison.
+#[doc(hidden)]
+#[derive(Debug, Clone)]
+pub struct Pace<'a> {
+    go_on: GoOn<'a>,
+    every: u32,
+    steps: u32,
+    is_stopped: bool,
+}
+
+impl<'a> Pace<'a> {
+    /// Asks after every `every` steps. Choose it so that they take a few milliseconds.
+    pub fn new(go_on: GoOn<'a>, every: u32) -> Pace<'a> {
+        Pace { go_on, every, steps: 0, is_stopped: false }
+    }
+
+    /// Counts a step. Whether the loop must stop.
+    #[inline(always)]
+    pub fn step(&mut self) -> bool {
+        self.steps += 1;
+        self.steps >= self.every && self.ask()
+    }
+
+    /// Whether a step found that the loop must stop.
+    #[inline(always)]
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    /// Asks now. Whether the loop must stop.
+    #[cold]
+    #[inline(never)]
+    pub fn ask(&mut self) -> bool {
+        self.steps = 0;
+        self.is_stopped = self.is_stopped || !self.go_on.goes_on();
+        self.is_stopped
     }
 }
 
@@ -79,6 +141,8 @@ impl fmt::Debug for GoOn<'_> {
 pub struct BatchOptions<'a> {
     /// Reports the progress after every few thousand poses, and may stop the query.
     pub progress: Progress<'a>,
+    /// Asked every few milliseconds on each thread, and may stop the query.
+    pub go_on: GoOn<'a>,
 }
 
 impl<'a> BatchOptions<'a> {
@@ -86,6 +150,13 @@ impl<'a> BatchOptions<'a> {
     #[must_use]
     pub fn with_progress(mut self, progress: &'a (dyn Fn(f64, &str) -> bool + Sync)) -> Self {
         self.progress = Progress::new(progress);
+        self
+    }
+
+    /// Asks a function every few milliseconds. The query stops with [`Error::Cancelled`] where it returns false.
+    #[must_use]
+    pub fn with_go_on(mut self, go_on: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.go_on = GoOn::new(go_on);
         self
     }
 }

@@ -23,7 +23,7 @@ use crate::index::ray_search::RayScratch;
 use crate::index::selection::{IgnoredPairs, Selection};
 use crate::index::store::Storage;
 use crate::mesh::mockup::Mockup;
-use crate::progress::{BatchOptions, Progress};
+use crate::progress::{BatchOptions, Control, GoOn, Progress};
 use crate::rays::ray::{HalfSpace, Ray, RayHit};
 use crate::saved::{Reader, SavedSections, Sections};
 use crate::scratch_pool::ScratchPool;
@@ -55,6 +55,8 @@ pub struct SceneOptions<'a> {
     pub memory_limit: u64,
     /// Reports the progress of building, and may stop it.
     pub progress: Progress<'a>,
+    /// Asked every few milliseconds on each thread, and may stop building.
+    pub go_on: GoOn<'a>,
 }
 
 impl Default for SceneOptions<'_> {
@@ -65,6 +67,7 @@ impl Default for SceneOptions<'_> {
             tool: None,
             memory_limit: u64::MAX,
             progress: Progress::default(),
+            go_on: GoOn::default(),
         }
     }
 }
@@ -104,6 +107,13 @@ impl<'a> SceneOptions<'a> {
         self.progress = Progress::new(progress);
         self
     }
+
+    /// Asks a function every few milliseconds on each thread. Building stops with [`Error::Cancelled`] where it returns false.
+    #[must_use]
+    pub fn with_go_on(mut self, go_on: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.go_on = GoOn::new(go_on);
+        self
+    }
 }
 
 /// A mock-up with its index, and the queries on it. Immutable: any number of threads may query it at once.
@@ -131,9 +141,10 @@ impl Scene {
     /// Errors: a request to stop, a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
     /// anything is allocated.
     pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>) -> Result<Scene> {
-        let SceneOptions { voxel_size, storage, tool, memory_limit, progress } = *options;
+        let SceneOptions { voxel_size, storage, tool, memory_limit, progress, go_on } = *options;
         let size = voxel_size.unwrap_or_else(|| default_voxel_size(mockup.mesh(), tool, storage, memory_limit));
-        Ok(Scene { index: Index::build(mockup, storage, size, memory_limit, progress)?, pools: Arc::default() })
+        let index = Index::build(mockup, storage, size, memory_limit, Control { progress, go_on })?;
+        Ok(Scene { index, pools: Arc::default() })
     }
 
     /// The scene as sections, and with them the connectivity of the triangles, so that first queries of a scene made
@@ -156,7 +167,8 @@ impl Scene {
         memory_limit: u64,
         progress: Progress<'_>,
     ) -> Result<Scene> {
-        let (index, absent) = Index::of_saved(Reader::new(saved, is_checked), memory_limit, progress)?;
+        let control = Control { progress, ..Control::default() };
+        let (index, absent) = Index::of_saved(Reader::new(saved, is_checked), memory_limit, control)?;
         let scene = Scene { index, pools: Arc::default() };
         if absent.is_empty() {
             Ok(scene)
@@ -337,7 +349,7 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], options: &BatchOptions<'_>) -> Result<Batch> {
-        collide::batch::collide_batch(&self.index, &self.pools.collide, tool, poses, options.progress)
+        collide::batch::collide_batch(&self.index, &self.pools.collide, tool, poses, options)
     }
 
     /// Every pair of triangles with a distance of at most `within` (metres), sorted by distance, then tool triangle, then
@@ -346,7 +358,7 @@ impl Scene {
     /// Errors: `within` negative or NaN, and more pairs than the memory limit of the scene allows.
     pub fn near_pairs(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Gap>> {
         check_distance("within", within)?;
-        self.gaps(tool, pose, Goal::Pairs, within)
+        self.gaps_while((tool, pose), Goal::Pairs, within, GoOn::default())
     }
 
     /// The closest pair of triangles of each part with a distance of at most `within` (metres), sorted as
@@ -370,7 +382,7 @@ impl Scene {
     /// ```
     pub fn clearance(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Gap>> {
         check_distance("within", within)?;
-        self.gaps(tool, pose, Goal::Parts, within)
+        self.gaps_while((tool, pose), Goal::Parts, within, GoOn::default())
     }
 
     /// The closest pair of triangles of each of the `k` closest parts, but none farther than `within` (metres); sorted as
@@ -397,18 +409,28 @@ impl Scene {
         if k == 0 {
             return Err(Error::NoneAsked { what: "k" });
         }
-        self.gaps(tool, pose, Goal::Nearest(k), within)
+        self.gaps_while((tool, pose), Goal::Nearest(k), within, GoOn::default())
     }
 
     /// The closest pair of triangles, `None` when all are farther than `within` (metres): [`nearest`](Self::nearest) with `k` = 1,
     /// allocating nothing.
     pub fn distance(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Option<Gap>> {
         check_distance("within", within)?;
-        Ok(self.pools.distance.with(|scratch| distance::query::closest(&self.index, tool, pose, within, scratch)))
+        self.closest_while((tool, pose), within, GoOn::default())
     }
 
-    fn gaps(&self, tool: &Tool, pose: &Pose, goal: Goal, within: f64) -> Result<Vec<Gap>> {
-        self.pools.distance.with(|scratch| distance::query::gaps(&self.index, tool, pose, goal, within, scratch))
+    pub(crate) fn closest_while(&self, at: (&Tool, &Pose), within: f64, go_on: GoOn<'_>) -> Result<Option<Gap>> {
+        self.pools.distance.with(|scratch| distance::query::closest(&self.index, at.0, at.1, within, go_on, scratch))
+    }
+
+    pub(crate) fn gaps_while(
+        &self,
+        (tool, pose): (&Tool, &Pose),
+        goal: Goal,
+        within: f64,
+        go_on: GoOn<'_>,
+    ) -> Result<Vec<Gap>> {
+        self.pools.distance.with(|scratch| distance::query::gaps(&self.index, tool, pose, goal, within, go_on, scratch))
     }
 
     /// [`distance`](Self::distance) at many poses, in parallel on the current rayon pool.
@@ -419,7 +441,7 @@ impl Scene {
         within: f64,
         options: &BatchOptions<'_>,
     ) -> Result<Vec<Option<Gap>>> {
-        distance::batch::distance_batch(&self.index, &self.pools.distance, tool, poses, within, options.progress)
+        distance::batch::distance_batch(&self.index, &self.pools.distance, tool, poses, within, options)
     }
 
     /// [`clearance`](Self::clearance) at many poses, in parallel on the current rayon pool. Errors when the result would outgrow the
@@ -431,15 +453,7 @@ impl Scene {
         within: f64,
         options: &BatchOptions<'_>,
     ) -> Result<GapBatch> {
-        distance::batch::clearance_batch(
-            &self.index,
-            &self.pools.distance,
-            tool,
-            poses,
-            within,
-            false,
-            options.progress,
-        )
+        distance::batch::clearance_batch(&self.index, &self.pools.distance, tool, poses, within, false, options)
     }
 
     /// [`near_pairs`](Self::near_pairs) at many poses, as [`clearance_batch`](Self::clearance_batch).
@@ -450,7 +464,7 @@ impl Scene {
         within: f64,
         options: &BatchOptions<'_>,
     ) -> Result<GapBatch> {
-        distance::batch::clearance_batch(&self.index, &self.pools.distance, tool, poses, within, true, options.progress)
+        distance::batch::clearance_batch(&self.index, &self.pools.distance, tool, poses, within, true, options)
     }
 
     /// The first impact of the tool on its [way](crate::Motion) between two poses; `None` if the way is free.
@@ -661,6 +675,18 @@ impl Scene {
     /// As [`collide_filtered`](Self::collide_filtered), into an existing result whose memory is used again: allocates nothing once
     /// that and the working memory have grown to the need.
     pub fn collide_into(&self, tool: &Tool, pose: &Pose, filters: Filters, out: &mut Collision) {
-        self.pools.collide.with(|scratch| collide::query::collide_into(&self.index, tool, pose, filters, scratch, out));
+        let done = self.collide_while((tool, pose), filters, GoOn::default(), out);
+        debug_assert!(done.is_ok(), "nothing stops it");
+    }
+
+    pub(crate) fn collide_while(
+        &self,
+        (tool, pose): (&Tool, &Pose),
+        filters: Filters,
+        go_on: GoOn<'_>,
+        out: &mut Collision,
+    ) -> Result<()> {
+        let (index, pool) = (&self.index, &self.pools.collide);
+        pool.with(|scratch| collide::query::collide_into(index, tool, pose, filters, go_on, scratch, out))
     }
 }

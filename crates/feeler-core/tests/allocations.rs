@@ -23,7 +23,7 @@ thread_local! {
 fn grown(bytes: usize) {
     let now = RESIDENT.fetch_add(bytes, SeqCst) + bytes;
     PEAK.fetch_max(now, SeqCst);
-    // Not there any more while a thread ends.
+    // The thread-local value is gone while a thread ends.
     let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
 }
 
@@ -65,7 +65,7 @@ static ALLOCATOR: Counting = Counting;
 fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    // The threads of the pool, and what they keep, are no part of any index.
+    // The threads of the pool and their memory are not part of an index.
     rayon::broadcast(|_| ());
     guard
 }
@@ -254,7 +254,7 @@ fn a_batch_stays_within_the_limit() {
         assert!(peak as u64 <= limit + (1 << 20), "limit {limit}: {peak} bytes at the most");
         assert!(left < 1 << 19, "{left} bytes left behind");
     }
-    // What is said to be needed is enough: also where poses that find much come before many that find nothing, or after them.
+    // The memory that the error asks for is enough, also if poses with many pairs come before or after many without any.
     let away =
         Pose::new(&[[1.0, 0.0, 0.0, 9.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]).unwrap();
     for (before, meeting, after) in [(0, 10_000, 0), (0, 2_000, 30_000), (30_000, 2_000, 0)] {

@@ -33,7 +33,7 @@ fn build(mockup: &Arc<Mockup>, storage: Storage, voxel_size: Option<f64>) -> Res
     Scene::build(Arc::clone(mockup), &options)
 }
 
-/// The scene's every kind of query against what all pairs gave.
+/// Compares every kind of query of the scene with the test of all pairs.
 fn check_scene(what: &str, scene: &Scene, tool: &Tool, poses: &[Pose], expected: &[Pairs]) {
     scene.validate().unwrap_or_else(|why| panic!("{what}: {why}"));
     let mut reused = Collision::default();
@@ -188,7 +188,7 @@ fn all_scales_from_denormal_to_huge() {
         let expected: Vec<Pairs> = poses.iter().map(|pose| collide_all_pairs(mockup.mesh(), &tool, pose)).collect();
         assert!(expected[0].len() > 10, "{scale:e}: {}", expected[0].len());
         for storage in STORAGES {
-            // What no size was given for must work.
+            // The default voxel size must work too.
             let what = format!("lattice of {scale:e} m, {storage:?}");
             match build(&mockup, storage, None) {
                 Ok(scene) => check_scene(&what, &scene, &tool, &poses, &expected),
@@ -254,8 +254,8 @@ fn single_triangles_and_flat_meshes() {
 
 #[test]
 fn tool_triangles_that_lose_their_area_to_rounding_at_the_pose() {
-    // Far from its own origin a small or thin triangle rounds to a segment or a point. Those are closed sets too: they meet
-    // what they share a point with. In the plane of the mock-up's triangle they are coplanar, else they touch.
+    // Far from its own origin a small or thin triangle rounds to a segment or a point. These are closed sets too: sharing a
+    // point is a collision. In the plane of the mock-up's triangle the kind is coplanar, else touching.
     let mockup = mockup_of(arrays_of([[[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]]));
     let at = moved([1.0, 1.0, 0.0]);
     let e = 1e-20;

@@ -40,7 +40,7 @@ fn turned(axis: usize, angle: f64, at: Point) -> Pose {
     Pose::new(&m).unwrap()
 }
 
-/// What must hold of any answer: nothing meets before, and at the impact the pair is near.
+/// Every result must satisfy this: no collision before the impact, and the reported pair is near at the impact.
 fn check(mockup: &Mockup, tool: &Tool, way: (&Pose, &Pose), found: Option<&Cast>, samples: usize, what: &str) {
     let motion = Motion::new(tool, way.0, way.1);
     let until = found.map_or(1.0, |cast| cast.fraction);
@@ -197,7 +197,7 @@ fn half_a_turn_of_a_long_bar_meets_a_thin_post() {
         (vec![[x, y, -1.0], [x + 1e-5, y, 1.0], [x, y + 1e-5, 1.0]], vec![[0, 1, 2]])
     };
     let mockup = mockup_of(post);
-    // Centred on its box, which is what it turns about.
+    // Centred on its box: a motion turns about the middle of the box.
     let tool = tool_of(placed(bar([2.0, 0.01, 0.01]), 1.0, 0.0));
     for storage in STORAGES {
         let scene = scene_of(&mockup, storage);
@@ -207,7 +207,7 @@ fn half_a_turn_of_a_long_bar_meets_a_thin_post() {
                 let middle = m.apply(&[1.0, 0.005, 0.005]);
                 turned(2, angle, [-middle[0], -middle[1], -middle[2]])
             };
-            // Half a turn goes either way round: the post is met by one end or by the other.
+            // Half a turn may go either way round: one end of the bar or the other hits the post.
             let (a, b) = (pose(0.0), pose(turn));
             let cast =
                 scene.cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap().expect("a hit");
@@ -233,7 +233,7 @@ fn nothing_tunnels() {
         let mut r = Random::new(seed);
         let mockup = mockup_of(sheet_and_wire(&mut r));
         let scene = scene_of(&mockup, STORAGES[(seed % 5) as usize]);
-        // From one side to the other, so that most ways pass right through, spinning.
+        // From one side to the other, so that most motions pass right through while they spin.
         let (mut a, mut b) = (r.pose(2.0).matrix(), r.pose(2.0).matrix());
         let middle = r.point(-0.3, 0.3);
         let speed = [0.2, 1.0, 30.0][(seed % 3) as usize];
@@ -304,7 +304,7 @@ fn the_way_begins_and_ends_at_the_poses_given_and_stays_rigid() {
         let [a, b] = [0, 1].map(|k| {
             let mut m = r.pose(3.0).matrix();
             if i % 2 == 1 {
-                // As rigid as a pose must be, no more.
+                // A pose that is only just rigid enough.
                 m.iter_mut().take(3).for_each(|row| (0..3).for_each(|c| row[c] += r.real(-1.6e-7, 1.6e-7)));
             }
             if i % 5 == 0 && k == 1 {
@@ -399,7 +399,7 @@ fn a_long_blade_that_passes_is_not_stopped() {
     let found = STORAGES.map(|storage| {
         scene_of(&mockup, storage).cast(&tool, &a, &b, &CastOptions::default().with_tolerance(TOLERANCE)).unwrap()
     });
-    // It passes: by less than the bounds for its length, and so far that no impact may be made of that.
+    // It passes by. The gap is smaller than the error bounds for its length, but too large to report an impact.
     assert_eq!((plain, found), (None, [None; 5]));
     check(&mockup, &tool, (&a, &b), None, 20_000, "a long blade");
 }

@@ -38,7 +38,7 @@ fn sheets(sizes: &[usize]) -> Mockup {
     Mockup::new(vertices, faces, parts, sizes.len() + 1).unwrap()
 }
 
-/// What is promised of every packed mesh.
+/// Checks the guarantees of every packed mesh.
 fn check(packed: &Packed, mockup: &Mockup, limit: usize, small: &[bool]) {
     let mesh = mockup.mesh();
     assert_eq!(packed.places.len(), mesh.faces().len());

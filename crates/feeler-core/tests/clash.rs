@@ -23,7 +23,7 @@ fn assembly(parts: Vec<Arrays>) -> Arc<Mockup> {
     Arc::new(Mockup::new(vertices, faces, part_of_face, count).unwrap())
 }
 
-/// The same triangles, strewn over so many parts.
+/// The same triangles, distributed over this many parts.
 fn strewn((vertices, faces): Arrays, parts: u32) -> Arc<Mockup> {
     let part_of_face = (0..faces.len() as u32).map(|i| (i * 7 + i / 5) % parts).collect();
     Arc::new(Mockup::new(vertices, faces, part_of_face, parts as usize).unwrap())
@@ -70,7 +70,7 @@ fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
-/// What meets, and of that the pairs as they are `decided` for the search of what is near.
+/// The colliding pairs, and the same as `decided` pairs for the search of near parts.
 fn search(scene: &Scene, limits: &PairLimits) -> (Vec<MeetingParts>, Vec<PartGap>) {
     let index = SelfIndex::new(scene.index()).unwrap();
     let meeting = meeting_parts(&index, limits, &[], Progress::default());
@@ -143,7 +143,7 @@ fn only_pairs_that_are_asked_are_found() {
     let scene = scene_of(&mockup, &SceneOptions::default());
     let plain = PairLimits::uniform(0.05, 0.0).unwrap();
     let (all, all_near) = search(&scene, &plain);
-    // Classes 0 and 1 turn by turn; 1 against 1 is not asked, 0 against 1 has a shorter clearance.
+    // Classes 0 and 1 alternate. Pairs of 1 and 1 are not checked; pairs of 0 and 1 have a shorter clearance.
     let excluded = vec![[all[0].parts[1], all[0].parts[0]], all_near[0].parts];
     let tables = PairLimitTables::default()
         .with_class_of_part((0..parts as u32).map(|part| part % 2).collect())
@@ -159,12 +159,12 @@ fn only_pairs_that_are_asked_are_found() {
     assert!(meeting.len() + 2 < all.len() && near.len() + 2 < all_near.len() && !near.is_empty());
     assert_eq!(search(&scene, &limits), (meeting.clone(), near.clone()));
     assert_eq!((meeting_of_all_pairs(&mockup, &limits), gaps_of_all_parts(&mockup, &limits)), (meeting, near));
-    // Parts that are out.
+    // Removed parts.
     let without = scene.without(&[all[0].parts[0]]).unwrap();
     let stays = |parts: &[u32; 2]| !parts.contains(&all[0].parts[0]);
     let expected: Vec<_> = all.iter().filter(|m| stays(&m.parts)).copied().collect();
     assert_eq!(search(&without, &plain).0, expected);
-    // What each part adds to contacts reaches farther than the clearance.
+    // The contact distance that each part adds exceeds the clearance.
     let tables = PairLimitTables::default()
         .with_clearance(vec![0.0])
         .with_contact(vec![0.01])

@@ -52,7 +52,7 @@ fn hash_of_case(case: &Case) -> u64 {
                         ("warm", Level::best(), Filters::default()),
                         ("no filters", Level::best(), Filters { repeats: false, boxes: false }),
                     ];
-                    // One thread asks one pose: others matter to the building, and to batches.
+                    // One pose runs on one thread. The number of threads matters for building and for batches.
                     let levels = if threads == 1 { Level::available() } else { Vec::new() };
                     ways.extend(levels.into_iter().map(|l| (l.name(), l, Filters::default())));
                     for (how, lanes, filters) in ways {
@@ -84,7 +84,7 @@ fn one_golden_hash_whatever_the_threads_stores_voxels_and_order() {
     for case in cases() {
         let hash = hash_of_case(&case);
         golden.add_long(hash);
-        // A hash over nothing would be golden for ever.
+        // A hash over no pairs would never change.
         for pose in &case.poses {
             for (_, kind) in feeler_core::collide_all_pairs(case.mockup.mesh(), &case.tool, pose) {
                 kinds[kind as usize] += 1;
@@ -95,7 +95,7 @@ fn one_golden_hash_whatever_the_threads_stores_voxels_and_order() {
     golden.assert_golden("pairs");
 }
 
-/// The poses, and as many from where most of the tool stands off.
+/// The poses, and as many at which most of the tool is clear of the mock-up.
 fn near_and_far(case: &Case) -> Vec<Pose> {
     let off = [0.25, 0.75, 1.5].map(|share| share * case.extent());
     case.poses.iter().flat_map(|pose| [*pose, pose.translated(&off).unwrap()]).collect()
@@ -113,7 +113,7 @@ fn add_gaps(hash: &mut Hash, gaps: &[Gap], pairs: bool) {
     }
 }
 
-/// What a scene says of distances, one pose at a time.
+/// All distances of a scene, one pose at a time.
 fn hash_of_gaps(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
     let mut hash = Hash::NEW;
     for pose in poses {
@@ -170,7 +170,7 @@ fn one_golden_hash_of_distances() {
                         let options = SceneOptions::default().with_voxel_size(size).with_storage(storage);
                         let mut scene = Scene::build(Arc::clone(&case.mockup), &options).unwrap();
                         for lanes in Level::available() {
-                            // Other stores have one way of looking for what is near.
+                            // Other stores have only one distance search.
                             if storage == Storage::Blocks || lanes == Level::best() {
                                 scene.set_lanes(lanes);
                                 agree(hash_of_gaps(&scene, &case, &poses), &|| what(lanes.name()));

@@ -24,7 +24,7 @@ fn by_part(all: &[Gap]) -> Vec<Gap> {
     all.iter().filter(|gap| seen.insert(gap.part, ()).is_none()).copied().collect()
 }
 
-/// Equal, except for which of several pairs at distance 0 was taken.
+/// Equal, except that any of several pairs at distance 0 may be the closest.
 fn assert_same(what: &str, found: &[Gap], expected: &[Gap]) {
     let distances = |gaps: &[Gap]| gaps.iter().map(|gap| gap.distance).collect::<Vec<_>>();
     assert_eq!(distances(found), distances(expected), "{what}");
@@ -39,7 +39,7 @@ fn check(name: &str, mockup: &Arc<Mockup>, tool: &Tool, poses: &[Pose], withins:
     let longest = mockup.mesh().bounds().extent().iter().fold(0.0f64, |m, x| m.max(*x));
     let mut count = 0;
     for storage in STORAGES {
-        // Where nearly all voxels share their lists with a hundred others, fewer of them do.
+        // At a high hashing level a list serves a hundred voxels, so fewer cases are tested.
         let fine = if storage == (Storage::Hashed { level: 0.99 }) { 7.3 } else { 17.3 };
         for size in [None, Some(longest / fine), Some(longest * 100.0)] {
             let mut scene = build(mockup, storage, size);

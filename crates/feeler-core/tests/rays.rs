@@ -194,7 +194,7 @@ fn sections_keep_what_is_in_all_of_them() {
     assert_eq!(hit(&down, &[below(-0.5), above(-0.9)]), None);
     assert_eq!(hit(&down, &[below(-0.5), above(-1.0)]).map(|hit| hit.distance), Some(3.0));
     assert_eq!(hit(&down, &[above(3.0)]), None, "the ray leaves what is kept before it begins");
-    // A ray in the plane comes upon a triangle where that is kept.
+    // A ray in the section plane hits a triangle where the section keeps it.
     let along = Ray { origin: [-3.0, 0.5, 0.0], direction: [1.0, 0.0, 0.0] };
     let right = HalfSpace { normal: [1.0, 0.0, 0.0], offset: 0.75 };
     let found = hit(&along, &[right]).unwrap();

@@ -51,7 +51,7 @@ fn a_cast_of_any_store_is_that_of_all_pairs_and_never_late() {
             let (mut m, centre) = (turned.matrix(), turned.apply(&[0.45; 3]));
             (0..3).for_each(|k| m[k][3] += offset + r.real(0.0, 1.0) - centre[k]);
             if i % 4 == 3 {
-                // As rigid as poses must be, and no more.
+                // A pose that is only just rigid enough.
                 m[0][1] += 4e-7;
                 m[2][0] -= 3e-7;
             }

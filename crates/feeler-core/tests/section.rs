@@ -14,7 +14,7 @@ fn scene_of(mockup: Arc<Mockup>) -> Scene {
     Scene::build(mockup, &SceneOptions::default()).unwrap()
 }
 
-/// How often a point is an end less how often it is a start, where that is not 0.
+/// For each point the number of segments that end there minus those that start there, if not 0.
 fn open_ends(outline: &SectionOutline) -> Vec<i32> {
     let mut ends: HashMap<[u64; 3], i32> = HashMap::new();
     for [start, end] in &outline.segments {
@@ -24,7 +24,7 @@ fn open_ends(outline: &SectionOutline) -> Vec<i32> {
     ends.into_values().filter(|count| *count != 0).collect()
 }
 
-/// What an outline encloses, seen from where the normal (a unit) points to.
+/// The area that an outline encloses, seen from the side that the unit normal points to.
 fn area(outline: &SectionOutline, normal: &Point) -> f64 {
     let cross =
         |a: &Point, b: &Point| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -44,11 +44,11 @@ fn a_box_is_cut_where_it_is_in_front_of_the_plane() {
         assert!(outline.triangles.is_sorted());
         assert!(outline.segments.as_flattened().iter().all(|p| p[2] == z));
     }
-    // What only touches the plane from behind is not cut, nor what is away from it.
+    // A body that touches the plane from behind is not cut, nor is one away from it.
     for z in [2.0, 2.1, (-2.0f64).next_down()] {
         assert_eq!(at(z, up), SectionOutline::default(), "{z}");
     }
-    // From the other side the other end is.
+    // Seen from the other side, the plane cuts the other end.
     let down = [0.0, 0.0, -3.0];
     assert!(at(-2.0, down).segments.is_empty() && !at(2.0, down).segments.is_empty());
 }

@@ -34,7 +34,7 @@ fn scene_of(mockup: &Arc<Mockup>, storage: Storage) -> Scene {
     Scene::build(mockup.clone(), &options).unwrap()
 }
 
-/// What all pairs say at a pose.
+/// The colliding pairs at a pose, from the test of all pairs.
 struct Judge {
     pose: Pose,
     pairs: Vec<([u32; 2], PairKind)>,
@@ -47,7 +47,7 @@ impl Judge {
         Judge { pose: *pose, pairs, gaps: gaps_of_all_pairs(mockup, tool, pose, f64::INFINITY) }
     }
 
-    /// Holds every query of a scene against the pairs that are wanted: of a tool's and a mock-up's part. Returns how many meet.
+    /// Compares every query of a scene with the pairs of tool part and mock-up part that are queried. Returns the number of colliding pairs.
     fn check(&self, what: &str, scene: &Scene, tool: &Tool, wants: &dyn Fn(u32, u32) -> bool) -> usize {
         let Judge { pose, pairs, gaps } = self;
         let is_wanted = |t: u32, m: u32| wants(tool.part_of_face(t), scene.mockup().part_of_face(m));
@@ -77,7 +77,7 @@ impl Judge {
     }
 }
 
-/// The triangles that are there as a mock-up of its own; `None` where there are none.
+/// The present triangles as a separate mock-up; `None` if there are none.
 fn subset(mockup: &Mockup, has: impl Fn(u32) -> bool) -> Option<Mockup> {
     let mesh = mockup.mesh();
     let faces = (0..).zip(mesh.faces()).filter(|(m, _)| has(mockup.part_of_face(*m))).map(|(_, face)| *face).collect();
@@ -121,7 +121,7 @@ fn without_and_only_are_as_if_the_parts_had_never_been_there() {
                 let stays: Vec<u32> = (0..PARTS as u32).filter(|part| has(*part)).collect();
                 let scene = whole.without(&out).unwrap();
                 let only = whole.only(&stays).unwrap();
-                // Parts that are out stay out, and the whole scene stays whole.
+                // Removed parts stay removed, and the original scene does not change.
                 let nested = out.iter().fold(whole.clone(), |scene, part| scene.without(&[*part]).unwrap());
                 let nested = nested.only(&[&stays[..], &out[..]].concat()).unwrap();
                 assert!((0..PARTS as u32 + 1).all(|part| scene.has_part(part) == stays.contains(&part)));
@@ -139,7 +139,7 @@ fn without_and_only_are_as_if_the_parts_had_never_been_there() {
     assert!(met > 200 && impacts > 30, "{met} pairs and {impacts} impacts make no test");
 }
 
-/// Casts from pose to pose against all pairs of the triangles that are there.
+/// Casts from pose to pose against all pairs of the present triangles.
 fn check_casts(what: &str, scene: &Scene, tool: &Tool, poses: &[Pose], has: impl Fn(u32) -> bool) -> usize {
     let alone = subset(scene.mockup(), &has);
     let mut impacts = 0;

@@ -23,7 +23,7 @@ fn block(lower: Point, upper: Point, cells: usize) -> Arrays {
     box_mesh(middle, std::array::from_fn(|a| upper[a] - lower[a]), cells)
 }
 
-/// A square hole of 16 mm through a plate of 31 mm, of four walls; its top at z = 0. Numbers are such that nothing rounds.
+/// A square hole of 16 mm through a plate of 31 mm, as four walls; its top is at z = 0. All numbers are exact in float64.
 fn hole(cells: usize) -> Arrays {
     let walls =
         [([-3, -3, -2], [-1, 3, 0]), ([1, -3, -2], [3, 3, 0]), ([-1, -3, -2], [1, -1, 0]), ([-1, 1, -2], [1, 3, 0])];
@@ -39,7 +39,7 @@ fn turned(angle: f64, at: Point) -> Pose {
     Pose::new(&[[c, -s, 0.0, at[0]], [s, c, 0.0, at[1]], [0.0, 0.0, 1.0, at[2]], [0.0, 0.0, 0.0, 1.0]]).unwrap()
 }
 
-/// The time at which a way ends, or `None`.
+/// The fraction at which a motion ends, or `None`.
 fn end(scene: &Scene, tool: &Tool, way: [Pose; 2]) -> Option<f64> {
     let found = scene
         .cast(tool, &way[0], &way[1], &CastOptions::default().with_tolerance(TOLERANCE).with_touching(Touching::Free))
@@ -72,7 +72,7 @@ fn a_seated_pin_is_drawn_out_and_put_back_and_not_turned() {
             let beside = [moved([0.001, 0.0, 0.05]), moved([0.001, 0.0, 0.0])];
             let stopped = end(&scene, &pin, beside).unwrap();
             assert!((stopped - (1.0 - in_128ths(2) / 0.05)).abs() < 1e-4, "{stopped}");
-            // And pushed aside it stops at once.
+            // Pushed sideways, it stops at once.
             let aside = end(&scene, &pin, [seated, moved([0.01, 0.0, 0.0])]).unwrap();
             assert!((0.0..=1.1e-4).contains(&aside), "{aside}");
         }
@@ -92,7 +92,7 @@ fn a_block_slides_over_a_table_and_off_its_edge() {
         assert_eq!(end(&scene, &tool, [at(0.0, 0.0, 0.0), turned(2.0, [0.5, 0.2, 0.0])]), None);
         // Down along the side of the table, flush with it.
         assert_eq!(end(&scene, &tool, [at(1.1, 0.0, 0.5), at(1.1, 0.0, -1.0)]), None);
-        // Into the table from where it stands, from above, and from flush beside it.
+        // Into the table: from the start pose, from above, and from a pose flush beside it.
         let into = |way: [Pose; 2]| end(&scene, &tool, way).unwrap();
         assert!(into([at(0.0, 0.0, 0.0), at(0.0, 0.0, -0.3)]) <= 2e-5);
         assert!((into([at(0.0, 0.0, 0.1), at(0.0, 0.0, -0.3)]) - 0.25).abs() < 1e-4);
@@ -101,7 +101,7 @@ fn a_block_slides_over_a_table_and_off_its_edge() {
         let wide = tool_of(block([-1.0, -1.0, 0.0], [1.0, 1.0, 0.5], cells));
         assert!(end(&scene, &wide, [at(0.0, 0.0, 0.0), at(0.0, 0.0, -0.25)]).unwrap() <= 2e-5);
         assert_eq!(end(&scene, &wide, [at(0.0, 0.0, 0.0), at(0.0, 0.0, 0.25)]), None);
-        // As high as the table: face on face, however far the way goes on.
+        // As high as the table: face on face along the whole motion.
         let flush = tool_of(block([-0.1, -0.1, -0.1], [0.1, 0.1, 0.0], cells));
         let stopped = end(&scene, &flush, [at(1.5, 0.0, 0.0), at(-9.0, 0.0, 0.0)]).unwrap();
         assert!((stopped - 0.4 / 10.5).abs() < 1e-4, "{stopped}");
@@ -129,11 +129,11 @@ fn what_lies_deeper_by_rounding_is_lifted_off() {
     // A tenth of the tolerance in the table: exactly, it is in it at once.
     let sunk = -0.1 * TOLERANCE;
     assert_eq!(end(&scene, &tool, [at(0.0, sunk), at(0.5, sunk)]), Some(0.0));
-    // It is lifted off, and slides on; but it may end where a new triangle begins, before which it is by that depth.
+    // It can be lifted off, and it slides. The slide may end at the next triangle, because the tool is that deep below its edge.
     assert!(within([at(0.0, sunk), at(0.5, sunk)]).is_none_or(|slid| slid > 0.1));
     assert_eq!(within([at(0.0, sunk), at(0.0, 0.5)]), None);
     assert_eq!(within([at(0.0, sunk), at(0.0, sunk)]), None);
-    // It goes no deeper than the tolerance, and what comes from afar stops.
+    // It goes no deeper than the tolerance, and a tool that comes from afar stops.
     assert!(within([at(0.0, sunk), at(0.0, -0.1)]).unwrap() <= 2e-5);
     assert!((within([at(0.0, 0.1), at(0.0, -0.3)]).unwrap() - 0.25).abs() < 1e-4);
 }
@@ -177,7 +177,7 @@ fn loose_triangles_end_a_way_where_they_cross() {
                 .unwrap()
                 .map(|hit| hit.fraction);
             let free = end(&scene, &tool, way);
-            // What only passes by within the tolerance ends no way.
+            // Passing by within the tolerance does not end the motion.
             let (Some(first), Some(free)) = (first, free) else {
                 assert!(free.is_none(), "{i} {free:?}");
                 continue;
@@ -216,7 +216,7 @@ fn lathe(sides: u32, rows: &[[f64; 2]]) -> Arrays {
 
 #[test]
 fn a_shaft_goes_down_a_bore_to_its_bottom_and_across_it_to_its_wall() {
-    // The bore's sides are at its radius from the axis, the shaft's corners: 1 % of play.
+    // The bore's faces and the shaft's corners are at their radii from the axis: 1 % of play.
     let (sides, radius, bore, depth) = (48, 0.01, 0.0101, 0.05);
     let narrow = (PI / f64::from(sides)).cos();
     let block = lathe(sides, &[[bore / narrow, -depth], [bore / narrow, 0.0], [0.02, 0.0], [0.02, -0.06]]);

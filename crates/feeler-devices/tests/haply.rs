@@ -4,11 +4,11 @@
 mod common;
 mod haply_scenarios;
 
-/// What messages may be.
+/// Checks messages.
 mod judge {
     use serde_json::{json, Value};
 
-    /// What is wrong with a command: it must be a force for the arm, with an introduction and requests in the first ones.
+    /// The fault of a command: it must be a force for the arm, and the first ones must have an introduction and requests.
     pub fn fault_of_command(message: &Value) -> Option<String> {
         let arm = &message["inverse3"][0];
         let [x, y, z] = ["x", "y", "z"].map(|axis| &arm["commands"]["set_cursor_force"]["vector"][axis]);
@@ -28,7 +28,7 @@ mod judge {
         (*message != expected || !are_numbers).then(|| format!("{message} instead of {expected}"))
     }
 
-    /// The stand-in's own words; only the maker can say whether the service speaks so.
+    /// The stand-in's messages; only the maker can confirm that the service sends them like this.
     pub fn fault_of_state(_state: &Value) -> Option<String> {
         None
     }

@@ -39,7 +39,7 @@ use haply_scenarios::service::{inverse3, with_grip, Service};
 use serde_json::json;
 use stubs::Stub;
 
-/// How deep the handle is pressed beyond the contact, in the world, metres; and what the tool is above the plate before.
+/// How deep the handle is pressed beyond the contact, and the tool's height above the plate before, in the world, metres.
 const DEPTH: f64 = 0.012;
 const GAP: f64 = 0.001;
 /// How the handle is turned about the device's x while it presses, radians: less than tips the block over.
@@ -70,7 +70,7 @@ struct StandIn<'a> {
     given: &'a dyn Fn() -> (Point, Point),
 }
 
-/// Presses a device's handle, and waits until the stand-in has what was granted: force and torque.
+/// Presses a device's handle, and waits until the stand-in has received the granted force and torque.
 fn press(what: &str, open: impl Fn() -> Box<dyn Device>, coupling: Coupling, scale: f64, stand_in: &StandIn) {
     (stand_in.put)(0.0, 0.0);
     let device = open();
@@ -112,7 +112,7 @@ fn press(what: &str, open: impl Fn() -> Box<dyn Device>, coupling: Coupling, sca
     assert_eq!((stopped.device_error, stopped.error), (None, None), "{what}");
 }
 
-/// The couplings of a device: its own, what a user asks for beyond it, and one with less force than the spring has.
+/// The couplings of a device: its default, one that asks for more than it can do, and one with less force than the spring has.
 fn couplings(device: &dyn Device) -> [(&'static str, Coupling); 3] {
     let own = Coupling::for_device(device.info());
     let stiff = own.with_stiffness_n_per_m(2000.0).with_max_force_n(50.0);
@@ -144,7 +144,7 @@ fn every_device_of_force_dimension_gives_what_is_granted() {
         (206, 2), // sigma.7+
         (108, 2), // lambda.7
         (203, 0), // lambda.3
-        (999, 2), // one that is not known
+        (999, 2), // unknown
     ];
     for (kind, wrist) in types {
         let stub = Stub::new("stub_dhd");

@@ -46,7 +46,7 @@ fn an_old_daemon_gets_its_sensitivity_back() {
     let mut stream = daemon.accept();
     let mut said = [0; 8];
     stream.read_exact(&mut said).unwrap();
-    // What a daemon of protocol 0 takes for a sensitivity that is no number, and then the sensitivity 1.
+    // A daemon of protocol 0 reads this as a sensitivity that is not a number; then the sensitivity 1.
     assert_eq!(
         (u32::from_ne_bytes(said[..4].try_into().unwrap()), said[4..].to_vec()),
         (0x7faa_5501, 1f32.to_ne_bytes().to_vec())
@@ -69,7 +69,7 @@ fn a_motion_ends_after_a_long_silence_and_with_its_device() {
         }
         eventually("rest", || (speed(&mut mouse) == 0.0).then_some(()));
     }
-    // Without an end of its own, a motion holds as long as its silence is allowed.
+    // A motion without an end event lasts as long as silence is allowed.
     let mut mouse = SpaceMouse::open(&daemon.options().with_silence_s(f64::INFINITY)).unwrap();
     let mut stream = daemon.accept();
     stream.write_all(&event([0, 350, 0, 0, 0, 0, 0, 10])).unwrap();

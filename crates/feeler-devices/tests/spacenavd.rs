@@ -158,7 +158,7 @@ fn a_cap_moves_the_pose_through_the_real_daemon() {
     magellan.press(0b100);
     eventually("one button", || (mouse.read(2.0).unwrap().buttons == 0b100).then_some(()));
 
-    // The daemon goes while the cap is held: lost, and nothing moves on. It comes back: the pose is where it was.
+    // The daemon stops while the cap is held: the device is lost, and the motion stops. It restarts: the pose is unchanged.
     magellan.displace([350, 0, 0, 0, 0, 0]);
     eventually("moving", || (mouse.read(2.0).unwrap().twist.unwrap().linear[0] > 0.0).then_some(()));
     drop(daemon);

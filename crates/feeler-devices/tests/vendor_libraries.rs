@@ -34,7 +34,7 @@ fn touch() -> Stub {
 
 const PUSH: Wrench = Wrench { force: [1.0, 2.0, 3.0], torque: [0.1, 0.2, 0.3] };
 
-/// A force that is written until the stub has it: the watchdog takes back what is written once.
+/// Writes a force until the stub has received it: the watchdog drops a force that is written once.
 fn push(device: &mut dyn Device, wrench: &Wrench, what: &str, mut has_it: impl FnMut() -> bool) {
     eventually(what, || {
         device.write(wrench, 0.0).unwrap();
@@ -66,7 +66,7 @@ fn dhd_tells_poses_and_gives_forces_in_device_axes() {
     push(&mut device, &PUSH, "the force in the library's axes", || {
         stub.many(20) == [-2.0, 1.0, 3.0, 0.0, 0.0, 0.0, 0.0]
     });
-    // The servo writes no more: the thread takes the force away by itself.
+    // The servo stops writing, so the thread sets the force to zero.
     eventually("the watchdog", || (stub.many(20) == [0.0; 6]).then_some(()));
     device.release();
     assert_eq!((stub.get(27), stub.get(28)), (0.0, 0.0), "the motors are off and the device is closed");
@@ -82,7 +82,7 @@ fn dhd_drives_an_active_wrist() {
     let device_torque = device.info().limits.torque_nm;
     let wrench = Wrench { torque: PUSH.torque.map(|x| 0.5 * x), ..PUSH };
     push(&mut device, &wrench, "the torque", || stub.many(20) == [-2.0, 1.0, 3.0, -0.1, 0.05, 0.15]);
-    // No more than the device's, together.
+    // Together no more than the device's limit.
     let strong = Wrench { torque: [0.0, 0.0, 1e6], ..PUSH };
     push(&mut device, &strong, "the largest torque", || stub.get(25) == device_torque);
 }

@@ -10,7 +10,7 @@ fn contacts_of_concave_solids_are_as_deep_as_they_are_made() {
     for (family, t) in &rows {
         assert_eq!((t.fault_count, &t.faults), (0, &Vec::new()), "{}", family.name);
         assert!(t.cases == 80 && t.figures.deep > 30 && t.figures.near > 5, "{} makes few planes: {t:?}", family.name);
-        // What was wedged or not shown by planes has a way out too, and where planes show it, mostly the shortest.
+        // Wedged tools, and tools without a usable plane, are freed too; with planes the translation is mostly the shortest.
         let [_, bound, estimate] = t.figures.ways;
         assert!(estimate == 0 && bound > 20 && 2 * t.figures.close_bounds >= bound, "{}: {t:?}", family.name);
     }

@@ -22,7 +22,7 @@ fn turns() -> Vec<impl Fn(&Triangle) -> Triangle> {
     ORDERS.iter().flat_map(|axes| (0..8).map(move |signs| map(*axes, signs))).collect()
 }
 
-/// The pair times a power of two, where nothing is lost.
+/// The pair times a power of two, which is exact.
 fn scaled(p: &Triangle, q: &Triangle, factor: f64) -> Option<[Triangle; 2]> {
     let larger = [p, q].map(|t| t.map(|c| c.map(|x| x * factor)));
     let is_exact = |t: &Triangle, u: &Triangle| {
@@ -82,7 +82,7 @@ fn the_core_agrees_in_all_72_orderings_under_all_exact_maps() {
 
 /// A tool triangle with an area and a pose at which it rounds to the points of `t`, which have none.
 fn tool_that_rounds_to(t: &Triangle) -> Option<(Triangle, Pose)> {
-    // One corner at the tool's origin, one of its coordinates changed by what the translation swallows.
+    // One corner is at the tool's origin, with one coordinate changed by so little that the translation rounds it away.
     for corner in 0..3 {
         let at = t[corner];
         let away: Triangle = t.map(|c| [0, 1, 2].map(|a| c[a] - at[a]));
@@ -138,7 +138,7 @@ fn scenes_in_all_stores_agree() {
         })
         .collect();
     let (tested, built) = results.iter().fold((0, 0), |(a, b), (c, d)| (a + c, b + d));
-    // The rest are segments and points whose place cannot swallow a change, or not without rounding.
+    // The rest are segments and points at places where no small change is rounded away, or not exactly.
     assert!(tested >= cases().len() - 30, "{tested} of {}", cases().len());
     assert!(built >= 8 * tested, "{built} stores for {tested} cases");
 }

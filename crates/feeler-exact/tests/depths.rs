@@ -15,7 +15,7 @@ fn no_point_is_deeper_than_is_said_and_the_one_that_is_shown_is_as_deep() {
             family.name
         );
         assert!(10 * t.figures.open <= t.cases, "{}: {t:?}", family.name);
-        // What is sampled would find depths that are too low.
+        // Sampling would find depths that are too small.
         assert!(5 * t.figures.reached >= 2 * t.figures.deep, "{}: {t:?}", family.name);
     }
     assert!(rows.iter().map(|(_, t)| t.figures.shallow).sum::<u64>() > 50);

@@ -10,7 +10,7 @@ use std::path::Path;
 use arbitrary::{Arbitrary, Unstructured};
 use feeler_exact::random::Random;
 
-/// Checks the seeds of a target, and so many random changes of each, as libFuzzer would.
+/// Checks the seeds of a target, and this many random changes of each, as libFuzzer would.
 fn smoke<C: for<'a> Arbitrary<'a> + UnwindSafe>(target: &str, changes: usize, check: fn(C)) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds").join(target);
     let mut seeds: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();

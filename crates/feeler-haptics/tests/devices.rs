@@ -189,13 +189,13 @@ mod simulated {
         assert_eq!(*device.acting(), Wrench::ZERO);
         device.read(0.1).unwrap();
         assert_eq!(*device.acting(), Wrench::ZERO);
-        // A driver that sends what is not a number has let go.
+        // A driver that sends NaN counts as released.
         device.write(&push(3.0), 0.1).unwrap();
         device.read(0.11).unwrap();
         assert!(device.acting().force[2] > 0.0);
         assert!(matches!(device.write(&push(f64::NAN), 0.11), Err(DeviceError::Nonsense { .. })));
         assert_eq!(*device.acting(), Wrench::ZERO);
-        // What is not driven is left out.
+        // Freedoms without a motor get no force.
         let mut device = SimulatedDevice::desktop_3dof(None).unwrap();
         device.write(&Wrench { force: [1.0, 0.0, 0.0], torque: [1.0, 0.0, 0.0] }, 0.0).unwrap();
         device.read(1e-3).unwrap();
@@ -294,7 +294,7 @@ mod mouse {
             prop_assert!(away.reach(1.0) < 1e-9, "{away:?}");
         }
 
-        /// A target is one from its own time on, however the reads fall.
+        /// A target counts from its own time on, whenever the reads happen.
         #[test]
         fn reads_change_no_motion(targets in targets(), step in 1..40usize) {
             let mut seldom = Mouse::new(Pose::IDENTITY);
@@ -380,7 +380,7 @@ mod mapping {
             let mut mapping = Mapping::new(&info(), scale, &pose(base.0, base.1), None).unwrap();
             let handle = pose(handle.0, handle.1);
             mapping.update(&state(handle, 0)).unwrap();
-            // The tool wherever one wants it, turned against the handle.
+            // The tool at any place, rotated against the handle.
             let tool = pose(tool.0, tool.1);
             mapping.set_tool(&tool);
             let twist = Twist { linear: motion.0, angular: motion.1 };
@@ -432,7 +432,7 @@ mod mapping {
             prop_assert!((found - expected).reach(1.0) < 1e-11, "{found:?} {expected:?}");
         }
 
-        /// Within the device's bounds, whatever comes; nothing where nothing is driven.
+        /// Always within the device's limits; zero for freedoms without a motor.
         #[test]
         fn never_above_the_bound(
             force in vector(100.0), torque in vector(10.0), place in vector(0.2), scale in 0.01..20.0f64,

@@ -52,7 +52,7 @@ fn at(place: Point, turn: Point) -> Pose {
     pose_of(&rotation_of(&turn), &place).unwrap()
 }
 
-/// How far above the bottom a hand gets a peg that pushes it down by 4 mm of the coupling's spring at most.
+/// The height above the bottom that a peg reaches when the hand pushes it down by at most 4 mm of the coupling's spring.
 fn height_reached(n: usize, play: f64, seed: u32) -> f64 {
     let (hole, peg) = fit(n, play);
     let (s, c) = (2.4 * f64::from(seed)).sin_cos();
@@ -78,7 +78,7 @@ fn pegs_go_in_to_the_bottom() {
         for play in [110e-6, 240e-6, 7e-6, 24e-6] {
             for seed in 0..2 {
                 let left = height_reached(n, play, seed);
-                // Down to the skin, with as much lean as the play leaves.
+                // Down to the skin, leaning as far as the play allows.
                 let most = 2.5e-5 + 1.5 * RADIUS * play / DEPTH;
                 assert!(left > 0.0 && left < most, "{n} sides, {play} m of play, seed {seed}: {left} m left");
             }

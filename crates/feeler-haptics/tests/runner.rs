@@ -49,7 +49,7 @@ fn run(device: impl Device + 'static, options: &RunnerOptions) -> Runner {
 /// Looks that [`until`] takes: half a minute on an idle machine. A guard against waiting for ever, no measurement.
 const LOOKS: u32 = 100_000;
 
-/// Waits until a view is as wanted, or the run has ended; asserts what holds of every view.
+/// Waits until a view satisfies a condition, or the run has ended. Asserts the guarantees of every view.
 fn until(runner: &mut Runner, is_wanted: impl Fn(&View) -> bool) -> View {
     let most = runner.coupling().max_force_n * (1.0 + 1e-9);
     for _ in 0..LOOKS {
@@ -87,14 +87,14 @@ fn a_run_pushes_on_a_plate_and_ends_when_it_is_told() {
     let mut kinds = kinds.lock().unwrap().clone();
     kinds.sort_by_key(|kind| *kind == ThreadKind::Collision);
     assert_eq!(kinds, [ThreadKind::Servo, ThreadKind::Collision]);
-    // It goes on by steps from where it was.
+    // It continues in steps from its last pose.
     let mut session = session.unwrap();
     let pose = *session.pose().unwrap();
     let step = session.step(Some(&pose), 1e-3).unwrap();
     assert!(step.age == 0.0 && step.mode != Mode::Doubt, "{step:?}");
 }
 
-/// Says whether it was released, and panics at a tick.
+/// A device that notes its release, and panics at a tick.
 struct Panics<D> {
     device: D,
     at: u32,
@@ -155,7 +155,7 @@ fn a_collision_thread_that_panics_lets_go_and_ends_the_run_with_an_error() {
     assert!(session.is_none() && device.is_some());
 }
 
-/// Its driver fails at a tick, and does not go on.
+/// A device whose driver fails at a tick and stays failed.
 struct Breaks<D>(Panics<D>);
 
 impl<D: Device> Device for Breaks<D> {

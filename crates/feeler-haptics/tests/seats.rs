@@ -43,7 +43,7 @@ fn plus(a: Point, b: Point) -> Point {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// What is around, and what moves, at a start.
+/// The mock-up, the moving tool and its start pose.
 struct Fit {
     scene: Arc<Scene>,
     tool: Arc<Tool>,
@@ -56,7 +56,7 @@ impl Fit {
         Fit { scene: scene(moved(around, place)), tool, start: plus(start, place) }
     }
 
-    /// How far a walk comes, metres.
+    /// How far a guarded move gets, metres.
     fn walked(&self, by: Point) -> Point {
         let body = Body { solver: ContactSolver::new(self.scene.clone()), part: None };
         let around = Surroundings::around(vec![body], self.tool.clone(), &at(self.start)).unwrap();
@@ -66,7 +66,7 @@ impl Fit {
         std::array::from_fn(|a| walk.pose.translation()[a] - self.start[a])
     }
 
-    /// How a session begins.
+    /// The kinds of the seats when a session begins.
     fn kinds(&self) -> Vec<SeatKind> {
         let mut session = Session::new(self.scene.clone(), self.tool.clone(), SessionOptions::default()).unwrap();
         match session.start(&at(self.start)).unwrap() {
@@ -115,7 +115,7 @@ fn a_block_on_a_bracket_stops_at_the_wall() {
             assert!(!deep && !fit.kinds().is_empty(), "{what}: {:?}", fit.kinds());
             let walked = fit.walked([0.03, 0.0, 0.0]);
             assert!(walked[0] > 0.01 - 3e-6 && walked[0] <= 0.01 + 1e-12, "{what}: {walked:?}");
-            // Down it does not go.
+            // It does not move down.
             let down = fit.walked([0.0, 0.0, -0.01]);
             assert!(down[2] > -1.2e-5, "{what}: {down:?}");
             // Pressed down, to the wall and against it.
@@ -123,7 +123,7 @@ fn a_block_on_a_bracket_stops_at_the_wall() {
             assert!(led[0] > 0.01 - 5e-5 && led[0] <= 0.01, "{what}: {led:?}");
             assert!(led[2] > -1.2e-5 && led[2] < 3e-5, "{what}: {led:?}");
             assert!(forces[0][2] > 0.1 && forces[1][0] < -3.0, "{what}: {forces:?}");
-            // Lifted it is free, and stays off from then on.
+            // Lifted, it is free, and from then on it stops at the surface.
             let (up, forces) = fit.led([0.0, 0.0, 0.01], [0.0; 3]);
             assert!(
                 (up[2] - 0.01).abs() < 1e-6 && forces[1].iter().all(|x| x.abs() < 1e-6),

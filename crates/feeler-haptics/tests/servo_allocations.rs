@@ -16,7 +16,7 @@ thread_local! {
 }
 
 fn count() {
-    // Not there any more while a thread ends.
+    // The thread-local value is gone while a thread ends.
     let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
 }
 
@@ -44,7 +44,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Calls of the allocator by this thread, to give or to take.
+/// Allocations and releases by this thread.
 fn calls_of(work: impl FnOnce()) -> usize {
     let before = ALLOCATIONS.get();
     work();
@@ -60,7 +60,7 @@ fn ticks_of_the_servo_side_allocate_nothing() {
     let mut modes = Vec::new();
     for k in 0..5000 {
         let now = f64::from(k) * 1e-3;
-        // At full rate, slowly, and then not at all; the trace runs full as well.
+        // The collision side runs at full rate, slowly, and then not at all; the trace fills up as well.
         if k < 1000 || k < 3000 && k % 100 == 0 {
             collision.tick(now);
         }

@@ -238,7 +238,7 @@ fn what_cannot_be_lets_go() {
         force = step(&mut session, &at([0.0, 0.0, 0.06 - 0.00008 * f64::from(k)], [0.0; 3])).wrench.force[2];
     }
     assert!(force > 4.0, "{force}");
-    // Nothing told: no force, the proxy stays; and it comes back slowly.
+    // Without input there is no force and the proxy stays. With input the force returns slowly.
     let silent = session.step(None, 0.001).unwrap();
     assert_eq!((silent.wrench, silent.mode), (Wrench::ZERO, Mode::Doubt));
     assert!(step(&mut session, &deep).wrench.force[2] < 0.1);
@@ -263,12 +263,12 @@ fn a_deep_start_is_sunk_and_leaves_by_its_place() {
     assert!((length(&out.translation) - 0.005).abs() < 1e-6, "{out:?}");
     assert_eq!(seating.seats.iter().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
     let go = |session: &mut Session, to: Point| (0..100).map(|_| step(session, &at(to, [0.0; 3]))).last().unwrap();
-    // Deeper it does not go, and sideways no farther than the play of its place: the force is there from the beginning.
+    // It moves no deeper, and sideways no farther than the play of its seat: the force acts from the beginning.
     let pressed = go(&mut session, [0.0, 0.0, 0.02]);
     assert!(pressed.proxy.translation()[2] > 0.03 - 2e-5 && pressed.wrench.force[2] > 5.0, "{pressed:?}");
     let aside = go(&mut session, [0.02, 0.0, 0.03]);
     assert!(aside.proxy.translation()[0] < 0.0015 && aside.wrench.force[0] < -5.0, "{aside:?}");
-    // Up it leaves, and is kept out from then on.
+    // It can move up, and from then on it cannot enter again.
     let up = go(&mut session, [0.0, 0.0, 0.04]);
     assert!((up.proxy.translation()[2] - 0.04).abs() < 1e-6 && session.seats().is_empty(), "{up:?}");
     let back = go(&mut session, [0.0, 0.0, 0.03]);
@@ -298,10 +298,10 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     assert_eq!(session.grip(&[2]), Err(Error::World(World::HoldsAlready { part: 1 })));
     let after = step(&mut session, &Pose::IDENTITY);
     assert!(length(&sub(&after.wrench.force, &before.force)) < 1e-3, "{before:?} {after:?}");
-    // Down it does not go: the seat holds it, though the plate is not asked.
+    // It does not move down: the seat holds it, although collisions with the plate are ignored.
     let pressed = go(&mut session, [0.0; 3], [0.0, 0.0, -0.005]);
     assert!(pressed.proxy.translation()[2] > -1e-6 && pressed.wrench.force[2] > 3.0, "{pressed:?}");
-    // Up, and it is off its seat: from now on the plate is asked, and the wall.
+    // Moved up, it leaves its seat. From now on the plate and the wall stop it.
     let up = go(&mut session, [0.0, 0.0, -0.005], [0.0, 0.0, 0.03]);
     assert!((up.proxy.translation()[2] - 0.03).abs() < 1e-6 && session.seats().is_empty());
     let aside = go(&mut session, [0.0, 0.0, 0.03], [0.075, 0.0, 0.03]);
@@ -312,7 +312,7 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     go(&mut session, [0.075, 0.0, 0.03], [0.05, 0.0, 0.03]);
     let down = go(&mut session, [0.05, 0.0, 0.03], [0.05, 0.0, -0.02]);
     assert!((down.proxy.translation()[2] - 2e-5).abs() < 1e-6, "{down:?}");
-    // Put down, the hand goes; the block is in its new place, and nowhere else.
+    // The block is put down and the hand leaves: the block is at its new place only.
     session.release(Release::Here).unwrap();
     assert_eq!(session.world().moved().collect::<Vec<_>>(), [1]);
     go(&mut session, [0.05, 0.0, -0.02], [0.05, 0.0, 0.05]);
@@ -321,7 +321,7 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     go(&mut session, [0.05, 0.0, 0.05], [0.0, 0.0, 0.05]);
     let empty = go(&mut session, [0.0, 0.0, 0.05], [0.0, 0.0, -0.039]);
     assert!(empty.proxy.translation()[2] < -0.038, "{empty:?}");
-    // Where the hand is now the block cannot go back to; from above it can.
+    // The block cannot return to the place where the hand is; from above it can.
     go(&mut session, [0.0, 0.0, -0.039], [0.0, 0.0, 0.05]);
     go(&mut session, [0.0, 0.0, 0.05], [0.05, 0.0, 0.05]);
     session.grip(&[1]).unwrap();
@@ -367,7 +367,7 @@ fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place()
     assert!(step(&mut in_place, &way(299)).wrench.force[2] > 4.0);
     assert_eq!(elsewhere.held().map(|plane| plane.part).collect::<Vec<_>>(), [1]);
 
-    // It is there only; and after another scene there still, also where that scene never had it.
+    // It is at that place only, and it stays there when the scene changes, even to one without the part.
     let in_top = at([0.0, 0.0, 0.045], [0.0; 3]);
     let lacking = Arc::new(mockup.without(&[1]).unwrap());
     for scene in [&mockup, &lacking] {
@@ -377,7 +377,7 @@ fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place()
         let out = seating.way_out.unwrap();
         assert!((out.depth - 0.005).abs() < 1e-6, "{out:?}");
     }
-    // It can be taken, and goes back to a place that it has.
+    // It can be gripped again, and returns to its own place.
     elsewhere.start(&shifted(&way(0))).unwrap();
     elsewhere.grip(&[1]).unwrap();
     assert!(elsewhere.world().moved().next().is_none());
@@ -406,7 +406,7 @@ fn what_lies_elsewhere_is_one_part_of_the_mockup_once() {
     let gone = Arc::new(alone().without(&[0]).unwrap());
     assert_eq!(refused(vec![part(0, gone)]), Some(Error::World(World::PutDown { part: 0, parts: 1 })));
     assert_eq!(refused(vec![part(1, alone()), part(0, alone())]), None);
-    // Another mock-up, that has no such part, changes nothing.
+    // A different mock-up without such a part changes nothing.
     let options = SessionOptions::default();
     let mut session = Session::with_put_down(mockup.clone(), hand.clone(), vec![part(1, alone())], options).unwrap();
     session.start(&at([0.0, 0.0, 0.1], [0.0; 3])).unwrap();

@@ -23,13 +23,13 @@ fn rod(sides: usize) -> Arc<Scene> {
     scene(cylinder(RADIUS, 0.3, sides, 1))
 }
 
-/// A ball's pose over the rod, so deep, at an angle from its highest line.
+/// The pose of a ball on the rod at a depth, at an angle from the rod's highest line.
 fn over(angle: f64, depth: f64) -> Pose {
     let reach = RADIUS + TOOL_RADIUS - depth;
     at([0.0013, reach * angle.sin(), reach * angle.cos()], [0.0; 3])
 }
 
-/// Evenly from one number to another, without the first.
+/// Evenly spaced numbers from one to another, without the first.
 fn steps(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| from + (to - from) * k as f64 / count as f64)
 }
@@ -87,7 +87,7 @@ fn real_edges_and_flat_faces_are_not_shaded() {
         (wrenches(SessionOptions::default()).collect(), wrenches(unshaded()).collect());
     assert!(shaded == bare);
     assert!(bare.iter().any(|w| w.force[0] > 1.0) && bare.iter().any(|w| w.force[2] > 1.0));
-    // A ball's facets are felt as the plate's plane anyway; over its edge as the facets are.
+    // On the plate the ball's facets feel like the plate's plane; over its edge they feel like facets.
     let round = tool(ball(TOOL_RADIUS, 16));
     let way: Vec<Pose> = steps(0.062, 0.057, 100)
         .map(|z| at([0.045, 0.0, z], [0.0; 3]))
@@ -116,12 +116,12 @@ fn a_flat_roof_is_not_round() {
     assert!(shaded == bare, "{:?}", shaded.iter().zip(&bare).position(|(a, b)| a != b));
 }
 
-/// What the hand gets of a closed motion, as a share of what it puts in.
+/// The energy that the hand gains in a closed motion, as a share of the energy that it puts in.
 fn gain(scene: &Arc<Scene>, tool: &Arc<Tool>, way: &[Pose]) -> f64 {
     let found = felt(scene, tool, way, SessionOptions::default());
     let (mut sum, mut put_in) = (0.0, 0.0);
     for (pair, step) in way.windows(2).zip(&found) {
-        // No pose is turned.
+        // No pose has a rotation.
         let work = dot(&step.wrench.force, &sub(pair[1].translation(), pair[0].translation()));
         sum += work;
         put_in -= work.min(0.0);
@@ -167,7 +167,7 @@ fn the_force_is_that_of_the_proxy_of_the_step() {
         for (k, pose) in way.iter().enumerate() {
             let step = session.step(Some(pose), TICK).unwrap();
             let stretch = sub(&step.proxy.apply(&centre), &pose.apply(&centre));
-            // From nothing the bound grows within 0.2 s.
+            // The bound grows from zero within 0.2 s.
             let off = length(&sub(&scaled(&step.wrench.force, 1e-3), &stretch));
             assert!(k < 250 || off < 3e-6, "{k}: {off} {:?}", step.mode);
             assert!(!session.is_colliding(&step.proxy), "{k}");

@@ -1,4 +1,4 @@
-//! What stops a motion of the proxy though no plane forbade it: the proxy ends off it, and does not run into it again.
+//! Obstacles that stop the proxy although no plane forbids the motion: the proxy ends clear of them and does not hit them again.
 
 use std::sync::Arc;
 

@@ -16,7 +16,7 @@ use feeler_shapes::random::Random;
 
 const TICK: f64 = 1e-3;
 
-/// A run of both sides in one thread, with what is promised of every tick asserted.
+/// A run of both sides in one thread, which asserts the guarantees of every tick.
 struct Drive {
     sides: Sides,
     tick: u32,
@@ -33,7 +33,7 @@ impl Drive {
         f64::from(self.tick) * TICK
     }
 
-    /// So many ticks; whether the servo and the collision side do theirs is asked at each.
+    /// Runs a number of ticks. At each, closures decide whether the servo side and the collision side run.
     fn run(&mut self, ticks: u32, servo: impl Fn(u32) -> bool, collision: impl Fn(u32) -> bool) -> &[View] {
         let first = self.views.len();
         for k in 0..ticks {
@@ -121,7 +121,7 @@ fn contacts_that_stay_away_for_a_second_hold_the_proxy_and_then_let_the_force_go
     assert!(views.iter().all(|view| view.proxy == proxy));
     assert!(views[..480].iter().all(|view| view.mode != Mode::Doubt && view.wrench != Wrench::ZERO));
     assert!(views[510..].iter().all(|view| view.mode == Mode::Doubt && view.wrench == Wrench::ZERO));
-    // Back again: the force grows from nothing.
+    // It is back: the force grows from zero.
     let views = drive.run(600, always, always);
     assert!(length(&views[2].wrench.force) < 0.2, "{:?}", views[2].wrench);
     assert!(largest(views) > 1.5);
@@ -129,7 +129,7 @@ fn contacts_that_stay_away_for_a_second_hold_the_proxy_and_then_let_the_force_go
 
 #[test]
 fn contacts_that_are_200_ms_old_change_the_force_by_no_more_than_the_slew() {
-    // Pressing, turning and sliding over the edge of the plate, while the collision side is away for 200 ms out of each 250 ms.
+    // Pressing, turning and sliding over the edge of the plate, while the collision side stalls for 200 ms out of each 250 ms.
     let mut keys = vec![(0.0, at([0.0; 3], [0.0; 3])), (0.2, at([0.0, 0.0, -0.02], [0.0; 3]))];
     for k in 1..12 {
         let side = if k % 2 == 0 { 0.17 } else { 0.215 };
@@ -171,7 +171,7 @@ fn a_picture_that_never_looks_changes_nothing() {
         )
         .map_err(|refused| refused.error)
         .unwrap();
-        // Longer than the trace has room.
+        // Longer than the trace can hold.
         for k in 0..5000 {
             let now = f64::from(k) * TICK;
             sides.collision.tick(now);
@@ -244,7 +244,7 @@ fn a_sunk_start_gives_way_upwards_alone() {
     assert!(largest(views) > 0.5);
 }
 
-/// Of a cap, by the time: metres a second, seconds.
+/// The velocity of a cap by time: metres per second, seconds.
 type Speed = fn(f64) -> f64;
 
 /// A cap that springs back: its deflection is a velocity down the z axis, by the time.
@@ -340,7 +340,7 @@ fn the_border_of_the_workspace_comes_and_returns_gently() {
         let change = both[1] - both[0];
         assert!(change >= -slew * TICK - 1e-9 && (change <= 1e-9 || both[1] == 0.0), "{k}: {both:?}");
     }
-    // After the silence it grows from nothing in a fifth of a second.
+    // After the silence the force grows from zero within 0.2 s.
     let first = sent.iter().skip(870).position(|force| *force < 0.0).unwrap() + 870;
     assert!(sent[855..first].iter().all(|force| *force == 0.0) && sent[first + 20] > 0.2 * held, "{first}");
 }
@@ -365,7 +365,7 @@ fn a_handle_that_jumps_out_of_the_workspace_is_not_thrown_back() {
     assert!(sent[900..].iter().all(|force| *force == 0.0));
 }
 
-/// Another with other limits.
+/// A device with other limits.
 struct Walled {
     rests: Thrown,
     info: DeviceInfo,

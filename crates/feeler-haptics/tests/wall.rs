@@ -33,7 +33,7 @@ fn proxy_of(device: &Pose, twist: &Twist, centre: &Point) -> (Pose, Twist) {
     (device.translated(&[0.0, 0.0, depth]).unwrap(), there.at(&arm.map(|x| -x)))
 }
 
-/// How the force is found.
+/// The source of the force.
 enum Force {
     /// By the loop.
     Loop(Box<ForceLoop>),
@@ -45,7 +45,7 @@ fn loop_of(coupling: Coupling, driven: Freedoms, limits: &DeviceLimits) -> Force
     Force::Loop(Box::new(ForceLoop::new(coupling, driven, limits, 1.0 / TICK).unwrap()))
 }
 
-/// What came of a run.
+/// The result of a run.
 struct Outcome {
     /// Largest less smallest height of the centre in the last second, metres.
     ripple: f64,
@@ -130,7 +130,7 @@ fn every_case() -> impl Iterator<Item = (SimulatedOptions, Hand)> {
             [Hand::firm(into_the_wall()), Hand::loose(into_the_wall())].map(|hand| {
                 let mut options =
                     preset().with_pose_delay_s(pose_delay_s).with_force_delay_s(force_delay_s).with_jitter_s(jitter_s);
-                // Hardly any friction: it would hold still what else would hum.
+                // Hardly any friction: friction would hide oscillations.
                 options.info.limits.friction_n *= 0.3;
                 (options, hand)
             })
@@ -259,7 +259,7 @@ fn let_go_at_depth_it_comes_out_below_the_bound_and_with_no_more_than_the_spring
     }
 }
 
-/// A closed motion of a device, moved by something that no force stops.
+/// A closed motion of a device that no force can stop.
 fn closed(radii: &[[f64; 6]], seconds: f64) -> Vec<Pose> {
     let ticks = (seconds / TICK) as usize;
     let pose = |tick: usize| {
@@ -276,7 +276,7 @@ fn closed(radii: &[[f64; 6]], seconds: f64) -> Vec<Pose> {
     (0..400).map(|_| pose(0)).chain((0..=ticks).map(pose)).chain((0..100).map(|_| pose(0))).collect()
 }
 
-/// The hand's work against the wrench: what went in, and the sum.
+/// The hand's work against the wrench: the energy put in, and the balance.
 fn work(info: &DeviceInfo, coupling: Coupling, centre: &Point, poses: &[Pose]) -> (f64, f64) {
     let mut force = ForceLoop::new(coupling, info.driven, &info.limits, 1.0 / TICK).unwrap();
     let (mut put_in, mut sum) = (0.0, 0.0);
@@ -347,7 +347,7 @@ fn what_a_delay_will_give_is_taken_in_advance() {
     }
 }
 
-/// The controller is what holds the promise: with no damping to spend, the held force gains energy.
+/// The controller keeps the guarantee: without damping, the held force gains energy.
 #[test]
 fn a_closed_motion_gains_energy_without_the_controller() {
     let mut info = SimulatedOptions::desktop_3dof().info;

@@ -273,3 +273,10 @@ pub const TRIANGLES_PER_CELL: f64 = 8.0;
 
 /// Bytes of memory for a triangle of the surface, in blocks, joined, and as a mesh.
 pub const BYTES_PER_TRIANGLE: f64 = 160.0;
+
+/// Share of a removal that counts as done after the straight paths, and before pushes and trees. They only shape what progress shows.
+pub const SHARE_OF_STRAIGHT: f64 = 0.1;
+pub const SHARE_OF_SEARCH: f64 = 0.2;
+
+/// Rounds of pushes and trees that count as half of all. Most removals that are found need fewer.
+pub const ROUNDS_TO_HALF: f64 = 32.0;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Motion, Pose, Scene, SceneOptions, Tool};
@@ -17,7 +17,7 @@ struct Assembly {
 }
 
 impl Assembly {
-    /// Of parts, all moved to where no face is along an axis of the world.
+    /// Parts rotated so that no face is parallel to an axis of the world.
     fn new(parts: Vec<Arrays>) -> Assembly {
         let askew = Pose::new(&turned(0.7, [0.31, -0.17, 0.23])).unwrap();
         Assembly::as_given(
@@ -51,7 +51,7 @@ impl Assembly {
         removal_in(&self.rest(part), &task, 15_000)
     }
 
-    /// Whether a part meets nothing at many poses along a way, by the exact test; but for some parts.
+    /// Whether a part collides with nothing but the parts `but` at many poses along a path, by the exact test.
     fn is_free(&self, part: usize, poses: &[Pose], but: &[u32]) -> bool {
         let (tool, scene) = (self.task(part).tool, self.scene.without(&[&[part as u32], but].concat()).unwrap());
         let places = |pair: &[Pose]| {
@@ -62,7 +62,7 @@ impl Assembly {
     }
 }
 
-/// With time for so many directions, pushes and extensions of trees.
+/// A removal with time for this many directions, pushes and extensions of trees.
 fn removal_in(solver: &ContactSolver, task: &RemovalTask, rounds: u32) -> Removal {
     let asked = AtomicU32::new(0);
     let has_time = || asked.fetch_add(1, Ordering::Relaxed) < rounds;
@@ -134,7 +134,7 @@ fn what_is_flush_on_five_sides_slides_out_on_the_sixth() {
     for assembly in [Assembly::new(parts.clone()), Assembly::as_given(parts)] {
         let found = assembly.remove(0, |_| ());
         assert_eq!(found.method, Some(Method::Straight));
-        // Nothing may meet: it touches what it is to slide on.
+        // No contact is allowed, but it touches the surface that it slides on.
         let refused = assembly.remove(0, |task| task.allowed.start = false);
         assert_eq!(refused.method, None);
         assert_eq!(refused.blockers.len(), 5);
@@ -155,11 +155,11 @@ fn a_bolt_without_a_hole_goes_no_deeper_than_it_is() {
     ]);
     let found = assembly.remove(0, |_| ());
     assert_eq!(found.method, Some(Method::Straight), "{found:?}");
-    // Along its axis, and not through the plates, which is as deep.
+    // Along its axis, not through the plates, although that is as deep.
     let askew = Pose::new(&turned(0.7, [0.31, -0.17, 0.23])).unwrap();
     let (way, length) = (found.poses[1].translation(), found.path_length);
     assert!((0..3).all(|a| (way[a] / length - askew.rotation()[a][2]).abs() < 1e-6), "{way:?}");
-    // By its name a neighbour may be met all along, and then any way is good.
+    // If contact with the neighbour is allowed by name, any direction is free.
     let all = assembly.remove(0, |task| task.allowed = Allowed::default().with_parts(vec![1, 2]));
     assert!(all.method.is_some() && all.clearance == f64::INFINITY);
 }
@@ -186,7 +186,7 @@ fn a_fit_goes_no_deeper_than_at_the_start() {
     let stuck = pressed(true).remove(1, |_| {});
     assert_eq!(stuck.method, None);
     assert_eq!(stuck.blockers[0].part, 0);
-    // Past the ridge it would be 2 mm deep: that has to be allowed.
+    // Past the ridge it overlaps by 2 mm, which must be allowed.
     let forced = pressed(true).remove(1, |task| task.allowed.overlap = 0.0025);
     assert!(forced.method.is_some());
 }
@@ -245,6 +245,22 @@ fn in_a_closed_box_it_ends_in_time_and_says_what_is_in_the_way() {
     let tool = assembly.task(0).tool;
     let gap = assembly.scene.only(&[7]).unwrap().distance(&tool, &lid.pose, 1.0).unwrap().unwrap();
     assert!(gap.distance < 2e-6, "{gap:?}");
+}
+
+#[test]
+fn the_share_done_grows() {
+    let assembly = duct(false);
+    let (shares, asked) = (Mutex::new(Vec::new()), AtomicU32::new(0));
+    let progress = |share: f64, _: &str| {
+        shares.lock().unwrap().push(share);
+        true
+    };
+    let has_time = || asked.fetch_add(1, Ordering::Relaxed) < 15_000;
+    let options = RemovalOptions::default().with_progress(&progress).with_has_time(&has_time);
+    removal(&assembly.rest(0), &assembly.task(0), &options).unwrap();
+    let shares = shares.into_inner().unwrap();
+    assert!(shares.len() > 5 && shares[0] == 0.0 && shares.is_sorted_by(|a, b| a < b), "{shares:?}");
+    assert!(shares.last().is_some_and(|last| *last < 1.0), "{shares:?}");
 }
 
 /// A block of 40 x 24 x 10 mm with so much play to each of some walls: the lower and the upper one along x, then y, then z.
@@ -403,7 +419,7 @@ fn what_cannot_be_is_refused() {
     }
     let allowed = Allowed::default().with_overlap(-0.1);
     assert!(matches!(error(task.clone().with_allowed(allowed)), Error::Option { what: "allow", .. }));
-    // All of the tool grips, and none of it is the mock-up's: it may not start in what it meets.
+    // The whole tool is a gripper without parts of the mock-up: it may not start in contact.
     let start = Pose::IDENTITY.translated(&[0.0, 0.0, 0.004]).unwrap();
     let refused = error(task.clone().with_start(start).with_own_parts(0u32));
     assert!(matches!(refused, Error::World(feeler_world::Error::GripMeets { tool_part: 0, .. })), "{refused}");
@@ -479,7 +495,7 @@ fn a_way_is_looked_at_more_finely_before_it_is_given() {
     let size = (0.02_f64 * 0.02 + 0.0255 * 0.0255 + 0.02 * 0.02).sqrt();
     let step = size / 32.0;
     let post = box_mesh([20.5 * step, 0.0145, 0.0], [thin, 0.008, 0.05], 1);
-    // It is out at the end of a block aside.
+    // It is out when it has passed the end of a block that lies off to the side.
     let end = 39.99 * step - 0.01 - 0.01 * size;
     let assembly = Assembly::as_given(vec![tool, post, block([-0.05, -0.05, -0.3], [end, 0.05, -0.2])]);
     let with = |task: &mut RemovalTask| {

@@ -67,7 +67,7 @@ fn assert_around(mesh: &Swept, tool: &Tool, poses: &[Pose], points: usize) {
     let triangles: Vec<u32> = tool.mesh().queried().collect();
     for i in 0..points {
         let [a, b, c] = tool.mesh().triangle(triangles[random.below(triangles.len() as u64) as usize]);
-        // Corners and edges are what sticks out: many of the points are there.
+        // Corners and edges stick out, so many of the points are there.
         let (mut s, mut t) = (random.real(0.0, 1.0), random.real(0.0, 1.0));
         match i % 4 {
             0 => (s, t) = (0.0, 0.0),
@@ -166,13 +166,13 @@ fn what_is_inside_is_swept_and_a_hollow_stays() {
     let solid = tool((vertices.clone(), faces.clone()));
     let turned: Vec<[u32; 3]> = hollow.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
     let shell = tool(joined([(vertices, faces), (inner, turned)]));
-    // Less than the hollow is wide.
+    // The error is smaller than the hollow.
     let way = [at(0.0, 0.0, 0.0), at(0.03, 0.0, 0.0)];
     let (full, around) = (assert_swept(&solid, &way, 0.012), assert_swept(&shell, &way, 0.012));
     let middle = [0.015, 0.0, 0.0];
     assert_eq!((winding(&full, &middle), winding(&around, &middle)), (1, 0));
     assert!(volume(&around) < volume(&full) - 1e-4);
-    // Farther, and nothing of it is left.
+    // With a larger error the hollow is filled.
     let far = sweep(&shell, &[way[0], at(0.2, 0.0, 0.0)], 0.012);
     assert_eq!(winding(&far, &[0.1, 0.0, 0.0]), 1);
     // A closed surface that is wound the wrong way is a solid all the same.
@@ -184,7 +184,7 @@ fn what_is_inside_is_swept_and_a_hollow_stays() {
 
 #[test]
 fn the_inside_of_a_tool_that_moves_little_is_filled() {
-    // Nothing but its inside is at the middle, which no surface comes near to.
+    // The middle is only ever inside the tool: no surface comes near it.
     let cube = tool(box_mesh([0.0; 3], [0.2; 3], 1));
     let mesh = sweep(&cube, &[turn(0.3, [0.0; 3]), turn(0.4, [0.01, 0.0, 0.0])], 0.01);
     assert_eq!(winding(&mesh, &[0.0; 3]), 1);
@@ -273,7 +273,7 @@ fn bad_input_is_refused_before_the_work() {
         let Error::SweptTooFine { error: given, least, .. } = refused(&way, error, memory) else { panic!("{error}") };
         assert!(given == error && least > error, "{error} {least}");
     }
-    // What is said to fit does.
+    // The suggested error does fit.
     let Error::SweptTooFine { least, .. } = refused(&way, 1e-4, 20 << 20) else { panic!() };
     assert!(least < 0.1);
     swept(&cube, &way, least, &SweptOptions::default().with_memory_limit(20 << 20)).unwrap();

@@ -15,9 +15,10 @@ use crate::arguments::{PoseArgument, ToolArgument};
 use crate::arrays::pose_array;
 use crate::arrays::{view, view_blocks, view_rows};
 use crate::errors::to_py;
-use crate::pools::find_topology;
 use crate::scene::Scene;
 use crate::selection::Ignore;
+use crate::signals::stoppable;
+use crate::topology::find_topology;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
 /// Contact planes, deepest first; false when there are none. `contacts[i]` is one. All arrays are read-only.
@@ -514,9 +515,9 @@ impl ContactTracker {
         // The lock is not held meanwhile: a second thread queries with the earlier state, and does not wait. It is held with the
         // interpreter's alone, so that no thread holds it while another forks.
         let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = py.detach(|| {
+        let found = stoppable(py, |go_on| {
             find_topology(self.solver.scene().mockup(), &self.tool, false)?;
-            tracker.contacts(&self.solver, &self.tool, &world_from_tool.0, within).map_err(to_py)
+            tracker.contacts_while(&self.solver, &self.tool, &world_from_tool.0, within, go_on).map_err(to_py)
         })?;
         if !found.is_meeting {
             *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;

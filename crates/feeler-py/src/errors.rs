@@ -32,7 +32,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Memory { .. }
         | Error::TooManyEntries { .. }
         | Error::SweptTooFine { .. } => "LimitError",
-        // `Cancelled`: the progress function raised, and the caller gets its own exception (`reporter::Reporter`).
+        // `Cancelled`: the progress function or a signal handler raised, and the caller gets that exception (`reporter.rs`, `signals.rs`).
         _ => "FeelerError",
     };
     raise(class, message(&error))

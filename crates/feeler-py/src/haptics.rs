@@ -10,8 +10,9 @@ use pyo3::prelude::*;
 use crate::arguments::{pose_of, PoseArgument, ToolArgument};
 use crate::errors::{raise, to_py};
 use crate::haptics_answers::{StartAnswer, StepAnswer};
-use crate::pools::{find_topology, on_pool};
+use crate::pools::on_pool;
 use crate::scene::Scene;
+use crate::topology::find_topology;
 use crate::travel::stays;
 
 /// One session; `feeler.haptics.Session` adds names and records.

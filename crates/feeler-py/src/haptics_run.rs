@@ -12,8 +12,9 @@ use crate::errors::raise;
 use crate::haptics::{haptics_to_py, numbers_of, release_of, HapticsSession};
 use crate::haptics_answers::{GrantedAnswer, RunEnd, StartAnswer, StatisticsAnswer, TickAnswer, TraceAnswer};
 use crate::haptics_device::HapticsDevice;
-use crate::pools::{find_topology, generation, machine_clock, threads_of};
+use crate::pools::{generation, machine_clock, threads_of};
 use crate::scene::Scene;
+use crate::topology::find_topology;
 use crate::travel::stays;
 
 /// What a thread was granted, or why not.

@@ -27,8 +27,10 @@ mod saved;
 mod scene;
 mod screw;
 mod selection;
+mod signals;
 mod swept;
 mod tool;
+mod topology;
 mod travel;
 mod world;
 

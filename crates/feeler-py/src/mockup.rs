@@ -11,8 +11,8 @@ use pyo3::types::PyDict;
 use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
 use crate::packed::Packed;
-use crate::pools::on_pool;
 use crate::saved::SavedScene;
+use crate::signals::on_pool_or_left;
 
 /// A static mock-up. `feeler.Mockup` adds names and reports.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -49,7 +49,7 @@ impl Mockup {
         let faces = rows("faces", &faces)?;
         let part_of_face = part_of_face.map_or_else(Vec::new, |p| p.as_array().to_vec());
         let made = py
-            .detach(|| on_pool(None, || core::Mockup::new(vertices, faces, part_of_face, part_count)))?
+            .detach(|| on_pool_or_left(move || core::Mockup::new(vertices, faces, part_of_face, part_count)))?
             .map_err(to_py)?;
         Ok(Mockup { core: Arc::new(made) })
     }

@@ -5,9 +5,8 @@
 //! process.
 
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use feeler_core as core;
 use feeler_devices::machine::MonotonicClock;
 use feeler_haptics::Clock;
 use once_cell::race::OnceBox;
@@ -44,14 +43,14 @@ pub fn machine_clock() -> Arc<dyn Clock> {
 
 /// What the threads of one process share, made when first asked for, and anew in each forked process. What the process before
 /// it had is left alone: to drop it, its threads would be waited for.
-struct PerProcess<T>(AtomicPtr<(u64, T)>);
+pub struct PerProcess<T>(AtomicPtr<(u64, T)>);
 
 impl<T: Send + Sync> PerProcess<T> {
-    const fn new() -> PerProcess<T> {
+    pub const fn new() -> PerProcess<T> {
         PerProcess(AtomicPtr::new(std::ptr::null_mut()))
     }
 
-    fn get<E>(&self, make: impl Fn() -> Result<T, E>) -> Result<&T, E> {
+    pub fn get<E>(&self, make: impl Fn() -> Result<T, E>) -> Result<&T, E> {
         loop {
             let at = self.0.load(Ordering::Acquire);
             // SAFETY: null, or a box that is only freed when `self` is dropped.
@@ -115,31 +114,4 @@ pub fn threads_of(pool: Option<&Pool>) -> PyResult<&ThreadPool> {
 /// asks is never one of a pool: those do not enter the interpreter (`reporter.rs`).
 pub fn on_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     Ok(threads_of(pool)?.install(work))
-}
-
-/// Finds how the triangles of both hang together, which contacts ask for, if nobody has; for `escape` also the ways between the
-/// tool's surfaces. One thread does, on all threads of the process, and the others wait for it; in a forked process for none that
-/// is not there.
-pub fn find_topology(mockup: &core::Mockup, tool: &core::Tool, escape: bool) -> PyResult<()> {
-    static ONE: PerProcess<Mutex<()>> = PerProcess::new();
-    let is_found = || {
-        let [adjacency, links] = tool.has_topology();
-        mockup.has_adjacency() && adjacency && (links || !escape)
-    };
-    if is_found() {
-        return Ok(());
-    }
-    let find = || {
-        mockup.adjacency();
-        tool.adjacency();
-        if escape {
-            tool.links();
-        }
-    };
-    let one = ONE.get(|| Ok::<_, PyErr>(Mutex::new(())))?;
-    let _alone = one.lock().unwrap_or_else(PoisonError::into_inner);
-    if is_found() {
-        return Ok(());
-    }
-    on_pool(None, find)
 }

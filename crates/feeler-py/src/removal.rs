@@ -12,10 +12,11 @@ use pyo3::types::PyList;
 
 use crate::arguments::{PoseArgument, ToolArgument};
 use crate::errors::{raise, to_py};
-use crate::pools::{find_topology, Pool};
+use crate::pools::Pool;
 use crate::reporter::Reporter;
 use crate::scene::Scene;
 use crate::screw::Screw;
+use crate::topology::find_topology;
 use crate::travel::{rows_of, stays};
 
 /// How long nothing is told of what goes on.

@@ -5,16 +5,14 @@
 //! thread.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::pools::{threads_of, Pool};
-
-/// How long the thread that asked sleeps at most before it looks for signals.
-const SIGNALS_EVERY: Duration = Duration::from_millis(50);
+use crate::signals::SIGNALS_EVERY;
 
 /// Calls a Python progress function and looks for signals (Ctrl-C); keeps the exception that either raises, and stops the
 /// work then.
@@ -22,6 +20,8 @@ pub struct Reporter {
     callback: Option<Py<PyAny>>,
     state: Mutex<State>,
     changed: Condvar,
+    /// Whether `state.raised` is set: asked without the lock by many threads.
+    has_raised: AtomicBool,
 }
 
 #[derive(Default)]
@@ -34,7 +34,7 @@ struct State {
 
 impl Reporter {
     pub fn new(callback: Option<Py<PyAny>>) -> Reporter {
-        Reporter { callback, state: Mutex::default(), changed: Condvar::new() }
+        Reporter { callback, state: Mutex::default(), changed: Condvar::new(), has_raised: AtomicBool::new(false) }
     }
 
     /// Runs work on the threads of a pool, or of the process, and passes on meanwhile what it tells; without the interpreter's lock.
@@ -67,7 +67,7 @@ impl Reporter {
 
     /// Whether Python raised, so that the work should end.
     pub fn has_raised(&self) -> bool {
-        self.state().raised.is_some()
+        self.has_raised.load(Relaxed)
     }
 
     pub fn finish(self) -> PyResult<()> {
@@ -105,6 +105,7 @@ impl Reporter {
             });
             if let Err(error) = heard {
                 self.state().raised = Some(error);
+                self.has_raised.store(true, Relaxed);
                 return;
             }
         }

@@ -17,12 +17,14 @@ use crate::contacts::{Contacts, Penetration};
 use crate::containment::Containment;
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
-use crate::pools::{find_topology, on_pool, Pool};
+use crate::pools::{on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
 use crate::screw::{PathArgument, ScrewArgument};
 use crate::selection::{ignored_of, lanes_of, Ignore, SceneSource, Selected};
+use crate::signals::stoppable;
+use crate::topology::find_topology;
 use crate::travel::rows_of;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
@@ -113,7 +115,8 @@ impl Scene {
         let built = py.detach(|| {
             reporter.watch(pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-                core::Scene::build(core_mockup, &options.with_progress(&tell))
+                let goes_on = || !reporter.has_raised();
+                core::Scene::build(core_mockup, &options.with_progress(&tell).with_go_on(&goes_on))
             })
         });
         reporter.finish()?;
@@ -225,8 +228,10 @@ impl Scene {
         let filters = core::Filters { repeats: repeat_filter.0, boxes: box_filter.0 };
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let collision = py.detach(|| asked.scene().collide_filtered(tool, &world_from_tool.0, filters));
-        Ok(Collision::new(collision, self.mockup.clone_ref(py), Arc::clone(tool)))
+        let collision = stoppable(py, |go_on| {
+            asked.scene().stoppable(go_on).collide_filtered(tool, &world_from_tool.0, filters).map_err(to_py)
+        });
+        Ok(Collision::new(collision?, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
     /// Whether any two triangles collide, with the tool at a pose `(4, 4)`; stops at the first pair.
@@ -268,9 +273,9 @@ impl Scene {
     ) -> PyResult<bool> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        py.detach(|| {
+        stoppable(py, |go_on| {
             find_topology(self.core.mockup(), tool, true)?;
-            Ok(asked.is_free(tool, &world_from_tool.0))
+            asked.stoppable(go_on).is_free(tool, &world_from_tool.0).map_err(to_py)
         })
     }
 
@@ -289,9 +294,9 @@ impl Scene {
     ) -> PyResult<Containment> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let found = py.detach(|| {
+        let found = stoppable(py, |go_on| {
             find_topology(self.core.mockup(), tool, true)?;
-            Ok::<_, PyErr>(asked.containment(tool, &world_from_tool.0))
+            asked.stoppable(go_on).containment(tool, &world_from_tool.0).map_err(to_py)
         });
         Ok(Containment::new(found?))
     }
@@ -311,7 +316,9 @@ impl Scene {
         let batch = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-                asked.scene().collide_batch(tool, &poses.0, &core::BatchOptions::default().with_progress(&tell))
+                let goes_on = || !reporter.has_raised();
+                let options = core::BatchOptions::default().with_progress(&tell).with_go_on(&goes_on);
+                asked.scene().collide_batch(tool, &poses.0, &options)
             })
         });
         reporter.finish()?;
@@ -330,14 +337,16 @@ impl Scene {
     ) -> PyResult<Clearance> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let gaps = py.detach(|| {
-            if triangles {
-                asked.scene().near_pairs(tool, &world_from_tool.0, within)
+        let gaps = stoppable(py, |go_on| {
+            let scene = asked.scene().stoppable(go_on);
+            let gaps = if triangles {
+                scene.near_pairs(tool, &world_from_tool.0, within)
             } else {
-                asked.scene().clearance(tool, &world_from_tool.0, within)
-            }
+                scene.clearance(tool, &world_from_tool.0, within)
+            };
+            gaps.map_err(to_py)
         });
-        Ok(Clearance::new(gaps.map_err(to_py)?))
+        Ok(Clearance::new(gaps?))
     }
 
     #[pyo3(signature = (tool, world_from_tool, within, reference, *, ignore = None))]
@@ -353,9 +362,9 @@ impl Scene {
         let reference = reference.map(|pose| pose.0);
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let found = py.detach(|| {
+        let found = stoppable(py, |go_on| {
             find_topology(self.core.mockup(), tool, false)?;
-            asked.contacts(tool, &world_from_tool.0, within, reference.as_ref()).map_err(to_py)
+            asked.stoppable(go_on).contacts(tool, &world_from_tool.0, within, reference.as_ref()).map_err(to_py)
         });
         Ok(Contacts::new(found?, (asked, Arc::clone(tool), world_from_tool.0)))
     }
@@ -373,9 +382,9 @@ impl Scene {
         let reference = reference.map(|pose| pose.0);
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let found = py.detach(|| {
+        let found = stoppable(py, |go_on| {
             find_topology(self.core.mockup(), tool, true)?;
-            asked.penetration(tool, &world_from_tool.0, within, reference.as_ref()).map_err(to_py)
+            asked.stoppable(go_on).penetration(tool, &world_from_tool.0, within, reference.as_ref()).map_err(to_py)
         });
         Penetration::new(py, found?, (asked, Arc::clone(tool), world_from_tool.0))
     }
@@ -392,9 +401,9 @@ impl Scene {
     ) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>)> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let found = py.detach(|| {
+        let found = stoppable(py, |go_on| {
             find_topology(self.core.mockup(), tool, true)?;
-            Ok::<_, PyErr>(asked.depths(tool, &world_from_tool.0))
+            asked.stoppable(go_on).depths(tool, &world_from_tool.0).map_err(to_py)
         })?;
         let parts = Array2::from_shape_fn((found.len(), 2), |(n, i)| [found[n].part, found[n].tool_part][i]);
         let numbers = Array2::from_shape_fn((found.len(), 8), |(n, i)| match i {
@@ -417,7 +426,10 @@ impl Scene {
     ) -> PyResult<Distance> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        Ok(Distance::new(py.detach(|| asked.scene().distance(tool, &world_from_tool.0, within)).map_err(to_py)?))
+        let gap = stoppable(py, |go_on| {
+            asked.scene().stoppable(go_on).distance(tool, &world_from_tool.0, within).map_err(to_py)
+        });
+        Ok(Distance::new(gap?))
     }
 
     #[pyo3(signature = (tool, world_from_tool, within, k, *, ignore = None))]
@@ -433,8 +445,10 @@ impl Scene {
     ) -> PyResult<Vec<Distance>> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let gaps = py.detach(|| asked.scene().nearest(tool, &world_from_tool.0, k, within)).map_err(to_py)?;
-        Ok(gaps.into_iter().map(|gap| Distance::new(Some(gap))).collect())
+        let gaps = stoppable(py, |go_on| {
+            asked.scene().stoppable(go_on).nearest(tool, &world_from_tool.0, k, within).map_err(to_py)
+        });
+        Ok(gaps?.into_iter().map(|gap| Distance::new(Some(gap))).collect())
     }
 
     #[pyo3(signature = (tool, poses, within, progress, *, ignore = None))]
@@ -453,7 +467,8 @@ impl Scene {
         let gaps = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-                let options = core::BatchOptions::default().with_progress(&tell);
+                let goes_on = || !reporter.has_raised();
+                let options = core::BatchOptions::default().with_progress(&tell).with_go_on(&goes_on);
                 asked.scene().distance_batch(tool, &poses.0, within, &options)
             })
         });
@@ -479,7 +494,8 @@ impl Scene {
         let batch = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-                let options = core::BatchOptions::default().with_progress(&tell);
+                let goes_on = || !reporter.has_raised();
+                let options = core::BatchOptions::default().with_progress(&tell).with_go_on(&goes_on);
                 if triangles {
                     asked.scene().near_pairs_batch(tool, &poses.0, within, &options)
                 } else {
@@ -506,7 +522,7 @@ impl Scene {
     ) -> PyResult<Option<Cast>> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let found = py.detach(|| {
+        let found = stoppable(py, |go_on| {
             if touching.0 == core::Touching::Free {
                 find_topology(self.core.mockup(), tool, false)?;
             }
@@ -516,6 +532,7 @@ impl Scene {
                 _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
             };
             let options = core::CastOptions::default().with_tolerance(tolerance).with_touching(touching.0);
+            let options = options.with_go_on(go_on.function());
             asked.scene().cast_along(tool, &motion, &options).map_err(to_py)
         });
         Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
@@ -536,11 +553,12 @@ impl Scene {
     ) -> PyResult<PathCheck> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let inside = py.detach(|| {
+        let inside = stoppable(py, |go_on| {
             if touching.0 == core::Touching::Free || inside {
                 find_topology(self.core.mockup(), tool, inside)?;
             }
-            Ok::<_, PyErr>(poses.start().filter(|_| inside).map(|pose| asked.containment(tool, pose)))
+            let start = poses.start().filter(|_| inside);
+            start.map(|pose| asked.stoppable(go_on).containment(tool, pose).map_err(to_py)).transpose()
         })?;
         let reporter = Reporter::new(progress);
         let check = py.detach(|| {
@@ -548,7 +566,8 @@ impl Scene {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
                 let scene = asked.scene();
                 let options = core::PathOptions::default().with_tolerance(tolerance).with_touching(touching.0);
-                let options = options.with_progress(&tell);
+                let goes_on = || !reporter.has_raised();
+                let options = options.with_progress(&tell).with_go_on(&goes_on);
                 match &poses {
                     PathArgument::Legs(start, legs) => scene.check_legs(tool, start, legs, &options),
                     PathArgument::Poses(poses) => scene.check_path(tool, poses, &options),

@@ -11,7 +11,7 @@ use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
 use crate::mockup::{bounds, defects};
 use crate::packed::Packed;
-use crate::pools::on_pool;
+use crate::signals::on_pool_or_left;
 
 /// A moving tool. `feeler.Tool` adds its name and report.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -34,7 +34,7 @@ impl Tool {
         let faces = rows("faces", &faces)?;
         let part_of_face = part_of_face.map_or_else(Vec::new, |p| p.as_array().to_vec());
         let tool = py
-            .detach(|| on_pool(None, || core::Tool::of_parts(vertices, faces, part_of_face, part_count)))?
+            .detach(|| on_pool_or_left(move || core::Tool::of_parts(vertices, faces, part_of_face, part_count)))?
             .map_err(to_py)?;
         Ok(Tool { core: Arc::new(tool) })
     }

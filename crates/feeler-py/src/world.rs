@@ -13,9 +13,10 @@ use crate::collision::Collision;
 use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
-use crate::pools::{find_topology, on_pool};
+use crate::pools::on_pool;
 use crate::proximity::{Clearance, Distance};
 use crate::scene::Scene;
+use crate::topology::find_topology;
 use crate::travel::{check_lengths, kinds_of, rows_of, stays};
 
 /// The name of a kind of seat.
@@ -47,7 +48,7 @@ impl World {
     fn asked<T: Send>(
         &self,
         py: Python<'_>,
-        tool: &core::Tool,
+        tool: &Arc<core::Tool>,
         ask: impl FnOnce(&world::Environment) -> world::Result<T> + Send,
     ) -> PyResult<T> {
         py.detach(|| {

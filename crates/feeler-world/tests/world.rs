@@ -11,7 +11,7 @@ use feeler_world::{
     least_distance, Body, Environment, Error, PutDown, Release, SeatKind, Surroundings, WalkOptions, World,
 };
 
-/// Each a part.
+/// A mock-up with one part for each mesh.
 fn scene(parts: &[Arrays]) -> Arc<Scene> {
     let numbers = (0..).zip(parts).flat_map(|(part, (_, faces))| vec![part; faces.len()]).collect();
     let (vertices, faces) = joined(parts.to_vec());
@@ -76,10 +76,10 @@ fn surfaces_of_two_bodies_have_ids_of_their_own() {
     let ids: BTreeSet<u64> = found.iter().map(|(_, id)| *id).collect();
     assert_eq!((contacts.planes.len(), ids.len()), (2, 2), "{contacts:?}");
     assert_eq!(found.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [0, 1]);
-    // They are the same wherever the bar is above them.
+    // The ids are the same wherever the bar is above the blocks.
     let (lower, _) = environment.contacts(&bar, &at([size + 1e-3, 1e-3, 0.75 * size + 2e-4]), 0.001, None).unwrap();
     assert_eq!(lower.planes.iter().map(|plane| (plane.part, plane.id)).collect::<BTreeSet<_>>(), found);
-    // And those of manifolds.
+    // So are the ids of manifolds.
     let (around, mut manifolds) = (world.around(), Manifolds::default());
     around.manifolds(&around.seated_at_start(), &over, 0.001, &mut manifolds).unwrap();
     let ids: BTreeSet<u64> = manifolds.manifolds.iter().map(|manifold| manifold.id).collect();
@@ -98,7 +98,7 @@ fn each_part_of_a_tool_parts_from_its_seat_by_itself() {
     assert_eq!(kinds(around.seats().collect()), standing);
     let start = around.seated_at_start();
     let walk = |to: &Pose| around.walk(&start, (&Pose::IDENTITY, to), WalkOptions::default()).unwrap();
-    // Along the plate both stay.
+    // Along the plate both stay seated.
     let along = walk(&at([0.03, 0.02, 0.0]));
     assert!(along.stop.is_none());
     assert_eq!(kinds(along.seated.of(around.seats())), standing);
@@ -107,7 +107,7 @@ fn each_part_of_a_tool_parts_from_its_seat_by_itself() {
     let turned = pose_of(&tilt, &[edge[0] - tilt[0][0] * edge[0], 0.0, -tilt[2][0] * edge[0]]).unwrap();
     let left = around.left_at(&start, &turned).unwrap().expect("one is off");
     assert_eq!(kinds(left.of(around.seats())), [(1, SeatKind::Flush)]);
-    // Up both come off.
+    // Moved up, both leave their seats.
     assert!(walk(&at([0.0, 0.0, 0.01])).seated.is_free());
 }
 

@@ -7,7 +7,7 @@
 use feeler_core::clash::location::{locate, Location, LocationScratch};
 use feeler_core::clash::solids::Solids;
 use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled, sub};
-use feeler_core::{closest_triangle_triangle, Aabb, Point, Pose, Result, Scene, Tool, Triangle};
+use feeler_core::{closest_triangle_triangle, Aabb, GoOn, Point, Pose, Result, Scene, Tool, Triangle};
 
 use crate::constants::{
     ESCAPE_EXCESS, ESCAPE_ROUNDING, FACES_SAMPLED, LEAST_ESCAPE_LEAN, MOST_FACE_NORMALS, SAME_FACE_NORMAL,
@@ -81,7 +81,7 @@ impl Pair<'_> {
         pool: &ScratchPool<ContactScratch>,
         scratch: &mut LocationScratch,
     ) -> Result<WayOut> {
-        let query = ContactQuery { scene: self.other_alone, pool };
+        let query = ContactQuery { scene: self.other_alone, pool, go_on: GoOn::default() };
         let mut met = Met::default();
         let mut show = |pairs: &[[u32; 2]]| met = self.met(pairs.iter().copied());
         let contacts = query.contacts_showing(|_| None, self.tool, &Pose::IDENTITY, 0.0, None, &mut show)?;

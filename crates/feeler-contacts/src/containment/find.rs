@@ -12,7 +12,7 @@ use feeler_core::constants::NEEDLE_WIDTH;
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::tool::surface_links::SurfaceLinks;
-use feeler_core::{Aabb, Collision, PairKind, Point, Pose, Scene, Tool};
+use feeler_core::{Aabb, Collision, GoOn, Pace, PairKind, Point, Pose, Scene, Tool};
 
 use super::tool_solid::ToolSolid;
 use crate::context::QueryContext;
@@ -31,9 +31,10 @@ pub struct Containment {
     pub unknown: Vec<u32>,
 }
 
-/// See [`ContactSolver::containment`](crate::ContactSolver::containment).
-pub(crate) fn containment(scene: &Scene, tool: &Tool, pose: &Pose) -> Containment {
-    let mut search = Search::new(scene, tool, pose, &scene.collide(tool, pose), usize::MAX);
+/// See [`ContactSolver::containment`](crate::ContactSolver::containment). Where it is stopped, what was found until then.
+pub(crate) fn containment(scene: &Scene, tool: &Tool, pose: &Pose, go_on: GoOn<'_>) -> Containment {
+    let Ok(hit) = scene.stoppable(go_on).collide(tool, pose) else { return Containment::default() };
+    let mut search = Search::new((scene, go_on), tool, pose, &hit, usize::MAX);
     search.run();
     search.look_for_unknown();
     let Search { mut found, .. } = search;
@@ -45,18 +46,18 @@ pub(crate) fn containment(scene: &Scene, tool: &Tool, pose: &Pose) -> Containmen
 }
 
 /// The parts that hold one of the tool's connected surfaces at least, or have a connected surface that the tool holds; sorted. The
-/// tool meets nothing.
-pub(crate) fn parts_in_containment(scene: &Scene, tool: &Tool, pose: &Pose) -> Vec<u32> {
-    let mut search = Search::new(scene, tool, pose, &Collision::default(), usize::MAX);
+/// tool meets nothing. Where it is stopped, those found until then.
+pub(crate) fn parts_in_containment(scene: &Scene, tool: &Tool, pose: &Pose, go_on: GoOn<'_>) -> Vec<u32> {
+    let mut search = Search::new((scene, go_on), tool, pose, &Collision::default(), usize::MAX);
     search.run();
     let Containment { containing, contained, .. } = search.found;
     let parts: BTreeSet<u32> = containing.into_iter().chain(contained).map(|[_, part]| part).collect();
     parts.into_iter().collect()
 }
 
-/// Whether there is any such part.
-pub(crate) fn has_containment(scene: &Scene, tool: &Tool, pose: &Pose) -> bool {
-    let mut search = Search::new(scene, tool, pose, &Collision::default(), 1);
+/// Whether there is any such part. Where it is stopped, whether one was found until then.
+pub(crate) fn has_containment(scene: &Scene, tool: &Tool, pose: &Pose, go_on: GoOn<'_>) -> bool {
+    let mut search = Search::new((scene, go_on), tool, pose, &Collision::default(), 1);
     search.run();
     search.is_enough()
 }
@@ -116,10 +117,20 @@ struct Search<'a> {
     corners: Vec<Point>,
     enough: usize,
     found: Containment,
+    pace: Pace<'a>,
 }
 
+/// Points tested between two questions whether the search goes on. A point takes some microseconds.
+const POINTS_BETWEEN: u32 = 256;
+
 impl<'a> Search<'a> {
-    fn new(scene: &'a Scene, tool: &'a Tool, pose: &'a Pose, hit: &Collision, enough: usize) -> Search<'a> {
+    fn new(
+        (scene, go_on): (&'a Scene, GoOn<'a>),
+        tool: &'a Tool,
+        pose: &'a Pose,
+        hit: &Collision,
+        enough: usize,
+    ) -> Search<'a> {
         let around = tool_box(tool, pose);
         let tool_parts = 0..tool.parts() as u32;
         let is_asked = |part: u32| tool_parts.clone().any(|t| scene.index().selection().wants_parts(t, part));
@@ -129,7 +140,8 @@ impl<'a> Search<'a> {
         let context = QueryContext::new(scene, tool, pose, None);
         let all = scene.index().selection().ignores_any().then(|| scene.asking_all_pairs());
         let (corners, found) = (Vec::new(), Containment::default());
-        Search { scene, all, tool, pose, context, nearby, meeting, corners, enough, found }
+        let pace = Pace::new(go_on, POINTS_BETWEEN);
+        Search { scene, all, tool, pose, context, nearby, meeting, corners, enough, found, pace }
     }
 
     fn run(&mut self) {
@@ -199,7 +211,7 @@ impl<'a> Search<'a> {
                 let pairs: Vec<[u32; 2]> = holding.map(|part| [tool_part, *part]).collect();
                 self.found.containing.extend(pairs);
             }
-            if self.is_enough() {
+            if self.pace.step() || self.is_enough() {
                 return;
             }
         }
@@ -262,7 +274,7 @@ impl<'a> Search<'a> {
                 let pairs: Vec<[u32; 2]> =
                     holding.into_iter().filter(|t| self.wants(*t, part)).map(|t| [t, part]).collect();
                 self.found.contained.extend(pairs);
-                if self.is_enough() {
+                if self.pace.step() || self.is_enough() {
                     return;
                 }
             }
@@ -408,7 +420,7 @@ mod tests {
                 })
                 .map(|(part, _)| part)
                 .collect();
-            prop_assert_eq!(parts_in_containment(&scene, &tool, &pose), expected);
+            prop_assert_eq!(parts_in_containment(&scene, &tool, &pose, GoOn::default()), expected);
         }
     }
 
@@ -432,7 +444,7 @@ mod tests {
         let inner = tool(box_mesh([0.0; 3], [1e-3; 3], 1));
         let place = sub(&p, &inner.mesh().triangle(0)[0]);
         let pose = at(place[0], place[1], place[2]);
-        assert_eq!(parts_in_containment(&scene(fans), &inner, &pose), [0]);
+        assert_eq!(parts_in_containment(&scene(fans), &inner, &pose, GoOn::default()), [0]);
     }
 
     /// The point of the ray from the origin to `q` at a coordinate.
@@ -455,16 +467,19 @@ mod tests {
         let of = |xs: Vec<f64>| tool(loose(&xs));
         let apart = |tool: &Tool| is_apart(tool.links(), &held, &Pose::IDENTITY).iter().filter(|apart| **apart).count();
         let all_out = of(outside.clone());
-        assert_eq!((parts_in_containment(&held, &all_out, &Pose::IDENTITY), apart(&all_out)), (vec![], 1));
+        assert_eq!(
+            (parts_in_containment(&held, &all_out, &Pose::IDENTITY, GoOn::default()), apart(&all_out)),
+            (vec![], 1)
+        );
         for (at, expected) in [(0.1, vec![0]), (-0.3, vec![]), (0.92, vec![1])] {
             let one_in = of([outside.clone(), vec![at]].concat());
-            assert_eq!(parts_in_containment(&held, &one_in, &Pose::IDENTITY), expected, "{at}");
-            assert_eq!(has_containment(&held, &one_in, &Pose::IDENTITY), !expected.is_empty(), "{at}");
+            assert_eq!(parts_in_containment(&held, &one_in, &Pose::IDENTITY, GoOn::default()), expected, "{at}");
+            assert_eq!(has_containment(&held, &one_in, &Pose::IDENTITY, GoOn::default()), !expected.is_empty(), "{at}");
             // In any order: surfaces that a side of a solid separates from the others are tested themselves.
             assert!((2..6).contains(&apart(&one_in)), "{at} {}", apart(&one_in));
         }
         let same = of(vec![0.1; 50]);
-        assert_eq!((parts_in_containment(&held, &same, &Pose::IDENTITY), apart(&same)), (vec![0], 1));
+        assert_eq!((parts_in_containment(&held, &same, &Pose::IDENTITY, GoOn::default()), apart(&same)), (vec![0], 1));
     }
 
     #[test]
@@ -475,14 +490,14 @@ mod tests {
         let held = scene_of(vec![bar, plate]);
         let block = tool(box_mesh([0.0; 3], [0.001; 3], 1));
         assert_eq!(held.distance(&block, &Pose::IDENTITY, 1.0).unwrap().unwrap().part, 0);
-        assert_eq!(parts_in_containment(&held, &block, &Pose::IDENTITY), [1]);
+        assert_eq!(parts_in_containment(&held, &block, &Pose::IDENTITY, GoOn::default()), [1]);
         // A ball of many triangles around it, far from the origin.
         let around =
             |x: f64| joined([ball(1.0, 40)].map(|(v, f)| (v.into_iter().map(|p| [p[0] + x, p[1], p[2]]).collect(), f)));
         for x in [0.0, 1e6, 1e9] {
             let held = scene(around(x));
-            assert_eq!(parts_in_containment(&held, &block, &at(x, 0.3, 0.2)), [0], "{x}");
-            assert!(parts_in_containment(&held, &block, &at(x + 0.8, 0.7, 0.0)).is_empty(), "{x}");
+            assert_eq!(parts_in_containment(&held, &block, &at(x, 0.3, 0.2), GoOn::default()), [0], "{x}");
+            assert!(parts_in_containment(&held, &block, &at(x + 0.8, 0.7, 0.0), GoOn::default()).is_empty(), "{x}");
         }
     }
 
@@ -514,7 +529,7 @@ mod tests {
         assert!(!held.solver().is_free(&at([0.3, 10.3, 40.0]), &Pose::IDENTITY));
         // What is ignored, or out, is not told.
         let without = held.without(&[2]).unwrap().ignoring(Arc::new(IgnoredPairs::new(3, 3, [[0, 0]])));
-        let told = containment(&without, &at([1.5, 10.0, 30.0]), &Pose::IDENTITY);
+        let told = containment(&without, &at([1.5, 10.0, 30.0]), &Pose::IDENTITY, GoOn::default());
         assert_eq!((told.containing, told.contained), (vec![[1, 0]], vec![]));
     }
 

@@ -4,7 +4,7 @@
 //! Only the end of each translation is tested, not the motion (that would be motion planning).
 
 use feeler_core::geometry::vectors::{across, add, along, length, scaled, sub, unit};
-use feeler_core::{Aabb, Gap, Point, Pose, Result, Scene, Tool};
+use feeler_core::{Aabb, Gap, GoOn, Point, Pose, Result, Scene, Tool};
 
 use crate::constants::{
     LEAST_PROBE_SHARE, MOST_PROBE_TURNS, NEAREST_PARTS_GROWTH, PROBE_FIRST_SHARE, PROBE_GROWTH, PROBE_HALVINGS,
@@ -19,9 +19,17 @@ const SINE_60: f64 = 0.866_025_403_784_438_6;
 
 /// A translation no longer than `longest` (metres) after which the tool is free (checked exactly) and not inside a solid, along one
 /// of the axes or near it: the shortest found. `None` where no length tried along any of them frees it.
-pub(crate) fn probe_axes(scene: &Scene, tool: &Tool, pose: &Pose, axes: &[Point], longest: f64) -> Option<Point> {
+/// Where it is stopped, nothing counts as free from then on.
+pub(crate) fn probe_axes(
+    (scene, go_on): (&Scene, GoOn<'_>),
+    tool: &Tool,
+    pose: &Pose,
+    axes: &[Point],
+    longest: f64,
+) -> Option<Point> {
     let is_free = |d: &Point, length: f64| {
-        pose.translated(&scaled(d, length)).is_ok_and(|moved| is_free_and_outside(scene, tool, &moved))
+        let moved = pose.translated(&scaled(d, length));
+        go_on.goes_on() && moved.is_ok_and(|moved| is_free_and_outside((scene, go_on), tool, &moved))
     };
     let least = LEAST_PROBE_SHARE * longest;
     let bisect = |d: &Point, mut stuck: f64, mut free: f64| {
@@ -68,26 +76,37 @@ pub(crate) fn probe_axes(scene: &Scene, tool: &Tool, pose: &Pose, axes: &[Point]
 }
 
 /// Whether a tool meets nothing and is not wholly inside a solid, nor a solid inside it.
-pub(crate) fn is_free_and_outside(scene: &Scene, tool: &Tool, pose: &Pose) -> bool {
-    !scene.is_colliding(tool, pose) && !has_containment(scene, tool, pose)
+pub(crate) fn is_free_and_outside((scene, go_on): (&Scene, GoOn<'_>), tool: &Tool, pose: &Pose) -> bool {
+    !scene.is_colliding(tool, pose) && !has_containment(scene, tool, pose, go_on)
 }
 
 /// A translation out of the solids that contain the tool, or off those that it contains: along the line between the closest points
 /// of the surfaces, or as [`probe_axes`] finds.
-pub(crate) fn escape_containment(scene: &Scene, tool: &Tool, pose: &Pose, parts: &[u32]) -> Result<Option<Point>> {
+pub(crate) fn escape_containment(
+    (scene, go_on): (&Scene, GoOn<'_>),
+    tool: &Tool,
+    pose: &Pose,
+    parts: &[u32],
+) -> Result<Option<Point>> {
     let around = parts.iter().fold(Aabb::EMPTY, |b, part| b.union(&scene.mockup().part_bounds()[*part as usize]));
     let longest = length(&tool.mesh().bounds().extent()) + length(&around.extent());
     let mut axes = cube_axes(pose);
-    let nearest = nearest_of(scene, tool, pose, parts, longest)?;
+    let nearest = nearest_of((scene, go_on), tool, pose, parts, longest)?;
     axes.extend(nearest.and_then(|gap| unit(&sub(&gap.on_mockup, &gap.on_tool))));
-    Ok(probe_axes(scene, tool, pose, &axes, longest))
+    Ok(probe_axes((scene, go_on), tool, pose, &axes, longest))
 }
 
 /// The least distance to one of the parts; others may be nearer.
-fn nearest_of(scene: &Scene, tool: &Tool, pose: &Pose, parts: &[u32], within: f64) -> Result<Option<Gap>> {
+fn nearest_of(
+    (scene, go_on): (&Scene, GoOn<'_>),
+    tool: &Tool,
+    pose: &Pose,
+    parts: &[u32],
+    within: f64,
+) -> Result<Option<Gap>> {
     let mut count = 1;
     loop {
-        let gaps = scene.nearest(tool, pose, count, within)?;
+        let gaps = scene.stoppable(go_on).nearest(tool, pose, count, within)?;
         let (is_all, found) = (gaps.len() < count, gaps.into_iter().find(|gap| parts.contains(&gap.part)));
         if found.is_some() || is_all {
             return Ok(found);
@@ -139,8 +158,8 @@ mod tests {
         let pose = at(0.0, 0.0, 0.1);
         let (up, down) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
         assert!(!plate.is_colliding(&block, &at(0.0, 0.0, 0.07)));
-        assert_eq!(probe_axes(&plate, &block, &pose, &[down], 0.03), None);
-        let escape = probe_axes(&plate, &block, &pose, &[down, up], 0.03).unwrap();
+        assert_eq!(probe_axes((&plate, GoOn::default()), &block, &pose, &[down], 0.03), None);
+        let escape = probe_axes((&plate, GoOn::default()), &block, &pose, &[down, up], 0.03).unwrap();
         assert!(escape[2] >= 0.01 && length(&escape) < 0.0105, "{escape:?}");
     }
 
@@ -150,7 +169,8 @@ mod tests {
         let waves = sheet(12, 12, |s, t| [0.05 * s, 0.05 * t, 0.003 * (11.0 * s).sin() * (13.0 * t).sin()]);
         let (held, lying) = (scene(waves.clone()), tool(waves));
         assert!(held.is_colliding(&lying, &Pose::IDENTITY));
-        let escape = probe_axes(&held, &lying, &Pose::IDENTITY, &cube_axes(&Pose::IDENTITY), 0.1).unwrap();
+        let escape =
+            probe_axes((&held, GoOn::default()), &lying, &Pose::IDENTITY, &cube_axes(&Pose::IDENTITY), 0.1).unwrap();
         assert!(!held.is_colliding(&lying, &Pose::IDENTITY.translated(&escape).unwrap()));
         let least = LEAST_PROBE_SHARE * 0.1;
         assert!((0.1 * least..=least).contains(&length(&escape)), "{escape:?}");
@@ -172,12 +192,12 @@ mod tests {
             (0.016, 0.004, false),
         ] {
             assert!(!held.is_colliding(&block, &at(x, 0.0, z)), "{x} {z}");
-            assert_eq!(is_free_and_outside(&held, &block, &at(x, 0.0, z)), is_free, "{x} {z}");
+            assert_eq!(is_free_and_outside((&held, GoOn::default()), &block, &at(x, 0.0, z)), is_free, "{x} {z}");
         }
         // Conversely: the mock-up within the tool.
         let (small, around) = (scene(box_mesh([0.0; 3], [0.01; 3], 1)), tool(box_mesh([0.0; 3], [0.05; 3], 2)));
-        assert!(!is_free_and_outside(&small, &around, &at(0.001, 0.0, 0.002)));
-        assert!(is_free_and_outside(&small, &around, &at(0.05, 0.001, 0.0)));
+        assert!(!is_free_and_outside((&small, GoOn::default()), &around, &at(0.001, 0.0, 0.002)));
+        assert!(is_free_and_outside((&small, GoOn::default()), &around, &at(0.05, 0.001, 0.0)));
     }
 
     #[test]
@@ -190,7 +210,7 @@ mod tests {
             assert_eq!(out.kind, PenetrationKind::Bound);
             assert!(out.depth >= depth && out.depth < 1.02 * depth, "{out:?}");
             let freed = at(x, 0.001, z).translated(&out.translation).unwrap();
-            assert!(is_free_and_outside(&plate, &block, &freed));
+            assert!(is_free_and_outside((&plate, GoOn::default()), &block, &freed));
         }
         // Conversely: the mock-up within the tool.
         let (small, around) = (scene(box_mesh([0.0; 3], [0.01; 3], 1)), tool(box_mesh([0.0; 3], [0.05; 3], 2)));

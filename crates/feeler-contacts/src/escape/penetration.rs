@@ -65,11 +65,11 @@ pub(crate) fn penetration(
     let near_margin = |deep: usize| (deep < MOST_PLANES).then_some(margin);
     let contacts = query.contacts_within(near_margin, tool, pose, margin, reference)?;
     if !contacts.is_meeting {
-        let parts = parts_in_containment(scene, tool, pose);
+        let parts = parts_in_containment(scene, tool, pose, query.go_on);
         let (translation, kind) = if parts.is_empty() {
             ([0.0; 3], PenetrationKind::Exact)
         } else {
-            let escape = escape_containment(scene, tool, pose, &parts)?;
+            let escape = escape_containment((scene, query.go_on), tool, pose, &parts)?;
             escape.map_or(([0.0; 3], PenetrationKind::Estimate), |escape| (escape, PenetrationKind::Bound))
         };
         return Ok(Penetration { depth: length(&translation), translation, kind, contacts });
@@ -92,7 +92,7 @@ pub(crate) fn penetration(
         }
     }
     if is_probed {
-        if let Some(escape) = probe_axes(scene, tool, pose, &axes, limit) {
+        if let Some(escape) = probe_axes((scene, query.go_on), tool, pose, &axes, limit) {
             (translation, kind) = (escape, PenetrationKind::Bound);
         }
     }
@@ -156,6 +156,7 @@ fn escape_over_planes(
             let candidates = leave(&planes).map_or_else(|| (0..planes.len()).collect(), |(_, active)| active);
             let mut left_out = None;
             for i in candidates {
+                query.go_on.check()?;
                 let rest: Vec<(Point, f64)> =
                     planes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, p)| *p).collect();
                 let Some((escape, _)) = leave(&rest) else { continue };
@@ -174,8 +175,11 @@ fn escape_over_planes(
         }
     }
     // A tool wholly inside a solid meets nothing, and is not free.
-    if kind != PenetrationKind::Estimate && !is_free_and_outside(scene, tool, &pose.translated(&translation)?) {
-        kind = PenetrationKind::Estimate;
+    if kind != PenetrationKind::Estimate {
+        let moved = pose.translated(&translation)?;
+        if !is_free_and_outside((scene, query.go_on), tool, &moved) {
+            kind = PenetrationKind::Estimate;
+        }
     }
     Ok((translation, kind))
 }

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-use feeler_core::{closest_triangle_triangle, Mockup, Point, Pose, Scene, Tool};
+use feeler_core::{closest_triangle_triangle, Collision, GoOn, Mockup, Point, Pose, Scene, Tool};
 
 use super::bodies::Bodies;
 use super::body::Body;
@@ -28,16 +28,20 @@ pub struct PartDepth {
     pub points: [Point; 2],
 }
 
-/// See [`ContactSolver::depths`](crate::ContactSolver::depths).
-pub(crate) fn depths(scene: &Scene, bodies: &Bodies, tool: &Tool, pose: &Pose) -> Vec<PartDepth> {
-    let (mockup, hits) = (scene.mockup(), scene.collide(tool, pose).pairs);
+/// See [`ContactSolver::depths`](crate::ContactSolver::depths). Where it is stopped, some of them.
+pub(crate) fn depths(scene: &Scene, bodies: &Bodies, tool: &Tool, pose: &Pose, go_on: GoOn<'_>) -> Vec<PartDepth> {
+    let mockup = scene.mockup();
+    let Ok(Collision { pairs: hits, .. }) = scene.stoppable(go_on).collide(tool, pose) else { return Vec::new() };
     let parts_of = |[t, m]: [u32; 2]| [mockup.part_of_face(m), tool.part_of_face(t)];
     let mut pairs: BTreeSet<[u32; 2]> = hits.iter().map(|hit| parts_of(*hit)).collect();
-    let inside = containment(scene, tool, pose);
+    let inside = containment(scene, tool, pose, go_on);
     pairs.extend(inside.containing.iter().chain(&inside.contained).map(|[tool_part, part]| [*part, *tool_part]));
     let mut found: Vec<PartDepth> = Vec::new();
     let mut own: Vec<Option<Body>> = (0..tool.parts()).map(|_| None).collect();
     for pair in pairs {
+        if !go_on.goes_on() {
+            break;
+        }
         let [part, tool_part] = pair;
         let body = bodies.of(part, || body_of_part(mockup, part));
         let tool_body = own[tool_part as usize].get_or_insert_with(|| body_of_tool(tool, pose, tool_part));

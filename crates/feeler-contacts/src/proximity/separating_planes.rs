@@ -23,7 +23,7 @@ use feeler_core::geometry::distance_triangle_triangle::{closest_within, Closest}
 use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
 use feeler_core::index::interner::{pair_key, Interner};
 use feeler_core::index::sink::Divider;
-use feeler_core::{Gap, Triangle};
+use feeler_core::{Error, Gap, Pace, Result, Triangle};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
 /// Searches the separating planes of one part after the other.
@@ -33,6 +33,9 @@ pub(crate) struct PlaneSearch<'a> {
     margin: f64,
     scratch: &'a mut NearScratch,
 }
+
+/// Steps of a search between two questions whether it goes on: eight pairs measured, or one looked at.
+const STEPS_BETWEEN: u32 = 1024;
 
 /// Working memory.
 #[derive(Debug, Default)]
@@ -244,7 +247,7 @@ impl<'a> PlaneSearch<'a> {
         PlaneSearch { context, margin, scratch }
     }
 
-    /// Adds the planes of one part's candidates to those that `out` has of it. The pairs in `meeting` (sorted) collide,
+    /// Adds the planes of one part's candidates to those that `out` has of it; an error where the query is stopped. The pairs in `meeting` (sorted) collide,
     /// the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
     pub fn push_planes(
         &mut self,
@@ -252,7 +255,8 @@ impl<'a> PlaneSearch<'a> {
         meeting: &[[u32; 2]],
         inside: &[Vec<u32>; 2],
         out: &mut Vec<ContactPlane>,
-    ) {
+    ) -> Result<()> {
+        let mut pace = Pace::new(self.context.go_on, STEPS_BETWEEN);
         let part = candidates.first().map_or(0, |c| c.part);
         let tolerance = SEPARATION_SLACK * self.margin;
         let query = NearQuery { meeting, inside, margin: self.margin, tolerance };
@@ -269,11 +273,19 @@ impl<'a> PlaneSearch<'a> {
         let mut in_order = 0;
         if !meeting.is_empty() {
             // Around a contour nearly all pairs are so near that they are measured anyway: sorting saves nothing.
-            near.chunks(WIDE_LANES).for_each(|batch| self.measure_all(batch, part, out, |entry| entries.push(entry)));
+            for batch in near.chunks(WIDE_LANES) {
+                if pace.step() {
+                    return Err(Error::Cancelled);
+                }
+                self.measure_all(batch, part, out, |entry| entries.push(entry));
+            }
             near.clear();
         }
         let mut before = None;
         loop {
+            if pace.step() {
+                return Err(Error::Cancelled);
+            }
             let limit = entries.nearest() + EQUALLY_NEAR_SHARE * self.margin;
             let (mut batch, mut count) = ([None; WIDE_LANES], 0);
             while count < WIDE_LANES {
@@ -317,6 +329,7 @@ impl<'a> PlaneSearch<'a> {
         }
         self.scratch.entries = entries;
         self.scratch.near = near;
+        Ok(())
     }
 
     /// After [`push_planes`](Self::push_planes): the pairs that each new plane separates.

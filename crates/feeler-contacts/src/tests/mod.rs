@@ -14,7 +14,7 @@ use std::sync::Arc;
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;
 use feeler_core::index::sink::Divider;
-use feeler_core::{Level, Mockup, Point, Pose, Result, Scene, SceneOptions, Tool};
+use feeler_core::{GoOn, Level, Mockup, Point, Pose, Result, Scene, SceneOptions, Tool};
 use feeler_shapes::Arrays;
 
 use crate::{ContactSolver, Contacts, Penetration};
@@ -50,7 +50,8 @@ impl Held {
         dividers: &[Divider],
         most: usize,
     ) -> Option<Vec<Candidate>> {
-        near_candidates(self.index(), tool, pose, within, dividers, most, &mut DistanceScratch::default()).unwrap()
+        let mut scratch = DistanceScratch::default();
+        near_candidates(self.index(), tool, pose, within, dividers, most, GoOn::default(), &mut scratch).unwrap()
     }
 
     pub fn solver(&self) -> &ContactSolver {

@@ -1,7 +1,7 @@
 //! The guarantees of ways out, each in a case where nothing else would find one.
 
 use feeler_core::geometry::vectors::length;
-use feeler_core::{Mockup, Point, Pose};
+use feeler_core::{GoOn, Mockup, Point, Pose};
 use feeler_shapes::{ball, box_mesh, box_sides, joined, sheet, Arrays};
 
 use super::{at, scene, tool, Held};
@@ -108,7 +108,7 @@ fn a_way_through_a_crack_does_not_tell_alone() {
     for i in 0..800 {
         for deep in [0.1, 0.2] {
             let p = [0.0001 * (f64::from(i) - 400.0), 0.01, 0.5 - deep];
-            assert_eq!(parts_in_containment(&held, &speck, &at(p[0], p[1], p[2])), [0], "{p:?}");
+            assert_eq!(parts_in_containment(&held, &speck, &at(p[0], p[1], p[2]), GoOn::default()), [0], "{p:?}");
         }
     }
 }

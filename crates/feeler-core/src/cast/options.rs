@@ -39,25 +39,10 @@ impl Default for CastOptions<'_> {
 }
 
 impl<'a> CastOptions<'a> {
-    /// Sets the tolerance, metres.
-    #[must_use]
-    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.tolerance = tolerance;
-        self
-    }
-
-    /// Sets whether a contact ends the cast.
-    #[must_use]
-    pub fn with_touching(mut self, touching: Touching) -> Self {
-        self.touching = touching;
-        self
-    }
-
-    /// Sets directions along which tool and mock-up are probably apart.
-    #[must_use]
-    pub fn with_directions(mut self, directions: &'a [Point]) -> Self {
-        self.directions = directions;
-        self
+    crate::setters! {
+        with_tolerance: tolerance: f64,
+        with_touching: touching: Touching,
+        with_directions: directions: &'a [Point],
     }
 
     /// Asks a function every few milliseconds. The cast stops with [`Error::Cancelled`](crate::Error::Cancelled) where it returns
@@ -79,27 +64,25 @@ pub struct PathOptions<'a> {
     pub touching: Touching,
     /// Reports the progress after every few thousand segments, and may stop the check.
     pub progress: Progress<'a>,
+    /// Asked every few milliseconds on each thread, and may stop the check.
+    pub go_on: GoOn<'a>,
 }
 
 impl Default for PathOptions<'_> {
     fn default() -> Self {
-        PathOptions { tolerance: TOLERANCE_M, touching: Touching::Ends, progress: Progress::default() }
+        PathOptions {
+            tolerance: TOLERANCE_M,
+            touching: Touching::Ends,
+            progress: Progress::default(),
+            go_on: GoOn::default(),
+        }
     }
 }
 
 impl<'a> PathOptions<'a> {
-    /// Sets the tolerance, metres.
-    #[must_use]
-    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.tolerance = tolerance;
-        self
-    }
-
-    /// Sets whether a contact ends a cast.
-    #[must_use]
-    pub fn with_touching(mut self, touching: Touching) -> Self {
-        self.touching = touching;
-        self
+    crate::setters! {
+        with_tolerance: tolerance: f64,
+        with_touching: touching: Touching,
     }
 
     /// Calls a function with the share done (0 to 1) and the stage. The check stops with
@@ -107,6 +90,14 @@ impl<'a> PathOptions<'a> {
     #[must_use]
     pub fn with_progress(mut self, progress: &'a (dyn Fn(f64, &str) -> bool + Sync)) -> Self {
         self.progress = Progress::new(progress);
+        self
+    }
+
+    /// Asks a function every few milliseconds on each thread. The check stops with
+    /// [`Error::Cancelled`](crate::Error::Cancelled) where it returns false.
+    #[must_use]
+    pub fn with_go_on(mut self, go_on: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.go_on = GoOn::new(go_on);
         self
     }
 }

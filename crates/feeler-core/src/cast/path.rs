@@ -34,7 +34,7 @@ pub(crate) fn check_path(
 ) -> Result<PathCheck> {
     const PATH_WAVE: usize = 2048;
     const PATH_TASK: usize = 8;
-    let PathOptions { tolerance, touching, progress } = *options;
+    let PathOptions { tolerance, touching, progress, go_on } = *options;
     check_tolerance(tolerance)?;
     let mut hits = Vec::new();
     let numbers: Vec<usize> = (0..segments.min(PATH_WAVE)).collect();
@@ -45,7 +45,7 @@ pub(crate) fn check_path(
             .par_chunks(PATH_TASK)
             .map(|task| {
                 let mut scratch = pool.take();
-                let how = How { tolerance, touching, directions: &[], goes_on: &|| true };
+                let how = How { tolerance, touching, directions: &[], goes_on: go_on.function() };
                 let hits = task
                     .iter()
                     .filter_map(|i| {

@@ -44,6 +44,7 @@ pub fn meeting_parts(
     let pool: ScratchPool<(NarrowScratch, MeetingScratch)> = ScratchPool::default();
     let Found { all, is_complete } = index.search(0.0, (progress, "finding colliding parts"), |search, task| {
         pool.with(|(scratch, of_blocks)| {
+            scratch.begin_share();
             let (found, touches) = (Vec::new(), Vec::new());
             let mut narrow = MeetingNarrow { mockup, limits, decided, lanes, scratch, found, touches };
             let (blocks, parts) = (index.blocks(), index.parts());

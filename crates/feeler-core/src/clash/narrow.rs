@@ -33,7 +33,7 @@ pub(crate) enum Known {
 /// Working memory of one search at a time.
 #[derive(Debug)]
 pub(crate) struct NarrowScratch {
-    /// Of no more than one search: shares of it that run one after the other learn from each other.
+    /// Of no more than one search: shares of it that run one after the other learn from each other, unless it grows large.
     known: PairTable<Known>,
     lines: Vec<CacheLine>,
     /// By piece of the block at work the place of its line.
@@ -56,6 +56,13 @@ impl Default for NarrowScratch {
             owners: [0; PLACES],
             count: 0,
         }
+    }
+}
+
+impl NarrowScratch {
+    /// Called before each share of a search.
+    pub(crate) fn begin_share(&mut self) {
+        self.known.begin_share();
     }
 }
 

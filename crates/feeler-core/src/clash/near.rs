@@ -43,6 +43,7 @@ pub fn near_parts(
     let found = index.search(reach, (progress, "measuring clearances"), |search, task| {
         pool.with(|(nearest, scratch)| {
             nearest.share += 1;
+            nearest.known.begin_share();
             let mut wanted = NearParts { mockup, blocks, limits, decided, lanes, margin, nearest, found: Vec::new() };
             search.run(task, &mut NearBlocks { blocks, parts: index.parts(), wanted: &mut wanted, scratch });
             wanted.found.into_iter().map(|gap| (gap.parts, gap)).collect()

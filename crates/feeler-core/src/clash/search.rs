@@ -8,7 +8,7 @@ use crate::index::blocks::{BlockParts, Blocks, SelfSearch, SelfTask};
 use crate::index::mockup_index::Index;
 use crate::index::store::Store;
 use crate::mesh::pieces::default_piece_size;
-use crate::progress::Progress;
+use crate::progress::{Control, Progress};
 
 /// Shares of a search, after each of which it reports progress and may be stopped.
 const WAVE: usize = 128;
@@ -39,7 +39,7 @@ impl<'a> SelfIndex<'a> {
             _ => {
                 let (mesh, ids) = (mockup.mesh(), mockup.mesh().queried().collect::<Vec<u32>>());
                 let size = default_piece_size(ids.len(), |i| mesh.triangle(ids[i]), MOCKUP_CUT_ALLOWANCE);
-                Some(Blocks::build(mesh, size, limit, Progress::default())?)
+                Some(Blocks::build(mesh, size, limit, Control::default())?)
             }
         };
         let selection = index.selection();

@@ -6,12 +6,12 @@ use rayon::prelude::*;
 
 use super::hits::Hit;
 use super::narrow::{Filters, Until};
-use super::query::{run, CollideScratch};
+use super::query::{run, CollideScratch, How};
 use crate::error::{Error, Result};
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
-use crate::progress::Progress;
+use crate::progress::{BatchOptions, GoOn};
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
@@ -30,7 +30,7 @@ pub struct Batch {
 impl Batch {
     /// The findings of the tasks of some poses, put together in parallel. New pages are first touched by the threads that fill them:
     /// to make one takes the system longer than all that is written to it takes.
-    fn of_tasks(tasks: Vec<Task>, poses: usize) -> Batch {
+    fn of_tasks(tasks: Vec<Task>, poses: usize, go_on: GoOn<'_>) -> Result<Batch> {
         let mut sum = 0;
         let mut offsets = Vec::with_capacity(poses + 1);
         offsets.push(0);
@@ -49,12 +49,13 @@ impl Batch {
             (own_kinds, kinds) = kinds.split_at_mut(hits.len());
             parts.push((hits, own_pairs, own_kinds));
         }
-        parts.into_par_iter().for_each(|(hits, pairs, kinds)| {
+        parts.into_par_iter().try_for_each(|(hits, pairs, kinds)| {
             for ((hit, pair), kind) in hits.iter().zip(pairs).zip(kinds) {
                 (*pair, *kind) = (hit.pair(), hit.kind());
             }
-        });
-        batch
+            go_on.check()
+        })?;
+        Ok(batch)
     }
 }
 
@@ -77,8 +78,10 @@ pub(crate) fn collide_batch(
     pool: &ScratchPool<CollideScratch>,
     tool: &Tool,
     poses: &[Pose],
-    progress: Progress<'_>,
+    options: &BatchOptions<'_>,
 ) -> Result<Batch> {
+    let BatchOptions { progress, go_on } = *options;
+    let how = How { filters: Filters::default(), until: Until::End, go_on };
     const COLLIDE_WAVE: usize = 4096;
     // A pair takes 9 bytes in the result and 8 in its task, which may have room for as many more.
     let needed = |pairs: u64| 26 * pairs + 24 * poses.len() as u64;
@@ -97,7 +100,9 @@ pub(crate) fn collide_batch(
                 if !fits(pairs.load(Relaxed) + found.hits.len() as u64) {
                     break;
                 }
-                run(index, tool, pose, Filters::default(), Until::End, &mut scratch);
+                if run(index, tool, pose, how, &mut scratch).is_err() || !go_on.goes_on() {
+                    break;
+                }
                 *count = scratch.sorted().len();
                 found.hits.extend(scratch.sorted());
             }
@@ -108,6 +113,7 @@ pub(crate) fn collide_batch(
             pool.put(scratch);
             found
         }));
+        go_on.check()?;
         if !fits(pairs.load(Relaxed)) {
             return Err(Error::Memory {
                 what: "the pairs of this batch",
@@ -117,7 +123,7 @@ pub(crate) fn collide_batch(
             });
         }
     }
-    let batch = Batch::of_tasks(tasks, poses.len());
+    let batch = Batch::of_tasks(tasks, poses.len(), go_on)?;
     progress.report(1.0, "done")?;
     Ok(batch)
 }

@@ -10,6 +10,7 @@ use crate::geometry::predicates::Signs;
 use crate::index::interner::{pair_key, KeySet};
 use crate::index::sink::{CandidateSink, PlacedTool, Stats};
 use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
+use crate::progress::Pace;
 use crate::tool::moving_tool::Tool;
 use feeler_lanes::{prefetch_at, Arithmetic, Kernel, Simd, LANES, WIDE_LANES};
 
@@ -173,7 +174,14 @@ pub(crate) struct Narrow<'a> {
     pub pending: &'a mut Pending,
     pub hits: &'a mut Hits,
     pub stats: &'a mut Stats,
+    pub pace: Pace<'a>,
 }
+
+/// Batches of pairs between two questions whether the query goes on.
+pub(super) const BATCHES_BETWEEN: u32 = 64;
+
+/// Entries of voxels' lists between two such questions. Nearly all of them may be dropped before they are in a batch.
+const ENTRIES_BETWEEN: u64 = 1 << 16;
 
 impl CandidateSink for Narrow<'_> {
     #[inline(always)]
@@ -220,6 +228,9 @@ impl CandidateSink for Narrow<'_> {
     #[inline]
     fn offer(&mut self, slot: u32, mockup_triangle: u32, may_repeat: bool) -> bool {
         self.stats.entries_scanned += 1;
+        if self.stats.entries_scanned.is_multiple_of(ENTRIES_BETWEEN) && self.pace.ask() {
+            return true;
+        }
         if may_repeat && self.filters.repeats && !self.seen.insert(pair_key(slot, mockup_triangle)) {
             self.stats.repeats_skipped += 1;
             return false;
@@ -244,7 +255,7 @@ impl Narrow<'_> {
     #[inline(always)]
     fn is_batch_over(&mut self) -> bool {
         let batch = if self.until == Until::First { FIRST_BATCH } else { BATCH };
-        self.pending.count >= batch && self.finish()
+        self.pending.count >= batch && (self.finish() || self.pace.step())
     }
 
     /// Leaves out pairs that are not asked for.

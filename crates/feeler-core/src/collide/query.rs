@@ -1,14 +1,16 @@
 //! Every pair of triangles that collides at a pose, or whether there is any.
 
 use super::hits::{Hit, Hits};
-use super::narrow::{Filters, Narrow, Pending, PlacedBounds, Until};
+use super::narrow::{Filters, Narrow, Pending, PlacedBounds, Until, BATCHES_BETWEEN};
 use super::touching::Surfaces;
+use crate::error::{Error, Result};
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::pose::Pose;
 use crate::index::blocks::BlocksScratch;
 use crate::index::interner::KeySet;
 use crate::index::mockup_index::Index;
 use crate::index::sink::{PlacedTool, Stats};
+use crate::progress::{GoOn, Pace};
 use crate::tool::moving_tool::Tool;
 
 /// The colliding pairs of triangles at one pose: `k` pairs and their kinds, sorted.
@@ -42,31 +44,35 @@ impl CollideScratch {
     }
 }
 
-/// Every pair that meets, sorted by tool triangle, then mock-up triangle, into a result whose memory is used again. Exact.
+/// Every pair that meets, sorted by tool triangle, then mock-up triangle, into a result whose memory is used again. Exact. An error
+/// where it was stopped.
 pub(crate) fn collide_into(
     index: &Index,
     tool: &Tool,
     pose: &Pose,
     filters: Filters,
+    go_on: GoOn<'_>,
     scratch: &mut CollideScratch,
     out: &mut Collision,
-) {
-    run(index, tool, pose, filters, Until::End, scratch);
+) -> Result<()> {
+    let how = How { filters, until: Until::End, go_on };
+    run(index, tool, pose, how, scratch)?;
     out.pairs.clear();
     out.kinds.clear();
     scratch.hits.unpack(index.lanes(), &mut out.pairs, &mut out.kinds);
     out.stats = scratch.stats;
+    Ok(())
 }
 
 /// Any pair that meets, `[tool triangle, mock-up triangle]`; stops at the first.
 pub(crate) fn any_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
-    run(index, tool, pose, Filters::default(), Until::First, scratch);
+    run(index, tool, pose, How::until(Until::First), scratch).ok()?;
     scratch.hits.sorted().next().map(Hit::pair)
 }
 
 /// Any pair at which one body enters the other, `[tool triangle, mock-up triangle]`; `None` where they only touch.
 pub(crate) fn entering_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
-    run(index, tool, pose, Filters::default(), Until::Crossing, scratch);
+    run(index, tool, pose, How::until(Until::Crossing), scratch).ok()?;
     let mut hits = scratch.hits.sorted().peekable();
     hits.peek()?;
     let mockup = index.mockup();
@@ -79,15 +85,24 @@ pub(crate) fn entering_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &m
     surfaces.entering(hits)
 }
 
-/// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
-pub(super) fn run(
-    index: &Index,
-    tool: &Tool,
-    pose: &Pose,
-    filters: Filters,
-    until: Until,
-    scratch: &mut CollideScratch,
-) {
+/// How a query works.
+#[derive(Clone, Copy)]
+pub(super) struct How<'a> {
+    pub filters: Filters,
+    pub until: Until,
+    pub go_on: GoOn<'a>,
+}
+
+impl How<'_> {
+    /// With all filters, and without a request to stop.
+    fn until(until: Until) -> How<'static> {
+        How { filters: Filters::default(), until, go_on: GoOn::default() }
+    }
+}
+
+/// One query: `scratch.hits` afterwards holds the sorted, unique pairs. An error where it was stopped.
+pub(super) fn run(index: &Index, tool: &Tool, pose: &Pose, how: How<'_>, scratch: &mut CollideScratch) -> Result<()> {
+    let How { filters, until, go_on } = how;
     let CollideScratch { placed, seen, pending, blocks, hits, stats } = scratch;
     placed.begin();
     seen.clear();
@@ -97,9 +112,14 @@ pub(super) fn run(
     let mockup = index.mockup();
     let (mesh, lanes, selection) = (mockup.mesh(), index.lanes(), index.selection());
     let at = PlacedTool { mockup, mesh, tool, pose, lanes, selection };
-    let mut narrow = Narrow { at, filters, until, placed, seen, pending, hits, stats };
+    let pace = Pace::new(go_on, BATCHES_BETWEEN);
+    let mut narrow = Narrow { at, filters, until, placed, seen, pending, hits, stats, pace };
     index.store().offer_candidates(&at, blocks, &mut narrow);
+    if narrow.pace.is_stopped() {
+        return Err(Error::Cancelled);
+    }
     narrow.finish();
     hits.sort(index.lanes());
     stats.pairs = hits.sorted().len() as u64;
+    Ok(())
 }

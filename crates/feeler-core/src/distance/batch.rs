@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::gap::Gap;
-use super::query::{check_distance, find_gaps, most_gaps, too_many_gaps, DistanceScratch};
+use super::query::{check_distance, closest, find_gaps, most_gaps, too_many_gaps, DistanceScratch};
 use super::wanted::Goal;
 use crate::error::Result;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
-use crate::progress::Progress;
+use crate::progress::BatchOptions;
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
@@ -36,20 +36,21 @@ pub(crate) fn distance_batch(
     tool: &Tool,
     poses: &[Pose],
     max: f64,
-    progress: Progress<'_>,
+    options: &BatchOptions<'_>,
 ) -> Result<Vec<Option<Gap>>> {
+    let BatchOptions { progress, go_on } = *options;
     check_distance("max", max)?;
     let mut found = vec![None; poses.len()];
     for (n, (wave, out)) in poses.chunks(DISTANCE_WAVE).zip(found.chunks_mut(DISTANCE_WAVE)).enumerate() {
         progress.report((n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring distances")?;
-        wave.par_chunks(DISTANCE_TASK).zip(out.par_chunks_mut(DISTANCE_TASK)).for_each(|(task, out)| {
+        wave.par_chunks(DISTANCE_TASK).zip(out.par_chunks_mut(DISTANCE_TASK)).try_for_each(|(task, out)| {
             let mut scratch = pool.take();
             for (pose, out) in task.iter().zip(out) {
-                find_gaps(index, tool, pose, Goal::Nearest(1), max, &mut scratch);
-                *out = scratch.gaps().first().copied();
+                *out = closest(index, tool, pose, max, go_on, &mut scratch)?;
             }
             pool.put(scratch);
-        });
+            go_on.check()
+        })?;
     }
     progress.report(1.0, "done")?;
     Ok(found)
@@ -64,8 +65,9 @@ pub(crate) fn clearance_batch(
     poses: &[Pose],
     within: f64,
     pairs: bool,
-    progress: Progress<'_>,
+    options: &BatchOptions<'_>,
 ) -> Result<GapBatch> {
+    let BatchOptions { progress, go_on } = *options;
     check_distance("within", within)?;
     let goal = if pairs { Goal::Pairs } else { Goal::Parts };
     let mut batch = GapBatch { offsets: Vec::with_capacity(poses.len() + 1), gaps: Vec::new() };
@@ -74,7 +76,7 @@ pub(crate) fn clearance_batch(
     for (n, wave) in poses.chunks(DISTANCE_WAVE).enumerate() {
         progress.report((n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring clearances")?;
         let count = AtomicUsize::new(batch.gaps.len());
-        let found: Vec<(Vec<Gap>, Vec<usize>)> = wave
+        let found: Result<Vec<(Vec<Gap>, Vec<usize>)>> = wave
             .par_chunks(DISTANCE_TASK)
             .map(|task| {
                 let mut scratch = pool.take();
@@ -83,20 +85,21 @@ pub(crate) fn clearance_batch(
                     if count.load(Relaxed) > most {
                         break;
                     }
-                    find_gaps(index, tool, pose, goal, within, &mut scratch);
+                    find_gaps(index, tool, pose, goal, within, go_on, &mut scratch)?;
                     gaps.extend_from_slice(scratch.gaps());
                     counts.push(scratch.gaps().len());
                     count.fetch_add(scratch.gaps().len(), Relaxed);
                 }
                 pool.put(scratch);
-                (gaps, counts)
+                go_on.check()?;
+                Ok((gaps, counts))
             })
             .collect();
         let count = count.into_inner();
         if count > most {
             return Err(too_many_gaps(index, count));
         }
-        for (gaps, counts) in found {
+        for (gaps, counts) in found? {
             let mut sum = batch.gaps.len() as u64;
             batch.offsets.extend(counts.iter().map(|n| {
                 sum += *n as u64;

@@ -8,6 +8,7 @@ use crate::index::blocks::NearScratch;
 use crate::index::mockup_index::Index;
 use crate::index::plain_search::SearchScratch;
 use crate::index::sink::{Divider, NearTool};
+use crate::progress::GoOn;
 use crate::tool::moving_tool::Tool;
 
 /// Working memory of one query at a time.
@@ -61,9 +62,10 @@ pub(crate) fn gaps(
     pose: &Pose,
     goal: Goal,
     within: f64,
+    go_on: GoOn<'_>,
     scratch: &mut DistanceScratch,
 ) -> Result<Vec<Gap>> {
-    let fits = find_gaps(index, tool, pose, goal, within, scratch);
+    let fits = find_gaps(index, tool, pose, goal, within, go_on, scratch)?;
     let found = scratch.take_gaps();
     if fits {
         return Ok(found);
@@ -72,15 +74,23 @@ pub(crate) fn gaps(
 }
 
 /// The closest pair of triangles, `None` when all are farther than `max` (metres); allocates nothing.
-pub(crate) fn closest(index: &Index, tool: &Tool, pose: &Pose, max: f64, scratch: &mut DistanceScratch) -> Option<Gap> {
-    find_gaps(index, tool, pose, Goal::Nearest(1), max, scratch);
-    scratch.gaps.first().copied()
+pub(crate) fn closest(
+    index: &Index,
+    tool: &Tool,
+    pose: &Pose,
+    max: f64,
+    go_on: GoOn<'_>,
+    scratch: &mut DistanceScratch,
+) -> Result<Option<Gap>> {
+    find_gaps(index, tool, pose, Goal::Nearest(1), max, go_on, scratch)?;
+    Ok(scratch.gaps.first().copied())
 }
 
 /// Pairs that may be within a distance (metres, not checked), in no order but always the same; without most of those whose
 /// pieces `dividers` (sorted by part) hold apart. `None` where they are more than `most`.
 ///
-/// Errors: more of them than the memory limit of the index allows.
+/// Errors: more of them than the memory limit of the index allows, and a request to stop.
+#[allow(clippy::too_many_arguments, reason = "the query, and what it works with")]
 pub fn near_candidates(
     index: &Index,
     tool: &Tool,
@@ -88,35 +98,46 @@ pub fn near_candidates(
     within: f64,
     dividers: &[Divider],
     most: usize,
+    go_on: GoOn<'_>,
     scratch: &mut DistanceScratch,
 ) -> Result<Option<Vec<Candidate>>> {
     let DistanceScratch { gaps, places, sorted, search, near, candidates } = scratch;
     let allowed = most_gaps(index);
     let at = near_tool(index, tool, pose, dividers);
-    let mut wanted = Wanted::new(at, Goal::Candidates, within, most.min(allowed), (gaps, places, sorted));
+    let mut wanted = Wanted::new(at, Goal::Candidates, within, most.min(allowed), go_on, (gaps, places, sorted));
     wanted.collect_into(std::mem::take(candidates));
     index.store().search(&at, search, near, &mut wanted);
     let found = wanted.collect_into(Vec::new());
+    if wanted.is_stopped() {
+        return Err(Error::Cancelled);
+    }
     if found.len() > allowed {
         return Err(too_many_gaps(index, found.len()));
     }
     Ok((found.len() <= most).then_some(found))
 }
 
-/// One search: `scratch.gaps` afterwards holds the gaps found. False when there were more than memory allows.
+/// One search: `scratch.gaps` afterwards holds the gaps found. False when there were more than memory allows. An error where it was
+/// stopped.
 pub(super) fn find_gaps(
     index: &Index,
     tool: &Tool,
     pose: &Pose,
     goal: Goal,
     within: f64,
+    go_on: GoOn<'_>,
     scratch: &mut DistanceScratch,
-) -> bool {
+) -> Result<bool> {
     let DistanceScratch { gaps, places, sorted, search, near, .. } = scratch;
     let at = near_tool(index, tool, pose, &[]);
-    let mut wanted = Wanted::new(at, goal, within, most_gaps(index), (gaps, places, sorted));
+    let mut wanted = Wanted::new(at, goal, within, most_gaps(index), go_on, (gaps, places, sorted));
     index.store().search(&at, search, near, &mut wanted);
-    wanted.finish()
+    let fits = wanted.finish();
+    if fits.is_err() {
+        // A long list that nobody gets is not held for ever.
+        scratch.gaps = Vec::new();
+    }
+    fits
 }
 
 fn near_tool<'a>(index: &'a Index, tool: &'a Tool, pose: &'a Pose, dividers: &'a [Divider]) -> NearTool<'a> {

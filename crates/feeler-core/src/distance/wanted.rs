@@ -2,8 +2,10 @@
 
 use super::gap::Gap;
 use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::error::{Error, Result};
 use crate::geometry::distance_triangle_triangle::closest_within;
 use crate::index::sink::{NearSink, NearTool};
+use crate::progress::{GoOn, Pace};
 
 /// The gaps to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +52,11 @@ pub(crate) struct Wanted<'a> {
     sorted: &'a mut Vec<f64>,
     /// Parts that came closer since the bound was last found.
     changes: usize,
+    pace: Pace<'a>,
 }
+
+/// Steps of a search between two questions whether it goes on. A step tests up to 512 pairs of triangles, but mostly few.
+const STEPS_BETWEEN: u32 = 64;
 
 impl NearSink for Wanted<'_> {
     #[inline(always)]
@@ -108,6 +114,11 @@ impl NearSink for Wanted<'_> {
         self.candidates.len() > self.room && self.is_full_of_candidates()
     }
 
+    #[inline(always)]
+    fn must_stop(&mut self) -> bool {
+        self.pace.step()
+    }
+
     fn take(&mut self, slot: u32, mockup_triangle: u32) -> bool {
         if !self.at.selection.wants(self.at.tool, self.at.mockup, slot, mockup_triangle) {
             return false;
@@ -137,6 +148,7 @@ impl<'a> Wanted<'a> {
         goal: Goal,
         within: f64,
         most: usize,
+        go_on: GoOn<'a>,
         (gaps, places, sorted): (&'a mut Vec<Gap>, &'a mut Vec<u32>, &'a mut Vec<f64>),
     ) -> Wanted<'a> {
         gaps.clear();
@@ -158,6 +170,7 @@ impl<'a> Wanted<'a> {
             places,
             sorted,
             changes: 0,
+            pace: Pace::new(go_on, STEPS_BETWEEN),
         }
     }
 
@@ -211,17 +224,47 @@ impl<'a> Wanted<'a> {
         false
     }
 
-    /// Sorts the gaps found; true when there was room for all of them.
-    pub(crate) fn finish(self) -> bool {
+    /// Sorts the gaps found; true when there was room for all of them. An error where the search was stopped.
+    pub(crate) fn finish(self) -> Result<bool> {
         if self.goal != Goal::Pairs {
             for gap in self.gaps.iter() {
                 self.places[gap.part as usize] = 0;
             }
         }
-        self.gaps.sort_unstable_by(Gap::order);
+        if self.pace.is_stopped() {
+            return Err(Error::Cancelled);
+        }
+        sort(self.gaps, self.pace)?;
         if let Goal::Nearest(k) = self.goal {
             self.gaps.truncate(k);
         }
-        self.gaps.len() <= self.most
+        Ok(self.gaps.len() <= self.most)
     }
+
+    /// Whether the search was stopped.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.pace.is_stopped()
+    }
+}
+
+/// Gaps up to which a list is sorted at once, which takes some hundredths of a second.
+const SORTED_AT_ONCE: usize = 1 << 18;
+
+/// Sorts gaps; a long list in parts, before each of which it asks whether to go on.
+fn sort(gaps: &mut [Gap], mut pace: Pace<'_>) -> Result<()> {
+    let mut parts = vec![gaps];
+    while let Some(part) = parts.pop() {
+        if part.len() <= SORTED_AT_ONCE {
+            part.sort_unstable_by(Gap::order);
+            continue;
+        }
+        if pace.ask() {
+            return Err(Error::Cancelled);
+        }
+        let middle = part.len() / 2;
+        part.select_nth_unstable_by(middle, Gap::order);
+        let (nearer, farther) = part.split_at_mut(middle);
+        parts.extend([farther, nearer]);
+    }
+    Ok(())
 }

@@ -5,7 +5,7 @@ use super::sink::CandidateSink;
 use crate::error::Result;
 use crate::index::grid::VoxelGrid;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::progress::Progress;
+use crate::progress::Control;
 use crate::tool::moving_tool::Tool;
 
 /// One slot per voxel.
@@ -14,10 +14,10 @@ pub struct Dense(VoxelLists);
 
 impl Dense {
     /// Voxels of `size` metres over the mock-up's box.
-    pub fn build(mesh: &Mesh, size: f64, limit: u64, progress: Progress<'_>) -> Result<Dense> {
+    pub fn build(mesh: &Mesh, size: f64, limit: u64, control: Control<'_>) -> Result<Dense> {
         let grid = VoxelGrid::new(&mesh.bounds(), size)?;
         let slots = grid.voxel_count();
-        Ok(Dense(VoxelLists::build(mesh, grid, slots, limit, progress)?))
+        Ok(Dense(VoxelLists::build(mesh, grid, slots, limit, control)?))
     }
 
     /// See [`VoxelLists::offer_candidates`].

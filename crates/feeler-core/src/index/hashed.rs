@@ -9,7 +9,7 @@ use super::sink::CandidateSink;
 use crate::error::{Error, Result};
 use crate::index::grid::VoxelGrid;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::progress::Progress;
+use crate::progress::Control;
 use crate::tool::moving_tool::Tool;
 
 /// Fewer slots than voxels.
@@ -18,13 +18,13 @@ pub struct Hashed(VoxelLists);
 
 impl Hashed {
     /// Voxels of `size` metres; the table has `(1 - level)` times as many slots, at least one.
-    pub fn build(mesh: &Mesh, size: f64, level: f64, limit: u64, progress: Progress<'_>) -> Result<Hashed> {
+    pub fn build(mesh: &Mesh, size: f64, level: f64, limit: u64, control: Control<'_>) -> Result<Hashed> {
         if !(0.0..=0.99).contains(&level) {
             return Err(Error::Hashing { value: level });
         }
         let grid = VoxelGrid::new(&mesh.bounds(), size)?;
         let slots = ((grid.voxel_count() as f64 * (1.0 - level)).round() as u64).max(1);
-        Ok(Hashed(VoxelLists::build(mesh, grid, slots, limit, progress)?))
+        Ok(Hashed(VoxelLists::build(mesh, grid, slots, limit, control)?))
     }
 
     /// See [`VoxelLists::offer_candidates`].

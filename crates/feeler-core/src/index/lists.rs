@@ -7,12 +7,18 @@ use rayon::prelude::*;
 use super::limits::{check_entries, check_memory, filled};
 use super::occupancy::Occupancy;
 use super::sink::CandidateSink;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::bounds::Aabb;
 use crate::index::grid::VoxelGrid;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::progress::Progress;
+use crate::progress::{Control, GoOn, Pace};
 use crate::tool::moving_tool::Tool;
+
+/// Triangles between two questions whether building goes on.
+const TRIANGLES_BETWEEN: u32 = 1024;
+
+/// Slots between two such questions, where lists are put together.
+const SLOTS_BETWEEN: u32 = 1 << 16;
 
 /// For each slot the triangles of its voxels, ascending, each once.
 #[derive(Debug)]
@@ -37,7 +43,7 @@ impl VoxelLists {
     ///
     /// Two parallel passes over the triangles: count, then fill. The order in which threads fill a slot does not matter, as
     /// each list is sorted afterwards.
-    pub fn build(mesh: &Mesh, grid: VoxelGrid, slots: u64, limit: u64, progress: Progress<'_>) -> Result<VoxelLists> {
+    pub fn build(mesh: &Mesh, grid: VoxelGrid, slots: u64, limit: u64, control: Control<'_>) -> Result<VoxelLists> {
         let fixed = 4.0 * (slots as f64 + 1.0) + Occupancy::bytes(&grid);
         check_memory("the voxel array", fixed, limit)?;
         // Before anything is allocated: the lists need at least this much.
@@ -47,13 +53,16 @@ impl VoxelLists {
         // Counting stops where the lists would outgrow the limit, or the 32 bits of a position.
         let most = u64::from(u32::MAX).min((limit - fixed as u64) / 4);
 
-        progress.report(0.0, "counting voxels")?;
+        control.progress.report(0.0, "counting voxels")?;
         let starts: Vec<AtomicU32> = filled("the voxel array", slots + 1, limit)?;
         let occupancy = Occupancy::new(&grid, limit)?;
         let total = AtomicU64::new(0);
-        mesh.par_queried().for_each(|id| {
+        let Control { go_on, .. } = control;
+        let goes_on = |id: u32| if id.is_multiple_of(TRIANGLES_BETWEEN) { go_on.check() } else { Ok(()) };
+        mesh.par_queried().try_for_each(|id| {
+            goes_on(id)?;
             if total.load(Relaxed) > most {
-                return;
+                return Ok(());
             }
             let mut count = 0;
             grid.for_each_voxel(&mesh.triangle(id), |voxel| {
@@ -62,7 +71,8 @@ impl VoxelLists {
                 count += 1;
             });
             total.fetch_add(count, Relaxed);
-        });
+            Ok(())
+        })?;
         let total = total.into_inner();
         check_memory("the voxel array and its lists", fixed + 4.0 * total as f64, limit)?;
         check_entries(grid.size(), total as f64)?;
@@ -73,28 +83,30 @@ impl VoxelLists {
             sum += slot.load(Relaxed);
             slot.store(sum, Relaxed);
         }
-        progress.report(0.4, "filling voxels")?;
+        control.progress.report(0.4, "filling voxels")?;
         let entries: Vec<AtomicU32> = filled("the voxel lists", total, limit)?;
-        mesh.par_queried().for_each(|id| {
+        mesh.par_queried().try_for_each(|id| {
+            goes_on(id)?;
             grid.for_each_voxel(&mesh.triangle(id), |voxel| {
                 let at = starts[(grid.key(voxel) % slots) as usize].fetch_sub(1, Relaxed) - 1;
                 entries[at as usize].store(id, Relaxed);
             });
-        });
+            Ok(())
+        })?;
         // Same layout: these reuse the allocations.
         let starts: Vec<u32> = starts.into_iter().map(AtomicU32::into_inner).collect();
         let entries: Vec<u32> = entries.into_iter().map(AtomicU32::into_inner).collect();
-        progress.report(0.8, "sorting lists")?;
+        control.progress.report(0.8, "sorting lists")?;
         let mut lists = VoxelLists { grid, bounds: mesh.bounds(), slots, starts, entries, occupancy };
-        lists.sort();
+        lists.sort(go_on)?;
         if lists.grid.voxel_count() > slots {
-            lists.remove_repeats();
+            lists.remove_repeats(go_on)?;
         }
-        progress.report(1.0, "done")?;
+        control.progress.report(1.0, "done")?;
         Ok(lists)
     }
 
-    fn sort(&mut self) {
+    fn sort(&mut self, go_on: GoOn<'_>) -> Result<()> {
         const SORT_RUN: usize = 1 << 14; // slots a task
         let mut rest = self.entries.as_mut_slice();
         let mut tasks = Vec::new();
@@ -107,19 +119,25 @@ impl VoxelLists {
             rest = tail;
             from += run.len();
         }
-        tasks.into_par_iter().for_each(|(first, entries)| {
+        tasks.into_par_iter().try_for_each(|(first, entries)| {
+            go_on.check()?;
             let base = self.starts[first];
             let last = (first + SORT_RUN).min(self.slots as usize);
             for slot in first..last {
                 entries[(self.starts[slot] - base) as usize..(self.starts[slot + 1] - base) as usize].sort_unstable();
             }
-        });
+            Ok(())
+        })
     }
 
     /// A triangle may meet several voxels of one slot; it is listed once.
-    fn remove_repeats(&mut self) {
+    fn remove_repeats(&mut self, go_on: GoOn<'_>) -> Result<()> {
         let mut kept = 0u32;
+        let mut pace = Pace::new(go_on, SLOTS_BETWEEN);
         for slot in 0..self.slots as usize {
+            if pace.step() {
+                return Err(Error::Cancelled);
+            }
             let (from, to) = (self.starts[slot], self.starts[slot + 1]);
             self.starts[slot] = kept;
             let mut last = None;
@@ -135,6 +153,7 @@ impl VoxelLists {
         self.starts[self.slots as usize] = kept;
         self.entries.truncate(kept as usize);
         self.entries.shrink_to_fit();
+        Ok(())
     }
 
     /// Offers, for each tool triangle, the entries of every voxel that its box overlaps.

@@ -10,7 +10,7 @@ use crate::index::blocks::Blocks;
 use crate::index::selection::Selection;
 use crate::index::store::{Storage, Store};
 use crate::mesh::mockup::Mockup;
-use crate::progress::Progress;
+use crate::progress::Control;
 use crate::saved::{check, damaged, Reader, Sections};
 
 /// A mock-up and its store, with a selection. Immutable while it is queried; a copy shares mock-up and store.
@@ -49,12 +49,12 @@ impl Index {
         storage: Storage,
         voxel_size: f64,
         memory_limit: u64,
-        progress: Progress<'_>,
+        control: Control<'_>,
     ) -> Result<Index> {
         if !(voxel_size.is_finite() && voxel_size > 0.0) {
             return Err(Error::VoxelSize { value: voxel_size });
         }
-        let store = Arc::new(Store::build(mockup.mesh(), storage, voxel_size, memory_limit, progress)?);
+        let store = Arc::new(Store::build(mockup.mesh(), storage, voxel_size, memory_limit, control)?);
         let (selection, lanes) = (Selection::default(), Level::best().checked());
         Ok(Index { mockup, voxel_size, storage, memory_limit, store, selection, lanes })
     }
@@ -78,7 +78,7 @@ impl Index {
     }
 
     /// From the sections of a saved scene; with the parts that are not there.
-    pub(crate) fn of_saved(saved: Reader<'_>, memory_limit: u64, progress: Progress<'_>) -> Result<(Index, Vec<u32>)> {
+    pub(crate) fn of_saved(saved: Reader<'_>, memory_limit: u64, control: Control<'_>) -> Result<(Index, Vec<u32>)> {
         let mockup = Arc::new(Mockup::of_saved(saved)?);
         let absent = saved.column::<u32>("index.absent_parts")?.to_vec();
         let Facts { voxel_size, hashing, storage } = saved.one("index.facts")?;
@@ -89,7 +89,7 @@ impl Index {
             _ => return Err(damaged("index.facts")),
         };
         if storage != Storage::Blocks {
-            return Ok((Index::build(mockup, storage, voxel_size, memory_limit, progress)?, absent));
+            return Ok((Index::build(mockup, storage, voxel_size, memory_limit, control)?, absent));
         }
         check(voxel_size.is_finite() && voxel_size > 0.0, || "index.facts".into())?;
         let store = Arc::new(Store::Blocks(Blocks::of_saved(saved, mockup.mesh().faces().len())?));

@@ -72,6 +72,9 @@ pub fn search<C: Cells, W: NearSink>(cells: &C, at: &NearTool<'_>, scratch: &mut
         wanted.bound(),
     );
     while let Some(Pair { bound, member, item, .. }) = stack.pop() {
+        if wanted.must_stop() {
+            return;
+        }
         if bound > wanted.bound() {
             continue;
         }

@@ -146,6 +146,9 @@ pub(crate) trait NearSink {
     /// too many.
     fn collect(&mut self, slot: u32, mockup_triangle: u32, bound: f64) -> bool;
 
+    /// Counts a step of the search: a pair of nodes, or a cluster and a block. Whether the search must stop.
+    fn must_stop(&mut self) -> bool;
+
     /// Takes the pair of a tool triangle (by slot) and a mock-up triangle; true when the search is over.
     fn take(&mut self, slot: u32, mockup_triangle: u32) -> bool;
 }

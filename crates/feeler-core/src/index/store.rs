@@ -9,7 +9,7 @@ use super::selection::TrianglesThere;
 use super::sink::{CandidateSink, NearSink, NearTool, Offer, PlacedTool, RaySink, Sweep};
 use crate::error::Result;
 use crate::mesh::triangle_mesh::Mesh;
-use crate::progress::Progress;
+use crate::progress::Control;
 
 /// Which store a scene uses. All give the same answers; they differ in memory and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,11 +50,11 @@ pub(crate) enum Store {
 
 impl Store {
     /// Builds the store with voxels (blocks: pieces) of `size` metres, within `limit` bytes.
-    pub(crate) fn build(mesh: &Mesh, storage: Storage, size: f64, limit: u64, progress: Progress<'_>) -> Result<Store> {
+    pub(crate) fn build(mesh: &Mesh, storage: Storage, size: f64, limit: u64, control: Control<'_>) -> Result<Store> {
         Ok(match storage {
-            Storage::Dense => Store::Dense(Dense::build(mesh, size, limit, progress)?),
-            Storage::Hashed { level } => Store::Hashed(Hashed::build(mesh, size, level, limit, progress)?),
-            Storage::Blocks => Store::Blocks(Blocks::build(mesh, size, limit, progress)?),
+            Storage::Dense => Store::Dense(Dense::build(mesh, size, limit, control)?),
+            Storage::Hashed { level } => Store::Hashed(Hashed::build(mesh, size, level, limit, control)?),
+            Storage::Blocks => Store::Blocks(Blocks::build(mesh, size, limit, control)?),
         })
     }
 

@@ -4,8 +4,7 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// What a condition gives as soon as it gives something. Threads and processes need their time; that they need all of this only shows
-/// that something is broken.
+/// Waits until a condition returns a value. Threads and processes need some time; only a defect uses up all of it.
 pub fn eventually<T>(what: &str, mut condition: impl FnMut() -> Option<T>) -> T {
     let started = Instant::now();
     loop {
@@ -17,7 +16,7 @@ pub fn eventually<T>(what: &str, mut condition: impl FnMut() -> Option<T>) -> T 
     }
 }
 
-/// A folder of its own, removed when dropped.
+/// A temporary folder, removed when dropped.
 pub struct Folder {
     pub path: PathBuf,
 }

@@ -45,7 +45,7 @@ pub fn compiled(name: &str, is_too_old: bool) -> PathBuf {
     path
 }
 
-/// A stub of a test's own: a copy, so that its cells are its own.
+/// A copy of a stub for one test, so that tests do not share cells.
 pub struct Stub {
     pub path: PathBuf,
     library: Library,

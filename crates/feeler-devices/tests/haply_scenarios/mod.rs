@@ -17,7 +17,7 @@ fn force(x: f64, y: f64, z: f64) -> Wrench {
     Wrench { force: [x, y, z], torque: [0.0; 3] }
 }
 
-/// A force that is written until the service has it: the watchdog takes back what is written once.
+/// Writes a force until the service has received it: the watchdog drops a force that is written once.
 fn push(device: &mut Haply, service: &Service, wrench: &Wrench, expected: [f64; 3]) {
     eventually("the service has the force", || {
         device.write(wrench, 0.0).unwrap();
@@ -54,7 +54,7 @@ fn poses_come_in_and_forces_go_out() {
     });
 
     push(&mut device, &service, &force(1.0, -2.0, 0.5), [1.0, -2.0, 0.5]);
-    // The servo writes no more: the thread takes the force away by itself.
+    // The servo stops writing, so the thread sets the force to zero.
     eventually("the watchdog", || (service.last_force() == Some([0.0; 3])).then_some(()));
     push(&mut device, &service, &force(1.0, -2.0, 0.5), [1.0, -2.0, 0.5]);
     device.release();
@@ -88,7 +88,7 @@ fn without_a_grip_rotation_is_not_sensed() {
     assert!(!device.info().sensed.rotation && device.info().buttons == 0);
     let twist = device.read(0.0).unwrap().twist.unwrap();
     assert!(near(&twist.linear, [0.1, 0.2, 0.3]) && twist.angular == [0.0; 3], "{twist:?}");
-    // A grip that comes later changes nothing: what is sensed was said when the device was opened.
+    // A grip that connects later changes nothing: the sensed freedoms were stated when the device was opened.
     service.shared().data = with_grip();
     service.move_to([0.04, 0.0, 0.0]);
     let state = eventually("the newer state", || {
@@ -126,7 +126,7 @@ fn a_service_that_stops_telling_is_lost_and_comes_back() {
     service.shared().mood = Mood::Silent;
     let error = eventually("the loss", || device.read(0.0).err());
     assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
-    // Forces are sent all the same, so that the service is told when there is none any more.
+    // Forces are still sent, so that the service learns when the force ends.
     eventually("no force", || (service.last_force() == Some([0.0; 3])).then_some(()));
     service.shared().mood = Mood::Good;
     eventually("a pose again", || device.read(0.0).ok());
@@ -178,7 +178,7 @@ fn a_state_without_the_device_is_no_news() {
     let service = Service::start(inverse3());
     let mut device = service.open();
     service.shared().mood = Mood::Says("{}".to_string());
-    // The last pose grows old.
+    // The last pose becomes too old.
     let error = eventually("the loss", || device.read(0.0).err());
     assert!(matches!(error, DeviceError::Lost { .. }), "{error}");
 }
@@ -190,7 +190,7 @@ fn a_huge_message_is_not_read() {
     service.shared().mood = Mood::Says(" ".repeat(2 << 20));
     let error = eventually("an error", || device.read(0.0).err());
     assert!(!matches!(error, DeviceError::NotFound { .. }), "{error}");
-    // What follows such a message cannot be found any more: the device is to be opened again.
+    // The start of the next message cannot be found after this one: the device must be opened again.
     service.shared().mood = Mood::Good;
     device.release();
     eventually("a new connection", || Haply::open(&service.options()).ok());
@@ -227,7 +227,7 @@ fn what_is_not_there_is_said_with_what_to_do() {
         );
     }
 
-    // Somebody else listens there: one who says something else, and one who says nothing.
+    // Another program listens there: one that sends something else, and one that sends nothing.
     for says in [&b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n"[..], b""] {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string();

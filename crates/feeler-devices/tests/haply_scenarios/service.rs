@@ -11,7 +11,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::super::judge;
 
-/// What the stand-in answers with.
+/// The replies of the stand-in.
 #[derive(Clone, PartialEq)]
 pub enum Mood {
     Good,
@@ -24,7 +24,7 @@ pub enum Mood {
 
 pub struct Shared {
     pub mood: Mood,
-    /// The full state; what of it is told, and the place of the arm before the preset is taken, is the stand-in's.
+    /// The full state. The stand-in decides which of it is sent, and where the arm is before the preset applies.
     pub data: Value,
     pub tells_preset: bool,
     /// Newtons, as they came.
@@ -33,9 +33,9 @@ pub struct Shared {
     pub preset: Option<String>,
     pub has_said_goodbye: bool,
     has_preset: bool,
-    /// What is wrong with a message that came or went.
+    /// The faults of received and sent messages.
     faults: Vec<String>,
-    /// Messages that were judged: that came, that went.
+    /// The numbers of checked messages: received, sent.
     judged: [usize; 2],
 }
 
@@ -91,7 +91,7 @@ impl Service {
         self.shared().forces.last().copied()
     }
 
-    /// Whether messages came and went, and the judge found nothing wrong with any.
+    /// Whether messages were received and sent, and the judge found no fault.
     pub fn check(&self) {
         let shared = self.shared();
         assert!(shared.faults.is_empty(), "{:?}", shared.faults);
@@ -139,7 +139,7 @@ fn tell(socket: &mut WebSocket<TcpStream>, shared: &Mutex<Shared>, is_full: bool
             Mood::Silent | Mood::Closes => return,
         }
     };
-    // A client that is gone is seen at the next read.
+    // The next read notices a client that has left.
     let _ = socket.send(message);
 }
 
@@ -160,7 +160,7 @@ fn state(shared: &Shared, is_full: bool) -> Value {
     data
 }
 
-/// Puts a message before the judge and keeps what it says. True if it asks for the full state.
+/// Checks a message with the judge and keeps the faults found. True if the message asks for the full state.
 fn take(text: &str, shared: &mut Shared) -> bool {
     shared.judged[0] += 1;
     let message: Value = match serde_json::from_str(text) {
@@ -191,7 +191,7 @@ fn take(text: &str, shared: &mut Shared) -> bool {
     message["session"].get("force_render_full_state").is_some()
 }
 
-/// The full state of an arm alone, with all that the maker's types ask for.
+/// The full state of an arm alone, with all fields that the maker's types require.
 pub fn inverse3() -> Value {
     json!({
         "inverse3": [{

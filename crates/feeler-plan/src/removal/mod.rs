@@ -32,7 +32,7 @@ use self::straight::straight_way;
 use self::tree::Tree;
 use self::verify::{as_poses, verified, HasTime, Verified};
 use crate::blocked::{Blocker, Tally};
-use crate::constants::{PUSH_CASTS, ROUND_CASTS, TREES};
+use crate::constants::{PUSH_CASTS, ROUNDS_TO_HALF, ROUND_CASTS, SHARE_OF_SEARCH, SHARE_OF_STRAIGHT, TREES};
 use crate::error::{Error, Result};
 use feeler_world::{Allowed, Body, Environment, Surroundings};
 
@@ -79,7 +79,8 @@ impl RemovalTask {
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct RemovalOptions<'a> {
-    /// Hears the stages, and may stop the search with an error. The share done is always 0: the search does not know it.
+    /// Receives the stages, and may stop the search with an error. The share done grows from 0 towards 1 with each round of the
+    /// search, ever slower, since the search does not know how many rounds it needs.
     pub progress: Progress<'a>,
     /// Asked every few milliseconds whether there is time to go on. Where it ends, a way found so far is returned without shortcuts.
     pub has_time: GoOn<'a>,
@@ -195,7 +196,7 @@ pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOpti
         return told(&surroundings, Ok((Method::Straight, (way, ends))), &tally, has_time);
     }
     if allowed.overlap == 0.0 {
-        report(0.0, "what holds it")?;
+        report(SHARE_OF_STRAIGHT, "what holds it")?;
         if let Some(held) = held(&surroundings, has_time)? {
             return Ok(Removal { held: Some(held), ..told(&surroundings, Err(false), &tally, has_time)? });
         }
@@ -204,13 +205,14 @@ pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOpti
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
     let mut trees: Vec<Tree> =
         (0..TREES).map(|tree| Tree::new(&surroundings, &directions, (task.seed, tree), has_time)).collect();
-    let mut tree_rounds = 0;
+    let (mut rounds, mut tree_rounds) = (0, 0);
     let mut search = || loop {
         let are_alone = pushes.are_alone(tree_rounds);
-        report(0.0, if are_alone { "pushes" } else { "pushes and random trees" })?;
+        report(share_after(rounds), if are_alone { "pushes" } else { "pushes and random trees" })?;
         if !has_time() {
             return Ok(None);
         }
+        rounds += 1;
         if are_alone {
             pushes.grow(PUSH_CASTS)?;
         } else {
@@ -232,6 +234,11 @@ pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOpti
     tally.add(&pushes.tally);
     trees.iter().for_each(|tree| tally.add(&tree.tally));
     told(&surroundings, found.ok_or(true), &tally, has_time)
+}
+
+/// The share done before a round of pushes and trees: half of what is left for them after [`ROUNDS_TO_HALF`].
+fn share_after(rounds: u32) -> f64 {
+    1.0 - (1.0 - SHARE_OF_SEARCH) / (1.0 + f64::from(rounds) / ROUNDS_TO_HALF)
 }
 
 /// The result of work that stops when its time is up; `None` if it stopped.

@@ -13,7 +13,7 @@ use crate::index::limits::{check_entries, check_memory};
 use crate::mesh::median::{self, Cells};
 use crate::mesh::pieces::{cut_margin, cut_triangle, least_pieces};
 use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
-use crate::progress::Progress;
+use crate::progress::Control;
 use feeler_lanes::{greatest, least, prefetch_at, Box4, Column, Kernel, Level, Simd, LANES};
 
 /// Triangles a build task handles at a time.
@@ -55,21 +55,21 @@ impl Blocks {
         as f64;
 
     /// Cuts triangles to pieces of `size` metres and builds the blocks.
-    pub fn build(mesh: &Mesh, size: f64, limit: u64, progress: Progress<'_>) -> Result<Blocks> {
+    pub fn build(mesh: &Mesh, size: f64, limit: u64, control: Control<'_>) -> Result<Blocks> {
         if !(size.is_finite() && size > 0.0) {
             return Err(Error::VoxelSize { value: size });
         }
-        progress.report(0.0, "cutting triangles")?;
+        control.progress.report(0.0, "cutting triangles")?;
         let ids: Vec<u32> = mesh.queried().collect();
         let counts = count_pieces(mesh, &ids, size, limit)?;
         let frame = Frame::new(&mesh.bounds());
         let (mut pieces, cuts) = cut_all(mesh, &ids, size, &counts, &frame);
         drop((ids, counts));
 
-        progress.report(0.3, "sorting pieces")?;
+        control.progress.report(0.3, "sorting pieces")?;
         median::order(&mut pieces, FANOUT);
 
-        progress.report(0.7, "building blocks")?;
+        control.progress.report(0.7, "building blocks")?;
         // Cutting rounds, and so does growing by what cutting rounds: coordinates are at most 1.
         let slack = (1.01 * cut_margin(mesh.bounds().largest_coordinate()) * frame.scale) as f32;
         let margin = slack + 2.0 * f32::EPSILON;
@@ -92,7 +92,7 @@ impl Blocks {
             levels.push(above);
         }
         levels.iter_mut().for_each(Vec::shrink_to_fit);
-        progress.report(1.0, "done")?;
+        control.progress.report(1.0, "done")?;
         let levels = levels.into_iter().map(Column::from).collect();
         Ok(Blocks { frame, levels, pieces: packed.into(), slack })
     }

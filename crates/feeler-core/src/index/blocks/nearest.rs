@@ -260,7 +260,8 @@ impl<W: NearSink> Kernel for Descend<'_, '_, W> {
             }
             let node = &levels[pair.level as usize][pair.node as usize];
             if pair.level == 0 && pair.tool_level == 0 {
-                if super::nearest_leaf::scan(s, run, scratch, pair.entry as usize, pair.node) {
+                if run.wanted.must_stop() || super::nearest_leaf::scan(s, run, scratch, pair.entry as usize, pair.node)
+                {
                     return;
                 }
                 continue;
@@ -326,7 +327,7 @@ impl<W: NearSink> Kernel for Collect<'_, '_, W> {
                         prefetch_at(&run.blocks.pieces, later as usize);
                     }
                 }
-                if super::nearest_leaf::scan(s, run, scratch, cluster, block) {
+                if run.wanted.must_stop() || super::nearest_leaf::scan(s, run, scratch, cluster, block) {
                     return;
                 }
             }
