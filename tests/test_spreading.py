@@ -236,6 +236,22 @@ def test_removals_do_not_depend_on_the_workers(processes: Executor, dask: Any) -
     assert [row.parts for row in everything] == [(i,) for i in range(scene.mockup.part_count)]
 
 
+def test_rounds_end_a_search_alike_everywhere(processes: Executor) -> None:
+    """A search without an end: parts of the gearbox, with all others in place."""
+    scene = feeler.Scene(feeler.sample("gearbox", 40_000))
+    entries = [[3], [40], [81]]
+    found = feeler.removals(scene, entries, seconds=600.0, rounds=2)
+    assert any(row.removal.is_out_of_rounds for row in found) and not found.is_out_of_time.any()
+    assert _rows(feeler.removals(scene, entries, seconds=600.0, rounds=2, threads=1)) == _rows(found)
+    assert _rows(feeler.removals(scene, entries, seconds=600.0, rounds=2, executor=processes)) == _rows(found)
+    casts = [sum(row.removal.certificate.casts for row in found)]
+    casts.append(sum(row.removal.certificate.casts for row in feeler.removals(scene, entries, rounds=1)))
+    assert casts[0] > casts[1]
+    for bad in (-1, 1.5, "2", 2**40):
+        with pytest.raises(feeler.OptionError, match="rounds"):
+            feeler.removals(scene, entries, rounds=bad)  # type: ignore[arg-type]
+
+
 def _shelf() -> feeler.Mockup:
     """Six boxes beside each other, a little apart."""
     box = feeler.sample_tool("square")

@@ -582,6 +582,7 @@ def removal(
     clearance: float,
     seconds: float,
     seed: int,
+    rounds: int | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> RemovalAnswer:

@@ -350,6 +350,9 @@ class RemovalAnswer:
     def is_out_of_time(self) -> bool:
         """Whether time ran out before the search was complete."""
     @property
+    def is_out_of_rounds(self) -> bool:
+        """Whether it ended after the rounds that it was given."""
+    @property
     def is_interrupted(self) -> bool:
         """Whether Ctrl-C interrupted it."""
     @property

@@ -62,6 +62,8 @@ pub struct RemovalAnswer {
     casts: u64,
     /// Whether time ran out before the search was complete.
     is_out_of_time: bool,
+    /// Whether it ended after the rounds that it was given.
+    is_out_of_rounds: bool,
     /// Whether Ctrl-C interrupted it.
     is_interrupted: bool,
     /// `(k,)`: parts that stopped an attempt.
@@ -114,6 +116,7 @@ impl RemovalAnswer {
             clearance: found.clearance,
             casts: found.casts,
             is_out_of_time: found.is_out_of_time,
+            is_out_of_rounds: found.is_out_of_rounds,
             is_interrupted,
             blockers: PyArray1::from_iter(py, found.blockers.iter().map(|b| b.part)).unbind(),
             blocker_counts: PyArray1::from_iter(py, found.blockers.iter().map(|b| b.count)).unbind(),
@@ -170,7 +173,7 @@ impl Clock<'_> {
 /// A way of a tool out of a scene, and its blockers; the tool's first `own_parts` parts are parts of the mock-up.
 #[pyfunction]
 #[pyo3(signature = (scene, tool, start, *, own_parts, allow_start, allow_overlap, allow_parts, directions, clearance, seconds, seed,
-                    threads = None, progress = None))]
+                    rounds = None, threads = None, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "the Python signature")]
 pub fn removal(
     py: Python<'_>,
@@ -185,6 +188,7 @@ pub fn removal(
     clearance: f64,
     seconds: f64,
     seed: u64,
+    rounds: Option<u32>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<RemovalAnswer> {
@@ -194,7 +198,8 @@ pub fn removal(
         .with_allowed(allowed)
         .with_directions(rows_of(&directions)?)
         .with_clearance(clearance)
-        .with_seed(seed);
+        .with_seed(seed)
+        .with_rounds(rounds);
     let solver = Arc::clone(scene.solver());
     let own = threads.map(|threads| Arc::new(Pool::new(threads)));
     let pool = own.as_deref().or(scene.pool().map(Arc::as_ref));

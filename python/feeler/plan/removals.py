@@ -15,7 +15,7 @@ import numpy.typing as npt
 from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError
 from feeler.parts import PartsLike
-from feeler.plan.removal import LARGEST_SEED, Allowed, Removal, checked_directions, chosen, removal
+from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, checked_directions, chosen, removal
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
@@ -92,12 +92,14 @@ def removals(
     *,
     overlap: float = 0.0,
     seats: bool = True,
+    rounds: int | None = None,
     executor: Executor | None = None,
 ) -> Removals:
     """`removal` of each entry of a list, with all other parts in place.
 
     - `parts`: each entry as `Parts.select` takes it, and moves as one; by default each part of the scene on its own.
-    - `seconds`: for each entry.
+    - `seconds`, `rounds`: for each entry. With `rounds`, rows do not depend on how busy a worker is, unless `seconds`
+      end them (`is_out_of_time`).
     - `threads`: entries worked on at a time without an executor; default: all cores.
     - `executor`: where the work is done, one thread for each entry: any `concurrent.futures.Executor`, such as
       `ProcessPoolExecutor`, loky's, or that of a Dask client. Processes on other machines must reach the file of a
@@ -120,6 +122,7 @@ def removals(
         "clearance": check_length("clearance", clearance),
         "seconds": check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True),
         "seed": check_whole("seed", seed, 0, LARGEST_SEED),
+        "rounds": None if rounds is None else check_whole("rounds", rounds, 0, LARGEST_ROUNDS),
     }
     count = check_threads(threads) or os.cpu_count() or 1
     check_progress(progress)

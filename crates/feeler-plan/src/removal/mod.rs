@@ -54,6 +54,9 @@ pub struct RemovalTask {
     pub clearance: f64,
     /// Of the random samples.
     pub seed: u64,
+    /// The most rounds of pushes and trees, of equal work each; `None` for no limit but time. With it an answer that was not ended by time
+    /// is the same on every machine.
+    pub rounds: Option<u32>,
 }
 
 impl RemovalTask {
@@ -62,7 +65,7 @@ impl RemovalTask {
     pub fn new(tool: Arc<Tool>, start: Pose) -> RemovalTask {
         let own_parts = tool.parts() as u32;
         let allowed = Allowed::default().with_start(true);
-        RemovalTask { tool, own_parts, start, allowed, directions: Vec::new(), clearance: 0.0, seed: 0 }
+        RemovalTask { tool, own_parts, start, allowed, directions: Vec::new(), clearance: 0.0, seed: 0, rounds: None }
     }
 
     feeler_core::setters! {
@@ -72,6 +75,7 @@ impl RemovalTask {
         with_directions: directions: Vec<Point>,
         with_clearance: clearance: f64,
         with_seed: seed: u64,
+        with_rounds: rounds: Option<u32>,
     }
 }
 
@@ -141,6 +145,8 @@ pub struct Removal {
     pub casts: u64,
     /// Whether time was up before all was tried.
     pub is_out_of_time: bool,
+    /// Whether it ended after the [`RemovalTask::rounds`] that it was given.
+    pub is_out_of_rounds: bool,
 }
 
 impl Removal {
@@ -157,6 +163,7 @@ impl Removal {
             held: None,
             casts: 0,
             is_out_of_time: true,
+            is_out_of_rounds: false,
         }
     }
 }
@@ -205,11 +212,15 @@ pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOpti
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
     let mut trees: Vec<Tree> =
         (0..TREES).map(|tree| Tree::new(&surroundings, &directions, (task.seed, tree), has_time)).collect();
-    let (mut rounds, mut tree_rounds) = (0, 0);
+    let (mut rounds, mut tree_rounds, mut is_out_of_rounds) = (0, 0, false);
     let mut search = || loop {
         let are_alone = pushes.are_alone(tree_rounds);
         report(share_after(rounds), if are_alone { "pushes" } else { "pushes and random trees" })?;
         if !has_time() {
+            return Ok(None);
+        }
+        if task.rounds == Some(rounds) {
+            is_out_of_rounds = true;
             return Ok(None);
         }
         rounds += 1;
@@ -233,7 +244,8 @@ pub fn removal(solver: &ContactSolver, task: &RemovalTask, options: &RemovalOpti
     let found = within(search(), has_time)?.flatten();
     tally.add(&pushes.tally);
     trees.iter().for_each(|tree| tally.add(&tree.tally));
-    told(&surroundings, found.ok_or(true), &tally, has_time)
+    let ended = told(&surroundings, found.ok_or(!is_out_of_rounds), &tally, has_time)?;
+    Ok(Removal { is_out_of_rounds, ..ended })
 }
 
 /// The share done before a round of pushes and trees: half of what is left for them after [`ROUNDS_TO_HALF`].
@@ -360,5 +372,6 @@ fn told(
         held: None,
         casts: tally.casts,
         is_out_of_time,
+        is_out_of_rounds: false,
     })
 }
