@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import error_of, run, run_json
 
 import feeler
 from feeler import batches, spreading
@@ -306,6 +307,29 @@ def test_variants_are_checked_in_order(processes: Executor, tmp_path: Path) -> N
         feeler.clash_variants([tmp_path / "none.glb"], executor=processes)
     with pytest.raises(feeler.OptionError, match="clearance"):
         feeler.clash_variants(variants, clearance=-1.0)
+
+
+def test_commands_share_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dask: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    run("index", "sample:gearbox:40000", "-o", "gearbox.feeler")
+    each = ["remove", "gearbox.feeler", "--part", "*retainer*", "--each", "--rounds", "1", "--seconds", "600"]
+
+    def steps(*words: str) -> Any:
+        document = run_json(*each, *words, code=1)
+        for part in document["parts"]:
+            for step in part["steps"]:
+                step.pop("seconds")
+        return document["parts"]
+
+    address = dask.scheduler.address
+    assert steps() == steps("--workers", "2") == steps("--dask", address) and len(steps()) > 1
+    reach = ["access", "gearbox.feeler", "--tool", "sample:wrench", "--grip", "y", "--targets", "*covers*"]
+    alone = run_json(*reach, code=1)["rows"]
+    assert run_json(*reach, "--workers", "2", code=1)["rows"] == alone
+    assert "exclude each other" in error_of(*each, "--workers", "2", "--dask", address)
+    assert "are for --each" in error_of("remove", "gearbox.feeler", "--part", "*retainer*", "--workers", "2")
+    assert "--rounds is for" in error_of("remove", "gearbox.feeler", "--part", "*", "--order", "--rounds", "2")
+    assert "no scheduler answers" in error_of(*reach, "--dask", "tcp://127.0.0.1:1")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C of POSIX")

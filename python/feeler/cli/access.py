@@ -31,6 +31,7 @@ from feeler.cli.inputs import (
     read_tool,
 )
 from feeler.cli.values import ANY_LENGTH, POSITIVE_LENGTH, SWING, Whole, Word
+from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
@@ -101,6 +102,8 @@ def access(
     tool_unit: ToolUnit = None,
     up: Up = None,
     threads: Threads = None,
+    workers: Workers = None,
+    dask: Dask = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each target.")] = None,
     glb: Annotated[
         Path | None,
@@ -132,7 +135,7 @@ def access(
     start = time.perf_counter()
     is_interrupted = False
     try:
-        with bar(f"reaching {plural(len(asked), 'target')}") as progress:
+        with bar(f"reaching {plural(len(asked), 'target')}") as progress, executor_of(workers, dask) as executor:
             found = feeler.access(
                 scene,
                 probe,
@@ -144,6 +147,7 @@ def access(
                 grip=grasp,
                 lift=lift,
                 threads=threads,
+                executor=executor,
                 progress=progress,
             )
     except AccessInterrupted as stop:

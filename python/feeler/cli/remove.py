@@ -6,7 +6,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -34,10 +34,14 @@ from feeler.cli.inputs import (
     read_poses,
     read_tool,
 )
-from feeler.cli.values import DIRECTION, LENGTH, SECONDS, SEED, THREADS
+from feeler.cli.values import DIRECTION, LENGTH, SECONDS, SEED, THREADS, Whole
+from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 _SHOWN = 20
 _SHOWN_BLOCKERS = 3
@@ -49,6 +53,7 @@ _ENDINGS = {"csv": (".csv",), "way": (".npy", ".json"), "glb": (".glb",)}
 feeler remove engine.step --part "*fuel pump*"
 feeler remove engine.step --part "*fuel pump*" --hand sample:hand --at 0.8,0.1,0.3 --clearance 0.002 --glb way.glb
 feeler remove engine.step --part "*bolt*" --each --csv bolts.csv
+feeler remove engine.feeler --part "*pump*" --each --workers 8 --rounds 20
 feeler remove engine.step --part "*pump*" --order --keep "*casing*" --seconds 120 --json
 feeler remove sample:gearbox --part gearbox/bracket/left_mount/retainer --order
 feeler remove engine.step --part "*fuel pump*" --insert --from bench.json --glb in.glb
@@ -122,6 +127,13 @@ def remove(
     threads: Annotated[
         int | None, typer.Option(help="Default: all cores. The path does not depend on it."), THREADS
     ] = None,
+    rounds: Annotated[
+        int | None,
+        typer.Option(help="The most rounds of the search: equal work, so equal answers on every machine."),
+        Whole(0, 2**32 - 1),
+    ] = None,
+    workers: Workers = None,
+    dask: Dask = None,
     allow: Annotated[str | None, typer.Option(hidden=True)] = None,  # of early builds
     csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
     way: Annotated[
@@ -144,6 +156,10 @@ def remove(
     _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
+    if (workers is not None or dask is not None) and (not each or insert or hand is not None):
+        raise OptionError("--workers and --dask are for --each, without --hand and --insert")
+    if rounds is not None and (order or insert):
+        raise OptionError("--rounds is for a removal alone, without --order and --insert")
     options: dict[str, Any] = {
         "ignore": ignore,
         "overlap": overlap,
@@ -154,6 +170,8 @@ def remove(
         "seed": seed,
         "threads": threads,
     }
+    if rounds is not None:
+        options["rounds"] = rounds
     held = None if hand is None else read_tool(hand, hand_unit, up)
     start = poses_of_options(pose, at, rotate, snap_pose, has_place=True)
     if len(start) > 1:
@@ -165,7 +183,8 @@ def remove(
     asked = _Asked(scene, held, start[0], keep, options, ends)
     chosen = world.parts.select(part)
     if each:
-        answers, is_interrupted = _each(asked, chosen.tolist())
+        with executor_of(workers, dask) as executor:
+            answers, is_interrupted = _each(asked, chosen.tolist(), executor)
     else:
         answers, is_interrupted = _one(asked, chosen, order)
     written = _write(asked, answers, targets)
@@ -239,7 +258,11 @@ class _Asked:
                 )
                 return _Answer(gone, found.is_found, found.steps)
             one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
-        return _Answer(gone, one.is_found, (feeler.RemovalStep(gone, one),))
+        return _of_removal(gone, one)
+
+
+def _of_removal(parts: tuple[int, ...], found: feeler.Removal) -> _Answer:
+    return _Answer(parts, found.is_found, (feeler.RemovalStep(parts, found),))
 
 
 def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[list[_Answer], bool]:
@@ -252,11 +275,21 @@ def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[lis
     except RemovalInterrupted as stop:
         if order:  # It is of one try alone.
             raise
-        return [_Answer(gone, stop.removal.is_found, (feeler.RemovalStep(gone, stop.removal),))], True
+        return [_of_removal(gone, stop.removal)], True
 
 
-def _each(asked: _Asked, parts: list[int]) -> tuple[list[_Answer], bool]:
+def _each(asked: _Asked, parts: list[int], executor: Executor | None) -> tuple[list[_Answer], bool]:
     """Every part separately, until Ctrl-C; and whether that came."""
+    from feeler.plan.removals import RemovalsInterrupted
+
+    if executor is not None:
+        try:
+            with bar(f"taking out {plural(len(parts), 'part')}") as progress:
+                entries = [[part] for part in parts]
+                rows = feeler.removals(asked.scene, entries, **asked.options, progress=progress, executor=executor)
+        except RemovalsInterrupted as stop:
+            rows = stop.removals
+        return [_of_removal(row.parts, row.removal) for row in rows], rows.is_partial
     answers: list[_Answer] = []
     try:
         with bar(f"taking out {plural(len(parts), 'part')}") as progress:
