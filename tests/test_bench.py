@@ -484,6 +484,14 @@ def test_selections_of_a_toy_engine(root: Path) -> None:
         assert all(float(figure) > 0 for figure in row[28:].split())
 
 
+def test_scale_of_a_toy_engine(root: Path) -> None:
+    few = ("--triangles", "10000", "--gearbox", "40000", "--entries", "2", "--workers", "1", "--rounds", "1")
+    done = run(root, "scale.py", *few)
+    assert done.returncode == 0, done.stderr
+    rows = [line.split(" | ") for line in done.stdout.splitlines() if line.startswith("|")]
+    assert len(rows) == 3 + 4 and rows[2][0].startswith("| ") and rows[-1][0] == "| 1 process"
+
+
 def test_peers_may_be_absent(root: Path, bench: SimpleNamespace, tmp_path: Path) -> None:
     (tmp_path / "absent").mkdir()
     for name in ("coal", "fcl"):
