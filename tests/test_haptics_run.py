@@ -172,6 +172,16 @@ def test_slow_collision_ticks_hold_the_proxy_back(scene: feeler.Scene) -> None:
     session.stop()
 
 
+def test_a_collision_rate_of_hours_keeps_nobody_waiting(scene: feeler.Scene) -> None:
+    """It slept for the whole period, and so did those who asked for something, or for the end."""
+    session = Session(scene, TOOL, collision_hz=1e-4)
+    session.start(pose(z=0.05))
+    session.run(devices.Mouse(pose(z=0.05)))
+    session.start(pose(z=0.06))
+    stats = session.stop()
+    assert stats is not None
+
+
 def test_a_mouse_is_steered(session: Session) -> None:
     mouse = devices.Mouse(pose(z=0.026))
     run(session, mouse)

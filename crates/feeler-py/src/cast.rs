@@ -9,6 +9,7 @@ use pyo3::types::PyTuple;
 
 use crate::containment::Containment;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
+use crate::words::counted;
 
 /// The first impact of a tool on a motion between two poses.
 #[pyclass(frozen, module = "feeler._core")]
@@ -287,7 +288,7 @@ impl PathCheck {
     }
 
     fn __repr__(&self) -> String {
-        format!("PathCheck({} segments, {} hit)", self.count, self.hits.len())
+        format!("PathCheck({}, {} hit)", counted(self.count, "segment"), self.hits.len())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -16,6 +16,7 @@ use crate::proximity::points;
 use crate::reporter::Reporter;
 use crate::scene::Scene;
 use crate::travel::{list, rows_of, stays};
+use crate::words::counted;
 
 /// Pairs of parts that are closer than required, as columns of one length, sorted by `a`, then `b`.
 #[pyclass(frozen, module = "feeler._core")]
@@ -161,7 +162,11 @@ impl ClashRows {
     }
 
     fn __repr__(&self) -> String {
-        format!("ClashRows({} pairs of parts{})", self.rows.len(), if self.is_partial { ", partial" } else { "" })
+        format!(
+            "ClashRows({} of parts{})",
+            counted(self.rows.len(), "pair"),
+            if self.is_partial { ", partial" } else { "" }
+        )
     }
 }
 

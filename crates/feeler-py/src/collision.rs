@@ -12,6 +12,7 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::arrays::{codes, view, view_rows, words, Word};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
+use crate::words::counted;
 
 /// The colliding pairs of triangles at one pose; false when there are none.
 #[pyclass(frozen, module = "feeler._core")]
@@ -150,7 +151,7 @@ impl Collision {
     }
 
     fn __repr__(&self) -> String {
-        format!("Collision({} pairs)", self.core.pairs.len())
+        format!("Collision({})", counted(self.core.pairs.len(), "pair"))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -229,7 +230,7 @@ impl Batch {
     }
 
     fn __repr__(&self) -> String {
-        format!("Batch({} poses, {} pairs)", self.__len__(), self.core.pairs.len())
+        format!("Batch({}, {})", counted(self.__len__(), "pose"), counted(self.core.pairs.len(), "pair"))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {

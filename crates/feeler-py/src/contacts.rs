@@ -20,6 +20,7 @@ use crate::selection::Ignore;
 use crate::signals::stoppable;
 use crate::topology::find_topology;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
+use crate::words::counted;
 
 /// Contact planes, deepest first; false when there are none. `contacts[i]` is one. All arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
@@ -307,7 +308,7 @@ impl Contacts {
 
     fn __repr__(&self) -> String {
         match self.gaps.first() {
-            Some(gap) => format!("Contacts({} planes, least gap {gap:.4e} m)", self.gaps.len()),
+            Some(gap) => format!("Contacts({}, least gap {gap:.4e} m)", counted(self.gaps.len(), "plane")),
             None => "Contacts(0 planes)".into(),
         }
     }

@@ -32,6 +32,7 @@ mod swept;
 mod tool;
 mod topology;
 mod travel;
+mod words;
 mod world;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};

@@ -12,6 +12,7 @@ use crate::arrays::{view, view_rows};
 use crate::errors::to_py;
 use crate::pools::on_pool;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
+use crate::words::counted;
 
 /// A mesh in pieces for drawing. Packed triangles are numbered piece by piece. Arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
@@ -85,7 +86,7 @@ impl Packed {
     }
 
     fn __repr__(&self) -> String {
-        format!("Packed({} triangles in {} pieces)", self.order.len(), self.pieces.len())
+        format!("Packed({} in {})", counted(self.order.len(), "triangle"), counted(self.pieces.len(), "piece"))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -168,7 +169,7 @@ impl PackedPiece {
     }
 
     fn __repr__(&self) -> String {
-        format!("PackedPiece({} triangles, {} vertices)", self.core.indices.len(), self.core.positions.len())
+        format!("PackedPiece({}, {} vertices)", counted(self.core.indices.len(), "triangle"), self.core.positions.len())
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
+use crate::words::counted;
 
 /// Points as `(n, 3)`.
 pub fn points<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = core::Point>) -> Bound<'py, PyArray2<f64>> {
@@ -205,7 +206,7 @@ impl DistanceBatch {
     }
 
     fn __repr__(&self) -> String {
-        format!("DistanceBatch({} poses)", self.gaps.len())
+        format!("DistanceBatch({})", counted(self.gaps.len(), "pose"))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -288,7 +289,7 @@ impl Clearance {
     fn __repr__(&self) -> String {
         match self.gaps.first() {
             None => "Clearance(nothing near)".into(),
-            Some(gap) => format!("Clearance({} rows, least {:?} m)", self.gaps.len(), gap.distance),
+            Some(gap) => format!("Clearance({}, least {:?} m)", counted(self.gaps.len(), "row"), gap.distance),
         }
     }
 
@@ -378,7 +379,7 @@ impl ClearanceBatch {
     }
 
     fn __repr__(&self) -> String {
-        format!("ClearanceBatch({} poses, {} rows)", self.__len__(), self.all.gaps.len())
+        format!("ClearanceBatch({}, {})", counted(self.__len__(), "pose"), counted(self.all.gaps.len(), "row"))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -9,6 +9,7 @@ use pyo3::types::PyTuple;
 use crate::arrays::{view, view_blocks};
 use crate::proximity::points;
 use crate::travel::{check_lengths, list, reduced, rows_of};
+use crate::words::counted;
 
 /// The first hit of each of many rays.
 #[pyclass(frozen, module = "feeler._core")]
@@ -82,7 +83,7 @@ impl Rays {
     }
 
     fn __repr__(&self) -> String {
-        format!("Rays({} rays, {} hit)", self.hits.len(), self.hits.iter().flatten().count())
+        format!("Rays({}, {} hit)", counted(self.hits.len(), "ray"), self.hits.iter().flatten().count())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -155,7 +156,7 @@ impl SectionOutline {
     }
 
     fn __repr__(&self) -> String {
-        format!("SectionOutline({} segments)", self.segments.len())
+        format!("SectionOutline({})", counted(self.segments.len(), "segment"))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {

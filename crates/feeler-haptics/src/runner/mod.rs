@@ -429,6 +429,11 @@ fn run_collision(
             let _ = reply.send(answer);
         }
         let now = clock.now();
+        if now < due {
+            // In short naps, so that a slow rate keeps nobody waiting who asks for something or ends the run.
+            clock.sleep_until(due.min(now + COLLISION_REFRESH_S));
+            continue;
+        }
         if options.collision_hz.is_none() && !side.has_news() && now - last < COLLISION_REFRESH_S {
             clock.sleep_until(now + COLLISION_REST_S);
             continue;
@@ -438,7 +443,6 @@ fn run_collision(
         last = now;
         if let Some(hz) = options.collision_hz {
             due = (due + 1.0 / hz).max(clock.now());
-            clock.sleep_until(due);
         }
     }
     side
