@@ -276,5 +276,5 @@ def test_screws_are_values(scene: feeler.Scene, tool: feeler.Tool) -> None:
     for wrong in ({}, {"end": at(0, 0, 1), "screw": screw}, {"screw": at(0, 0, 1)}):
         with pytest.raises(feeler.OptionError, match="screw"):
             scene.cast(tool, at(0, 0, 1), **wrong)  # type: ignore[arg-type]
-    with pytest.raises(feeler.PoseError):
+    with pytest.raises(feeler.OptionError, match="fraction is nan"):
         screw.at(np.eye(4), math.nan)

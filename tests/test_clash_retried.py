@@ -162,7 +162,7 @@ def test_a_pattern_that_names_none_of_the_parts_of_a_file_is_told(saved: feeler.
 
 
 def test_a_pattern_that_names_no_part_of_the_mock_up_is_refused(mockup: feeler.Mockup) -> None:
-    with pytest.raises(OptionError, match="there is 'bolt M8x30'"):
+    with pytest.raises(OptionError, match="do you mean 'bolt M8x30'"):
         feeler.clash(mockup).with_rules(Rules((Rule("x", "*blot*"),)))
 
 

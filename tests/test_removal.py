@@ -192,7 +192,7 @@ def test_a_result_travels(found: feeler.Removal) -> None:
     [
         ({"parts": "pump"}, feeler.OptionError, "no part has the path or name 'pump'"),
         ({"parts": []}, feeler.OptionError, "names no part"),
-        ({"parts": list(DUCT)}, feeler.OptionError, "all 7 that the scene has"),
+        ({"parts": list(DUCT)}, feeler.OptionError, "parts names all 7 parts of the scene"),
         ({"seconds": 0}, feeler.OptionError, "seconds is 0"),
         ({"seconds": -1.0}, feeler.OptionError, "seconds is -1.0"),
         ({"seconds": float("nan")}, feeler.OptionError, "seconds is nan"),

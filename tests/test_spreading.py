@@ -332,6 +332,19 @@ def test_commands_share_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert "no scheduler answers" in error_of(*reach, "--dask", "tcp://127.0.0.1:1")
 
 
+def test_ctrl_c_ends_variants_with_those_that_are_done() -> None:
+    mockups = [feeler.sample("differential", 10_000, seed=seed) for seed in range(3)]
+
+    def stop(share: float, _stage: str) -> None:
+        if share > 0.5:
+            raise KeyboardInterrupt
+
+    for executor in (None, ThreadPoolExecutor(1)):
+        with pytest.raises(feeler.VariantsInterrupted) as caught:
+            feeler.clash_variants(mockups, executor=executor, progress=stop)
+        assert {0, 1} == set(caught.value.found) and len(caught.value.found[1]) > 0
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C of POSIX")
 def test_ctrl_c_ends_removals_with_the_rows_that_are_done() -> None:
     code = """

@@ -255,5 +255,5 @@ def test_what_touching_may_be(seat: feeler.Scene, pin: feeler.Tool, wrong: Any) 
         lambda: seat.cast(pin, at(), at(), touching=wrong),
         lambda: seat.check_path(pin, [at()], touching=wrong),
     ):
-        with pytest.raises(feeler.OptionError, match="choose 'counts' or 'free'"):
+        with pytest.raises(feeler.OptionError, match="choose counts, free"):
             ask()

@@ -174,7 +174,9 @@ class _Round(Generic[Task, Result]):
                         lost = error
                 if not waiting:
                     return lost
-                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                finished = wait(waiting, return_when=FIRST_COMPLETED).done
+                before = len(self._results)
+                for future in sorted(finished, key=waiting.__getitem__):
                     i = waiting.pop(future)
                     try:
                         self._results[i] = future.result()
@@ -182,11 +184,12 @@ class _Round(Generic[Task, Result]):
                         if not _is_loss(error):
                             raise
                         lost = error
-                        continue
-                    self._heard(len(self._results), "")
+                for done in range(before + 1, len(self._results) + 1):
+                    self._heard(done, "")
         finally:
-            for future in waiting:
-                future.cancel()
+            for future, i in waiting.items():
+                if not future.cancel() and future.done() and future.exception() is None:
+                    self._results[i] = future.result()  # finished while nobody looked
 
     def _recover(self, error: BaseException) -> None:
         self._losses += 1

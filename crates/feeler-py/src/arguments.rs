@@ -127,7 +127,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Touching {
         match object.extract::<String>().as_deref() {
             Ok("counts") => Ok(Touching(core::Touching::Ends)),
             Ok("free") => Ok(Touching(core::Touching::Free)),
-            _ => Err(raise("OptionError", format!("touching is {}: choose 'counts' or 'free'", object.repr()?))),
+            _ => Err(raise("OptionError", format!("touching is {}: choose counts, free", object.repr()?))),
         }
     }
 }

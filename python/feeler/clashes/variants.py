@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import threading
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 
@@ -60,25 +61,55 @@ def clash_variants(
             raise OptionError(f"variants[{i}] is {variant!r}: a mock-up or the path of a file is needed")
     check_progress(progress)
     options = {"clearance": clearance, "contact": contact, "rules": rules, "ignore": ignore, "volume": volume}
-    own = None if executor is not None else ThreadPoolExecutor(1, thread_name_prefix="feeler-variants")
-    pool = check_executor(executor) or own
-    assert pool is not None
+    pool = check_executor(executor)
 
     def heard(done: int, stage: str) -> None:
         if progress is not None:
             progress(done / len(tasks), stage or f"checking variants: {done:,} of {len(tasks):,}")
 
+    if pool is None:
+        return _one_by_one(options, tasks, heard)
+    # Threads of this process hear of Ctrl-C only so.
+    stop = threading.Event() if isinstance(pool, ThreadPoolExecutor) else None
     try:
-        return spread(_variant, None, (options, None if own is not None else 1), tasks, pool, heard)
-    except Interrupted as interrupted:
-        raise VariantsInterrupted(interrupted.results) from None
-    finally:
-        if own is not None:
-            own.shutdown(wait=True, cancel_futures=True)
+        return spread(_variant, None, (options, stop), tasks, pool, heard)
+    except BaseException as error:
+        if stop is not None:
+            stop.set()
+        if isinstance(error, Interrupted):
+            raise VariantsInterrupted(error.results) from None
+        raise
 
 
-def _variant(_: None, shared: tuple[dict[str, Any], int | None], variant: Mockup | str | os.PathLike[str]) -> Clashes:
+def _one_by_one(
+    options: dict[str, Any], tasks: list[Mockup | str | os.PathLike[str]], heard: Callable[[int, str], None]
+) -> list[Clashes]:
+    found: dict[int, Clashes] = {}
+    try:
+        for i, variant in enumerate(tasks):
+            found[i] = clash(_mockup(variant), **options)
+            heard(i + 1, "")
+    except KeyboardInterrupt:
+        raise VariantsInterrupted(found) from None
+    return list(found.values())
+
+
+def _mockup(variant: Mockup | str | os.PathLike[str]) -> Mockup:
+    return variant if isinstance(variant, Mockup) else load_mockup(variant)
+
+
+class _StopError(Exception):
+    """The caller wants no more answers."""
+
+
+def _variant(
+    _: None, shared: tuple[dict[str, Any], threading.Event | None], variant: Mockup | str | os.PathLike[str]
+) -> Clashes:
     """The task of one variant."""
-    options, threads = shared
-    mockup = variant if isinstance(variant, Mockup) else load_mockup(variant)
-    return clash(mockup, threads=threads, **options)
+    options, stop = shared
+
+    def check(_share: float, _stage: str) -> None:
+        if stop is not None and stop.is_set():
+            raise _StopError
+
+    return clash(_mockup(variant), threads=1, progress=check, **options)

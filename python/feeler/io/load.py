@@ -138,9 +138,10 @@ def _saved_scene(path: PathLike | Iterable[PathLike]) -> str | None:
     if isinstance(given, (str, os.PathLike)):
         plain = os.fspath(given)
         if isinstance(plain, str) and plain and "\0" not in plain:
-            with contextlib.suppress(OSError, ValueError), open(plain, "rb") as file:
-                if os.path.isfile(plain) and file.read(len(MAGIC)) == MAGIC:
-                    return plain
+            with contextlib.suppress(OSError, ValueError):
+                if os.path.isfile(plain):  # a pipe would keep its reader waiting
+                    with open(plain, "rb") as file:
+                        return plain if file.read(len(MAGIC)) == MAGIC else None
     return None
 
 
