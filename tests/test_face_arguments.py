@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,18 @@ from feeler.workbench.scripting import View
 
 SPACES = ("feeler", "feeler.haptics", "feeler.haptics.devices", "feeler.clashes", "feeler.io", "feeler.picture")
 SPACES = (*SPACES, "feeler.samples")
+
+
+class NoPath(os.PathLike):  # type: ignore[type-arg]
+    """A path that gives no text."""
+
+    def __fspath__(self) -> Any:
+        return 3
+
+
 BAD: list[object] = [
     None, "x", b"x", float("nan"), float("inf"), -1, 10**400, object(), [], np.zeros(3), "\ud800", 2**63, True, {},
+    np.array(3), len, feeler.Mockup, [np.zeros((3, 3)), 1, 2], NoPath(),
 ]  # fmt: skip
 MADE_BY_FEELER = {
     feeler.Access, feeler.Batch, feeler.Blocker, feeler.Cast, feeler.Certificate, feeler.Clash, feeler.Clashes,

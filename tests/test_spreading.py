@@ -265,7 +265,7 @@ def _shelf() -> feeler.Mockup:
 
 
 def test_removals_refuse_what_cannot_move(scene: feeler.Scene) -> None:
-    for bad, said in (("a*", "a list is needed"), ([], "at least one"), ([["nothing"]], "nothing"), (3, "a list")):
+    for bad, said in (("a*", "give a list"), ([], "at least one"), ([["nothing"]], "nothing"), (3, "give a list")):
         with pytest.raises(feeler.OptionError, match=said):
             feeler.removals(scene, bad)  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="out already"):

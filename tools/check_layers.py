@@ -262,7 +262,7 @@ ROOMS: dict[str, set[str]] = {
         *("_core", "arguments", "choices", "errors", "parts", "poses", "saved", "source", "travel", "words"),
     },
     "part_meshes": {"mockup"},
-    "ignored": {"_core", "errors", "mockup", "parts", "travel", "words"},
+    "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
     # Tasks on executors.
     "spreading": {"errors"},
     "batches": {"_core", "errors", "poses", "progress", "spreading"},

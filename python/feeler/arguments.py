@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import math
 import os
 from collections.abc import Callable, Iterable
@@ -104,7 +105,10 @@ def check_text(what: str, value: object, give: str = "text") -> str:
 def check_path(what: str, value: object, error: type[FeelerError] = OptionError) -> Path:
     """The path of a file. Raises `error` for other values."""
     if isinstance(value, (str, os.PathLike)):
-        text = os.fspath(value)
+        try:
+            text = os.fspath(value)
+        except TypeError:
+            text = None  # a path that gives something else than text
         if isinstance(text, str) and "\0" not in text and _is_writable(text, os.fsencode):
             return Path(text)
     raise error(f"{what} is {shown(value)}: give the path of a file")
@@ -124,11 +128,11 @@ def check_callable(what: str, value: Callable[..., object], give: str) -> Callab
     return value
 
 
-def check_list(what: str, value: object, give: str) -> list[Any]:
-    """The entries of anything that has some, other than text. Raises `OptionError` for other values."""
+def check_list(what: str, value: object, give: str, error: type[FeelerError] = OptionError) -> list[Any]:
+    """The entries of anything that has some, other than text. Raises `error` for other values."""
     is_list = isinstance(value, Iterable) and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) > 0
     if not is_list:
-        raise OptionError(f"{what} is {shown(value)}: give {give}")
+        raise error(f"{what} is {shown(value)}: give {give}")
     return list(value)  # type: ignore[call-overload, no-any-return]
 
 
@@ -181,9 +185,17 @@ def check_threads(threads: object) -> int | None:
 
 def check_progress(progress: Progress | None) -> Progress | None:
     """A function that takes progress, or None. Raises `OptionError` for other values."""
-    if progress is not None and not callable(progress):
-        raise OptionError(f"progress is {shown(progress)}: give a function of (share done, stage), or None")
-    return progress
+    if progress is None:
+        return None
+    if callable(progress):
+        try:
+            inspect.signature(progress).bind(0.0, "")
+            return progress
+        except ValueError:
+            return progress  # some built-in functions do not say what they take
+        except TypeError:
+            pass
+    raise OptionError(f"progress is {shown(progress)}: give a function of (share done, stage), or None")
 
 
 def near(asked: object, known: Iterable[str], none: str = "there is none") -> str:

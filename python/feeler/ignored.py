@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import shown
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
@@ -93,11 +94,11 @@ def pairs_of_parts(
                 raise OptionError(f"the {of} has no part {pairs[outside][0, column]}: it has {count}, 0 to {count - 1}")
         return np.unique(pairs.astype(np.uint32), axis=0)
     if isinstance(pairs, (str, bytes)) or not isinstance(pairs, Iterable):
-        raise OptionError(f"{option} is {pairs!r}: give pairs of parts, such as [('hand', '*gasket*')]")
+        raise OptionError(f"{option} is {shown(pairs)}: give pairs of parts, such as [('hand', '*gasket*')]")
     rows = [np.empty((0, 2), np.uint32)]
     for pair in pairs:
         if isinstance(pair, (str, bytes)) or not hasattr(pair, "__len__") or len(pair) != 2:
-            raise OptionError(f"{option} holds {pair!r}: give pairs of a {whose[0]}'s and a {whose[1]}'s part")
+            raise OptionError(f"{option} holds {shown(pair)}: give pairs of a {whose[0]}'s and a {whose[1]}'s part")
         ours = _selected(one, pair[0], f"{option}, of the {whose[0]}")
         theirs = _selected(other, pair[1], f"{option}, of the {whose[1]}")
         rows.append(np.stack(np.meshgrid(ours, theirs, indexing="ij"), axis=-1).reshape(-1, 2).astype(np.uint32))

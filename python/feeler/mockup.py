@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from feeler import _core, saved
 from feeler._core import Packed
-from feeler.arguments import check_kind, check_text, check_whole, shown
+from feeler.arguments import check_kind, check_list, check_text, check_whole, shown
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
@@ -533,10 +533,8 @@ def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
 def _names(what: str, names: Sequence[str] | None) -> list[str] | None:
     if names is None:
         return None
-    if isinstance(names, (str, bytes)) or not hasattr(names, "__iter__"):
-        raise MeshError(f"{what} is {names!r}: a sequence of strings is needed")
-    found = list(names)
+    found = check_list(what, names, "a sequence of strings", MeshError)
     for i, name in enumerate(found):
         if not isinstance(name, str):
-            raise MeshError(f"{what}[{i}] is {name!r}: a string is needed")
+            raise MeshError(f"{what}[{i}] is {shown(name)}: give a string")
     return found

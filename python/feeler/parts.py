@@ -15,7 +15,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_text
+from feeler.arguments import check_text, shown
 from feeler.errors import OptionError
 
 _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
@@ -83,8 +83,8 @@ class Parts(Sequence[Part]):
                 raise OptionError(f"a mask of shape {parts.shape} does not fit {len(self)} parts: give one entry each")
             return np.flatnonzero(parts).astype(np.uint32)
         one = isinstance(parts, (str, bytes, Part, int, np.integer))
-        if not one and not isinstance(parts, Iterable):
-            raise OptionError(f"{parts!r} names no part: give an index, a path or pattern, or several")
+        if not one and (not isinstance(parts, Iterable) or (isinstance(parts, np.ndarray) and not parts.ndim)):
+            raise OptionError(f"{shown(parts)} names no part: give an index, a path or pattern, or several")
         found: set[int] = set()
         for each in [parts] if one else parts:  # type: ignore[union-attr]
             found.update(self._selected(each))
@@ -101,7 +101,7 @@ class Parts(Sequence[Part]):
                 raise OptionError(f"there is no part {part}: there are {len(self)}, 0 to {len(self) - 1}")
             return [int(part)]
         if not isinstance(part, str):
-            raise OptionError(f"{part!r} names no part: give an index, a path or a pattern")
+            raise OptionError(f"{shown(part)} names no part: give an index, a path or a pattern")
         called = self._called(part)
         is_pattern = any(sign in part for sign in "*?[")
         if not called and is_pattern:

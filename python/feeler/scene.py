@@ -39,6 +39,7 @@ from feeler.arguments import (
     check_threads,
     check_whole,
     check_word,
+    shown,
 )
 from feeler.calibrate import machine_constants
 from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
@@ -697,7 +698,10 @@ def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.floa
 
 
 def _vector(what: str, value: npt.ArrayLike) -> list[float]:
-    array = np.asarray(value, dtype=object)
+    try:
+        array = np.asarray(value, dtype=object)
+    except ValueError:
+        array = np.empty(0)  # entries of several shapes
     if array.shape != (3,):
-        raise OptionError(f"{what} is {value!r}: three numbers are needed")
+        raise OptionError(f"{what} is {shown(value)}: three numbers are needed")
     return [check_real(what, each) for each in array]

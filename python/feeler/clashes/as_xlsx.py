@@ -63,7 +63,7 @@ def write_xlsx(
     check_kind("clashes", clashes, Clashes)
     pictures = check_whole("pictures", pictures)
     check_progress(progress)
-    check_word("by", by, GROUPS_BY)  # before the workbook, which leaves files if it is not closed
+    check_word("by", by, GROUPS_BY)
     library = xlsx_library()
     drawn = _drawing(clashes, mockup) if mockup is not None else None
     count = min(len(clashes), MOST_ROWS)
@@ -80,28 +80,30 @@ def write_xlsx(
                 "strings_to_numbers": False,
             },
         )
-        book.set_properties({"title": "Clashes", "created": _CREATED})
-        bold = book.add_format({"bold": True, "bottom": 1})
-        top = book.add_format({"valign": "top"})
-        sheet = book.add_worksheet("findings")
-        sheet.freeze_panes(1, 0)
-        sheet.autofilter(0, 0, max(count, 1), len(COLUMNS))
-        sheet.set_column(0, 0, _PICTURE_WIDTH if pictured else 8.0)
-        for place, column in enumerate(COLUMNS, start=1):
-            sheet.set_column(place, place, _WIDTHS.get(column.name, _WIDTH))
-        for place, title in enumerate(["picture", *(column.title for column in COLUMNS)]):
-            sheet.write_string(0, place, title, bold)
-        for number, row in enumerate(cells(clashes[:count], by), start=1):
-            if number <= pictured and drawn is not None:
-                if progress is not None:
-                    progress((number - 1) / pictured, f"picture {number} of {pictured}")
-                sheet.set_row(number, _ROW_HEIGHT)
-                image = {"image_data": io.BytesIO(drawn(number - 1)), "x_scale": _SCALE, "y_scale": _SCALE}
-                sheet.insert_image(number, 0, f"{number}.png", {**image, "object_position": 1})
-            for place, cell in enumerate(row, start=1):
-                _write(sheet, number, place, cell, top)
-        _summary(book.add_worksheet("summary"), clashes, count, pictured, bold)
-        book.close()
+        try:
+            book.set_properties({"title": "Clashes", "created": _CREATED})
+            bold = book.add_format({"bold": True, "bottom": 1})
+            top = book.add_format({"valign": "top"})
+            sheet = book.add_worksheet("findings")
+            sheet.freeze_panes(1, 0)
+            sheet.autofilter(0, 0, max(count, 1), len(COLUMNS))
+            sheet.set_column(0, 0, _PICTURE_WIDTH if pictured else 8.0)
+            for place, column in enumerate(COLUMNS, start=1):
+                sheet.set_column(place, place, _WIDTHS.get(column.name, _WIDTH))
+            for place, title in enumerate(["picture", *(column.title for column in COLUMNS)]):
+                sheet.write_string(0, place, title, bold)
+            for number, row in enumerate(cells(clashes[:count], by), start=1):
+                if number <= pictured and drawn is not None:
+                    if progress is not None:
+                        progress((number - 1) / pictured, f"picture {number} of {pictured}")
+                    sheet.set_row(number, _ROW_HEIGHT)
+                    image = {"image_data": io.BytesIO(drawn(number - 1)), "x_scale": _SCALE, "y_scale": _SCALE}
+                    sheet.insert_image(number, 0, f"{number}.png", {**image, "object_position": 1})
+                for place, cell in enumerate(row, start=1):
+                    _write(sheet, number, place, cell, top)
+            _summary(book.add_worksheet("summary"), clashes, count, pictured, bold)
+        finally:
+            book.close()  # removes its own files, too
         file.write(data.getvalue())
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 
-from feeler.arguments import check_progress
+from feeler.arguments import check_list, check_progress, shown
 from feeler.clashes.finding import Exclude, clash
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike
@@ -50,15 +50,12 @@ def clash_variants(
 
     Other arguments and errors as of `clash`. Ctrl-C ends it with `VariantsInterrupted`, which has the findings so far.
     """
-    given: object = variants
-    if isinstance(given, (str, bytes, os.PathLike, Mockup)) or not hasattr(given, "__iter__"):
-        raise OptionError(f"variants is {variants!r}: a list of mock-ups or files is needed")
-    tasks = list(variants)
+    tasks = check_list("variants", variants, "a list of mock-ups or files")
     if not tasks:
         raise OptionError("variants is empty: give at least one mock-up or file")
     for i, variant in enumerate(tasks):
         if not isinstance(variant, (Mockup, str, os.PathLike)):
-            raise OptionError(f"variants[{i}] is {variant!r}: a mock-up or the path of a file is needed")
+            raise OptionError(f"variants[{i}] is {shown(variant)}: give a mock-up, or the path of a file")
     check_progress(progress)
     options = {"clearance": clearance, "contact": contact, "rules": rules, "ignore": ignore, "volume": volume}
     pool = check_executor(executor)

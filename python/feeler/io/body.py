@@ -113,7 +113,7 @@ def body_of(
     """
     if isinstance(mesh, Body):
         return mesh
-    if not hasattr(mesh, "vertices") or not hasattr(mesh, "faces"):
+    if isinstance(mesh, type) or not hasattr(mesh, "vertices") or not hasattr(mesh, "faces"):
         raise MeshError(
             f"a {type(mesh).__name__} is no mesh: pass a mock-up, a tool, or an object with vertices and faces"
         )

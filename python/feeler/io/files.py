@@ -64,7 +64,7 @@ def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
 
 
 def _path(path: object) -> Path:
-    if path == "":
+    if isinstance(path, str) and not path:
         raise OptionError("path is empty: give the path of a file")
     return check_path("path", path)
 

@@ -136,12 +136,12 @@ def _saved_scene(path: PathLike | Iterable[PathLike]) -> str | None:
     """The path, where it is that of a saved scene."""
     given: object = path
     if isinstance(given, (str, os.PathLike)):
-        plain = os.fspath(given)
-        if isinstance(plain, str) and plain and "\0" not in plain:
-            with contextlib.suppress(OSError, ValueError):
-                if os.path.isfile(plain):  # a pipe would keep its reader waiting
-                    with open(plain, "rb") as file:
-                        return plain if file.read(len(MAGIC)) == MAGIC else None
+        with contextlib.suppress(OSError, ValueError, TypeError):  # told by `collect`
+            plain = os.fspath(given)
+            # A pipe would keep its reader waiting.
+            if isinstance(plain, str) and os.path.isfile(plain):
+                with open(plain, "rb") as file:
+                    return plain if file.read(len(MAGIC)) == MAGIC else None
     return None
 
 

@@ -51,7 +51,7 @@ def bars(
         faces=all_faces,
         part_of_face=np.repeat(np.arange(len(kept)), len(faces)),
         paths=tuple(paths[int(row)] for row in kept),
-        palette=np.array([colour]),
+        palette=check_array("colour", colour, (3,))[None],
         colour_of_face=np.zeros(len(all_faces), dtype=np.int64),
         cut=False,
     )

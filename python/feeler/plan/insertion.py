@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_progress
 from feeler.errors import OptionError
 from feeler.io.film import corners_of
 from feeler.mockup import Tool
@@ -66,6 +67,7 @@ def insertion(
     Raises the errors of `feeler.removal`, and `PoseError` for a `start` or `goal` that is not rigid.
     """
     begin = time.perf_counter()
+    check_progress(progress)
     end = np.eye(4) if goal is None else rigid_pose(goal, "goal")
     lies = None if start is None else rigid_pose(start, "start")
     if tool is None and grip is not None:

@@ -12,7 +12,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
+from feeler.arguments import check_length, check_list, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError
 from feeler.parts import PartsLike
 from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, checked_directions, chosen, removal
@@ -154,9 +154,8 @@ def removals(
 def _entries(scene: Scene, parts: Sequence[PartsLike] | None) -> list[tuple[int, ...]]:
     if parts is None:
         return [(int(part),) for part in np.flatnonzero(scene.part_mask)]
-    if isinstance(parts, (str, bytes)) or not hasattr(parts, "__iter__"):
-        raise OptionError(f"parts is {parts!r}: a list is needed, each entry of which names parts that move together")
-    entries = [tuple(int(part) for part in scene.mockup.parts.select(entry)) for entry in parts]
+    given = check_list("parts", parts, "a list, each entry of which names parts that move together")
+    entries = [tuple(int(part) for part in scene.mockup.parts.select(entry)) for entry in given]
     if not entries:
         raise OptionError("parts is empty: give at least one entry, or None for each part of the scene")
     for entry in entries:
