@@ -67,6 +67,9 @@ const CUTS_IN_CONTACT: u32 = 2;
 /// Pairs that are followed between two checks for a stop: some milliseconds at most.
 const PAIRS_BETWEEN: usize = 256;
 
+/// Triangles whose shadows are cast between two checks: one of many turns has thousands of shadows.
+const CAST_BETWEEN: usize = 64;
+
 /// The options of a cast.
 #[derive(Clone, Copy)]
 pub struct How<'a> {
@@ -254,10 +257,16 @@ fn pairs_in_shadow(
     let (pose, stray) = (motion.at(from), motion.stray());
     let (mut of_tool, mut of_mockup) = (Vec::with_capacity(slots.len()), Vec::new());
     for (slot, corners) in (0..).zip(slots) {
+        if slot as usize % CAST_BETWEEN == CAST_BETWEEN - 1 && !goes_on() {
+            return None; // the next window of the cast asks, too, and ends it
+        }
         screen.cast(slot, &pose.apply_triangle(corners), stray, None, &mut of_tool);
     }
     let of_tool = Shadows::new(of_tool);
-    for triangle in triangles.into_iter().filter(|triangle| selection.has(*triangle)) {
+    for (number, triangle) in triangles.into_iter().filter(|triangle| selection.has(*triangle)).enumerate() {
+        if number % CAST_BETWEEN == CAST_BETWEEN - 1 && !goes_on() {
+            return None;
+        }
         screen.cast(triangle, &mesh.triangle(triangle), 0.0, Some(&of_tool), &mut of_mockup);
         if of_mockup.len() > most {
             return None;
