@@ -448,3 +448,10 @@ def test_fasteners_of_another_mockup() -> None:
     found = feeler.find_fasteners(mockup_of({"elsewhere": bolt()}))
     with pytest.raises(OptionError, match="'elsewhere' is of another mock-up"):
         feeler.access(SCENE, bar(), found)
+
+
+def test_ways_of_a_thousand_kilometres_are_refused(bolts: tuple[feeler.Scene, feeler.Fasteners]) -> None:
+    scene, targets = bolts
+    for wrong in ({"approach": 1e6}, {"approach": 1e12}, {"lift": -1e6}, {"lift": [1e12] * len(targets)}):
+        with pytest.raises(feeler.OptionError, match=f"{next(iter(wrong))} is .*1,000"):
+            feeler.access(scene, feeler.sample_tool("torque"), targets, **wrong)  # type: ignore[arg-type]

@@ -351,3 +351,18 @@ def test_the_clearance_at_the_start_counts(gap: float) -> None:
     )
     found = feeler.removal(scene, "part", clearance=0.002, seconds=2.0)
     assert found.clearance == pytest.approx(gap, rel=1e-9) if found.is_found else gap < 0.002
+
+
+@pytest.mark.parametrize("overlap", [0.02, 0.1, 1.0])
+def test_an_overlap_larger_than_a_fit_ends(overlap: float) -> None:
+    """Surfaces free at the first depth, which was the most, of a part that was inside all the same: for ever."""
+    scene = feeler.Scene(feeler.sample("differential", 10_000))
+    assert feeler.removal(scene, 0, seconds=0.2, overlap=overlap).seconds > 0.0
+
+
+@pytest.mark.parametrize("clearance", [0.1, 1.5, 2.0**31])
+def test_a_large_clearance_keeps_the_time(clearance: float) -> None:
+    """All pairs of triangles within it were found first: half a minute of a fifth of a second."""
+    scene = feeler.Scene(feeler.sample("differential", 10_000))
+    for ask in (feeler.removal, feeler.insertion, feeler.removal_order):
+        assert not ask(scene, 0, seconds=0.2, clearance=clearance).is_found

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_number, check_progress, check_threads, check_whole
+from feeler.arguments import check_number, check_progress, check_threads, check_whole, shown
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
 from feeler.plan.blocked import Blocker
@@ -29,6 +29,9 @@ Floats = npt.NDArray[np.float64]
 Hand = Tool | tuple[Tool, npt.ArrayLike]
 
 LEAST_ANGLES, MOST_ANGLES = 4, 3600
+FARTHEST_M = 1000.0
+"""The longest way in, and the largest lift, metres: no wrench comes from farther away, and casts over distances at
+which coordinates round by millimetres take for ever."""
 """Seats around the axis."""
 SIDEWAYS_ANGLES = 24
 """Angles of each free swing from which the tool is pulled off sideways: evenly spread, the middle first."""
@@ -186,7 +189,7 @@ def access(
     if not isinstance(scene, Scene):
         raise MeshError(f"access needs a feeler.Scene, not {type(scene).__name__}")
     needed = check_number("swing_deg", swing_deg, "degrees, above 0 up to 360", above=0.0, most=360.0)
-    way = check_number("approach", approach, "metres, above 0", above=0.0)
+    way = check_number("approach", approach, "metres, above 0 up to 1,000", above=0.0, most=FARTHEST_M)
     steps = check_whole("angles", angles, LEAST_ANGLES, MOST_ANGLES)
     workers = check_threads(threads) or os.cpu_count() or 1
     check_progress(progress)
@@ -385,8 +388,10 @@ def _lifted(frames: Floats, lift: float | npt.ArrayLike) -> Floats:
         heights = np.asarray(lift, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         heights = np.array(np.nan)
-    if heights.shape not in ((), (len(frames),)) or not np.isfinite(heights).all():
-        raise OptionError(f"lift is {lift!r}: give metres, one number or one for each of {len(frames)} targets")
+    if heights.shape not in ((), (len(frames),)) or not (np.abs(heights) <= FARTHEST_M).all():
+        raise OptionError(
+            f"lift is {shown(lift)}: give metres, -1,000 to 1,000, one number or one for each of {len(frames)} targets"
+        )
     lifted = frames.copy()
     lifted[:, :3, 3] += np.broadcast_to(heights, len(frames))[:, None] * frames[:, :3, 2]
     return np.asarray(lifted)

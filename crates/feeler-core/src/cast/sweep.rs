@@ -67,6 +67,9 @@ const CUTS_IN_CONTACT: u32 = 2;
 /// Pairs that are followed between two checks for a stop: some milliseconds at most.
 const PAIRS_BETWEEN: usize = 256;
 
+/// Shortest window, as a share of the motion: several times that, added to a time, is a later one.
+const SHORTEST_WINDOW: f64 = 64.0 * f64::EPSILON;
+
 /// Triangles whose shadows are cast between two checks: one of many turns has thousands of shadows.
 const CAST_BETWEEN: usize = 64;
 
@@ -143,7 +146,7 @@ pub(super) fn first_impact(
     let selection = index.selection();
     let few = FEW_PAIRS.max(tool.clusters().len()) * if directions.is_empty() { 1 } else { TIMES_BESIDE };
     // Shorter than this a window is no use: all it holds is within the tolerance.
-    let shortest = tolerance / motion.longest_way().max(tolerance);
+    let shortest = (tolerance / motion.longest_way().max(tolerance)).max(SHORTEST_WINDOW);
     let coarse = coarse_cuts(tool, motion);
     let mut from = 0.0;
     let (mut before, mut after) = (Vec::new(), Vec::new());

@@ -138,10 +138,14 @@ fn depths(
     let (mut low, mut high) = (first, first);
     while high == low {
         high = (EROSION_STEP * low).min(most);
-        if !is_free(&vec![high; surfaces])? {
-            if high >= most {
-                return Ok(None);
+        if is_free(&vec![high; surfaces])? {
+            // Where the first is the most already, its surface is free, and it is inside all the same.
+            if high == low {
+                break;
             }
+        } else if high >= most {
+            return Ok(None);
+        } else {
             low = high;
         }
     }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::geometry::vectors::length;
-use feeler_core::{Pose, Scene, SurfaceNumbers, Tool};
+use feeler_core::{GoOn, Pose, Scene, SurfaceNumbers, Tool};
 
 use super::erosion::{Eroded, Erosion};
 use crate::constants::TOUCH;
@@ -148,14 +148,19 @@ pub fn find_seats(
     (allowed, clearance): (&Allowed, f64),
     goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Start> {
+    let asked = scene.stoppable(GoOn::new(goes_on));
+    let touching = asked.near_pairs(tool, start, TOUCH)?;
+    let met: Vec<[u32; 2]> = touching.iter().map(|gap| [gap.tool_triangle, gap.mockup_triangle]).collect();
+    // Within a large clearance there are too many pairs of triangles: of one part, its neighbours are enough.
+    let near = match clearance > TOUCH {
+        true if tool.parts() == 1 => asked.clearance(tool, start, clearance)?,
+        true => asked.near_pairs(tool, start, clearance)?,
+        false => Vec::new(),
+    };
     let mut nearest: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-    let mut met: Vec<[u32; 2]> = Vec::new();
-    for gap in scene.near_pairs(tool, start, TOUCH.max(clearance))? {
+    for gap in touching.iter().chain(&near) {
         let least = nearest.entry([gap.tool_part, gap.part]).or_insert(gap.distance);
         *least = least.min(gap.distance);
-        if gap.distance <= TOUCH {
-            met.push([gap.tool_triangle, gap.mockup_triangle]);
-        }
     }
     let size = length(&tool.mesh().bounds().extent());
     let (mut found, mut erosion) = (Start::default(), Erosion::new(tool));
