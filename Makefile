@@ -35,6 +35,8 @@ export PATH := $(PATH):$(HOME)/.cargo/bin
 export VIRTUAL_ENV := $(CURDIR)/$(VENV)
 # The Python that PyO3's build script asks; one and the same for all cargo commands, so that none rebuilds for another.
 export PYO3_PYTHON := $(CURDIR)/$(PY)
+# The build backend of pyproject.toml wraps maturin's; maturin would warn of its name.
+export MATURIN_NO_MISSING_BUILD_BACKEND_WARNING := 1
 # No recipe calls make; with `make -j2` cargo would look for make's jobserver, which only a make of its own may use.
 unexport CONDA_PREFIX PYTHONHOME MAKEFLAGS MFLAGS
 
