@@ -111,6 +111,10 @@ view-bench: build ## the workbench in a headless Chromium, against its goals (QU
 figures: $(INSTALLED) ## make docs/figures.md and the figures in README.md from bench/records
 	@$(PY) bench/figures.py
 
+.PHONY: docs
+docs: $(DOCS_TOOLS) ## the documentation as a site, in target/site (needs Python 3.11 or later, no Rust)
+	@$(dir $(DOCS_TOOLS))$(notdir $(BIN))/python tools/docs_site.py
+
 .PHONY: study
 study: build ## repeat the paper's experiments (about ten minutes), write tables, plots and pages to STUDY_OUT
 	@for name in voxel-size hashing scaling filters piece-size; do \
