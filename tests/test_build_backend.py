@@ -156,12 +156,19 @@ def test_a_wheel_without_the_page_is_asked_for(
 ) -> None:
     programs(tmp_path, monkeypatch)
     monkeypatch.setattr(backend, "ROOT", clone)
-    built = []
+    built, stripped = [], []
     for hook in ("build_wheel", "build_editable", "build_sdist"):
-        monkeypatch.setattr(backend.maturin, hook, lambda *given, hook=hook: built.append((hook, *given)) or "name")
+
+        def build(*given: object, hook: str = hook) -> str:
+            built.append((hook, *given))
+            stripped.append(os.environ.get("MATURIN_STRIP"))
+            return "name"
+
+        monkeypatch.setattr(backend.maturin, hook, build)
     monkeypatch.setenv("FEELER_NO_PAGE", "1")
-    assert backend.build_wheel("out", {"a": "b"}, "metadata") == "name"
     assert backend.build_editable("out") == "name"
+    assert backend.build_wheel("out", {"a": "b"}, "metadata") == "name"
+    assert stripped == [None, "true"], "an editable installation keeps its symbols"
     assert "FEELER_NO_PAGE is set: no workbench page, so" in capsys.readouterr().err
     with pytest.raises(backend.PageMissingError, match="node was not found") as caught:
         backend.build_sdist("out")
@@ -170,7 +177,7 @@ def test_a_wheel_without_the_page_is_asked_for(
     for hook in (backend.build_wheel, backend.build_editable):
         with pytest.raises(backend.PageMissingError):
             hook("out")
-    assert built == [("build_wheel", "out", {"a": "b"}, "metadata"), ("build_editable", "out", None, None)]
+    assert built == [("build_editable", "out", None, None), ("build_wheel", "out", {"a": "b"}, "metadata")]
 
 
 def test_an_sdist_has_the_page_and_the_backend(root: Path, tmp_path: Path) -> None:

@@ -43,8 +43,6 @@ WITHOUT = "FEELER_NO_PAGE"
 
 # maturin warns of projects whose backend has another name than its own.
 os.environ["MATURIN_NO_MISSING_BUILD_BACKEND_WARNING"] = "1"
-# Whoever installs has no use for symbols, which are two thirds of the file. `make build` keeps them, for profilers.
-os.environ.setdefault("MATURIN_STRIP", "true")
 
 
 class PageMissingError(SystemExit):
@@ -102,6 +100,8 @@ def build_wheel(
     metadata_directory: str | None = None,
 ) -> str:
     ensure_page(ROOT, required=False)
+    # Users of a wheel have no use for symbols, half of the file. Editable installations keep them, for profilers.
+    os.environ.setdefault("MATURIN_STRIP", "true")
     return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)
 
 
