@@ -23,6 +23,8 @@ STUDY_ARGS ?=
 STUDY_OUT ?= feeler-study
 PYTEST_ARGS ?=
 CARGO_ARGS ?=
+# make TARGET=aarch64-apple-darwin wheel: a target of Rust.
+TARGET ?=
 PAIRS ?= 10000000
 CASTS ?= 1000000
 CONTACTS ?= 5000
@@ -35,6 +37,8 @@ export PATH := $(PATH):$(HOME)/.cargo/bin
 export VIRTUAL_ENV := $(CURDIR)/$(VENV)
 # The Python that PyO3's build script asks; one and the same for all cargo commands, so that none rebuilds for another.
 export PYO3_PYTHON := $(CURDIR)/$(PY)
+# The build backend of pyproject.toml wraps maturin's; maturin would warn of its name.
+export MATURIN_NO_MISSING_BUILD_BACKEND_WARNING := 1
 # No recipe calls make; with `make -j2` cargo would look for make's jobserver, which only a make of its own may use.
 unexport CONDA_PREFIX PYTHONHOME MAKEFLAGS MFLAGS
 
@@ -50,6 +54,8 @@ LOCKED := $(if $(CI),--locked)
 # A stamp for each PYTHON, so that naming another one takes effect.
 INSTALLED := $(VENV)/.installed$(subst /,-,$(PYTHON))
 BUILT := $(VENV)/.built-$(PROFILE)
+WHEEL_TOOLS := .venv-wheel/.installed
+DOCS_TOOLS := .venv-docs/.installed
 RUST_SOURCES := Cargo.toml $(wildcard Cargo.lock) \
 	$(shell find crates -name Cargo.toml -o -name build.rs -o -name '*.rs' -path '*/src/*' 2>/dev/null)
 EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
@@ -105,6 +111,10 @@ view-bench: build ## the workbench in a headless Chromium, against its goals (QU
 figures: $(INSTALLED) ## make docs/figures.md and the figures in README.md from bench/records
 	@$(PY) bench/figures.py
 
+.PHONY: docs
+docs: $(DOCS_TOOLS) ## the documentation as a site, in target/site (needs Python 3.11 or later, no Rust)
+	@$(dir $(DOCS_TOOLS))$(notdir $(BIN))/python tools/docs_site.py
+
 .PHONY: study
 study: build ## repeat the paper's experiments (about ten minutes), write tables, plots and pages to STUDY_OUT
 	@for name in voxel-size hashing scaling filters piece-size; do \
@@ -123,8 +133,9 @@ build: $(BUILT) $(PAGE) ## compile the extension module and the workbench's page
 page: $(PAGE) ## build the workbench's page alone
 
 .PHONY: wheel
-wheel: $(INSTALLED) $(PAGE) ## build the wheel into dist/ (one for all Pythons from 3.10 on)
-	@$(PY) -m maturin build --release $(LOCKED) --out dist
+wheel: $(WHEEL_TOOLS) $(PAGE) ## build the wheel for all Pythons from 3.10 on into dist/, check and use it (TARGET=: another platform)
+	@command -v cargo >/dev/null || { echo "make wheel: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
+	@$(dir $(WHEEL_TOOLS))$(notdir $(BIN))/python tools/make_wheel.py $(if $(TARGET),--target $(TARGET))
 
 # What is published is compiled from its package, each against the packages below it.
 .PHONY: package
@@ -137,6 +148,11 @@ ifneq ($(shell $(PY) -c "" 2>/dev/null && cat $(VENV)/.made-in 2>/dev/null),$(CU
 endif
 $(INSTALLED): requirements.lock tools/make_venv.sh
 	@PYTHON="$(PYTHON)" sh tools/make_venv.sh $(VENV) requirements.lock "$(CURDIR)"
+	@touch $@
+
+# The tools of `make wheel` and `make docs` have environments of their own: few need them, and these need little else.
+.venv-%/.installed: requirements-%.lock tools/make_venv.sh
+	@PYTHON="$(PYTHON)" sh tools/make_venv.sh .venv-$* $< "$(CURDIR)"
 	@touch $@
 
 # The editable install leaves the extension beside its sources; make it again if somebody removed it.
@@ -232,6 +248,15 @@ arm64: ## the core's tests and the corpus of hard pairs for arm64, emulated: the
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-lanes -p feeler-core -p feeler-contacts $(CARGO_ARGS)
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-exact --test corpus $(CARGO_ARGS)
 
+.PHONY: portable
+portable: ## cargo check for arm64 Linux, macOS and Windows: no warning there either (needs Rust's libraries for them)
+	@set -e; for target in aarch64-unknown-linux-gnu aarch64-apple-darwin x86_64-pc-windows-gnu; do \
+		[ -d "$$(rustc --print sysroot)/lib/rustlib/$$target" ] || { echo "make portable: needs Rust's library for it (rustup target add $$target)" >&2; exit 1; }; \
+		echo "make portable: $$target"; \
+		RUSTFLAGS="--deny warnings" PYO3_NO_PYTHON=1 cargo check -p feeler-py --features extension-module $(LOCKED) --quiet \
+			--target $$target --target-dir target/portable; \
+	done
+
 .PHONY: avx512
 avx512: export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER = $(CURDIR)/tools/emulate_avx512.sh
 avx512: ## the core's kernels with AVX-512, emulated, where the CPU lacks it: the same answers (20 minutes)
@@ -281,18 +306,25 @@ format: $(INSTALLED) $(NODE_MODULES) ## format Rust, Python and TypeScript, appl
 	@npm run format --prefix viewer --silent
 
 .PHONY: lock
-lock: $(INSTALLED) ## make requirements.lock anew from pyproject.toml (newest versions)
+lock: $(INSTALLED) ## make the lock files anew from pyproject.toml (newest versions)
 	@$(PY) -m pip install --quiet uv
-	@{ echo '# Everything `make setup` installs, exactly, for Python 3.10 and later on Linux, macOS and Windows.'; \
+	$(call pin,requirements.lock,make setup,--extra step --extra gltf --extra study --extra volume --extra xlsx --extra bench \
+		--group build --group test --group lint pyproject.toml)
+	$(call pin,requirements-wheel.lock,make wheel,--group wheel)
+	$(call pin,requirements-docs.lock,make docs,--group docs)
+
+# $(1): a lock file. $(2): the command that installs it. $(3): what of pyproject.toml it has.
+define pin
+	@{ echo '# Everything `$(2)` installs, exactly, for Python 3.10 and later on Linux, macOS and Windows.'; \
 	   echo '# Made from pyproject.toml by `make lock`; not edited by hand.'; \
 	   $(BIN)/uv pip compile --quiet --universal --python-version 3.10 --generate-hashes --no-header --no-annotate \
-		--no-emit-index-url --no-emit-find-links --extra step --extra gltf --extra study --extra volume --extra xlsx --extra bench \
-		--group build --group test --group lint pyproject.toml; } >requirements.lock.new
-	@mv requirements.lock.new requirements.lock
+		--no-emit-index-url --no-emit-find-links $(3); } >$(1).new
+	@mv $(1).new $(1)
+endef
 
 .PHONY: clean
 clean: ## remove everything that make made
 	@rm -rf viewer/node_modules python/feeler/workbench/static
-	@rm -rf $(VENV) target build dist feeler-demo feeler-study .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	@rm -rf $(VENV) .venv-wheel .venv-docs target build dist feeler-demo feeler-study .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	@rm -f python/feeler/_core*.so python/feeler/_core*.pyd
 	@find . -name __pycache__ -type d -not -path './node_modules/*' -prune -exec rm -rf {} +

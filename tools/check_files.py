@@ -64,7 +64,7 @@ def violations(path: Path) -> Iterator[tuple[int, str]]:
     if len(data) > MAX_BYTES:
         yield 0, f"{len(data)} bytes: more than {MAX_BYTES}, too big for a clone"
         return
-    if b"\0" in data[:8192] or path.name in {"Cargo.lock", "requirements.lock"}:
+    if b"\0" in data[:8192] or path.suffix == ".lock":
         return
     lines = data.decode("utf-8", errors="replace").splitlines()
     if path.suffix in SOURCES and len(lines) > MAX_LINES:

@@ -22,6 +22,7 @@
 //! ```
 
 mod clip;
+#[cfg_attr(not(unix), allow(dead_code, reason = "those of spacenavd, which is for Unix only"))]
 mod constants;
 pub mod dhd;
 mod exchange;
@@ -30,6 +31,7 @@ pub mod haply;
 pub mod machine;
 mod open;
 pub mod openhaptics;
+#[cfg_attr(not(unix), allow(dead_code, reason = "the daemon's messages are tested everywhere, but read on Unix only"))]
 pub mod spacemouse;
 mod vendor_library;
 

@@ -8,9 +8,6 @@ use std::alloc::{GlobalAlloc, Layout, System};
 /// The system's allocator; asks for huge pages behind whatever is large.
 pub struct HugePages;
 
-/// Bytes of a huge page. Less cannot lie in one.
-const HUGE: usize = 2 << 20;
-
 // SAFETY: the system's allocator does it all.
 unsafe impl GlobalAlloc for HugePages {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -36,6 +33,8 @@ unsafe impl GlobalAlloc for HugePages {
 
 #[cfg(target_os = "linux")]
 fn advised(place: *mut u8, size: usize) -> *mut u8 {
+    /// Bytes of a huge page. Less cannot lie in one.
+    const HUGE: usize = 2 << 20;
     /// Advice is for whole pages of the ordinary size. Where that is larger, it is refused, at no harm.
     const SMALL: usize = 4 << 10;
     if size >= HUGE && !place.is_null() {
