@@ -18,7 +18,7 @@ from feeler.arguments import check_kind, check_list, check_text, check_whole, sh
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
-from feeler.poses import placed
+from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
 from feeler.source import Source
 from feeler.travel import reduced
@@ -340,7 +340,7 @@ class Tool(_core.Tool):
         return tool
 
     @classmethod
-    def assembly(cls, items: Mapping[str, Tool | tuple[Tool, npt.ArrayLike]], name: str = "assembly") -> Tool:
+    def assembly(cls, items: Mapping[str, Tool | tuple[Tool, PoseLike]], name: str = "assembly") -> Tool:
         """Several tools as one that moves as a whole: a hand with a wrench.
 
         `items` maps a name to a tool, or to a tool and its place `tool_from_item` `(4, 4)`: rigid, metres. Corners are

@@ -182,12 +182,12 @@ def access(
 
 
 def _grip(text: str | None) -> str | npt.NDArray[np.float64] | None:
-    from feeler.plan.tool_seat import AXES
+    from feeler.choices import GRIP_AXES
 
-    if text is None or text in AXES:
+    if text is None or text in GRIP_AXES:
         return text
     if not os.path.isfile(text):
-        raise OptionError(f"--grip is {text!r}: give one of {', '.join(AXES)}, or a file with a (4, 4) matrix")
+        raise OptionError(f"--grip is {text!r}: give one of {', '.join(GRIP_AXES)}, or a file with a (4, 4) matrix")
     poses = read_poses(Path(text))
     if len(poses) != 1:
         raise OptionError(f"--grip {text}: one matrix is needed, not {len(poses)}")

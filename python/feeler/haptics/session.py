@@ -13,12 +13,12 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.arguments import check_flag, check_length, check_path, check_real, check_whole, shown
 from feeler.choices import ProxyMode, SeatKind
-from feeler.errors import OptionError, PoseError, SessionError
+from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import MODES, Recorder
 from feeler.haptics.running import Runs
 from feeler.mockup import Tool
-from feeler.poses import PoseLike, plain
+from feeler.poses import PoseLike, one_pose
 from feeler.renamed import keywords
 from feeler.scene import Scene
 
@@ -170,7 +170,7 @@ class Session(Runs):
         Contacts at that pose are seats, and force acts from the first step on. If parts lie elsewhere, the way out
         frees the tool from the one body that it is deepest in. Raises `PoseError` for an invalid pose.
         """
-        pose = _pose(world_from_tool)
+        pose = one_pose(world_from_tool)
         started = super()._begin(pose) if self._run is None else self._run.start(pose)
         if self._recorder:
             self._recorder.start(pose)
@@ -182,7 +182,7 @@ class Session(Runs):
         A pose that is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
         `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
         """
-        pose = _pose(world_from_device)
+        pose = one_pose(world_from_device)
         dt = check_real("dt", dt, "seconds, above 0, at most 1")
         made = super()._advance(pose, dt)
         planes = Planes(made.points, made.normals, made.gaps, made.parts, made.ids, made.is_holding)
@@ -261,17 +261,6 @@ class Session(Runs):
 
     def _end_of_record(self) -> None:
         self._recorder = None
-
-
-def _pose(pose: PoseLike) -> Floats:
-    """`(4, 4)`, which may be not finite or not rigid. Raises `PoseError` for other shapes."""
-    try:
-        matrix = np.array(plain(pose), dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise PoseError(f"a pose is {shown(pose)}: give real numbers, (4, 4)") from None
-    if matrix.shape != (4, 4):
-        raise PoseError(f"a pose has shape {matrix.shape}: (4, 4) is needed")
-    return matrix
 
 
 def _start_of(started: _core.StartAnswer) -> Start:

@@ -20,7 +20,7 @@ from feeler.mockup import Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
-from feeler.poses import PoseLike, nearest_rigid, plain
+from feeler.poses import PoseLike, nearest_rigid, one_pose
 from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
@@ -282,12 +282,7 @@ def way_from(
 
 def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
     """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, with the name of its argument."""
-    try:
-        given = np.asarray(plain(pose), dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise PoseError(f"{name} cannot be read as a pose (4, 4): {error}") from error
-    if given.shape != (4, 4):
-        raise PoseError(f"{name} has shape {given.shape}: one pose (4, 4) is needed")
+    given = one_pose(pose, name)
     try:
         nearest_rigid(given)
     except PoseError as error:
