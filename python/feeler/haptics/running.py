@@ -20,7 +20,7 @@ from feeler.poses import QUERY_DEVIATION, PoseLike, nearest_rigid, one_pose
 Floats = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """One tick of a run, for display."""
 
@@ -121,7 +121,7 @@ class Granted:
     requested one and the reason."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """All ticks of a period."""
 

@@ -25,7 +25,7 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Planes:
     """The contact planes at the proxy, nearest first."""
 
@@ -46,7 +46,7 @@ class Planes:
         return len(self.gaps)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Step:
     """The result of one step."""
 
@@ -78,7 +78,7 @@ class Seat:
     """Metres."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Start:
     """The start of a session; true unless the tool is sunk.
 

@@ -40,7 +40,7 @@ _MATERIALS: tuple[Colour, ...] = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Body:
     """Triangles to draw or write, in world coordinates.
 
@@ -138,7 +138,7 @@ def body_of(
     return Body(vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mark:
     """Triangles (face indices) to show in a colour of their own."""
 

@@ -17,7 +17,7 @@ from feeler.poses import PoseLike, one_pose, placed
 Floats = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SeatedTool:
     """A tool in the frame of its seat: z out of the joint, the origin on that of the fastener."""
 

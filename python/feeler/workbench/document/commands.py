@@ -64,7 +64,7 @@ class Measured:
     parts: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Known:
     """The facts that commands need beside the document.
 
