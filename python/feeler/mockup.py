@@ -149,7 +149,15 @@ class Mockup(_core.Mockup):
 
     Instead of arrays, the first argument may be a mesh or scene of trimesh, PyVista or Open3D, any object with
     `.vertices` and `.faces`, or a list or dict of them (see `feeler.from_trimesh`, ...). `unit` is then the unit of its
-    numbers, by default the one it states, else the metre.
+    numbers, by default the one it states, else the metre. A pair of arrays (vertices, faces) in such a list or dict is
+    a part, in metres.
+
+    Attributes:
+
+    - `part_names`, `part_paths`: lists of text, by part: the name, and the place in the assembly.
+    - `part_colours`: `(parts, 3)` sRGB, 0 to 1, of pictures, GLB files and the workbench; a row of NaN is a part
+      without a colour, None: no part has one. You can set it.
+    - `source`: the `feeler.types.Source`: files, unit, notes.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """
@@ -258,6 +266,8 @@ class Tool(_core.Tool):
     like a mock-up: results name the colliding one, and queries can ignore some. `Tool.of_parts` makes a tool from parts
     of a mock-up, `Tool.assembly` one from several tools. Instead of arrays, the first argument may be a mesh object, as
     for `Mockup`, or a whole `Mockup`.
+
+    Attributes: `name`; `part_names`, `part_paths`, `part_colours` and `source` as of `Mockup`.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """

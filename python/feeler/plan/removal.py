@@ -104,7 +104,8 @@ class Removal(OldAttributes):
             how = "held by " + ", ".join(part.path for part in self.held_by[:3])
         else:
             how = "not found, blocked by " + (", ".join(b.path for b in self.blocked_by[:3]) or "nothing")
-        return f"Removal({how}; {self.certificate.method}, {self.certificate.casts} casts, {self.seconds:.3g} s)"
+        method = f"{self.certificate.method}, " if self.is_found else ""
+        return f"Removal({how}; {method}{self.certificate.casts} casts, {self.seconds:.3g} s)"
 
 
 class RemovalInterrupted(KeyboardInterrupt):

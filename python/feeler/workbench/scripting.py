@@ -6,12 +6,13 @@ import html
 import io
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
+import feeler
 from feeler._core import Cast, Clearance, Collision, Contacts, Distance
 from feeler.arguments import check_callable, check_flag, check_whole, check_word
 from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
@@ -118,6 +119,11 @@ class View(ViewCommands):
         """
         self._check_open(name)
         return super().command(name, **args)
+
+    def findings_open(self, findings: feeler.Clashes | Mapping[str, object]) -> CommandAnswer:
+        """Opens the findings of a clash check: of `feeler.clash`, or as `feeler clash --json` writes them."""
+        is_ours = isinstance(findings, feeler.Clashes)
+        return super().findings_open(feeler.clashes.report(findings) if is_ours else findings)
 
     def _check_open(self, name: str) -> None:
         if self._is_closed:
