@@ -122,8 +122,9 @@ class View(ViewCommands):
 
     def findings_open(self, findings: feeler.Clashes | Mapping[str, object]) -> CommandAnswer:
         """Opens the findings of a clash check: of `feeler.clash`, or as `feeler clash --json` writes them."""
-        is_ours = isinstance(findings, feeler.Clashes)
-        return super().findings_open(feeler.clashes.report(findings) if is_ours else findings)
+        if isinstance(findings, feeler.Clashes):
+            findings = feeler.clashes.report(findings)
+        return super().findings_open(findings)
 
     def _check_open(self, name: str) -> None:
         if self._is_closed:
