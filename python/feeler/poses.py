@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -23,10 +23,21 @@ class HasMatrix(Protocol):
         ...
 
 
-PoseLike = npt.ArrayLike | Sequence[Sequence[float]] | HasMatrix | tuple[npt.ArrayLike | HasMatrix, npt.ArrayLike]
+class HasArray(Protocol):
+    """An array of another library, such as a tensor."""
+
+    def __array__(self) -> npt.NDArray[Any]:
+        """As NumPy reads it."""
+        ...
+
+
+# Without npt.ArrayLike, which takes text and numbers, and under which a type checker finds no type for rows of whole
+# and other numbers mixed.
+_Matrix = npt.NDArray[Any] | Sequence[Sequence[float]] | HasArray | HasMatrix
+PoseLike = _Matrix | tuple[_Matrix, npt.NDArray[Any] | Sequence[float] | HasArray]
 """A pose: `(4, 4)` numbers, row by row; an object with `as_matrix()`; or a pair of a rotation (`(3, 3)`, or an object
 with `as_matrix()`) and a translation `(3,)`."""
-PosesLike = PoseLike | Sequence[PoseLike]
+PosesLike = npt.NDArray[Any] | HasArray | HasMatrix | Sequence[PoseLike]
 """Many poses: `(n, 4, 4)`, an object whose `as_matrix()` gives that, or a list of poses."""
 
 MAX_DEVIATION = 0.01
@@ -118,7 +129,11 @@ def _shapes(values: Sequence[object]) -> list[tuple[int, ...]]:
         return []
 
 
-def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats:
+@overload  # of its own, or a type checker finds no type for rows of whole and other numbers mixed
+def nearest_rigid(pose: Sequence[Sequence[float]], max_deviation: float = MAX_DEVIATION) -> Floats: ...
+@overload
+def nearest_rigid(pose: PoseLike | PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats: ...
+def nearest_rigid(pose: PoseLike | PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats:
     """The pose, or each of many, with its rotation replaced by the nearest proper one, and 0, 0, 0, 1 as its last row.
 
     `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres; the result has the same shape, float64. Translations and
@@ -241,7 +256,7 @@ def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:
     return nearest_rigid(pose)
 
 
-def pose_stack(poses: PosesLike, name: str) -> Floats:
+def pose_stack(poses: PoseLike | PosesLike, name: str) -> Floats:
     """Many poses `(n, 4, 4)`, or one as the only; they may be not rigid. Raises `PoseError` with their name."""
     try:
         return _matrices(poses).reshape(-1, 4, 4)
@@ -249,7 +264,7 @@ def pose_stack(poses: PosesLike, name: str) -> Floats:
         raise PoseError(f"{name}: {error}") from None
 
 
-def _matrices(pose: PosesLike) -> Floats:
+def _matrices(pose: PoseLike | PosesLike) -> Floats:
     """One pose `(4, 4)`, or many `(n, 4, 4)`."""
     is_pair = isinstance(pose, (tuple, list)) and len(pose) == 2 and _shapes(pose) == [(3, 3), (3,)]
     array = _read(plain(pose) if is_pair else plain_each(pose), "a pose", _ONE)

@@ -148,7 +148,7 @@ class AccessInterrupted(KeyboardInterrupt):
 def access(
     scene: Scene,
     tool: Tool,
-    targets: Fasteners | PosesLike,
+    targets: Fasteners | PoseLike | PosesLike,
     swing_deg: float = 60.0,
     angles: int = 72,
     hand: Hand | None = None,
@@ -350,7 +350,7 @@ class _Question:
         return bool(found)
 
 
-def _targets(scene: Scene, targets: Fasteners | PosesLike) -> tuple[Floats, list[int | None]]:
+def _targets(scene: Scene, targets: Fasteners | PoseLike | PosesLike) -> tuple[Floats, list[int | None]]:
     """Frames (n, 4, 4), and their fasteners."""
     mockup = scene.mockup
     if isinstance(targets, Fasteners):

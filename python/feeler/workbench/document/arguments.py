@@ -6,7 +6,7 @@ import math
 import types
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -57,7 +57,7 @@ def plain_pose(pose: Pose | PoseLike) -> object:
     if motion.is_row(pose):
         return np.asarray(pose).tolist()
     try:
-        return list(motion.row(one_pose(pose)))
+        return list(motion.row(one_pose(cast("PoseLike", pose))))
     except PoseError:
         return pose
 
