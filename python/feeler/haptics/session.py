@@ -152,7 +152,7 @@ class Session(Runs):
         }
         if put_down is not None and not isinstance(put_down, Mapping):
             raise OptionError(f"put_down is {shown(put_down)}: give a dict of parts and scenes")
-        lying = [(_one_part(scene, part, "put_down"), alone) for part, alone in (put_down or {}).items()]
+        lying = [(one_part(scene, part, "put_down"), alone) for part, alone in (put_down or {}).items()]
         for part, alone in lying:
             if not isinstance(alone, Scene):
                 raise OptionError(f"put_down has a {type(alone).__name__} for part {part}: pass a feeler.Scene of it")
@@ -199,7 +199,7 @@ class Session(Runs):
         that do not exist, none, or one twice, `SessionError` if a part is already held.
         """
         each = [parts] if isinstance(parts, int | str) or not isinstance(parts, Sequence) else parts
-        chosen = [_one_part(self.scene, part, "grip") for part in each]
+        chosen = [one_part(self.scene, part, "grip") for part in each]
         if not chosen or len(set(chosen)) < len(chosen):
             raise OptionError(f"{parts!r} names {'a part twice' if chosen else 'no part'}: give each once")
         if self._run is None:
@@ -268,7 +268,8 @@ def _start_of(started: _core.StartAnswer) -> Start:
     return Start(seats, started.way_out)
 
 
-def _one_part(scene: Scene, part: int | str, where: str) -> int:
+def one_part(scene: Scene, part: int | str, where: str) -> int:
+    """The index of the only part of this name. Raises `OptionError` for none and several."""
     chosen = scene.mockup.parts.select(part)
     if len(chosen) != 1:
         raise OptionError(f"{part!r} names {len(chosen)} parts: {where} takes one")
