@@ -21,6 +21,7 @@ from host import machine
 import feeler
 from feeler.arguments import check_word
 from feeler.choices import SAMPLE_TOOL_NAMES
+from feeler.types import GripAxis, SampleToolName
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "access.md"
@@ -37,7 +38,7 @@ SAMPLES = [
 ]
 QUICK_SAMPLES = [("engine", 30_000), ("differential", 20_000)]
 TARGETS, ANGLES = 200, 72
-ASKED = [
+ASKED: list[tuple[str, SampleToolName, GripAxis, float]] = [
     ("wrench, at the head", "wrench", "y", 0.0),
     ("wrench, 40 mm above", "wrench", "y", 0.04),
     ("wrench, in free space", "wrench", "y", 5.0),

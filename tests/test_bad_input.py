@@ -142,10 +142,10 @@ def test_a_long_double_beyond_float64_is_a_defect_not_a_warning() -> None:
         ("abcd", ["a"], "part_of_face has shape ()"),
         ([0, 0, 0, 4_000_000_000], None, "part_of_face goes up to 4000000000: give part_names"),
         (None, [], "part_names is empty"),
-        (None, "abc", "part_names is 'abc': a sequence of strings"),
-        (None, 5, "part_names is 5: a sequence of strings"),
-        (None, ["a", 5], "part_names[1] is 5: a string"),
-        (None, [b"a"], "part_names[0] is b'a': a string"),
+        (None, "abc", "part_names is 'abc': give a sequence of strings"),
+        (None, 5, "part_names is 5: give a sequence of strings"),
+        (None, ["a", 5], "part_names[1] is 5: give a string"),
+        (None, [b"a"], "part_names[0] is b'a': give a string"),
     ],
 )
 def test_parts_that_do_not_fit(part_of_face: Any, names: Any, words: str) -> None:
@@ -274,7 +274,7 @@ NOT_A_POSE: list[tuple[str, Any, str]] = [
     ("3 x 4", np.eye(4)[:3], "a pose has shape (3, 4): (4, 4) is needed"),
     ("a batch of one", np.eye(4)[None], "shape (1, 4, 4)"),
     ("sixteen numbers", np.eye(4).ravel(), "shape (16,)"),
-    ("ragged", [[1.0], [1.0, 2.0]], "cannot be read"),
+    ("ragged", [[1.0], [1.0, 2.0]], "a pose is a pair of shapes (1,) and (2,): give a rotation (3, 3)"),
     ("complex", np.eye(4, dtype=complex), "dtype complex128"),
     ("objects", np.eye(4, dtype=object), "dtype object"),
     ("booleans", np.eye(4, dtype=bool), "dtype bool"),

@@ -1,243 +1,77 @@
-"""What users of `feeler` meet: names, types, errors, and what an import loads."""
+"""What objects say of themselves, and the words for values that do not fit."""
 
 from __future__ import annotations
 
-import ast
-import importlib
-import inspect
-import os
-import pkgutil
-import re
-import subprocess
-import sys
-import typing
-from collections.abc import Iterator
-from dataclasses import is_dataclass
-from enum import Enum
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import feeler
-from feeler import _core, choices
-from feeler import figures as figures_module
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tools"))
-import docstrings  # noqa: E402
-
-TYPED = ROOT / "tests" / "typed"
+VERTICES = np.array([[0.0, 0, -9], [9, 0, -9], [0, 9, -9]])
+FACES = np.array([[0, 1, 2]])
+MOCKUP = feeler.Mockup(VERTICES, FACES, part_names=["plate"])
+SCENE = feeler.Scene(MOCKUP)
+TOOL = feeler.Tool(VERTICES, FACES)
 
 
-@pytest.fixture(scope="module")
-def told() -> dict[str, list[tuple[int, str]]]:
-    """What mypy says of the scripts, as strict as it is: by file, lines and errors."""
-    command = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        "--follow-imports=silent",
-        "--config-file=",
-        "--no-error-summary",
-    ]
-    env = {**os.environ, "MYPYPATH": str(ROOT / "python")}
-    files = [str(TYPED / name) for name in ("user.py", "typos.py")]
-    out = subprocess.run([*command, *files], capture_output=True, text=True, check=False, env=env, cwd=ROOT).stdout
-    rows = re.findall(r"^(\S+?):(\d+): error: (.*)$", out, re.MULTILINE)
-    found: dict[str, list[tuple[int, str]]] = {"user.py": [], "typos.py": []}
-    for file, line, error in rows:
-        found[Path(file).name].append((int(line), error))
-    return found
+def test_parts_say_how_they_are_looked_up() -> None:
+    assert repr(MOCKUP.parts) == "Parts(1: 'plate')"
+    with pytest.raises(TypeError, match=r"not by 'plate': parts.find\(path\) looks parts up"):
+        MOCKUP.parts["plate"]  # type: ignore[call-overload]
+    with pytest.raises(IndexError, match="there is no part 3: there are 1, 0 to 0"):
+        MOCKUP.parts[3]
+    assert MOCKUP.parts[np.int64(-1)].name == "plate"  # type: ignore[call-overload]
 
 
-def test_a_users_script_has_types(told: dict[str, list[tuple[int, str]]]) -> None:
-    assert told["user.py"] == []
+@pytest.mark.parametrize("kind", [int, float, type, str])
+def test_a_class_that_takes_no_share_is_no_progress(kind: type) -> None:
+    with pytest.raises(feeler.OptionError, match="progress is <class"):
+        feeler.Scene(MOCKUP, progress=kind)
 
 
-def test_typos_are_seen(told: dict[str, list[tuple[int, str]]]) -> None:
-    lines = (TYPED / "typos.py").read_text().splitlines()
-    wrong = {number for number, line in enumerate(lines, start=1) if line.endswith("# wrong")}
-    assert {line for line, _ in told["typos.py"]} == wrong and len(wrong) > 10
+def test_pairs_of_arrays_are_parts() -> None:
+    made = feeler.Mockup({"a": (VERTICES, FACES), "b": {"c": (VERTICES.tolist(), FACES.tolist())}})
+    assert made.part_paths == ["a", "b/c"] and made.triangle_count == 2
+    assert feeler.Mockup([(VERTICES, FACES)]).part_names == ["part_0"]
+    with pytest.raises(feeler.MeshError):
+        feeler.Mockup({"a": (VERTICES, FACES, FACES)})
 
 
-def test_the_names_are_where_the_table_says() -> None:
-    """Three lists that are one: the imports for type checkers, `__all__`, and where names are imported from."""
-    tree = ast.parse((ROOT / "python" / "feeler" / "__init__.py").read_text())
-    checked = next(node for node in tree.body if isinstance(node, ast.If))
-    imported = {
-        (alias.name, node.module)
-        for node in checked.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-        if node.module != "feeler"
-    }
-    table = {(name, home) for home, names in feeler._HOMES.items() for name in names}  # type: ignore[attr-defined]
-    assert imported == table
-    assert sorted([*(name for name, _ in table), "haptics"]) == sorted(feeler.__all__)
-    for name, home in table:
-        assert getattr(feeler, name) is getattr(importlib.import_module(home), name)
-    assert set(feeler.__all__) <= set(dir(feeler))
-    for room in feeler._ROOMS:  # type: ignore[attr-defined]
-        assert getattr(feeler, room).__name__ == f"feeler.{room}"
-    with pytest.raises(AttributeError, match="no attribute 'no_such_thing'"):
-        _ = feeler.no_such_thing  # type: ignore[attr-defined]
+def test_help_names_the_attributes_of_meshes() -> None:
+    for kind in (feeler.Mockup, feeler.Tool):
+        for name in ("part_names", "part_paths", "part_colours", "source"):
+            assert f"`{name}`" in (kind.__doc__ or "")
 
 
-INSIDE = {
-    "DamagedError",  # of a stream in a file: told as a LoadError
-    "EncryptedError",
-    "Interrupted",  # of tasks on an executor: told as that of the call
-    "JobCancelledError",
-    "ProtocolError",
-}
-"""Exceptions that never reach a caller of a public function."""
+def test_a_tracker_shows_its_tool_and_scene() -> None:
+    assert repr(TOOL) in repr(feeler.ContactTracker(SCENE, TOOL))
 
 
-def test_errors_that_are_raised_can_be_imported() -> None:
-    names = set()
-    for module in pkgutil.walk_packages(feeler.__path__, "feeler."):
-        if module.name.endswith("__main__"):
-            continue
-        for name, value in vars(importlib.import_module(module.name)).items():
-            is_own = isinstance(value, type) and value.__module__.startswith("feeler.")
-            if is_own and issubclass(value, BaseException) and not name.startswith("_"):
-                names.add(name)
-    assert names - INSIDE <= set(feeler.__all__), names - INSIDE - set(feeler.__all__)
-    assert names >= INSIDE
+def test_missing_files_and_folders_are_named_in_words(tmp_path: Path) -> None:
+    with pytest.raises(feeler.MissingFileError, match="there is no such file; check the path"):
+        feeler.open_scene(tmp_path / "none.feeler")
+    with pytest.raises(feeler.WriteError, match="does not exist; make it first"):
+        SCENE.save(tmp_path / "none" / "a.feeler")
+    zeros = tmp_path / "zeros.feeler"
+    zeros.write_bytes(bytes(64))
+    with pytest.raises(feeler.LoadError, match=r"saved scenes: \.feeler"):
+        feeler.load_mockup(zeros)
 
 
-SPACES = ("feeler.clashes", "feeler.io", "feeler.picture", "feeler.samples")
-
-
-def public_members() -> dict[str, object]:
-    """What a user can ask for help on: functions and classes, their methods and properties, by name."""
-    found: dict[str, object] = {}
-    for space in (feeler, feeler.haptics, *map(importlib.import_module, SPACES)):
-        for name in space.__all__:
-            value = getattr(space, name)
-            if inspect.ismodule(value) or (inspect.isclass(value) and issubclass(value, BaseException)):
-                continue
-            found[f"{space.__name__}.{name}"] = value
-            if inspect.isclass(value):
-                members = {member: inspect.getattr_static(value, member) for member in dir(value)}
-                for member, each in members.items():
-                    is_member = callable(each) or inspect.isdatadescriptor(each) or inspect.ismethoddescriptor(each)
-                    if not member.startswith("_") and is_member and not isinstance(each, Enum):
-                        found[f"{space.__name__}.{name}.{member}"] = getattr(value, member)
-    return found
-
-
-def test_every_public_member_has_a_docstring() -> None:
-    members = public_members()
-    assert len(members) > 300
-    assert [name for name, value in members.items() if not inspect.getdoc(value)] == []
-
-
-def test_docstrings_of_the_core_are_those_of_its_stubs() -> None:
-    """`python tools/docstrings.py` writes them into the Rust sources."""
-    docs = docstrings.docstrings([stub.read_text() for stub in docstrings.STUBS])
-    assert len(docs) > 200
-    other = {}
-    for (owner, name), doc in docs.items():
-        of = getattr(_core, owner) if owner else _core
-        told = inspect.getdoc(of if not name else getattr(of, name))
-        if name not in ("__new__", "__len__", "__getitem__", "__iter__") and told != doc:
-            other[owner, name] = (told, doc)
-    assert other == {}
-
-
-UNTYPED = {
-    "feeler.View.findings_open.findings": "JSON",
-    "feeler.clashes.report.return": "JSON",
-    "feeler.LoadReport.to_dict.return": "JSON",
-    "feeler.Clashes.to_dicts.return": "JSON",
-    "feeler.Clashes.to_pandas.return": "pandas need not be installed",
-}
-"""Public signatures with `Any`, and why no type is known."""
-
-
-def test_public_signatures_have_types() -> None:
-    found = {
-        f"{name}.{argument}"
-        for name, member in public_members().items()
-        if callable(function := getattr(member, "fget", member)) and not isinstance(function, type)
-        for argument, kind in getattr(function, "__annotations__", {}).items()
-        if re.search(r"\bAny\b", re.sub(r"NDArray\[Any\]", "", str(kind)))
-    }
-    assert {name.replace("feeler.clashes.Clashes", "feeler.Clashes") for name in found} == set(UNTYPED)
-
-
-def named_classes(kind: object) -> Iterator[type]:
-    """The classes in an annotation."""
-    if inspect.isclass(kind):
-        yield kind
-    for inside in typing.get_args(kind):
-        yield from named_classes(inside)
-
-
-def test_classes_of_public_signatures_can_be_imported() -> None:
-    """A user annotates with what functions take and return, and with the fields of results."""
-    rooms = [feeler, feeler.haptics, feeler.types, *map(importlib.import_module, (*SPACES, "feeler.haptics.devices"))]
-    public = {id(value) for room in rooms for name, value in vars(room).items() if not name.startswith("_")}
-    public |= {id(getattr(room, name)) for room in rooms for name in getattr(room, "__all__", ())}
-    # Queries take the core's tool, from which the public one derives.
-    public |= {id(_core.Tool), id(_core.Mockup)}
-    members = public_members()
-    asked = {name: getattr(member, "fget", None) or getattr(member, "func", member) for name, member in members.items()}
-    missing = {
-        f"{kind.__module__}.{kind.__qualname__} of {name}"
-        for name, member in asked.items()
-        if inspect.isfunction(member) or inspect.ismethod(member) or is_dataclass(member)
-        for hint in typing.get_type_hints(member).values()
-        for kind in named_classes(hint)
-        if kind.__module__.startswith("feeler.") and id(kind) not in public
-    }
-    assert missing == set()
-
-
-def test_types_and_words_are_all_exported() -> None:
-    """`feeler.types` has every word type, and the figures of results."""
-    words = {name for name, value in vars(choices).items() if typing.get_origin(value) is typing.Literal}
-    figures = {name for name, value in vars(figures_module).items() if is_dataclass(value)}
-    assert words | figures <= set(feeler.types.__all__) and len(words) > 20 and len(figures) == 3
-    assert feeler.samples.FAULTS.keys() == set(choices.FAULT_NAMES)
-    assert feeler.samples.sample_names() == choices.SAMPLE_NAMES
-    assert feeler.samples.sample_tool_names() == choices.SAMPLE_TOOL_NAMES
-    assert typing.get_args(choices.UnitName) == feeler.io.KNOWN_UNITS
-    assert [each.value for each in feeler.Verdict] == list(typing.get_args(choices.VerdictName))
-    corner = feeler.Mockup([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    assert tuple(corner.defects) == choices.DEFECT_KINDS
-
-
-def modules_after(code: str) -> set[str]:
-    script = f"import sys\n{code}\nprint(*[name for name in sys.modules if name.startswith('feeler')])"
-    return set(
-        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
-    )
-
-
-def test_an_import_loads_only_what_is_asked_for() -> None:
-    assert modules_after("import feeler") == {"feeler"}
-    query = "import feeler; feeler.Scene, feeler.Mockup, feeler.Tool"
-    values = {
-        "arguments",
-        "calibrate",
-        "choices",
-        "depths",
-        "enumerations",
-        "errors",
-        "figures",
-        "ignored",
-        "parts",
-        "poses",
-        "progress",
-        "renamed",
-        "words",
-        "memory",
-        "saved",
-        "source",
-    }
-    wanted = {"_core", "mockup", "scene", *values}
-    assert modules_after(query) == {"feeler", "feeler.travel", *(f"feeler.{name}" for name in wanted)}
-    assert "feeler.haptics.session" in modules_after("import feeler; feeler.haptics.Session")
+def test_a_view_takes_findings_and_poses_and_ends() -> None:
+    found = feeler.clash(feeler.Mockup({"a": (VERTICES, FACES), "b": (VERTICES, FACES)}))
+    turn, shift = np.eye(3), np.array([0.0, 0.0, 5.0])
+    with feeler.view(SCENE, TOOL, browser=False, pose=(turn, shift)) as view:
+        assert view.pose[2, 3] == 5.0
+        view.place((turn, shift + 1.0))
+        view.findings_open(found)
+        with pytest.raises(feeler.WorkbenchError, match="hit is None, as from a free cast"):
+            view.show_hit(None)  # type: ignore[arg-type]
+        with pytest.raises(feeler.WorkbenchError, match="a Distance has no pose"):
+            view.show_hit(SCENE.distance(TOOL, np.eye(4)))  # type: ignore[arg-type]
+        with pytest.raises(feeler.WorkbenchError, match=r"give findings of feeler\.clash"):
+            view.findings_open({})
+    with pytest.raises(feeler.WorkbenchError, match="the view is closed"):
+        view.hide("plate")

@@ -248,6 +248,7 @@ def test_a_record_has_the_parts_that_lay_elsewhere(
             session.step(at(-0.15, 0.0, 0.05))
     assert haptics.replay(path) and haptics.replay(path, scene, tool)
     assert haptics.replay(large, scene, tool, {1: lying(-0.25)})
+    assert haptics.replay(large, scene, tool, {"block": lying(-0.25)})
     with pytest.raises(LoadError, match="pass put_down"):
         haptics.replay(large, scene, tool)
     for other in ({1: lying(-0.2)}, {}, {0: lying(-0.25)}):

@@ -175,7 +175,7 @@ def test_errors_name_what_they_are_about() -> None:
     scene, hand = scene_of(), feeler.Tool(*box([-0.02, -0.02, 0.0], [0.02, 0.02, 0.01]))
     bent = np.diag([2.0, 1, 1, 1])
     for options, said in (
-        ({"goal": "up"}, "goal cannot be read"),
+        ({"goal": "up"}, "goal is .up.: give real numbers"),
         ({"goal": bent}, "goal: the pose is not rigid"),
         ({"start": bent}, "start: the pose is not rigid"),
         ({"tool": hand, "grip": np.eye(3)}, "grip has shape"),

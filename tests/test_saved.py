@@ -180,7 +180,7 @@ def test_files_that_are_not_whole_are_refused_in_words(file: Path, tmp_path: Pat
     assert "damaged (document)" in said(whole[:at] + b"[" + whole[at + 1 :])
     assert "layout 999" in said(whole[:8] + (999).to_bytes(4, "little") + whole[12:])
     assert "damaged (mesh.vertices)" in said(whole[:65_536] + bytes([whole[65_536] ^ 1]) + whole[65_537:])
-    with pytest.raises(feeler.MissingFileError, match="No such file"):
+    with pytest.raises(feeler.MissingFileError, match="there is no such file"):
         feeler.open_scene(tmp_path / "none.feeler")
     for path in (None, 3, "", "a\0b", "\ud800", b"a"):
         with pytest.raises(feeler.LoadError, match="give the path of a file"):

@@ -29,7 +29,8 @@ from __future__ import annotations
 from typing import Any
 
 from feeler.parts import PartsLike
-from feeler.workbench.document.arguments import VectorLike, plain_parts
+from feeler.poses import PoseLike
+from feeler.workbench.document.arguments import VectorLike, plain_parts, plain_pose
 from feeler.workbench.document.protocol import {names}
 from feeler.workbench.session.session import Session
 
@@ -63,7 +64,7 @@ def written(commands: str) -> str:
     for name, row, text in tables.rows("COMMANDS"):
         arguments = sorted(tables.arguments(row), key=lambda argument: argument[2])
         for _, kind, _ in arguments:
-            if _type(kind) == ast.unparse(kind):
+            if ast.unparse(kind) in _type(kind).split(" | ") or _type(kind) == ast.unparse(kind):
                 names |= {node.id for node in ast.walk(kind) if isinstance(node, ast.Name)} - BUILTIN
         methods.append("\n".join(_method(name, arguments, text or STEPS[name])))
     listed = ", ".join(sorted(names))
@@ -82,11 +83,13 @@ def _method(name: str, arguments: list[tuple[str, ast.expr, bool]], text: str) -
 
 def _type(kind: ast.expr) -> str:
     """The type of an argument for a script, which may give parts and vectors as all of feeler takes them."""
-    return {"Selection": "PartsLike", "Vec3": "VectorLike"}.get(ast.unparse(kind), ast.unparse(kind))
+    name = ast.unparse(kind)
+    return {"Selection": "PartsLike", "Vec3": "VectorLike", "Pose": "Pose | PoseLike"}.get(name, name)
 
 
 def _sent(name: str, kind: ast.expr) -> str:
-    return f"plain_parts({name})" if ast.unparse(kind) == "Selection" else name
+    plain = {"Selection": "plain_parts", "Pose": "plain_pose"}.get(ast.unparse(kind))
+    return name if plain is None else f"{plain}({name})"
 
 
 def main() -> int:

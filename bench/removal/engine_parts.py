@@ -10,10 +10,11 @@ import host
 import numpy as np
 
 import feeler
+from feeler.types import GripAxis
 
 Result = dict[str, Any]
 
-WRENCH_GRIP = "y"
+WRENCH_GRIP: GripAxis = "y"
 LIFTS = {"at the heads": 0.0, "40 mm above them": 0.04, "in free space": 5.0}
 """Where the wrench is held, metres above the heads. In free space each swing goes all the way round: the most work."""
 LEAST_S = 0.25

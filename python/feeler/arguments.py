@@ -192,7 +192,8 @@ def check_progress(progress: Progress | None) -> Progress | None:
             inspect.signature(progress).bind(0.0, "")
             return progress
         except ValueError:
-            return progress  # some built-in functions do not say what they take
+            if not isinstance(progress, type):  # int, for one, takes other arguments
+                return progress  # some built-in functions do not say what they take
         except TypeError:
             pass
     raise OptionError(f"progress is {shown(progress)}: give a function of (share done, stage), or None")

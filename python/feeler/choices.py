@@ -28,6 +28,8 @@ Chord = Literal["chord"]
 
 FastenerKind = Literal["bolt", "screw", "nut", "stud"]
 
+GripAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
+
 PoseKind = Literal["nominal", "near", "deep"]
 SampleName = Literal["carcass", "differential", "turbine", "externals", "engine", "tay", "gearbox"]
 SampleToolName = Literal["torque", "wrench", "square", "hand"]
@@ -58,6 +60,7 @@ DEFECT_KINDS: tuple[DefectKind, ...] = get_args(DefectKind)
 DEPTH_KINDS: tuple[DepthKind, ...] = get_args(DepthKind)
 GROUPS_BY: tuple[GroupBy, ...] = get_args(GroupBy)
 FASTENER_KINDS: tuple[FastenerKind, ...] = get_args(FastenerKind)
+GRIP_AXES: tuple[GripAxis, ...] = get_args(GripAxis)
 POSE_KINDS: tuple[PoseKind, ...] = get_args(PoseKind)
 SAMPLE_NAMES: tuple[SampleName, ...] = get_args(SampleName)
 SAMPLE_TOOL_NAMES: tuple[SampleToolName, ...] = get_args(SampleToolName)

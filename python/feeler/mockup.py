@@ -18,7 +18,7 @@ from feeler.arguments import check_kind, check_list, check_text, check_whole, sh
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
-from feeler.poses import placed
+from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
 from feeler.source import Source
 from feeler.travel import reduced
@@ -149,7 +149,15 @@ class Mockup(_core.Mockup):
 
     Instead of arrays, the first argument may be a mesh or scene of trimesh, PyVista or Open3D, any object with
     `.vertices` and `.faces`, or a list or dict of them (see `feeler.from_trimesh`, ...). `unit` is then the unit of its
-    numbers, by default the one it states, else the metre.
+    numbers, by default the one it states, else the metre. A pair of arrays (vertices, faces) in such a list or dict is
+    a part, in metres.
+
+    Attributes:
+
+    - `part_names`, `part_paths`: lists of text, by part: the name, and the place in the assembly.
+    - `part_colours`: `(parts, 3)` sRGB, 0 to 1, of pictures, GLB files and the workbench; a row of NaN is a part
+      without a colour, None: no part has one. You can set it.
+    - `source`: the `feeler.types.Source`: files, unit, notes.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """
@@ -259,6 +267,8 @@ class Tool(_core.Tool):
     of a mock-up, `Tool.assembly` one from several tools. Instead of arrays, the first argument may be a mesh object, as
     for `Mockup`, or a whole `Mockup`.
 
+    Attributes: `name`; `part_names`, `part_paths`, `part_colours` and `source` as of `Mockup`.
+
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """
 
@@ -340,7 +350,7 @@ class Tool(_core.Tool):
         return tool
 
     @classmethod
-    def assembly(cls, items: Mapping[str, Tool | tuple[Tool, npt.ArrayLike]], name: str = "assembly") -> Tool:
+    def assembly(cls, items: Mapping[str, Tool | tuple[Tool, PoseLike]], name: str = "assembly") -> Tool:
         """Several tools as one that moves as a whole: a hand with a wrench.
 
         `items` maps a name to a tool, or to a tool and its place `tool_from_item` `(4, 4)`: rigid, metres. Corners are

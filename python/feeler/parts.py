@@ -57,11 +57,20 @@ class Parts(Sequence[Part]):
     def __getitem__(self, index: int | slice) -> Part | list[Part]:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
-        i = range(len(self))[index]
+        if not hasattr(index, "__index__"):
+            raise TypeError(f"a part is indexed by its number, not by {shown(index)}: parts.find(path) looks parts up")
+        try:
+            i = range(len(self))[index]
+        except IndexError:
+            raise IndexError(f"there is no part {index}: there are {len(self)}, 0 to {len(self) - 1}") from None
         lower, upper = self._bounds[i]
         if lower[0] > upper[0]:
             lower = upper = np.full(3, np.nan)
         return Part(i, self._names[i], self._paths[i], int(self._triangles[i]), _xyz(lower), _xyz(upper))
+
+    def __repr__(self) -> str:
+        first = ", ".join(map(repr, self._paths[:3])) + (", ..." if len(self) > 3 else "")
+        return f"Parts({len(self):,}: {first})"
 
     def __iter__(self) -> Iterator[Part]:
         return (self[i] for i in range(len(self)))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_number
+from feeler.arguments import check_number, shown
 from feeler.errors import PoseError
 
 Floats = npt.NDArray[np.float64]
@@ -23,10 +23,21 @@ class HasMatrix(Protocol):
         ...
 
 
-PoseLike = npt.ArrayLike | HasMatrix | tuple[npt.ArrayLike | HasMatrix, npt.ArrayLike]
+class HasArray(Protocol):
+    """An array of another library, such as a tensor."""
+
+    def __array__(self) -> npt.NDArray[Any]:
+        """As NumPy reads it."""
+        ...
+
+
+# Without npt.ArrayLike, which takes text and numbers, and under which a type checker finds no type for rows of whole
+# and other numbers mixed.
+_Matrix = npt.NDArray[Any] | Sequence[Sequence[float]] | HasArray | HasMatrix
+PoseLike = _Matrix | tuple[_Matrix, npt.NDArray[Any] | Sequence[float] | HasArray]
 """A pose: `(4, 4)` numbers, row by row; an object with `as_matrix()`; or a pair of a rotation (`(3, 3)`, or an object
 with `as_matrix()`) and a translation `(3,)`."""
-PosesLike = PoseLike | Sequence[PoseLike]
+PosesLike = npt.NDArray[Any] | HasArray | HasMatrix | Sequence[PoseLike]
 """Many poses: `(n, 4, 4)`, an object whose `as_matrix()` gives that, or a list of poses."""
 
 MAX_DEVIATION = 0.01
@@ -38,15 +49,20 @@ QUERY_DEVIATION = 1e-6
 _LEAST_RANK = 1e-9  # second to first singular value; below it all rows are on one line and define no rotation
 
 
+_ONE = "a matrix (4, 4), or a pair of a rotation (3, 3) and a translation (3,)"
+
+
 def plain(pose: object) -> object:
     """A pose as NumPy reads it: a pair of rotation and translation, or an object with `as_matrix()`, becomes a matrix;
-    all else is unchanged. Raises PoseError for a pair of other shapes."""
-    if isinstance(pose, (tuple, list)) and len(pose) == 2:
+    all else is unchanged. Raises PoseError for a pair of other shapes, and for lists that NumPy cannot read."""
+    if isinstance(pose, (tuple, list)):
+        if len(pose) != 2:
+            return _read(pose, "a pose", _ONE)
         try:
             turn, shift = (np.asarray(plain(each)) for each in pose)
-        except ValueError as error:
-            raise PoseError(f"a pose cannot be read as a rotation and a translation: {error}") from None
-        if isinstance(pose, list) and (turn.shape, shift.shape) != ((3, 3), (3,)):
+        except (ValueError, TypeError):
+            raise PoseError(f"a pose is {shown(pose)}: give {_ONE}") from None
+        if isinstance(pose, list) and turn.shape == shift.shape:
             return pose  # rows of numbers
         if turn.shape != (3, 3) or shift.shape != (3,):
             raise PoseError(
@@ -60,13 +76,64 @@ def plain(pose: object) -> object:
 
 
 def plain_each(poses: object) -> object:
-    """Many poses as NumPy reads them."""
-    if isinstance(poses, (list, tuple)):
-        return [plain(pose) for pose in poses]
-    return plain(poses)
+    """Many poses as NumPy reads them. Raises PoseError for lists that it cannot read."""
+    if not isinstance(poses, (list, tuple)):
+        return plain(poses)
+    if len(poses) == 2:
+        shapes = _shapes(poses)
+        if shapes == [(3, 3), (3,)]:
+            raise PoseError("poses are one pose, a pair of rotation and translation: give a list of poses, [pose]")
+        if [shape[1:] for shape in shapes] == [(3, 3), (3,)]:
+            raise PoseError(
+                f"poses are a pair of shapes {shapes[0]} and {shapes[1]}: give a list of pairs, "
+                "list(zip(rotations, translations))"
+            )
+    plains = [plain(pose) for pose in poses]
+    return _read(plains, "poses", f"a list of poses, each {_ONE}")
 
 
-def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats:
+def one_pose(pose: PoseLike, name: str = "a pose") -> Floats:
+    """One pose `(4, 4)` of any kind that queries take; it may be not rigid. Raises `PoseError` with its name."""
+    try:
+        given = plain(pose)
+    except PoseError as error:
+        raise PoseError(str(error).replace("a pose", name, 1)) from None
+    array = _read(given, name, _ONE)
+    if array.dtype.kind not in "fiu":
+        raise PoseError(f"{name} is {shown(pose)}: give real numbers, {_ONE}")
+    if array.ndim == 3 and array.shape[1:] == (4, 4):
+        raise PoseError(f"{name} has shape {array.shape}, which are {len(array)} poses: (4, 4) is needed, one pose")
+    if array.shape != (4, 4):
+        raise PoseError(f"{name} has shape {array.shape}: (4, 4) is needed")
+    with np.errstate(over="ignore"):  # a long double beyond float64 becomes an infinity, which is refused
+        matrix: Floats = array.astype(np.float64)
+    return matrix
+
+
+def _read(values: object, name: str, give: str) -> npt.NDArray[Any]:
+    """As an array, without NumPy's own words for what it cannot read."""
+    try:
+        return np.asarray(values)
+    except (ValueError, TypeError) as error:
+        shapes = _shapes(values[:4]) if isinstance(values, (list, tuple)) else []
+        found = f"entries of shapes {', '.join(map(str, shapes))}" if shapes else shown(values)
+        more = ", ..." if shapes and len(values) > 4 else ""  # type: ignore[arg-type]
+        raise PoseError(f"{name} cannot be read as numbers, with {found}{more}: give {give}") from error
+
+
+def _shapes(values: Sequence[object]) -> list[tuple[int, ...]]:
+    """Those of the entries; none for those that NumPy cannot read."""
+    try:
+        return [np.shape(cast("npt.ArrayLike", plain(each))) for each in values]
+    except (PoseError, ValueError, TypeError):
+        return []
+
+
+@overload  # of its own, or a type checker finds no type for rows of whole and other numbers mixed
+def nearest_rigid(pose: Sequence[Sequence[float]], max_deviation: float = MAX_DEVIATION) -> Floats: ...
+@overload
+def nearest_rigid(pose: PoseLike | PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats: ...
+def nearest_rigid(pose: PoseLike | PosesLike, max_deviation: float = MAX_DEVIATION) -> Floats:
     """The pose, or each of many, with its rotation replaced by the nearest proper one, and 0, 0, 0, 1 as its last row.
 
     `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres; the result has the same shape, float64. Translations and
@@ -109,13 +176,13 @@ def nearest_rigid(pose: PosesLike, max_deviation: float = MAX_DEVIATION) -> Floa
     return shaped
 
 
-def placed(points: Floats, place: npt.ArrayLike, what: str) -> Floats:
+def placed(points: Floats, place: PoseLike, what: str) -> Floats:
     """Points `(n, 3)` moved by a rigid matrix `(4, 4)`, computed exactly like a tool's corners at a pose.
 
     Raises `PoseError` for a place that a query would refuse; `what` names it in the message.
     """
-    matrix = _matrices(place)
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not _deviation(matrix[None])[0] <= QUERY_DEVIATION:
+    matrix = one_pose(place, f"the place of {what}")
+    if not np.isfinite(matrix).all() or not _deviation(matrix[None])[0] <= QUERY_DEVIATION:
         raise PoseError(
             f"the place of {what} is not a rigid (4, 4) matrix: give a rotation without scale, shear or mirror; "
             "feeler.nearest_rigid(place) repairs rounding"
@@ -189,14 +256,20 @@ def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:
     return nearest_rigid(pose)
 
 
-def _matrices(pose: PosesLike) -> Floats:
-    is_pair = isinstance(pose, tuple) and len(pose) == 2 and np.shape(cast("Any", pose[1])) == (3,)
+def pose_stack(poses: PoseLike | PosesLike, name: str) -> Floats:
+    """Many poses `(n, 4, 4)`, or one as the only; they may be not rigid. Raises `PoseError` with their name."""
     try:
-        array = np.asarray(plain(pose) if is_pair else plain_each(pose))
-    except (ValueError, TypeError) as error:
-        raise PoseError(f"a pose cannot be read as an array: {error}") from error
+        return _matrices(poses).reshape(-1, 4, 4)
+    except PoseError as error:
+        raise PoseError(f"{name}: {error}") from None
+
+
+def _matrices(pose: PoseLike | PosesLike) -> Floats:
+    """One pose `(4, 4)`, or many `(n, 4, 4)`."""
+    is_pair = isinstance(pose, (tuple, list)) and len(pose) == 2 and _shapes(pose) == [(3, 3), (3,)]
+    array = _read(plain(pose) if is_pair else plain_each(pose), "a pose", _ONE)
     if array.dtype.kind not in "fiu":
-        raise PoseError(f"a pose has dtype {array.dtype}: real numbers are needed")
+        raise PoseError(f"a pose is {shown(pose)}: give real numbers, (4, 4) or (n, 4, 4)")
     if array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
         raise PoseError(f"a pose has shape {array.shape}: (4, 4) or (n, 4, 4) is needed")
     with np.errstate(over="ignore"):  # a long double beyond float64 becomes an infinity, which is refused

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.arguments import check_path
-from feeler.errors import FeelerError, LoadError
+from feeler.errors import FeelerError, LoadError, MissingFileError, WriteError
 from feeler.memory import free_memory
 from feeler.source import Source
 
@@ -49,12 +49,26 @@ def path_of(path: object, error: type[FeelerError]) -> str:
     return str(check_path("path", path, error))
 
 
+def target_of(path: object) -> str:
+    """The path as text, in a folder that exists. Raises `WriteError`."""
+    target = path_of(path, WriteError)
+    folder = os.path.dirname(os.path.abspath(target))
+    if not os.path.isdir(folder):
+        what = "is not a folder" if os.path.lexists(folder) else "does not exist"
+        raise WriteError(
+            f"{target}: the scene cannot be saved: {folder} {what}; make it first, or choose another place"
+        )
+    return target
+
+
 _known: WeakValueDictionary[tuple[str, str], SavedFile] = WeakValueDictionary()
 
 
 def opened(path: str, verify: bool, memory_limit: int, progress: Callable[[float, str], object] | None) -> SavedFile:
     """Opens a file. Raises `MissingFileError` and `LoadError`."""
     path = os.path.abspath(path)
+    if not os.path.lexists(path):
+        raise MissingFileError(f"{path}: there is no such file; check the path")
     file = SavedFile(path, _core.SavedScene(path, verify, memory_limit, progress))
     _known[path, file.core.content_hash] = file
     return file

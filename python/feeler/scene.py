@@ -45,7 +45,7 @@ from feeler.calibrate import machine_constants
 from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
-from feeler.errors import LimitError, LoadError, MeshError, OptionError, WriteError
+from feeler.errors import LimitError, LoadError, MeshError, OptionError
 from feeler.figures import SceneMemory
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.memory import free_memory
@@ -203,7 +203,7 @@ class Scene(_core.Scene):
         """`save` with more sections."""
         mockup = self.mockup
         facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
-        return super()._save(saved.path_of(path, WriteError), saved.extras(facts) + others, progress)
+        return super()._save(saved.target_of(path), saved.extras(facts) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:
@@ -560,7 +560,7 @@ def open_scene(
     *,
     threads: int | None = None,
     memory_limit: int | None = None,
-    simd: str | None = None,
+    simd: Simd | None = None,
     progress: Progress | None = None,
 ) -> Scene:
     """Open a scene that `Scene.save` or `feeler index` wrote, with its mock-up.
@@ -600,6 +600,11 @@ class ContactTracker(_core.ContactTracker):
         self = super().__new__(cls, scene, tool, ignore=pairs)
         self._asked = (scene, tool, pairs)
         return self
+
+    def __repr__(self) -> str:
+        scene, tool, _ = self._asked
+        reference = "no free pose yet" if self.last_free is None else "with a free pose"
+        return f"ContactTracker({tool!r} in {scene!r}, {reference})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         attributes = {name: value for name, value in self.__dict__.items() if name != "_asked"}

@@ -186,11 +186,20 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
     let array = numpy.call_method1("asarray", (object,)).map_err(unreadable)?;
     let dtype = array.getattr("dtype")?;
     if !["f", "i", "u"].contains(&dtype.getattr("kind")?.extract::<String>()?.as_str()) {
-        return Err(raise("PoseError", format!("poses have dtype {dtype}: {shape} real numbers are needed")));
+        let kind = object.get_type().name()?;
+        let message = format!("poses are given as {kind} (dtype {dtype}): real numbers {shape} are needed");
+        return Err(raise("PoseError", message));
     }
     let array = array.call_method1("astype", (numpy.getattr("float64")?,)).map_err(unreadable)?;
     match array.cast::<PyArray<f64, D>>() {
         Ok(array) => Ok(array.readonly()),
-        Err(_) => Err(raise("PoseError", format!("poses have shape {}: {shape} is needed", array.getattr("shape")?))),
+        Err(_) => {
+            let other = match D::NDIM {
+                Some(2) => "one pose; queries of many have _batch in their names",
+                _ => "many poses; [pose] is a list of one",
+            };
+            let found = array.getattr("shape")?;
+            Err(raise("PoseError", format!("poses have shape {found}: {shape} is needed, {other}")))
+        }
     }
 }

@@ -45,7 +45,14 @@ impl Screw {
         angle: &Bound<'_, PyAny>,
         pitch: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Screw> {
-        let (axis, point, angle) = (vector("axis", axis)?, vector("point", point)?, number("angle", angle)?);
+        let (given, axis) = (axis, vector("axis", axis)?);
+        if axis == [0.0; 3] {
+            return Err(raise(
+                "OptionError",
+                format!("axis of the screw is {given}: give a direction that is not zero"),
+            ));
+        }
+        let (point, angle) = (vector("point", point)?, number("angle", angle)?);
         let pitch = pitch.map_or(Ok(0.0), |pitch| number("pitch", pitch))?;
         Ok(Screw { core: core::Screw::new(&axis, &point, angle, pitch).map_err(to_py)? })
     }

@@ -33,7 +33,7 @@ CLASS_LIMIT = 2_048
 """Most classes of parts. The tables of their pairs have this many rows and columns, 80 MB in all."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Limits:
     """The rules as tables for one mock-up.
 

@@ -45,7 +45,7 @@ _KEPT_TRIANGLES = 3_000_000
 picture."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """The view of a finding. point: on the section plane, `(3,)` metres. normal: `(3,)`, points to the side that is cut
     away. reach: the extent of the picture, metres."""

@@ -76,7 +76,7 @@ class Clashes(Table):
         save(self, path)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Group:
     """Some findings, the worst first. name: the key of a part, a rule, or "cluster 1"."""
 

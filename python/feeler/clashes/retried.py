@@ -111,7 +111,7 @@ def _contacts(clashes: Table) -> dict[str, float]:
     return {name: contact for name, _, contact in clashes.facts.rules}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Judged:
     """Rows with new verdicts. is_far: rows that exceed the clearance. notes: verdicts that are uncertain."""
 

@@ -27,7 +27,7 @@ _DIGITS = 9
 """Decimals of a metre: rounding hides the order of summation, so that a file does not depend on it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shapes:
     """A row for each part, metres; NaN if the shape is not known.
 

@@ -75,7 +75,7 @@ class Clash:
     """`"renamed"` or `"renumbered"` if `Clashes.diff` found a part under another key, else empty."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Columns:
     """The arrays of a table, a row for each finding."""
 

@@ -9,6 +9,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 
 from feeler.arguments import check_list, check_progress, shown
+from feeler.choices import Chord
 from feeler.clashes.finding import Exclude, clash
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike
@@ -33,7 +34,7 @@ class VariantsInterrupted(KeyboardInterrupt):
 def clash_variants(
     variants: Sequence[Mockup | str | os.PathLike[str]],
     clearance: float = 0.002,
-    contact: float | str = 0.0,
+    contact: float | Chord = 0.0,
     rules: RulesLike | None = None,
     ignore: Exclude | None = None,
     volume: bool = False,

@@ -13,7 +13,7 @@ import typer
 
 import feeler
 from feeler.arguments import check_word
-from feeler.choices import FASTENER_KINDS
+from feeler.choices import FASTENER_KINDS, GRIP_AXES, GripAxis
 from feeler.cli.app import FOUND, INTERRUPTED, command, fail
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
@@ -181,13 +181,14 @@ def access(
         raise typer.Exit(FOUND)
 
 
-def _grip(text: str | None) -> str | npt.NDArray[np.float64] | None:
-    from feeler.plan.tool_seat import AXES
-
-    if text is None or text in AXES:
-        return text
+def _grip(text: str | None) -> GripAxis | npt.NDArray[np.float64] | None:
+    if text is None:
+        return None
+    for axis in GRIP_AXES:
+        if text == axis:
+            return axis
     if not os.path.isfile(text):
-        raise OptionError(f"--grip is {text!r}: give one of {', '.join(AXES)}, or a file with a (4, 4) matrix")
+        raise OptionError(f"--grip is {text!r}: give one of {', '.join(GRIP_AXES)}, or a file with a (4, 4) matrix")
     poses = read_poses(Path(text))
     if len(poses) != 1:
         raise OptionError(f"--grip {text}: one matrix is needed, not {len(poses)}")

@@ -180,7 +180,7 @@ def _by_part(hits: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return list(parts.values())
 
 
-@dataclass
+@dataclass(eq=False)
 class _Pair:
     """The arguments of a picture of a collision."""
 

@@ -229,7 +229,7 @@ class _Answer:
         return {"found": self.found, "steps": [_step_facts(mockup, step) for step in self.steps]}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Asked:
     """The arguments that all parts share."""
 

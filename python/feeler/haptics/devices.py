@@ -31,6 +31,7 @@ from feeler.arguments import (
 from feeler.choices import DEVICE_FAULTS, DEVICE_PRESETS, HAND_GRIPS, DeviceFault, DevicePreset, HandGrip
 from feeler.errors import DeviceError, OptionError
 from feeler.figures import DeviceLimits
+from feeler.poses import PoseLike
 
 PRESETS = DEVICE_PRESETS
 FAULTS = DEVICE_FAULTS
@@ -147,13 +148,13 @@ class Mouse(Device):
 
     _is_absolute = True
 
-    def __init__(self, pose: npt.ArrayLike, *, frequency: float = 40.0) -> None:
+    def __init__(self, pose: PoseLike, *, frequency: float = 40.0) -> None:
         """See the class."""
         self._device = _core.HapticsDevice.mouse(
             pose, check_number("frequency", frequency, "radians per second, 1 to 1000", least=1.0, most=1000.0)
         )
 
-    def set_target(self, pose: npt.ArrayLike) -> None:
+    def set_target(self, pose: PoseLike) -> None:
         """Sets the target, `world_from_tool`; also while a session runs."""
         self._device.set_target(pose)
 

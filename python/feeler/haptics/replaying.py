@@ -17,7 +17,7 @@ from feeler.arguments import check_path, shown
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import ALSO, FORMAT, GRIP, MODES, PUT_BACK, RELEASE, START, digest_of
-from feeler.haptics.session import Session
+from feeler.haptics.session import Session, one_part
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 
@@ -43,7 +43,7 @@ def replay(
     path: str | Path,
     scene: Scene | None = None,
     tool: Tool | None = None,
-    put_down: Mapping[int, Scene] | None = None,
+    put_down: Mapping[int, Scene] | Mapping[str, Scene] | None = None,
 ) -> Parted:
     """Replays the steps of a record, and reports whether the results are equal bit for bit, or where they differ.
 
@@ -72,7 +72,6 @@ def replay(
                 if not has_meshes:
                     raise LoadError(f"{path} has no meshes with it: pass put_down, the parts that lay elsewhere")
                 put_down = {part: Scene(_mockup_of(record, f"put_down.{part}")) for part in lying}
-            put_down = put_down or {}
         except (KeyError, ValueError, TypeError, BadZipFile, zlib.error) as error:
             if isinstance(error, LoadError):
                 raise
@@ -80,9 +79,10 @@ def replay(
     for what, mesh in (("mockup", scene.mockup), ("tool", tool)):
         if digest_of(mesh) != head[what]:
             raise LoadError(f"{path} was made with another {what}")
-    if {part: digest_of(each.mockup) for part, each in put_down.items()} != lying:
+    lies = {one_part(scene, part, "put_down"): each for part, each in (put_down or {}).items()}
+    if {part: digest_of(each.mockup) for part, each in lies.items()} != lying:
         raise LoadError(f"{path} was made with other parts put down elsewhere: it has parts {sorted(lying)}")
-    session = Session(scene, tool, coupling=coupling, put_down={part: put_down[part] for part in lying}, **options)
+    session = Session(scene, tool, coupling=coupling, put_down={part: lies[part] for part in lying}, **options)
     steps = 0
     also: list[int] = []
     for (kind, number), row in zip(events.tolist(), inputs, strict=True):

@@ -15,12 +15,12 @@ from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import Device, Own
 from feeler.haptics.record import Recorder
-from feeler.poses import QUERY_DEVIATION, nearest_rigid
+from feeler.poses import QUERY_DEVIATION, PoseLike, nearest_rigid, one_pose
 
 Floats = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """One tick of a run, for display."""
 
@@ -121,7 +121,7 @@ class Granted:
     requested one and the reason."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """All ticks of a period."""
 
@@ -156,7 +156,7 @@ class Runs(_core.HapticsSession):
         *,
         rate_hz: float = 1000.0,
         scale: float = 1.0,
-        world_from_device: npt.ArrayLike | None = None,
+        world_from_device: PoseLike | None = None,
         absolute: bool | None = None,
         clutch_button: int | None = None,
         realtime: bool = True,
@@ -182,7 +182,8 @@ class Runs(_core.HapticsSession):
             raise SessionError("the session runs already: stop it first")
         if self._recorder is not None:
             raise SessionError("a record is of steps: close it before the session runs")
-        pose = np.eye(4) if world_from_device is None else nearest_rigid(world_from_device, QUERY_DEVIATION)
+        handle = np.eye(4) if world_from_device is None else one_pose(world_from_device, "world_from_device")
+        pose = nearest_rigid(handle, QUERY_DEVIATION)
         is_absolute = device._is_absolute if absolute is None else check_flag("absolute", absolute)
         rate = check_number("rate_hz", rate_hz, "a rate, more than 0", above=0.0)
         ratio = check_number("scale", scale, "a number, more than 0", above=0.0)

@@ -13,19 +13,19 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.arguments import check_flag, check_length, check_path, check_real, check_whole, shown
 from feeler.choices import ProxyMode, SeatKind
-from feeler.errors import OptionError, PoseError, SessionError
+from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import MODES, Recorder
 from feeler.haptics.running import Runs
 from feeler.mockup import Tool
-from feeler.poses import PoseLike, plain
+from feeler.poses import PoseLike, one_pose
 from feeler.renamed import keywords
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Planes:
     """The contact planes at the proxy, nearest first."""
 
@@ -46,7 +46,7 @@ class Planes:
         return len(self.gaps)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Step:
     """The result of one step."""
 
@@ -78,7 +78,7 @@ class Seat:
     """Metres."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Start:
     """The start of a session; true unless the tool is sunk.
 
@@ -152,7 +152,7 @@ class Session(Runs):
         }
         if put_down is not None and not isinstance(put_down, Mapping):
             raise OptionError(f"put_down is {shown(put_down)}: give a dict of parts and scenes")
-        lying = [(_one_part(scene, part, "put_down"), alone) for part, alone in (put_down or {}).items()]
+        lying = [(one_part(scene, part, "put_down"), alone) for part, alone in (put_down or {}).items()]
         for part, alone in lying:
             if not isinstance(alone, Scene):
                 raise OptionError(f"put_down has a {type(alone).__name__} for part {part}: pass a feeler.Scene of it")
@@ -170,7 +170,7 @@ class Session(Runs):
         Contacts at that pose are seats, and force acts from the first step on. If parts lie elsewhere, the way out
         frees the tool from the one body that it is deepest in. Raises `PoseError` for an invalid pose.
         """
-        pose = _pose(world_from_tool)
+        pose = one_pose(world_from_tool)
         started = super()._begin(pose) if self._run is None else self._run.start(pose)
         if self._recorder:
             self._recorder.start(pose)
@@ -182,7 +182,7 @@ class Session(Runs):
         A pose that is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
         `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
         """
-        pose = _pose(world_from_device)
+        pose = one_pose(world_from_device)
         dt = check_real("dt", dt, "seconds, above 0, at most 1")
         made = super()._advance(pose, dt)
         planes = Planes(made.points, made.normals, made.gaps, made.parts, made.ids, made.is_holding)
@@ -199,7 +199,7 @@ class Session(Runs):
         that do not exist, none, or one twice, `SessionError` if a part is already held.
         """
         each = [parts] if isinstance(parts, int | str) or not isinstance(parts, Sequence) else parts
-        chosen = [_one_part(self.scene, part, "grip") for part in each]
+        chosen = [one_part(self.scene, part, "grip") for part in each]
         if not chosen or len(set(chosen)) < len(chosen):
             raise OptionError(f"{parts!r} names {'a part twice' if chosen else 'no part'}: give each once")
         if self._run is None:
@@ -263,23 +263,13 @@ class Session(Runs):
         self._recorder = None
 
 
-def _pose(pose: PoseLike) -> Floats:
-    """`(4, 4)`, which may be not finite or not rigid. Raises `PoseError` for other shapes."""
-    try:
-        matrix = np.array(plain(pose), dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise PoseError(f"a pose is {shown(pose)}: give real numbers, (4, 4)") from None
-    if matrix.shape != (4, 4):
-        raise PoseError(f"a pose has shape {matrix.shape}: (4, 4) is needed")
-    return matrix
-
-
 def _start_of(started: _core.StartAnswer) -> Start:
     seats = tuple(Seat(each.part, each.tool_part, each.kind, each.depth) for each in started.seats)
     return Start(seats, started.way_out)
 
 
-def _one_part(scene: Scene, part: int | str, where: str) -> int:
+def one_part(scene: Scene, part: int | str, where: str) -> int:
+    """The index of the only part of this name. Raises `OptionError` for none and several."""
     chosen = scene.mockup.parts.select(part)
     if len(chosen) != 1:
         raise OptionError(f"{part!r} names {len(chosen)} parts: {where} takes one")

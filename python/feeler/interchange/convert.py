@@ -17,7 +17,8 @@ from feeler.interchange.assembly import Assembly
 from feeler.mockup import Meshes, Mockup, register_converter
 
 ACCEPTED = (
-    "a mesh or scene of trimesh, PyVista or Open3D, something with .vertices and .faces, or a list or dict of such"
+    "a mesh or scene of trimesh, PyVista or Open3D, something with .vertices and .faces, or a list or dict of such, or "
+    "of pairs (vertices, faces)"
 )
 _MAX_DEPTH = 50
 
@@ -90,6 +91,9 @@ def _add(assembly: Assembly, held: Any, path: tuple[str, ...], library: str | No
     if isinstance(held, (_core.Mockup, _core.Tool)) and library is None:
         _add_ours(assembly, held, path)
         return
+    if path and library is None and _is_pair(held):
+        assembly.add(path, held[0], held[1], unit="m")
+        return
     if isinstance(held, np.ndarray):
         raise MeshError(f"faces are missing: an array of shape {held.shape} has none; give them, or {ACCEPTED}")
     for name, (is_ours, add) in _LIBRARIES.items():
@@ -127,6 +131,18 @@ def _add_ours(assembly: Assembly, mesh: _core.Mockup | _core.Tool, path: tuple[s
         return
     below = [tuple(each.split("/")) for each in paths]
     assembly.add_parts(path, vertices, faces, mesh.part_of_face, below, unit="m")
+
+
+def _is_pair(held: Any) -> bool:
+    """Whether these are vertices and faces."""
+    if not isinstance(held, (list, tuple)) or len(held) != 2:
+        return False
+    try:
+        vertices, faces = (np.asarray(each) for each in held)
+    except (TypeError, ValueError):
+        return False
+    rows = vertices.ndim == faces.ndim == 2 and vertices.shape[1] == faces.shape[1] == 3
+    return bool(rows and vertices.dtype.kind in "fiu" and faces.dtype.kind in "iu")
 
 
 def _is_number_list(held: Sequence[Any]) -> bool:

@@ -20,7 +20,7 @@ SIZES = {"box": ("size", 3), "cylinder": ("radius length", 2), "sphere": ("radiu
 """Shapes: the attributes of their sizes, and the number of values of each."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Geometry:
     """One `<collision>` or `<visual>`: a shape of `sizes`, metres, or a mesh file."""
 
@@ -50,7 +50,7 @@ class Mimic:
     offset: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Joint:
     """The connection of a link to its parent. `lower`, `upper`: radians or metres, infinite without limits."""
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_array, check_flag, check_ids, check_kind, check_list, shown
 from feeler.errors import MeshError, OptionError
-from feeler.poses import nearest_rigid
+from feeler.poses import QUERY_DEVIATION, PoseLike, nearest_rigid, one_pose
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -40,7 +40,7 @@ _MATERIALS: tuple[Colour, ...] = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Body:
     """Triangles to draw or write, in world coordinates.
 
@@ -101,7 +101,7 @@ def body_of(
     mesh: MeshLike,
     *,
     colours: npt.ArrayLike | None = None,
-    pose: npt.ArrayLike | None = None,
+    pose: PoseLike | None = None,
     cut: bool = True,
 ) -> Body:
     """The `Body` of a mock-up, a tool, or anything with `.vertices` and `.faces`.
@@ -131,14 +131,14 @@ def body_of(
     paths = (str(getattr(mesh, "name", "part")),) if names is None else tuple(names)
     faces, part_of_face = _drawable(vertices, faces, part_of_face)
     if pose is not None:
-        matrix = nearest_rigid(pose, 1e-6)
+        matrix = nearest_rigid(one_pose(pose), QUERY_DEVIATION)
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
     own = stated_colours(mesh, len(paths)) if colours is None else None
     palette, colour_of_part = _palette(own if colours is None else colours, paths)
     return Body(vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mark:
     """Triangles (face indices) to show in a colour of their own."""
 

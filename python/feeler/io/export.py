@@ -56,7 +56,7 @@ def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.Arra
     return size
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """The motion of a part. times: `(k,)` seconds, ascending; poses: `(k, 4, 4)` world_from_part, the identity at
     home."""

@@ -15,7 +15,7 @@ from feeler.io.raw import seal_indices
 DRACO = "KHR_draco_mesh_compression"
 
 
-@dataclass
+@dataclass(eq=False)
 class Unpacked:
     """One primitive decoded by Draco: triangles, whatever its mode, and attributes by number."""
 

@@ -20,7 +20,7 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
 
 
-@dataclass
+@dataclass(eq=False)
 class Mesh:
     """The triangles of one mesh, all its primitives together; joints and weights (n, k) if it has a skin."""
 

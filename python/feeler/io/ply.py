@@ -62,7 +62,7 @@ class _Lists(NamedTuple):
     sizes: NDArray[np.int64]
 
 
-@dataclass
+@dataclass(eq=False)
 class _Body:
     """The result of the readers of both encodings."""
 

@@ -23,7 +23,7 @@ _MAX_PATH = 4000
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
 
-@dataclass
+@dataclass(eq=False)
 class RawMesh:
     """One file as read: nothing merged, dropped or moved.
 

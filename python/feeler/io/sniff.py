@@ -89,7 +89,10 @@ def identify(path: Path) -> tuple[str, list[str]]:
         kind = f"named {path.suffix}" if path.suffix else "has no extension"
         return found, [f"{path.name} is {kind}, but its content is {found}: read as {found}"]
     if named is None:
-        raise LoadError(f"{path}: neither the extension nor the content is a format feeler reads ({known_formats()})")
+        raise LoadError(
+            f"{path}: neither the extension nor the content is a format feeler reads "
+            f"({known_formats()}; saved scenes: .feeler)"
+        )
     if named == "STL" and text[:5].lower() != b"solid" and _weak(text) == "OBJ":
         return "OBJ", [f"{path.name} is named {path.suffix}, but its content is OBJ: read as OBJ"]
     return named, []

@@ -59,7 +59,7 @@ class Use:
     needs: str = ""
 
 
-@dataclass
+@dataclass(eq=False)
 class Object:
     """A mesh, or components, or neither; `lacks` describes the latter in the words of a `Tally`."""
 

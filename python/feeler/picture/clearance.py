@@ -14,6 +14,7 @@ from feeler.io.body import Body, MeshLike
 from feeler.io.export import write_glb
 from feeler.picture.bars import LEAST_THICKNESS_M, bars
 from feeler.picture.collision import collision_bodies
+from feeler.poses import PoseLike
 
 _THICKNESS_SHARE = 0.002  # of the tool's size
 
@@ -21,7 +22,7 @@ _THICKNESS_SHARE = 0.002  # of the tool's size
 def clearance_bodies(
     mockup: MeshLike,
     tool: MeshLike,
-    world_from_tool: npt.ArrayLike,
+    world_from_tool: PoseLike,
     clearance: Clearance,
     *,
     context: float | None = None,
@@ -47,7 +48,7 @@ def write_clearance_glb(
     path: str | os.PathLike[str],
     mockup: MeshLike,
     tool: MeshLike,
-    world_from_tool: npt.ArrayLike,
+    world_from_tool: PoseLike,
     clearance: Clearance,
     *,
     context: float | None = None,

@@ -24,6 +24,7 @@ from feeler.io.body import (
     with_marks,
 )
 from feeler.io.export import write_glb
+from feeler.poses import PoseLike
 
 
 class Hits(Protocol):
@@ -45,7 +46,7 @@ class Hits(Protocol):
 def collision_bodies(
     mockup: MeshLike,
     tool: MeshLike,
-    world_from_tool: npt.ArrayLike,
+    world_from_tool: PoseLike,
     collision: Hits,
     *,
     context: float | None = None,
@@ -98,7 +99,7 @@ def write_collision_glb(
     path: str | os.PathLike[str],
     mockup: MeshLike,
     tool: MeshLike,
-    world_from_tool: npt.ArrayLike,
+    world_from_tool: PoseLike,
     collision: Hits,
     *,
     context: float | None = None,

@@ -13,6 +13,7 @@ from feeler.io.body import MeshLike, only_faces
 from feeler.picture.camera import Camera, Section, check_size, triple, usual_view
 from feeler.picture.collision import Hits, check_mask, collision_bodies
 from feeler.picture.renderer import Inset, render
+from feeler.poses import PoseLike
 from feeler.progress import Progress
 
 _INSET = (0.615, 0.535, 0.36, 0.44)  # the close view's left, top, width and height, shares of the picture
@@ -25,7 +26,7 @@ def render_collision(
     path: str | os.PathLike[str] | None,
     mockup: MeshLike,
     tool: MeshLike,
-    world_from_tool: npt.ArrayLike,
+    world_from_tool: PoseLike,
     collision: Hits,
     *,
     size: tuple[int, int] = (1600, 1000),

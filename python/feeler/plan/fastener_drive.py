@@ -29,7 +29,7 @@ CORNERS = {4: (1.3, 1.45), 6: (1.05, 1.2), 12: (1.12, 1.19)}
 """Radius of the corners of these, relative to the radius of their sides: `fastener_shape.CORNERS`."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Walls:
     """Walls of a shape along an axis, in a frame with z along it."""
 
@@ -46,7 +46,7 @@ class Walls:
         return Walls(self.corners * [1.0, 1.0, -1.0], self.across, self.distance, self.area)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recess:
     """A recess for a tool from above."""
 

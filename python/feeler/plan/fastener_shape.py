@@ -99,7 +99,7 @@ _TURNS = np.arange(4) * (np.pi / 4.0)
 _AROUND = np.stack([np.cos(_TURNS), np.sin(_TURNS)], axis=1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Looks:
     """The recognised shape, in the frame of its corners, metres; NaN if the mesh does not show a value."""
 
@@ -148,7 +148,7 @@ class _Body:
         return self.high - self.low
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _View:
     """A shape along one axis."""
 

@@ -13,26 +13,27 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_number, check_progress, check_threads, check_whole, shown
+from feeler.choices import GripAxis
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
 from feeler.plan.blocked import Blocker
 from feeler.plan.fasteners import Fasteners
 from feeler.plan.swings import Swing, Swings, turned, uncovered
 from feeler.plan.tool_seat import SeatedTool, seated_tool
-from feeler.poses import nearest_rigid, placed
+from feeler.poses import PoseLike, PosesLike, nearest_rigid, placed, pose_stack
 from feeler.progress import Progress
 from feeler.renamed import OldAttributes, keywords
 from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
 
 Floats = npt.NDArray[np.float64]
-Hand = Tool | tuple[Tool, npt.ArrayLike]
+Hand = Tool | tuple[Tool, PoseLike]
 
 LEAST_ANGLES, MOST_ANGLES = 4, 3600
+"""Seats around the axis."""
 FARTHEST_M = 1000.0
 """The longest way in, and the largest lift, metres: no wrench comes from farther away, and casts over distances at
 which coordinates round by millimetres take for ever."""
-"""Seats around the axis."""
 SIDEWAYS_ANGLES = 24
 """Angles of each free swing from which the tool is pulled off sideways: evenly spread, the middle first."""
 STRAIGHT_ANGLES = 48
@@ -150,13 +151,13 @@ class AccessInterrupted(KeyboardInterrupt):
 def access(
     scene: Scene,
     tool: Tool,
-    targets: Fasteners | npt.ArrayLike,
+    targets: Fasteners | PoseLike | PosesLike,
     swing_deg: float = 60.0,
     angles: int = 72,
     hand: Hand | None = None,
     approach: float = 0.1,
     *,
-    grip: str | npt.ArrayLike | None = None,
+    grip: GripAxis | PoseLike | None = None,
     lift: float | npt.ArrayLike = 0.0,
     threads: int | None = None,
     executor: Executor | None = None,
@@ -266,32 +267,32 @@ class _Question:
             if len(way):
                 found = swing
                 break
-        shown = found or (swings[0] if swings else None)
+        best = found or (swings[0] if swings else None)
         reachable = found is not None and found.span >= self._needed
         paths = scene.mockup.part_paths
-        middle = 0.0 if shown is None else shown.start + 0.5 * shown.span
+        middle = 0.0 if best is None else best.start + 0.5 * best.span
         return Reach(
             target=target,
             part=part,
             path=None if part is None else paths[part],
             is_reachable=reachable,
-            swing_deg=0.0 if shown is None else shown.span,
-            angle_deg=float("nan") if shown is None else shown.start,
+            swing_deg=0.0 if best is None else best.span,
+            angle_deg=float("nan") if best is None else best.start,
             pose=frame @ turned(middle) @ seated.seat_from_tool,
             way=way @ seated.seat_from_tool if len(way) else way,
             looked=self._approach,
             drawn=drawn.most * self._approach,
-            because=self._because(shown, found, drawn.most * self._approach),
+            because=self._because(best, found, drawn.most * self._approach),
             blockers=tuple(Blocker(i, paths[i], count) for i, count in _worst_first(blocked)),
         )
 
-    def _because(self, shown: Swing | None, found: Swing | None, drawn: float) -> str:
-        if shown is None:
+    def _because(self, best: Swing | None, found: Swing | None, drawn: float) -> str:
+        if best is None:
             return "the tool collides at every angle"
         looked, came = f"{1e3 * self._approach:g} mm", f"{1e3 * drawn:.3g} mm"
         if found is None:
             return (
-                f"a swing of {shown.span:.1f} degrees is free, but no way in was found within {looked}: "
+                f"a swing of {best.span:.1f} degrees is free, but no way in was found within {looked}: "
                 f"it comes out {came} at most"
             )
         enough = "" if found.span >= self._needed else f", of {self._needed:g} that are needed"
@@ -352,7 +353,7 @@ class _Question:
         return bool(found)
 
 
-def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, list[int | None]]:
+def _targets(scene: Scene, targets: Fasteners | PoseLike | PosesLike) -> tuple[Floats, list[int | None]]:
     """Frames (n, 4, 4), and their fasteners."""
     mockup = scene.mockup
     if isinstance(targets, Fasteners):
@@ -362,16 +363,13 @@ def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, 
             if not (row.part < mockup.part_count and mockup.part_paths[row.part] == row.path):
                 raise OptionError(f"fastener {row.path!r} is of another mock-up: find those of the scene's")
         return targets.frames, [row.part for row in targets]
-    try:
-        frames = np.asarray(targets, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise PoseError(f"targets cannot be read as frames: {error}; give feeler.Fasteners or (n, 4, 4)") from None
-    if frames.size == 0:
+    if isinstance(targets, str):
+        raise PoseError(
+            f"targets is {shown(targets)}: give feeler.find_fasteners(mockup, {shown(targets)}), or frames (n, 4, 4)"
+        )
+    if isinstance(targets, (Sequence, np.ndarray)) and not len(targets):
         raise OptionError("there are no targets: give feeler.Fasteners or frames (n, 4, 4)")
-    if frames.shape == (4, 4):
-        frames = frames[None]
-    if frames.ndim != 3 or frames.shape[1:] != (4, 4):
-        raise PoseError(f"targets have shape {frames.shape}: give feeler.Fasteners or frames (n, 4, 4)")
+    frames = pose_stack(targets, "targets")
     for i, frame in enumerate(frames):
         placed(np.zeros((1, 3)), frame, f"target {i}")
     frames = nearest_rigid(frames)

@@ -20,7 +20,7 @@ from feeler.mockup import Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
 from feeler.plan.legs import RemovalLeg, legs_of
-from feeler.poses import PoseLike, nearest_rigid, plain
+from feeler.poses import PoseLike, nearest_rigid, one_pose
 from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
@@ -104,7 +104,8 @@ class Removal(OldAttributes):
             how = "held by " + ", ".join(part.path for part in self.held_by[:3])
         else:
             how = "not found, blocked by " + (", ".join(b.path for b in self.blocked_by[:3]) or "nothing")
-        return f"Removal({how}; {self.certificate.method}, {self.certificate.casts} casts, {self.seconds:.3g} s)"
+        method = f"{self.certificate.method}, " if self.is_found else ""
+        return f"Removal({how}; {method}{self.certificate.casts} casts, {self.seconds:.3g} s)"
 
 
 class RemovalInterrupted(KeyboardInterrupt):
@@ -282,12 +283,7 @@ def way_from(
 
 def rigid_pose(pose: PoseLike, name: str) -> npt.NDArray[np.float64]:
     """A pose `(4, 4)` as given. Raises PoseError for one that is not rigid, with the name of its argument."""
-    try:
-        given = np.asarray(plain(pose), dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise PoseError(f"{name} cannot be read as a pose (4, 4): {error}") from error
-    if given.shape != (4, 4):
-        raise PoseError(f"{name} has shape {given.shape}: one pose (4, 4) is needed")
+    given = one_pose(pose, name)
     try:
         nearest_rigid(given)
     except PoseError as error:

@@ -23,7 +23,7 @@ HELD_NUMBERS = 30_000_000
 """Numbers kept of parts with the same triangles: 240 MB."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SameShape:
     """One shape, and the parts that have it."""
 

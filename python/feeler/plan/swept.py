@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 
-import numpy.typing as npt
-
 from feeler import _core
 from feeler.arguments import check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError
 from feeler.memory import free_memory
 from feeler.mockup import Mockup, Tool
+from feeler.poses import PosesLike
 from feeler.progress import Progress
 from feeler.source import Source
 
@@ -20,7 +19,7 @@ DEFAULT_ERROR = 0.001
 
 def swept(
     tool: Tool,
-    poses: npt.ArrayLike,
+    poses: PosesLike,
     error: float = DEFAULT_ERROR,
     *,
     threads: int | None = None,

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.errors import MeshError, OptionError, PoseError
+from feeler.choices import GRIP_AXES
+from feeler.errors import MeshError, OptionError
 from feeler.ignored import IgnoredPairs
 from feeler.mockup import Mockup, Tool
-from feeler.poses import placed
+from feeler.poses import PoseLike, one_pose, placed
 
 Floats = npt.NDArray[np.float64]
 
-AXES = ("x", "y", "z", "-x", "-y", "-z")
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SeatedTool:
     """A tool in the frame of its seat: z out of the joint, the origin on that of the fastener."""
 
@@ -63,10 +63,10 @@ def _grip(grip: object) -> Floats:
     if grip is None:
         return np.eye(4)
     if isinstance(grip, str):
-        if grip not in AXES:
+        if grip not in GRIP_AXES:
             raise OptionError(
-                f"grip is {grip!r}: name the tool's axis that points out of the joint ({', '.join(AXES)}), or give "
-                "tool_from_target, (4, 4)"
+                f"grip is {grip!r}: name the tool's axis that points out of the joint ({', '.join(GRIP_AXES)}), or "
+                "give tool_from_target, (4, 4)"
             )
         i = "xyz".index(grip[-1])
         axes = np.eye(3)
@@ -74,11 +74,6 @@ def _grip(grip: object) -> Floats:
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([y, x, -z] if grip[0] == "-" else [x, y, z])
         return frame
-    try:
-        frame = np.asarray(grip, dtype=np.float64)
-        placed(np.zeros((1, 3)), frame, "the grip")
-    except (TypeError, ValueError, OverflowError) as error:
-        if isinstance(error, PoseError):
-            raise
-        raise PoseError(f"grip cannot be read as a matrix: {error}; give tool_from_target, (4, 4)") from None
+    frame = one_pose(cast("PoseLike", grip), "grip")
+    placed(np.zeros((1, 3)), frame, "the grip")
     return frame

@@ -9,7 +9,7 @@ import numpy as np
 from .mesh import Floats, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """The outside of the casings in steps: from `z[i]` to `z[i + 1]` walls reach `radius[i]`, flanges `flange[i]`."""
 

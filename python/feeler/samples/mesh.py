@@ -17,7 +17,7 @@ Ints = npt.NDArray[np.int64]
 VERTEX_GRID_M = 2.0**-21
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """One tessellated shape: vertices (n, 3) float64 in metres, faces (m, 3) int64, counter-clockwise from outside."""
 
@@ -30,7 +30,7 @@ class Mesh:
         return int(self.faces.shape[0])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeshParts:
     """A whole mock-up as arrays.
 

@@ -24,7 +24,7 @@ TREMOR = ((0.7, 1.2e-3), (1.9, 5e-4), (8.5, 1e-4))  # Hz, and metres for a tool 
 TREMOR_TURN = 0.006  # radians
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Way:
     """An approach to a place: a slide, the points on it where the tool is just free and where it touches, the way
     out."""

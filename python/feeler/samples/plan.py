@@ -44,7 +44,7 @@ class Shape:
         self._made = {level: mesh for level, mesh in self._made.items() if level in but}
 
 
-@dataclass
+@dataclass(eq=False)
 class Item:
     """One shape at `poses` (k, 4, 4): k parts, named `base`, or `base_001`, `base_002`, ... if there are several."""
 

@@ -31,7 +31,7 @@ TRIES_PER_POSE = 60
 LEAST_TRIES = 600
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Slide:
     """Poses of one rotation along a line: at `s` metres the tool has moved by that much outwards."""
 

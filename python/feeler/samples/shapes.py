@@ -279,7 +279,7 @@ def plate(x: float, y: float, z: float, columns: int, rows: int, hole_radius: fl
     return Mesh(vertices, np.concatenate([top + lift, top[:, ::-1], *sides]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Path:
     """A line in space: points (n, 3) and unit tangents (n, 3)."""
 

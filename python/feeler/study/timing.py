@@ -28,7 +28,7 @@ class Setting:
     filters: dict[str, bool]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Times:
     """Seconds of every query: (settings, rounds, poses)."""
 

@@ -6,14 +6,14 @@ import html
 import io
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from feeler._core import Cast, Collision
+import feeler
+from feeler._core import Cast, Clearance, Collision, Contacts, Distance
 from feeler.arguments import check_callable, check_flag, check_whole, check_word
 from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
 from feeler.errors import MeshError, WorkbenchError
@@ -23,10 +23,12 @@ from feeler.mockup import Mockup, Tool
 from feeler.picture.camera import check_size
 from feeler.picture.png import write_png
 from feeler.picture.renderer import render
+from feeler.poses import PoseLike
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import MODES
 from feeler.workbench.document.motion import Floats
+from feeler.workbench.document.protocol import CommandAnswer
 from feeler.workbench.session.session import Session
 from feeler.workbench.view_commands import ViewCommands
 
@@ -40,7 +42,7 @@ def view(
     *,
     port: int = 0,
     browser: bool = True,
-    pose: npt.ArrayLike | None = None,
+    pose: PoseLike | None = None,
     mode: ViewMode = "stop",
     unit: ViewUnit = "mm",
 ) -> View:
@@ -107,6 +109,26 @@ class View(ViewCommands):
         self.session = session
         self._server = server
         self._watchers: list[_Watcher] = []
+        self._is_closed = False
+
+    def command(self, name: str, /, **args: object) -> CommandAnswer:
+        """Runs a command of the page by its name, such as `view.command("hide", parts="*screw*")`.
+
+        The answer has the `id` of what was added, the `pose` of the hand, `undo_depth` and `redo_depth`. Raises
+        `WorkbenchError`.
+        """
+        self._check_open(name)
+        return super().command(name, **args)
+
+    def findings_open(self, findings: feeler.Clashes | Mapping[str, object]) -> CommandAnswer:
+        """Opens the findings of a clash check: of `feeler.clash`, or as `feeler clash --json` writes them."""
+        if isinstance(findings, feeler.Clashes):
+            findings = feeler.clashes.report(findings)
+        return super().findings_open(findings)
+
+    def _check_open(self, name: str) -> None:
+        if self._is_closed:
+            raise WorkbenchError("the view is closed", name, "open another with feeler.view")
 
     @property
     def url(self) -> str:
@@ -122,7 +144,7 @@ class View(ViewCommands):
         return np.array(self.session.engine.pose)
 
     @pose.setter
-    def pose(self, world_from_tool: npt.ArrayLike) -> None:
+    def pose(self, world_from_tool: PoseLike) -> None:
         self.place(list(motion.row(motion.checked(world_from_tool, "pose"))))
 
     @property
@@ -131,15 +153,23 @@ class View(ViewCommands):
         snapshot, mockup = self.session.snapshot(), self._scene.mockup
         return [] if snapshot is None else [mockup.part_paths[part] for part in snapshot.parts]
 
-    def show_hit(self, hit: Collision | Cast | npt.ArrayLike) -> None:
+    def show_hit(self, hit: Collision | Cast | PoseLike) -> None:
         """Shows an answer of the scene until the hand moves: what collides, where a cast ends, or a pose.
 
         For a `Collision` its triangles are shown at the present pose of the hand; for a `Cast`, or a pose, the hand is
         put there, without a motion. Raises `WorkbenchError` for other values.
         """
+        self._check_open("show_hit")
         if isinstance(hit, Collision):
             self.session.engine.show(np.asarray(hit.pairs), np.asarray(hit.kind_codes))
             return
+        if hit is None:
+            raise WorkbenchError(
+                "there is nothing to show: hit is None, as from a free cast", "show_hit", "give a hit or a pose"
+            )
+        if isinstance(hit, (Distance, Clearance, Contacts)):
+            kind = type(hit).__name__
+            raise WorkbenchError(f"a {kind} has no pose", "show_hit", "give a Collision, a Cast, or a pose")
         pose = hit.pose if isinstance(hit, Cast) else hit
         self.session.engine.jump(motion.checked(pose, "show_hit"))
 
@@ -169,6 +199,7 @@ class View(ViewCommands):
 
     def close(self) -> None:
         """Ends the server and the session; a second call does nothing."""
+        self._is_closed = True
         for watcher in self._watchers:
             watcher.end()
         self._watchers = []

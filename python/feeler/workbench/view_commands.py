@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from feeler.parts import PartsLike
-from feeler.workbench.document.arguments import VectorLike, plain_parts
+from feeler.poses import PoseLike
+from feeler.workbench.document.arguments import VectorLike, plain_parts, plain_pose
 from feeler.workbench.document.protocol import (
     Camera,
     CommandAnswer,
@@ -100,9 +101,9 @@ class ViewCommands:
         """Sets what contact does to the tool: stop, glide or pass."""
         return self.command("set_mode", mode=mode)
 
-    def place(self, pose: Pose) -> CommandAnswer:
+    def place(self, pose: Pose | PoseLike) -> CommandAnswer:
         """Moves the tool to a pose, as far as contact lets it: 16 numbers of world_from_tool, row by row, metres."""
-        return self.command("place", pose=pose)
+        return self.command("place", pose=plain_pose(pose))
 
     def grip(self, parts: PartsLike) -> CommandAnswer:
         """Grips parts: they leave the scene and move with the hand, together with those that it holds already."""

@@ -57,7 +57,7 @@ MATERIALS = {
 }
 
 
-@dataclass
+@dataclass(eq=False)
 class Part:
     """A part under construction. `pose` (4, 4), millimetres."""
 
@@ -112,7 +112,7 @@ class Step:
     """Names of the faults that block it directly."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Fastener:
     """A bolt, screw, stud or nut with its tool, millimetres; `frame` (4, 4) on top of the head, z outwards."""
 

@@ -6,15 +6,16 @@ import math
 import types
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Cast, Collision
 from feeler.arguments import near
-from feeler.errors import OptionError, WorkbenchError
+from feeler.errors import OptionError, PoseError, WorkbenchError
 from feeler.parts import Part, Parts, PartsLike
+from feeler.poses import PoseLike, one_pose
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Point
 from feeler.workbench.document.protocol import Pose, Selection, Vec3
@@ -49,6 +50,16 @@ def plain_parts(parts: PartsLike | None) -> object:
     if parts is None or isinstance(parts, (str, int)) or not isinstance(parts, Iterable):
         return parts
     return [plain_parts(each) for each in parts]
+
+
+def plain_pose(pose: Pose | PoseLike) -> object:
+    """A pose as the page sends it: 16 numbers. A value that is no pose stays, for the command to refuse."""
+    if motion.is_row(pose):
+        return np.asarray(pose).tolist()
+    try:
+        return list(motion.row(one_pose(cast("PoseLike", pose))))
+    except PoseError:
+        return pose
 
 
 Shape = Mapping[str, Any]

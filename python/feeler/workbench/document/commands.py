@@ -64,7 +64,7 @@ class Measured:
     parts: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Known:
     """The facts that commands need beside the document.
 
@@ -383,7 +383,7 @@ def findings_open(document: Document, given: Arguments, known: Known) -> Documen
     try:
         return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
     except LoadError as error:
-        raise given.fail("findings", str(error), "choose another file") from None
+        raise given.fail("findings", str(error), "give findings of feeler.clash, or choose another file") from None
 
 
 def finding_status(document: Document, given: Arguments, _known: Known) -> Document:

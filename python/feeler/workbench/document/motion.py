@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import WorkbenchError
-from feeler.poses import nearest_rigid
+from feeler.poses import nearest_rigid, one_pose
 
 Floats = npt.NDArray[np.float64]
 Row = tuple[float, ...]
@@ -32,22 +32,24 @@ def matrix(pose: Row) -> Floats:
 
 
 def checked(given: Any, where: str) -> Floats:
-    """A received pose: 16 numbers or `(4, 4)`, rigid up to rounding, which is repaired.
+    """A received pose: 16 numbers, or of any kind that queries take; rigid up to rounding, which is repaired.
 
     Raises `WorkbenchError`.
     """
     try:
-        pose = np.array(given, dtype=np.float64)
-        if pose.size != 16:
-            raise ValueError(f"{pose.size} numbers")
-        pose = pose.reshape(4, 4)
+        pose = np.reshape(given, (4, 4)).astype(np.float64) if is_row(given) else one_pose(given, "it")
         if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > _LARGEST_M:
             raise ValueError("a number that is not finite, or is out of all reach")
         return nearest_rigid(pose, _NEARLY_RIGID)
     except (TypeError, ValueError, OverflowError) as error:
         raise WorkbenchError(
-            f"this is not a pose: {error}", where, "give 16 numbers, row by row, rigid, metres"
+            f"this is not a pose: {error}", where, "give 16 numbers, row by row, or (4, 4), rigid, metres"
         ) from None
+
+
+def is_row(given: Any) -> bool:
+    """Whether these are 16 numbers."""
+    return isinstance(given, (list, tuple, np.ndarray)) and np.shape(given[:1]) == (1,) and len(given) == 16
 
 
 def shifted(offset: npt.ArrayLike) -> Floats:

@@ -49,7 +49,7 @@ _REST_M = 1e-7
 _PLAY_M_PER_S = 0.25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Bump:
     """The hand hit a part that it did not touch before. speed: metres a second; force: newtons, 0 except in glide."""
 
@@ -59,7 +59,7 @@ class Bump:
     force: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ticked:
     """The actions of a round, for a record. steps: of the proxy, 0 except in glide."""
 

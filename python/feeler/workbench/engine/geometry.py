@@ -40,7 +40,7 @@ def small_parts(scene: Scene) -> npt.NDArray[np.bool_]:
     return small
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PackedScene:
     """The parts of a scene in pieces. places: triangles of the mock-up -> packed triangles, or `NOT_DRAWN`."""
 

@@ -15,7 +15,7 @@ MOST_STEPS = 16
 """The most steps per tick: after a longer pause the hand catches up in the next ones."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Glided:
     """The proxy's pose, force and torque on the hand, and the active planes with their parts."""
 

@@ -27,7 +27,7 @@ Plane = tuple[Point, float]
 """Normal and offset."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Picked:
     """The first hit of a ray. triangle, part: of the mock-up; corners: `(3, 3)`, at the triangle's present place.
 

@@ -22,7 +22,7 @@ Places = npt.NDArray[np.uint32] | None
 """Mock-up or tool triangle -> packed triangle, `NOT_DRAWN` without one; None: the numbers are the same."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Snapshot:
     """The hand and its contacts.
 
