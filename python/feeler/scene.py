@@ -41,6 +41,7 @@ from feeler.arguments import (
     check_word,
     shown,
 )
+from feeler.atomic import check_target
 from feeler.calibrate import machine_constants
 from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
 from feeler.depths import Depths
@@ -203,7 +204,8 @@ class Scene(_core.Scene):
         """`save` with more sections."""
         mockup = self.mockup
         facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
-        return super()._save(saved.path_of(path, WriteError), saved.extras(facts) + others, progress)
+        target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
+        return super()._save(target, saved.extras(facts) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:
