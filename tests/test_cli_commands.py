@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -355,3 +356,32 @@ def test_poses_in_millimetres_are_asked_about(tmp_path: Path) -> None:
 def test_the_package_is_the_command_too() -> None:
     said = subprocess.run([sys.executable, "-m", "feeler", "--version"], capture_output=True, text=True, check=True)
     assert said.stdout.startswith("feeler ")
+
+
+def _with_output(words: list[str], output: Any, before: str = "") -> tuple[int, str]:
+    """Exit status and stderr of the program whose stdout is `output`."""
+    code = f"{before}\nfrom feeler.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", code, *words], stdout=output, stderr=subprocess.PIPE, check=False)
+    return done.returncode, done.stderr.decode()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits and pipes of Unix")
+@pytest.mark.parametrize("command", ["--help", "info", "collide"])
+def test_output_that_cannot_be_written(tmp_path: Path, stand: Path, slider: Path, command: str) -> None:
+    """A full disk is one line, and the status of bad input or output; a closed pipe changes nothing."""
+    of_command = {"info": [stand], "collide": [stand, "--tool", slider, "--at", "0.15,0.09375,0.125", "--json"]}
+    words = [command, *map(str, of_command.get(command, []))]
+    with (tmp_path / "out").open("wb") as whole:
+        usual, _ = _with_output(words, whole)
+    assert usual == (1 if command == "collide" else 0)
+    assert (tmp_path / "out").stat().st_size > 0
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
+    with (tmp_path / "full").open("wb") as full:
+        status, said = _with_output(words, full, limit)
+    assert status == 2 and said.count("\n") == 1 and said.startswith("feeler: cannot write the output: "), said
+    reads, writes = os.pipe()
+    os.close(reads)
+    assert _with_output(words, writes) == (usual, "")
+    os.close(writes)
+    closed = "import os, sys; os.close(1); sys.stdout = None"
+    assert _with_output(words, None, closed) == (usual, "")

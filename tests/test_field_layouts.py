@@ -348,7 +348,8 @@ def test_ply_binary_whose_body_begins_with_a_line_end(tmp_path, end, mark):
     body = corners.tobytes() + b"".join(b"\3" + row.astype("<i4").tobytes() for row in FACES)
     mockup = load_mockup(save(tmp_path, "a.ply", mark + head + body), unit="m")
     assert np.array_equal(soup(mockup), corners[FACES])
-    assert "3 bytes after" in notes(load_mockup(save(tmp_path, "b.ply", head + body + b"end")))
+    source = load_mockup(save(tmp_path, "b.ply", head + body + b"end")).report.source
+    assert any("3 bytes after" in note for note in source.notes) and not source.doubts
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "binary_big_endian"])
@@ -413,3 +414,22 @@ def test_ply_that_is_refused(tmp_path, old, new, words):
 def test_ply_index_that_is_no_whole_number_is_out_of_range(tmp_path):
     text = HEAD + FACE_HEAD.replace("uchar int", "uchar float") + PLAIN.replace("3 0 2 1", "3 0 2.5 1")
     assert load_mockup(save(tmp_path, "a.ply", text)).report.defects["index_out_of_range"].first == (0,)
+
+
+@pytest.mark.parametrize("kind", ["off", "ply in text", "ply"])
+def test_faces_that_the_header_did_not_count_are_a_doubt(tmp_path, kind):
+    few = len(FACES) - 1
+    if kind == "off":
+        path = save(tmp_path, "a.off", f"OFF\n4 {few} 6\n{PLAIN}{POLYGONS}")
+    else:
+        head = (HEAD + FACE_HEAD).replace(f"face {len(FACES)}", f"face {few}")
+        if kind == "ply":
+            rows = b"".join(b"\3" + row.astype(">i4").tobytes() for row in FACES)
+            head = head.replace("ascii", "binary_big_endian")
+            path = save(tmp_path, "a.ply", head.encode() + CORNERS.astype(">f4").tobytes() + rows)
+        else:
+            path = save(tmp_path, "a.ply", head + VERTICES + POLYGONS)
+    mockup = load_mockup(path, unit="m")
+    assert len(mockup.faces) == few
+    (doubt,) = mockup.report.source.doubts
+    assert "after the last" in doubt and "ignored: the header says" in doubt and str(few) in doubt

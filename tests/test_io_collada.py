@@ -482,3 +482,22 @@ def test_entities_are_refused(tmp_path):
     path.write_bytes(text.replace('version="1.0"?>', 'version="1.0" encoding="utf-16"?>', 1).encode("utf-16"))
     with pytest.raises(LoadError, match="document type"):
         load_mockup(path)
+
+
+BODIES = {
+    "triangles": "<p>0 1 2 0 2 3</p>",
+    "polylist": "<vcount>3 3</vcount><p>0 1 2 0 2 3</p>",
+    "polygons": "<p>0 1 2</p><p>0 2 3</p>",
+    "tristrips": "<p>0 1 2 3</p><p>0 1 3</p>",
+    "trifans": "<p>0 1 2 3</p><p>0 1 3</p>",
+}
+
+
+@pytest.mark.parametrize("tag", BODIES)
+def test_a_count_that_differs_is_a_doubt(tmp_path, tag):
+    for count, is_doubtful in (("2", False), ("02", False), ("", False), ("1", True), ("3", True), ("9" * 5000, True)):
+        text = f'<{tag} count="{count}">{INPUT.format("g")}{BODIES[tag]}</{tag}>'
+        mockup = load(tmp_path, dae(scene(node('<instance_geometry url="#g"/>')), geometry("g", text)))
+        assert len(mockup.faces) >= 2
+        said = [doubt for doubt in mockup.report.source.doubts if "holds another number of polygons" in doubt]
+        assert len(said) == is_doubtful, (count, mockup.report.source.doubts)

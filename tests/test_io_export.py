@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +16,9 @@ import pytest
 import trimesh
 
 import feeler
+import feeler.clashes
+import feeler.haptics
+import feeler.picture
 from feeler.io import Mark, WriteError, body_of, with_marks, write_glb, write_stl
 from feeler.picture import write_collision_glb
 
@@ -232,6 +238,76 @@ def test_errors_say_what_to_do_and_leave_nothing_behind(tmp_path: Path, write: A
     assert issubclass(WriteError, feeler.FeelerError) and issubclass(WriteError, OSError)
 
 
+WRITERS: dict[str, tuple[str, Callable[[Path], object]]] = {
+    "GLB": (".glb", lambda path: write_glb(path, cubes(["a"]))),
+    "STL": (".stl", lambda path: write_stl(path, cubes(["a"]))),
+    "picture": (".png", lambda path: feeler.picture.render(path, cubes(["a"]), size=(32, 32))),
+    "collision": (".glb", lambda path: write_collision_glb(path, *_meeting())),
+    "saved scene": (".feeler", lambda path: feeler.Scene(cubes(["a"])).save(path)),
+    "clashes": (".json", lambda path: _found().save(path)),
+    "rows": (".csv", lambda path: feeler.clashes.write_csv(path, _found())),
+    "page": (".html", lambda path: feeler.clashes.write_html(path, _found())),
+    "sheet": (".xlsx", lambda path: feeler.clashes.write_xlsx(path, _found())),
+    "topics": (".bcf", lambda path: feeler.clashes.write_bcf(path, _found(), _touching())),
+    "shown clashes": (".glb", lambda path: feeler.clashes.write_clash_glb(path, _found(), _touching())),
+    "rules": (".toml", lambda path: feeler.clashes.write_rules(path, _found())),
+    "haptics": (".npz", lambda path: _session().record(path)),
+}
+
+
+def _touching() -> feeler.Mockup:
+    vertices = np.concatenate([CUBE_VERTICES, CUBE_VERTICES + 0.5])
+    part = np.repeat([0, 1], 12).astype(np.uint32)
+    return feeler.Mockup(vertices, np.concatenate([CUBE_FACES, CUBE_FACES + 8]), part, part_names=["a", "b"])
+
+
+def _found() -> feeler.Clashes:
+    return feeler.clash(_touching())
+
+
+def _meeting() -> Any:
+    mockup, tool = cubes(["a"]), feeler.Tool(CUBE_VERTICES + 0.5, CUBE_FACES)
+    return mockup, tool, np.eye(4), feeler.Scene(mockup).collide(tool, np.eye(4))
+
+
+def _session() -> feeler.haptics.Session:
+    return feeler.haptics.Session(feeler.Scene(cubes(["a"])), feeler.Tool(0.1 * CUBE_VERTICES, CUBE_FACES))
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_no_writer_takes_the_name_of_another_format(tmp_path: Path, name: str) -> None:
+    ending, write = WRITERS[name]
+    wrong = tmp_path / ("a.STL" if ending != ".stl" else "a.glb")
+    with pytest.raises(WriteError, match=re.escape(f"give one that ends in {ending}")):
+        write(wrong)
+    assert not list(tmp_path.iterdir())
+    write(tmp_path / "a.unknown")
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_name_that_is_too_long_is_refused_in_words(tmp_path: Path, name: str) -> None:
+    ending, write = WRITERS[name]
+    for path in (tmp_path / ("é" * 5000 + ending), tmp_path / ("é" * 5000) / f"a{ending}"):
+        with pytest.raises(WriteError, match="too long") as caught:
+            write(path)
+        assert str(caught.value).startswith("cannot write ") and len(str(caught.value)) < 500
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_longest_name_is_written(tmp_path: Path) -> None:
+    target = tmp_path / ("\U0001f529" * 62 + ".stl")  # 252 bytes, of the 255 that file systems allow
+    write_stl(target, cubes(["a"]))
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are of Unix")
+def test_what_is_no_file_is_not_replaced(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(WriteError, match="it is a device or a pipe"):
+        write_stl(tmp_path / "pipe", cubes(["a"]))
+    assert (tmp_path / "pipe").is_fifo()
+
+
 def test_a_failed_write_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "a.stl"
     target.write_text("old")
@@ -239,7 +315,7 @@ def test_a_failed_write_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.M
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("feeler.io.atomic.os.replace", full)
+    monkeypatch.setattr("feeler.atomic.os.replace", full)
     with pytest.raises(WriteError, match="No space left"):
         write_stl(target, cubes(["a"]))
     assert target.read_text() == "old"

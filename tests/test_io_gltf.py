@@ -413,3 +413,23 @@ def test_draco_without_its_package_names_the_extra(tmp_path, monkeypatch):
     del g.root["accessors"][0]["bufferView"]
     with pytest.raises(LoadError, match=r"pip install feeler\[gltf\]"):
         load(tmp_path, g)
+
+
+@pytest.mark.parametrize(
+    ("other", "is_doubtful"),
+    [
+        ({"scale": [2, 2, 2]}, True),
+        ({"translation": [0, 0, 9]}, True),
+        ({"translation": [1, 2, 3.000001], "scale": [1, 1, 1]}, False),
+        ({"rotation": [0, 0, 0, 1]}, False),
+    ],
+)
+def test_a_node_that_is_placed_twice(tmp_path, other, is_doubtful):
+    """The standard forbids a matrix beside other placements: which one was used is told where it matters."""
+    g = Gltf()
+    matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]
+    g.node(mesh=g.mesh(), name="twice", matrix=matrix, **other)
+    mockup = load(tmp_path, g)
+    assert np.allclose(soup(mockup), CORNERS[FACES] + [1, 2, 3])
+    said = [doubt for doubt in mockup.report.source.doubts if "1 node is placed twice" in doubt]
+    assert len(said) == is_doubtful and all("the matrix was used ('twice')" in doubt for doubt in said)

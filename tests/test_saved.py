@@ -8,6 +8,7 @@ import json
 import multiprocessing
 import os
 import pickle
+import struct
 import subprocess
 import sys
 from functools import cache
@@ -19,7 +20,7 @@ import pytest
 from commands import error_of, run, run_json
 
 import feeler
-from feeler.io import write_glb, write_stl
+from feeler.io import WriteError, write_glb, write_stl
 
 
 @pytest.fixture(scope="module")
@@ -205,7 +206,7 @@ def test_a_document_that_cannot_be_right_is_refused(engine: feeler.Scene, tmp_pa
 
 def test_places_that_cannot_be_written_are_refused(engine: feeler.Scene, tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "no" / "a.feeler", Path("/")):
-        with pytest.raises(feeler.WriteError, match="cannot be saved"):
+        with pytest.raises(feeler.WriteError, match="cannot write"):
             engine.save(path)
     for path in (None, 3, "", "a\0b", b"a"):
         with pytest.raises(feeler.WriteError, match="give the path of a file"):
@@ -317,6 +318,32 @@ def test_a_cache_is_used_until_a_file_changes(tmp_path: Path) -> None:
     for bad in (3, b"a", ""):
         with pytest.raises(feeler.OptionError, match="cache is"):
             feeler.load_mockup(mesh, cache=bad)  # type: ignore[arg-type]
+
+
+def test_a_cache_sees_a_file_whose_size_and_time_are_as_they_were(tmp_path: Path) -> None:
+    """Rewritten in place, and its time set back, as programs that copy do."""
+    mesh = tmp_path / "a.stl"
+    sizes = []
+    for height in (1.0, 2.0):
+        corners = np.array([[0, 0, 0], [1, 0, 0], [0, height, 0]])
+        before = mesh.stat() if mesh.exists() else None
+        with mesh.open("r+b" if before else "wb") as file:
+            file.write(bytes(80) + struct.pack("<I12fH", 1, *[0.0] * 3, *corners.ravel(), 0))
+        if before:
+            os.utime(mesh, ns=(before.st_atime_ns, before.st_mtime_ns))
+            after = mesh.stat()
+            assert (after.st_size, after.st_mtime_ns) == (before.st_size, before.st_mtime_ns)
+        sizes.append(feeler.load_mockup(mesh, "m", cache=tmp_path / "cache").bounds[1, 1])
+    assert sizes == [1.0, 2.0]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such limit of a name")
+def test_a_cache_whose_name_is_too_long_is_refused(tmp_path: Path) -> None:
+    mesh = tmp_path / "a.stl"
+    write_stl(mesh, feeler.sample_tool("wrench"))
+    for folder in (tmp_path / ("x" * 5000), tmp_path / "x" / ("x" * 300)):
+        with pytest.raises(WriteError, match="the cache cannot be made: File name too long"):
+            feeler.load_mockup(mesh, cache=folder)
 
 
 def test_a_cache_sees_the_files_beside_a_gltf(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.arguments import check_path
-from feeler.errors import FeelerError, LoadError, MissingFileError, WriteError
+from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.memory import free_memory
 from feeler.source import Source
 
@@ -47,18 +47,6 @@ def path_of(path: object, error: type[FeelerError]) -> str:
     if isinstance(path, str) and not path:
         raise error("path is empty: give the path of a file")
     return str(check_path("path", path, error))
-
-
-def target_of(path: object) -> str:
-    """The path as text, in a folder that exists. Raises `WriteError`."""
-    target = path_of(path, WriteError)
-    folder = os.path.dirname(os.path.abspath(target))
-    if not os.path.isdir(folder):
-        what = "is not a folder" if os.path.lexists(folder) else "does not exist"
-        raise WriteError(
-            f"{target}: the scene cannot be saved: {folder} {what}; make it first, or choose another place"
-        )
-    return target
 
 
 _known: WeakValueDictionary[tuple[str, str], SavedFile] = WeakValueDictionary()

@@ -41,11 +41,12 @@ from feeler.arguments import (
     check_word,
     shown,
 )
+from feeler.atomic import check_target
 from feeler.calibrate import machine_constants
 from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
-from feeler.errors import LimitError, LoadError, MeshError, OptionError
+from feeler.errors import LimitError, LoadError, MeshError, OptionError, WriteError
 from feeler.figures import SceneMemory
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.memory import free_memory
@@ -203,7 +204,8 @@ class Scene(_core.Scene):
         """`save` with more sections."""
         mockup = self.mockup
         facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
-        return super()._save(saved.target_of(path), saved.extras(facts) + others, progress)
+        target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
+        return super()._save(target, saved.extras(facts) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from feeler.arguments import check_kind, check_progress, check_text, check_whole
+from feeler.atomic import atomic_file
 from feeler.choices import GroupBy
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
 from feeler.clashes.tracking import derived_id
 from feeler.clashes.verdict import SEVERITIES, Verdict
 from feeler.clashes.words import sentence, title
-from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 
@@ -86,7 +86,7 @@ def write_bcf(
         files[f"{guid}/markup.bcf"] = _xml(_markup(group, clashes, number, guid, view, author, date))
         files[f"{guid}/viewpoint.bcfv"] = _xml(_viewpoint(group.worst, pictures.view(group.worst), view))
         files[f"{guid}/snapshot.png"] = pictures.png(group.worst)
-    with atomic_file(path) as out, zipfile.ZipFile(out, "w") as archive:
+    with atomic_file(path, ".bcf", ".bcfzip") as out, zipfile.ZipFile(out, "w") as archive:
         for name, data in files.items():
             kind = zipfile.ZIP_STORED if name.endswith(".png") else zipfile.ZIP_DEFLATED
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, kind)

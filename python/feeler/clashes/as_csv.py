@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 
 from feeler.arguments import check_kind
+from feeler.atomic import atomic_file
 from feeler.choices import GroupBy
 from feeler.clashes.columns import COLUMNS, cells
 from feeler.clashes.result import Clashes
-from feeler.io.atomic import atomic_file
 from feeler.io.csv_table import csv_table
 
 
@@ -19,5 +19,5 @@ def write_csv(path: str | os.PathLike[str], clashes: Clashes, *, by: GroupBy = "
     formula gets a leading apostrophe. by: how to group, as in `Clashes.groups`. Raises `WriteError`.
     """
     check_kind("clashes", clashes, Clashes)
-    with atomic_file(path) as file:
+    with atomic_file(path, ".csv") as file:
         file.write(csv_table([column.name for column in COLUMNS], cells(clashes, by)))

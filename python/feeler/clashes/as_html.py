@@ -9,6 +9,7 @@ from html import escape
 from typing import Any
 
 from feeler.arguments import check_kind, check_progress, check_whole
+from feeler.atomic import atomic_file
 from feeler.choices import GroupBy
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
@@ -16,7 +17,6 @@ from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.verdict import Verdict
 from feeler.clashes.words import capitalised, extent, hidden, sentence
-from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.words import length, plural
@@ -62,7 +62,7 @@ def write_html(
             f"<script>{SCRIPT}</script></body></html>\n",
         ]
     )
-    with atomic_file(path) as file:
+    with atomic_file(path, ".html") as file:
         file.write(page.encode("utf-8", errors="replace"))
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from feeler.arguments import check_kind, check_progress, check_whole, check_word
+from feeler.atomic import atomic_file
 from feeler.choices import GROUPS_BY, GroupBy
 from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
@@ -19,7 +20,6 @@ from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 from feeler.clashes.words import capitalised, hidden
 from feeler.errors import OptionError
-from feeler.io.atomic import atomic_file
 from feeler.io.csv_table import Cell
 from feeler.mockup import Mockup
 from feeler.progress import Progress
@@ -68,7 +68,7 @@ def write_xlsx(
     drawn = _drawing(clashes, mockup) if mockup is not None else None
     count = min(len(clashes), MOST_ROWS)
     pictured = min(pictures, count) if drawn is not None else 0
-    with atomic_file(path) as file:
+    with atomic_file(path, ".xlsx") as file:
         # Into memory first: XlsxWriter has errors of its own for a full disk.
         data = io.BytesIO()
         book = library.Workbook(

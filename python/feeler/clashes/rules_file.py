@@ -7,10 +7,10 @@ import os
 from collections import Counter
 
 from feeler.arguments import check_kind
+from feeler.atomic import atomic_file
 from feeler.clashes.fastener_rule import is_fastener
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import VERSION
-from feeler.io.atomic import atomic_file
 
 _WRITTEN = 30
 """Most rules, and most pairs in contact, that `write_rules` lists. Nobody reads more."""
@@ -23,7 +23,7 @@ def write_rules(path: str | os.PathLike[str], clashes: Clashes) -> None:
     come back. Comments suggest exclusions: parts in contact, and fasteners. Raises `WriteError`.
     """
     check_kind("clashes", clashes, Clashes)
-    with atomic_file(path) as file:
+    with atomic_file(path, ".toml") as file:
         file.write(_text(clashes).encode("utf-8"))
 
 

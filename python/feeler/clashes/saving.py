@@ -23,12 +23,12 @@ from typing import Any, Generic
 import numpy as np
 
 from feeler.arguments import check_path
+from feeler.atomic import atomic_file
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
 from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import LoadError, MissingFileError
-from feeler.io.atomic import atomic_file
 from feeler.io.text import text_of
 
 FORMAT, VERSION = "feeler clash", 1
@@ -131,7 +131,7 @@ def save(clashes: Table, path: str | os.PathLike[str]) -> None:
         lines = sorted(rows(table), key=lambda row: (row["rule"], sorted((row["a"], row["b"])), row["id"]))
         texts.append(_list(name, lines))
     texts += [_list(name, lines) for name, lines in shapes_of_file(clashes).items()]
-    with atomic_file(path) as file:
+    with atomic_file(path, ".json") as file:
         file.write(("{\n " + ",\n ".join(texts) + "\n}\n").encode("ascii"))
 
 

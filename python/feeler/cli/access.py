@@ -260,12 +260,12 @@ def _write(
     targets: dict[str, Path | None],
 ) -> dict[str, str]:
     """Writes the requested files; returns their names by kind."""
-    from feeler.io.atomic import atomic_file
+    from feeler.atomic import atomic_file
     from feeler.plan.access_glb import write_access_glb
 
     written = {}
     if targets["csv"] is not None:
-        with atomic_file(targets["csv"]) as file:
+        with atomic_file(targets["csv"], ".csv") as file:
             file.write(_csv(rows))
         written["csv"] = str(targets["csv"])
     if targets["glb"] is not None:

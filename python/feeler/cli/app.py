@@ -1,12 +1,14 @@
 """The program: its commands, `--version`, and its exit status.
 
-Exit status: 0 fine, 1 a finding (a collision; too little clearance; a blocked path), 2 bad input, 130 interrupted.
+Exit status: 0 fine, 1 a finding (a collision; too little clearance; a blocked path), 2 bad input, or output that cannot
+be written, 130 interrupted. A reader that closes the pipe (head, less) changes nothing: the command ends as it would.
 """
 
 from __future__ import annotations
 
 import functools
 import inspect
+import io
 import os
 import re
 import shutil
@@ -50,8 +52,6 @@ def command(
             try:
                 values = kwargs | {name: option.read(kwargs[name]) for name, option in options.items()}
                 return function(*args, **values)
-            except BrokenPipeError:
-                raise  # some of our errors are OSErrors too; this one is not
             except FeelerError as error:
                 fail(in_command_line_words(str(error), options, kwargs))
                 raise typer.Exit(BAD_INPUT) from None
@@ -101,15 +101,61 @@ def fail(message: str) -> None:
 
 def main() -> None:
     """Runs the program and exits."""
+    output = _Output.instead_of("stdout")
+    _Output.instead_of("stderr")  # a finding is one, whether or not its warnings can be written
     try:
         app(prog_name="feeler")
     except KeyboardInterrupt:
         fail("interrupted")
         sys.exit(INTERRUPTED)
-    except BrokenPipeError:
-        # The reader (head, less) closed the pipe. Python would report it again when it flushes stdout at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
+    except SystemExit:
+        if output is not None:
+            sys.stdout.flush()
+            if output.trouble is not None:
+                fail(f"cannot write the output: {output.trouble}; free some space or choose another place")
+                sys.exit(BAD_INPUT)
+        raise
+
+
+class _Output(io.FileIO):
+    """stdout or stderr that never fails: after the first error nothing more is written, and `trouble` has the reason.
+
+    So the command ends as it would have, with its files and its exit status. A closed pipe is no trouble.
+    """
+
+    def __init__(self, descriptor: int) -> None:
+        super().__init__(descriptor, "w", closefd=False)
+        self.trouble: str | None = None
+        self._is_open = True
+
+    @classmethod
+    def instead_of(cls, name: str) -> _Output | None:
+        """Puts one in the place of `sys.stdout` or `sys.stderr`; None for a terminal, which is left alone."""
+        stream = getattr(sys, name)
+        if stream is None:  # closed before the program began
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+            return None
+        try:
+            if stream.isatty():
+                return None
+            output = cls(stream.fileno())
+            stream.flush()
+        except (OSError, ValueError):  # no file at all
+            return None
+        encoding, errors, by_lines = stream.encoding, stream.errors, stream.line_buffering
+        buffered = io.BufferedWriter(output)
+        setattr(sys, name, io.TextIOWrapper(buffered, encoding, errors, line_buffering=by_lines))
+        return output
+
+    def write(self, data: Any, /) -> int:
+        if self._is_open:
+            try:
+                return super().write(data) or 0
+            except OSError as error:
+                self._is_open = False
+                if not isinstance(error, BrokenPipeError):
+                    self.trouble = error.strerror or str(error)
+        return memoryview(data).nbytes
 
 
 def _show_version(value: bool) -> None:

@@ -200,7 +200,7 @@ def _check_out(target: Path, ending: str) -> None:
 
 
 def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:
-    from feeler.io.atomic import atomic_file
+    from feeler.atomic import atomic_file
     from feeler.io.csv_table import csv_table
 
     rows = [
@@ -212,7 +212,7 @@ def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:
         for entry in results
         for row in entry["parts"]
     ]
-    with atomic_file(path) as file:
+    with atomic_file(path, ".csv") as file:
         file.write(csv_table(_COLUMNS, rows))
 
 

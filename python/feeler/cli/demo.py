@@ -98,7 +98,7 @@ def _make_folder(folder: Path) -> None:
 def _write(
     folder: Path, mockup: feeler.Mockup, tool: feeler.Tool, pose: npt.NDArray[np.float64], hit: Any
 ) -> dict[str, str]:
-    from feeler.io.atomic import atomic_file
+    from feeler.atomic import atomic_file
     from feeler.picture import render_collision, write_collision_glb
 
     files = {"picture": folder / "deepest.png", "glb": folder / "deepest.glb", "pose": folder / "pose.json"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 from typing import Annotated
@@ -9,10 +10,10 @@ from typing import Annotated
 import typer
 
 import feeler
+from feeler.atomic import check_target
 from feeler.cli.app import command
 from feeler.cli.inputs import AsJson, BuildThreads, ChordTolerance, MockupFiles, MockupUnit, Up, VoxelSize, read_mockup
 from feeler.errors import OptionError
-from feeler.io.atomic import check_target
 from feeler.progress import bar
 from feeler.saved import SUFFIX
 
@@ -47,7 +48,7 @@ def index(
     target = check_target(out if out is not None else _default(mockup))
     if target.suffix.lower() != SUFFIX:
         raise OptionError(f"--out is {target}: the name of a saved scene ends in {SUFFIX}")
-    if any(Path(source).exists() and target.exists() and target.samefile(source) for source in mockup):
+    if any(os.path.exists(source) and target.exists() and target.samefile(source) for source in mockup):
         raise OptionError(f"--out is {target}, which is the mock-up itself: choose another name")
     start = time.perf_counter()
     world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)

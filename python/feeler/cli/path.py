@@ -198,12 +198,12 @@ def _write(
     glb: Path | None,
     context: float | None,
 ) -> dict[str, str]:
-    from feeler.io.atomic import atomic_file
+    from feeler.atomic import atomic_file
     from feeler.picture import write_collision_glb
 
     written = {}
     if csv is not None:
-        with atomic_file(csv) as file:
+        with atomic_file(csv, ".csv") as file:
             file.write(_csv(hits))
         written["csv"] = str(csv)
     first = check.first

@@ -345,7 +345,7 @@ def _ends(insert: bool, files: dict[str, Path | None], is_other: bool, snap: boo
 
 
 def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None]) -> dict[str, str]:
-    from feeler.io.atomic import atomic_file
+    from feeler.atomic import atomic_file
 
     mockup = asked.scene.mockup
     written = {}

@@ -46,8 +46,8 @@ def sample(
     as_json: AsJson = False,
 ) -> None:
     """Makes a built-in mock-up or tool, the same on every machine."""
+    from feeler.atomic import atomic_file
     from feeler.cli import outputs
-    from feeler.io.atomic import atomic_file
     from feeler.samples import sample_names, sample_tool_names
 
     mockups, tools = sample_names(), sample_tool_names()
@@ -75,7 +75,7 @@ def sample(
             mesh = feeler.sample(sample_name, triangles, seed=seed, faults=faults, progress=progress)
         if truth is not None:
             known = feeler.sample_truth(sample_name, triangles, seed=seed, faults=faults)
-            with atomic_file(truth) as file:
+            with atomic_file(truth, ".json") as file:
                 file.write((known.to_json() + "\n").encode())
     size = None
     if out is not None:

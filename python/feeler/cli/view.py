@@ -131,9 +131,10 @@ def view(
         raise OptionError("--device moves a tool: give --tool too")
     place = Place(host, port, allow_remote, tls_cert, tls_key)
     place.check()
-    for target in (record, Path(FILE) if benchmark else None):
-        if target is not None:
-            check_target(target)
+    if record is not None:
+        check_target(record, ".jsonl", ".json")
+    if benchmark:
+        check_target(FILE)
     found = None if findings is None else read_findings(findings)
     # Before anything is loaded, so that a missing device is reported at once.
     held = None if device is None else devices.open_device(device)
@@ -286,8 +287,8 @@ class _Measured:
         return True
 
     def _write(self, figures: dict[str, Any], opened: Opened) -> None:
+        from feeler.atomic import atomic_file
         from feeler.cli import outputs
-        from feeler.io.atomic import atomic_file
         from feeler.workbench.session import benchmark
 
         written = benchmark.report(figures, self._session.document(), opened)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.atomic import atomic_file
 from feeler.haptics.coupling import Coupling
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
@@ -73,7 +74,7 @@ class Recorder:
         self._inputs.append(np.append(pose.ravel(), dt))
 
     def close(self) -> None:
-        """Writes the file; further calls do nothing."""
+        """Writes the file; further calls do nothing. Raises `WriteError`."""
         ended, self._ended = self._ended, None
         if ended is None:
             return
@@ -95,7 +96,7 @@ class Recorder:
             meshes = {**_arrays("mockup", mockup), **_arrays("tool", tool)}
             for part, each in lying.items():
                 meshes |= _arrays(f"put_down.{part}", each)
-        with self.path.open("wb") as file:
+        with atomic_file(self.path, ".npz") as file:
             np.savez_compressed(
                 file,
                 head=np.array(json.dumps(head)),

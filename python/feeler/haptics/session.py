@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_flag, check_length, check_path, check_real, check_whole, shown
+from feeler.arguments import check_flag, check_length, check_real, check_whole, shown
+from feeler.atomic import check_target
 from feeler.choices import ProxyMode, SeatKind
 from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
@@ -247,9 +248,11 @@ class Session(Runs):
         return _start_of(started)
 
     def record(self, path: str | Path) -> Recorder:
-        """Records into a file, from the next start on, for `replay`; `.close()` or `with` ends it."""
+        """Records into a file, from the next start on, for `replay`; `.close()` or `with` ends it.
+
+        The name ends in .npz. Raises `WriteError`."""
         self._recorder = Recorder(
-            check_path("path", path),
+            check_target(path, ".npz"),
             self.scene,
             self.tool,
             self.coupling,

@@ -25,6 +25,7 @@ class Assembly:
     def __init__(self, format_name: str, unit: str | None = None) -> None:
         """`unit`: overrides the unit of the objects; None: the unit that they state, else the metre."""
         self.notes: list[str] = []
+        self.doubts: list[str] = []
         self.files: list[str] = []
         self._format = format_name
         self._given = None if unit is None else parse_unit(unit)
@@ -108,7 +109,11 @@ class Assembly:
 
     def meshes(self, seconds: float = 0.0) -> Meshes:
         """All meshes joined, in metres. Raises `MeshError` if there is no triangle, or if units differ."""
-        notes = [*self.notes, *(counted(count, f"{what} without triangles") for what, count in self._skipped.items())]
+        notes = [
+            *self.doubts,
+            *self.notes,
+            *(counted(count, f"{what} without triangles") for what, count in self._skipped.items()),
+        ]
         if self.is_empty:
             raise MeshError(f"{self._format}: no triangle in it ({'; '.join(notes) or 'no mesh'}): give surfaces")
         unit, source = self._unit()
@@ -120,7 +125,15 @@ class Assembly:
             np.concatenate(self._parts),
             self._names,
             self._paths,
-            Source(tuple(self.files), self._format, unit.name, source, seconds, tuple(notes)),
+            Source(
+                tuple(self.files),
+                self._format,
+                unit.name,
+                source,
+                seconds,
+                notes=tuple(notes),
+                doubts=tuple(self.doubts),
+            ),
         )
 
     def _unit(self) -> tuple[Unit, str]:

@@ -48,12 +48,14 @@ def add(assembly: Assembly, held: Any, path: tuple[str, ...], depth: int = 0) ->
         ways = inspect.signature(held.extract_surface).parameters
         held = held.extract_surface(**({"algorithm": "dataset_surface"} if "algorithm" in ways else {}))
     points = np.asarray(held.points)
-    faces, notes = _polygons(_padded(held, "faces"), np.asarray(points, dtype=np.float64), "/".join(path) or "faces")
+    padded = _padded(held, "faces")
+    faces, notes, doubts = _polygons(padded, np.asarray(points, dtype=np.float64), "/".join(path) or "faces")
     strips = _strips(_padded(held, "strips"), "/".join(path) or "strips")
     for what, name in (("lines", "lists of lines"), ("verts", "lists of points")):
         if len(_padded(held, what)):
             assembly.skip(name)
-    assembly.notes += [f"{'/'.join(path)}: {note}" if path else note for note in notes]
+    for said, found in ((assembly.notes, notes), (assembly.doubts, doubts)):
+        said += [f"{'/'.join(path)}: {line}" if path else line for line in found]
     assembly.add(path or ("part",), points, np.concatenate([faces, strips]))
 
 
@@ -90,16 +92,16 @@ def _split(padded: Ints, where: str) -> tuple[Ints, Ints]:
     return padded[keep], counts
 
 
-def _polygons(padded: Ints, points: npt.NDArray[np.float64], where: str) -> tuple[Ints, list[str]]:
+def _polygons(padded: Ints, points: npt.NDArray[np.float64], where: str) -> tuple[Ints, list[str], list[str]]:
     # Usually all cells are triangles.
     if len(padded) % 4 == 0 and (padded[::4] == 3).all():
-        return padded.reshape(-1, 4)[:, 1:], []
+        return padded.reshape(-1, 4)[:, 1:], [], []
     corners, sizes = _split(padded, where)
     done = triangulate(corners, sizes, points)
-    notes = describe(done)
+    notes, doubts = describe(done)
     if done.thin:
         notes.append(counted(done.thin, "polygons with fewer than three corners have no triangle"))
-    return done.faces, notes
+    return done.faces, notes, doubts
 
 
 def _strips(padded: Ints, where: str) -> Ints:

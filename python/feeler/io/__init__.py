@@ -8,8 +8,8 @@ count against the size of the file before using it. General mesh libraries reord
 not acceptable where every contact counts. OpenCASCADE triangulates STEP.
 """
 
+from feeler.atomic import check_target
 from feeler.errors import WriteError
-from feeler.io.atomic import check_target
 from feeler.io.body import Body, Mark, MeshLike, body_of, with_marks
 from feeler.io.csv_table import csv_table
 from feeler.io.export import write_glb, write_stl

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from feeler.arguments import check_path
+from feeler.arguments import check_path, shown
 from feeler.errors import FeelerError, OptionError, WriteError
 from feeler.io.files import PathLike, collect
 from feeler.memory import free_memory
@@ -35,7 +35,7 @@ class Cache:
 
     def __init__(self, folder: PathLike, paths: PathLike | Iterable[PathLike], options: tuple[object, ...]) -> None:
         given = check_path("cache", folder)
-        if not str(folder) or (given.exists() and not given.is_dir()):
+        if not str(folder) or (os.path.exists(given) and not os.path.isdir(given)):
             raise OptionError(f"cache is {folder!r}: give a folder")
         self._files = sorted(str(found.path.resolve()) for found in collect(paths).files)
         key = hashlib.sha256(json.dumps([self._files, [repr(option) for option in options]]).encode("ascii"))
@@ -44,12 +44,13 @@ class Cache:
 
     def find(self, progress: Progress | None) -> Mockup | None:
         """The mock-up, if it was loaded before and none of its files has changed since."""
-        if not self.path.is_file():
+        if not os.path.isfile(self.path):
             return None
         with suppress(FeelerError, ValueError, TypeError, OSError):  # damaged, or of another version: loaded again
             file = opened(str(self.path), True, free_memory() * 4 // 5, progress)
             inputs = json.loads(file.core.extra(_INPUTS) or b"")
-            if inputs == _states(path for path, *_ in inputs) and {*self._files} <= {path for path, *_ in inputs}:
+            paths = [path for path, *_ in inputs]
+            if inputs == _states(paths) and all(state[1:] for state in inputs) and {*self._files} <= {*paths}:
                 return Mockup._of_file(file)
         return None
 
@@ -70,15 +71,26 @@ class Cache:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise WriteError(f"{self.path.parent}: the cache cannot be made: {error.strerror or error}") from None
+            raise WriteError(
+                f"the cache cannot be made: {error.strerror or error} ({shown(str(self.path.parent))})"
+            ) from None
         Scene(mockup)._save_with(self.path, [(_INPUTS, json.dumps(inputs).encode("ascii"))])
         return Mockup._of_file(opened(str(self.path), False, free_memory() * 4 // 5, None))
 
 
 def _states(paths: Iterable[str]) -> list[list[object]]:
-    """Path, size and time of the last change of each file."""
+    """Of each file: its path, size, number in its file system, and the times of the last change of content and of
+    anything at all. Only the path of one that cannot be asked.
+
+    A program may set the time of the content back, as copies and archives do; the other time nobody sets. (On Windows
+    that is the time when the file was made.)
+    """
     found: list[list[object]] = []
     for path in paths:
-        state = os.stat(path)
-        found.append([path, state.st_size, state.st_mtime_ns])
+        try:
+            state = os.stat(path)
+        except OSError:
+            found.append([path])
+        else:
+            found.append([path, state.st_size, state.st_ino, state.st_mtime_ns, state.st_ctime_ns])
     return found

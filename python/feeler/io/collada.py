@@ -94,6 +94,7 @@ class _Reader:
             self.paths,
             unit=unit,
             notes=self.notes + self.tally.notes(),
+            doubts=self.tally.doubts(),
             up=up,
         )
 

@@ -24,6 +24,12 @@ class Mesh(NamedTuple):
     faces: NDArray[np.uint32]
 
 
+_MISCOUNTED = (
+    "primitives hold another number of polygons than they say: all that is there was read; if some are missing, \
+export the file again"
+)
+
+
 class MeshReader:
     """Reads geometries on demand, each once, and counts primitives without triangles."""
 
@@ -64,13 +70,14 @@ class MeshReader:
             first = sources[id(source)]
             points = vertices[1 + list(sources).index(id(source))]
             corners, sizes = self._polygons(primitive, offset, stride, points, name)
+            self._check_count(primitive, len(sizes), name)
             made = triangulate(corners, sizes, points)
             if made.cut:
                 self.tally.add("polygons with more than three corners were cut into triangles", name, made.cut)
             if made.thin:
                 self.tally.add("polygons with fewer than three corners have no triangle", name, made.thin)
             if made.rough:
-                self.tally.add(CROSSING, name, made.rough)
+                self.tally.add(CROSSING, name, made.rough, is_doubtful=True)
             faces.append(shift_indices(seal_indices(made.faces, len(points)), first, len(points)))
         return Mesh(np.concatenate(vertices), np.concatenate(faces))
 
@@ -127,6 +134,15 @@ class MeshReader:
         if spare:
             self._add_spare(spare, name)
         return corners, np.full(len(corners) // 3, 3, dtype=np.int64)
+
+    def _check_count(self, primitive: Element, found: int, name: str) -> None:
+        """Count a primitive that holds more or less than it says."""
+        if primitive.tag in ("tristrips", "trifans"):
+            found = len(primitive.all("p"))
+        said = primitive.attributes.get("count", "").strip()
+        # Compared as text: Python reads no number of thousands of digits.
+        if said.isascii() and said.isdigit() and (said.lstrip("0") or "0") != str(found):
+            self.tally.add(_MISCOUNTED, name, is_doubtful=True)
 
     def _corners(self, element: Element, offset: int, stride: int, name: str) -> NDArray[np.int64]:
         """Return the index of the position of each corner of a <p> or <h>."""

@@ -20,9 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_word
+from feeler.atomic import atomic_file
 from feeler.choices import STL_UNITS, StlUnit
 from feeler.errors import MeshError
-from feeler.io.atomic import atomic_file
 from feeler.io.body import Body, FloatArray, MeshLike, body_of
 from feeler.io.gltf_document import OWN_GENERATOR
 from feeler.poses import quaternion
@@ -50,7 +50,7 @@ def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.Arra
     size = sum(len(chunk) for chunk in chunks)
     if size >= 2**32:
         raise MeshError(f"{path}: the file would have {size} bytes; GLB ends at 4 GiB. Write fewer parts")
-    with atomic_file(path) as file:
+    with atomic_file(path, ".glb") as file:
         for chunk in chunks:
             file.write(chunk)
     return size
@@ -98,7 +98,7 @@ def write_stl(path: str | os.PathLike[str], mesh: MeshLike, *, unit: StlUnit = "
     triangles["normal"] = normals / np.where(lengths > 0, lengths, 1.0)[:, None]
     triangles["corners"] = corners * _STL_PER_METRE[unit]
     header = f"feeler binary STL, unit {unit}".encode().ljust(80)
-    with atomic_file(path) as file:
+    with atomic_file(path, ".stl") as file:
         file.write(header + struct.pack("<I", len(triangles)))
         file.write(_bytes(triangles))
     return 84 + triangles.nbytes

@@ -16,6 +16,9 @@ from feeler.io.tally import Tally
 
 _OUTSIDE = "nodes with a mesh are not in the scene and were left out"
 _HIDDEN = "hidden parts (KHR_node_visibility) were left out"
+_TWICE = "nodes are placed twice, by a matrix and by other numbers that differ: the matrix was used"
+_SAME = 1e-5
+"""How far numbers of two placements differ that are meant to be equal: a float32 each, rounded more than once."""
 
 
 @dataclass(frozen=True)
@@ -171,16 +174,21 @@ class SceneGraph:
             return None if value is None else self.document.numbers(value, f"nodes[{index}].{key}", count)
 
         matrix = numbers("matrix", 16)
-        if matrix is not None:
-            if matrix[3::4] != [0.0, 0.0, 0.0, 1.0]:
-                raise self.document.fail(f"nodes[{index}].matrix is not an affine transform")
-            return np.array([matrix[row::4] for row in range(4)])  # column by column
+        if matrix is not None and matrix[3::4] != [0.0, 0.0, 0.0, 1.0]:
+            raise self.document.fail(f"nodes[{index}].matrix is not an affine transform")
+        whole = None if matrix is None else np.array([matrix[row::4] for row in range(4)])  # column by column
         move, turn, scale = numbers("translation", 3), numbers("rotation", 4), numbers("scale", 3)
         if move is None and turn is None and scale is None:
-            return IDENTITY
-        return self._compose(
+            return IDENTITY if whole is None else whole
+        composed = self._compose(
             move or [0.0, 0.0, 0.0], turn or [0.0, 0.0, 0.0, 1.0], scale or [1.0, 1.0, 1.0], f"nodes[{index}]"
         )
+        if whole is None:
+            return composed
+        # The standard forbids both. Some programs write both all the same, the second as the first or as no motion.
+        if not any(np.allclose(composed, same, rtol=_SAME, atol=_SAME) for same in (IDENTITY, whole)):
+            self.tally.add(_TWICE, node.get("name", f"node {index}"), is_doubtful=True)
+        return whole
 
     def _compose(self, move: list[float], turn: list[float], scale: list[float], where: str) -> Matrix:
         x, y, z, w = turn

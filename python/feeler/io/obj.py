@@ -189,8 +189,8 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
     sizes = np.concatenate(reader.sizes or none)
     result = polygons.triangulate(np.concatenate(reader.corners or none), sizes, vertices)
     check_mesh(len(vertices), len(result.faces), len(reader.part_of), str(path))
-    notes += polygons.describe(result)
-    doubts = []
+    cut, doubts = polygons.describe(result)
+    notes += cut
     if result.thin:
         lines = np.concatenate(reader.lines)
         if sizes[-1] < 3 and lines[-1] == last_line:

@@ -20,7 +20,7 @@ from feeler.io.limits import check_mesh
 from feeler.io.raw import RawMesh, seal_indices
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
-from feeler.words import counted
+from feeler.words import counted, plural
 
 _KEYWORD = re.compile(rb"((?:ST|[CN4n])*)(?:OFF|off)(\d+)?", re.ASCII)
 _SMALL = re.compile(rb"((?:st|[cn4])*)off(\d+)?", re.ASCII)
@@ -65,14 +65,17 @@ def read_off(path: Path, progress: Progress | None = None) -> RawMesh:
     vertices, faces, extra = _read_body(path, data, header, progress)
     result = polygons.triangulate(faces.corners, faces.sizes, vertices)
     check_mesh(header.vertices, len(result.faces), 1, str(path))
-    notes = polygons.describe(result)
+    notes, doubts = polygons.describe(result)
     for size, what in ((0, "polygons without a corner"), (1, "points"), (2, "lines")):
         if count := int((faces.sizes == size).sum()):
             notes.append(counted(count, f"{what} were skipped: only triangles collide"))
     if extra:
-        notes.append(counted(extra, "lines after the last polygon were ignored"))
+        # They may be polygons that the header did not count.
+        ignored = counted(extra, "lines after the last polygon were ignored")
+        doubts.append(f"{ignored}: the header says {plural(header.polygons, 'polygon')}")
     sealed = seal_indices(result.faces, header.vertices)
-    return RawMesh(vertices, sealed, np.zeros(len(sealed), dtype=np.uint32), [path.stem], [""], notes=notes)
+    parts = np.zeros(len(sealed), dtype=np.uint32)
+    return RawMesh(vertices, sealed, parts, [path.stem], [""], notes=notes, doubts=doubts)
 
 
 def _read_header(path: Path, data: bytes) -> _Header:

@@ -69,7 +69,7 @@ class _Body:
     vertices: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     faces: _Lists = field(default_factory=lambda: _Lists(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)))
     strips: _Lists = field(default_factory=lambda: _Lists(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)))
-    rest: str = ""  # text after the last row
+    rest: int = 0  # what follows the last row: lines of a text, else bytes
 
     def add(self, name: str, lists: list[_Lists]) -> None:
         """Take the lists of all elements of that name, "face" or "tristrips", in order."""
@@ -97,7 +97,7 @@ def read_ply(path: Path, progress: Progress | None = None) -> RawMesh:
     result = polygons.triangulate(body.faces.values, body.faces.sizes, body.vertices)
     triangles = np.concatenate([result.faces, _strip_triangles(body.strips)])
     check_mesh(len(body.vertices), len(triangles), 1, str(path))
-    notes = polygons.describe(result)
+    notes, doubts = polygons.describe(result)
     if result.thin:
         notes.append(counted(result.thin, "faces with fewer than three corners hold no triangle"))
     if len(body.strips.sizes):
@@ -106,9 +106,14 @@ def read_ply(path: Path, progress: Progress | None = None) -> RawMesh:
         if element.name not in ("vertex", "face", "tristrips") and element.count and element.properties:
             notes.append(counted(element.count, f"rows of {element.name[:80]!r} were skipped: only triangles collide"))
     if body.rest:
-        notes.append(body.rest)
+        note = counted(body.rest, f"{'bytes' if order else 'lines'} after the last row were ignored")
+        # Whole rows may be faces that the header did not count.
+        said = ", ".join(f"{element.count:,} x {element.name[:80]}" for element in elements)
+        is_row = not order or body.rest >= _least_row(elements)
+        (doubts if is_row else notes).append(f"{note}: the header says {said}" if is_row else note)
     faces = seal_indices(triangles, len(body.vertices))
-    return RawMesh(body.vertices, faces, np.zeros(len(faces), dtype=np.uint32), [path.stem], [""], notes=notes)
+    parts = np.zeros(len(faces), dtype=np.uint32)
+    return RawMesh(body.vertices, faces, parts, [path.stem], [""], notes=notes, doubts=doubts)
 
 
 def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int, int]:
@@ -164,6 +169,12 @@ def _least_bytes(prop: _Property) -> int:
     return np.dtype(prop.count_type or prop.type).itemsize
 
 
+def _least_row(elements: list[_Element]) -> int:
+    """Return the bytes of the shortest row of the last element that has a triangle in its list, if it has one."""
+    properties = elements[-1].properties if elements else []
+    return sum(_least_bytes(prop) + (3 * np.dtype(prop.type).itemsize if prop.count_type else 0) for prop in properties)
+
+
 def _index_property(path: Path, element: _Element) -> int:
     """Return the property of a face or strip element that holds the vertex indices."""
     lists = [at for at, prop in enumerate(element.properties) if prop.count_type]
@@ -207,7 +218,7 @@ def _read_binary(path: Path, data: bytes, at: int, elements: list[_Element], ord
     for name, found in lists.items():
         body.add(name, found)
     if at < len(data):
-        body.rest = f"{len(data) - at:,} bytes after the last row were ignored"
+        body.rest = len(data) - at
     return body
 
 
@@ -357,7 +368,7 @@ def _by_lines(
     for name, found in lists.items():
         body.add(name, found)
     if surplus:
-        body.rest = counted(surplus, "lines after the last row were ignored")
+        body.rest = surplus
     return body, words == used
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from feeler.io.ears import cut_ears
 from feeler.words import counted
 
-CROSSING = "polygons cross themselves: their triangles overlap, or stand out of them"
+CROSSING = "polygons cross themselves: triangles of such a polygon overlap, or stand out of it"
 
 _NO_AREA = 1e-9
 """The area of a polygon below which it has none, as a share of its longest edge squared."""
@@ -64,14 +64,12 @@ def triangulate(corners: NDArray[np.int64], sizes: NDArray[np.int64], vertices: 
     return Triangulated(faces, polygon, int((sizes > 3).sum()), rough, int(thin.sum()), first_thin)
 
 
-def describe(result: Triangulated) -> list[str]:
-    """Return the notes for the reader's report."""
+def describe(result: Triangulated) -> tuple[list[str], list[str]]:
+    """Return the notes and the doubts for the reader's report."""
     notes = []
     if result.cut:
         notes.append(counted(result.cut, "polygons with more than three corners were cut into triangles"))
-    if result.rough:
-        notes.append(counted(result.rough, CROSSING))
-    return notes
+    return notes, [counted(result.rough, CROSSING)] if result.rough else []
 
 
 def _reflex(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_kind, check_progress
+from feeler.atomic import atomic_file
 from feeler.errors import MeshError, OptionError
-from feeler.io.atomic import atomic_file
 from feeler.io.body import Body, MeshLike, body_of
 from feeler.picture import shade
 from feeler.picture.camera import Camera, Section, check_box, check_size, usual_view
@@ -86,7 +86,7 @@ def render(
         small = _View(solids, plane, inset.camera, (box[2], box[3])).drawn()
         _lay_over(image, small, box, camera.shares([inset.camera.target], size)[0] * size)
     if path is not None:
-        with atomic_file(path) as file:
+        with atomic_file(path, ".png") as file:
             write_png(file, image)
     report(1.0, "rendered")
     return image

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from feeler.io.atomic import atomic_file
+from feeler.atomic import atomic_file
 from feeler.io.body import LIGHT_GREY, RED, STEEL_BLUE, FloatArray, body_of
 from feeler.io.export import Motion, animated_glb
 from feeler.io.film import PAUSE_S, moments, with_neighbours
@@ -69,7 +69,7 @@ def write_removal_glb(
         path_of = np.concatenate([np.eye(4)[None], poses]) if now > 0.0 else poses
         motions += [Motion(each, whole, path_of) for each in together]
         now = float(times[-1]) + PAUSE_S
-    with atomic_file(path) as file:
+    with atomic_file(path, ".glb") as file:
         data = animated_glb(body_of(scene, colours=colours), motions)
         file.write(data)
     return len(data)

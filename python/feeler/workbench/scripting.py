@@ -15,9 +15,9 @@ import numpy as np
 import feeler
 from feeler._core import Cast, Clearance, Collision, Contacts, Distance
 from feeler.arguments import check_callable, check_flag, check_whole, check_word
+from feeler.atomic import atomic_file, check_target
 from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
 from feeler.errors import MeshError, WorkbenchError
-from feeler.io.atomic import atomic_file, check_target
 from feeler.io.body import body_of, only_faces
 from feeler.mockup import Mockup, Tool
 from feeler.picture.camera import check_size
@@ -190,10 +190,10 @@ class View(ViewCommands):
         """
         width, height = check_size(size, 16, 8192)
         if path is not None:
-            check_target(path)
+            check_target(path, ".png")
         data = self.session.shot(width, height, _SHOT_S) or self._headless(width, height)
         if path is not None:
-            with atomic_file(path) as file:
+            with atomic_file(path, ".png") as file:
                 file.write(data)
         return data
 
