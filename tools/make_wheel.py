@@ -74,7 +74,7 @@ def complaints(wheel: Path, target: str, page: set[str]) -> list[str]:
 
 
 def glibc_needed(wheel: Path) -> str:
-    """The platform tag that auditwheel finds for a wheel of Linux."""
+    """The platform tag that auditwheel finds for a wheel of Linux with glibc."""
     done = subprocess.run(
         [sys.executable, "-m", "auditwheel", "show", "--json", str(wheel)], capture_output=True, text=True, check=False
     )
@@ -96,7 +96,8 @@ def no_newer(tag: str, limit: str) -> bool:
 def audit(wheel: Path, target: str) -> list[str]:
     """What auditwheel and abi3audit find."""
     found = []
-    if "linux" in target:
+    # Of a wheel for musl, auditwheel would look for the C library on this machine, where it is another one.
+    if target.endswith("-linux-gnu"):
         tag = glibc_needed(wheel)
         print(f"auditwheel: {tag}")
         if not no_newer(tag, tag_of(target)):
