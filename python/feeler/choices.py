@@ -44,6 +44,7 @@ ViewMode = Literal["stop", "glide", "pass"]
 ProxyMode = Literal["free", "contact", "bound", "doubt"]
 SeatKind = Literal["touching", "fit", "sunk"]
 DevicePreset = Literal["desktop_3dof", "desktop_6dof", "large_6dof"]
+DeviceDriver = Literal["spacemouse", "haply", "dhd", "openhaptics"]
 HandGrip = Literal["firm", "loose"]
 DeviceFault = Literal["nan", "nonsense", "lost", "silent", "jump", "slow"]
 
@@ -68,5 +69,6 @@ FAULT_NAMES: tuple[Fault, ...] = get_args(Fault)
 VIEW_UNITS: tuple[ViewUnit, ...] = get_args(ViewUnit)
 VIEW_MODES: tuple[ViewMode, ...] = get_args(ViewMode)
 DEVICE_PRESETS: tuple[DevicePreset, ...] = get_args(DevicePreset)
+DEVICE_DRIVERS: tuple[DeviceDriver, ...] = get_args(DeviceDriver)
 HAND_GRIPS: tuple[HandGrip, ...] = get_args(HandGrip)
 DEVICE_FAULTS: tuple[DeviceFault, ...] = get_args(DeviceFault)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ import typer
 
 import feeler
 from feeler.arguments import check_word
-from feeler.choices import DEVICE_PRESETS, DevicePreset
+from feeler.choices import DEVICE_DRIVERS, DEVICE_PRESETS, DeviceDriver, DevicePreset
 from feeler.cli.app import command
 from feeler.cli.inputs import (
     AsJson,
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 
-DRIVERS = ("spacemouse", "haply", "dhd", "openhaptics")
 _SAMPLE = "sample:engine"
 _LOOKS_HZ = 10.0
 
@@ -76,8 +75,8 @@ def feel(
     only: Only = None,
     device: Annotated[
         str,
-        typer.Option(metavar="DEVICE", help=f"The haptic device: simulated, {', '.join(DRIVERS)}."),
-        Word(("simulated", *DRIVERS)),
+        typer.Option(metavar="DEVICE", help=f"The haptic device: simulated, {', '.join(DEVICE_DRIVERS)}."),
+        Word(("simulated", *DEVICE_DRIVERS)),
     ] = "simulated",
     device_option: Annotated[
         list[str] | None,
@@ -133,7 +132,9 @@ def feel(
     _check(record)
     # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
-    held: devices.Device | None = None if device == "simulated" else devices.open_device(device, **options)
+    held: devices.Device | None = (
+        None if device == "simulated" else devices.open_device(cast("DeviceDriver", device), **options)
+    )
     if check:
         if mockup or tool or part or record:
             raise OptionError("--check brings its own plate and tool: leave out mock-up, --tool, --part and --record")

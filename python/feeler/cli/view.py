@@ -9,11 +9,12 @@ import threading
 import time
 from concurrent.futures import Future
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 import feeler
+from feeler.choices import DEVICE_DRIVERS, DeviceDriver
 from feeler.cli.app import BAD_INPUT, command, fail
 from feeler.cli.inputs import (
     AsJson,
@@ -77,7 +78,7 @@ def view(
     device: Annotated[
         str | None,
         typer.Option(metavar="DEVICE", help="A device for the tool: spacemouse, haply, dhd or openhaptics."),
-        Word(("spacemouse", "haply", "dhd", "openhaptics")),
+        Word(DEVICE_DRIVERS),
     ] = None,
     record: Annotated[
         Path | None, typer.Option(help="Record all actions, line by line, for feeler replay (.jsonl).")
@@ -137,7 +138,7 @@ def view(
         check_target(FILE)
     found = None if findings is None else read_findings(findings)
     # Before anything is loaded, so that a missing device is reported at once.
-    held = None if device is None else devices.open_device(device)
+    held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
     with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as ends:
         session = Session(unit=show_unit, record=record)

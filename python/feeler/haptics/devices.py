@@ -28,7 +28,7 @@ from feeler.arguments import (
     check_word,
     shown,
 )
-from feeler.choices import DEVICE_FAULTS, DEVICE_PRESETS, HAND_GRIPS, DeviceFault, DevicePreset, HandGrip
+from feeler.choices import DEVICE_FAULTS, DEVICE_PRESETS, HAND_GRIPS, DeviceDriver, DeviceFault, DevicePreset, HandGrip
 from feeler.errors import DeviceError, OptionError
 from feeler.figures import DeviceLimits
 from feeler.poses import PoseLike
@@ -298,7 +298,7 @@ class Opened(Device):
         self._device = _core.HapticsDevice.open(name, options)
 
 
-def open_device(name: str, **options: object) -> Opened:
+def open_device(name: DeviceDriver, **options: object) -> Opened:
     """Opens a device by the name of its driver.
 
     - `spacemouse`: through spacenavd. Options `socket`, `speed_m_per_s`, `turn_rad_per_s`, `dead_zone`, `reach_m`,
