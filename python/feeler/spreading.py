@@ -75,22 +75,38 @@ def spread(
     scene: Scene | None,
     shared: Shared,
     tasks: Sequence[Task],
-    executor: Executor,
+    executor: Executor | None,
     heard: Callable[[int, str], object] = lambda done, stage: None,
 ) -> list[Result]:
     """`function(scene, shared, task)` for each task, in their order.
 
     - `function`: of a module, so that it can be pickled.
     - `scene`: None if the tasks need none.
+    - `executor`: None for one task after the other in this thread.
     - `heard`: called with the number of tasks done and the stage, in the thread of the caller.
 
     A scene that is not in a file is saved to a temporary one for other processes. Tasks lost with a worker are done
     again, with a `WorkerLost` warning. Ctrl-C raises `Interrupted`; an error of a task ends all others.
     """
+    if executor is None:
+        return _one_by_one(lambda task: function(scene, shared, task), tasks, heard)
     if isinstance(executor, ThreadPoolExecutor):
         return _Round(_Here(function, scene, shared), tasks, executor, heard).run()
     with nullcontext() if scene is None else scene._in_a_file() as saved:
         return _Round(_Elsewhere(function, saved, shared), tasks, executor, heard).run()
+
+
+def _one_by_one(
+    function: Callable[[Task], Result], tasks: Sequence[Task], heard: Callable[[int, str], object]
+) -> list[Result]:
+    found: dict[int, Result] = {}
+    try:
+        for i, task in enumerate(tasks):
+            found[i] = function(task)
+            heard(i + 1, "")
+    except KeyboardInterrupt:
+        raise Interrupted(found) from None
+    return list(found.values())
 
 
 class _Here(Generic[Shared, Task, Result]):

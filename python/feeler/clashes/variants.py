@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 
@@ -65,12 +65,10 @@ def clash_variants(
         if progress is not None:
             progress(done / len(tasks), stage or f"checking variants: {done:,} of {len(tasks):,}")
 
-    if pool is None:
-        return _one_by_one(options, tasks, heard)
     # Threads of this process hear of Ctrl-C only so.
     stop = threading.Event() if isinstance(pool, ThreadPoolExecutor) else None
     try:
-        return spread(_variant, None, (options, stop), tasks, pool, heard)
+        return spread(_variant, None, (options, stop, None if pool is None else 1), tasks, pool, heard)
     except BaseException as error:
         if stop is not None:
             stop.set()
@@ -79,35 +77,21 @@ def clash_variants(
         raise
 
 
-def _one_by_one(
-    options: dict[str, Any], tasks: list[Mockup | str | os.PathLike[str]], heard: Callable[[int, str], None]
-) -> list[Clashes]:
-    found: dict[int, Clashes] = {}
-    try:
-        for i, variant in enumerate(tasks):
-            found[i] = clash(_mockup(variant), **options)
-            heard(i + 1, "")
-    except KeyboardInterrupt:
-        raise VariantsInterrupted(found) from None
-    return list(found.values())
-
-
-def _mockup(variant: Mockup | str | os.PathLike[str]) -> Mockup:
-    return variant if isinstance(variant, Mockup) else load_mockup(variant)
-
-
 class _StopError(Exception):
     """The caller wants no more answers."""
 
 
 def _variant(
-    _: None, shared: tuple[dict[str, Any], threading.Event | None], variant: Mockup | str | os.PathLike[str]
+    _: None,
+    shared: tuple[dict[str, Any], threading.Event | None, int | None],
+    variant: Mockup | str | os.PathLike[str],
 ) -> Clashes:
     """The task of one variant."""
-    options, stop = shared
+    options, stop, threads = shared
 
     def check(_share: float, _stage: str) -> None:
         if stop is not None and stop.is_set():
             raise _StopError
 
-    return clash(_mockup(variant), threads=1, progress=check, **options)
+    mockup = variant if isinstance(variant, Mockup) else load_mockup(variant)
+    return clash(mockup, threads=threads, progress=check, **options)

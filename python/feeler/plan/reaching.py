@@ -203,9 +203,9 @@ def access(
         if progress is not None:
             progress(done / len(targeted), stage or "reaching targets")
 
-    own = None if executor is not None else ThreadPoolExecutor(workers, thread_name_prefix="feeler-access")
+    is_alone = executor is not None or min(workers, len(targeted)) == 1
+    own = None if is_alone else ThreadPoolExecutor(workers, thread_name_prefix="feeler-access")
     pool = check_executor(executor) or own
-    assert pool is not None
     try:
         return Access(spread(_reach, scene, _Asked(seated, needed, steps, way), targeted, pool, heard))
     except Interrupted as interrupted:
