@@ -54,7 +54,7 @@ def test_planes_say_what_they_are(bench: ModuleType) -> None:
     assert found.mockup_offsets.tolist() == [0, len(found.mockup_triangles)]
     assert set(found.tool_triangles.tolist()) <= set(hit.tool_triangles.tolist())
     assert set(found.mockup_triangles.tolist()) <= set(hit.mockup_triangles.tolist())
-    assert "1 planes" in repr(found)
+    assert "1 plane," in repr(found)
     for array in (found.points, found.normals, found.gaps, found.parts, found.tool_triangles, found.mockup_offsets):
         assert not array.flags.writeable
     assert scene.memory()["adjacency"] > 0

@@ -158,6 +158,22 @@ def test_a_process_opens_the_scene_once(scene: feeler.Scene, processes: Executor
     assert all(kept <= spreading.KEPT_IN_A_PROCESS for *_, kept in rows)
 
 
+@pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_an_executor_that_is_shut_down_meanwhile_is_told(kind: Any) -> None:
+    pool = kind(1) if kind is ThreadPoolExecutor else kind(1, mp_context=SPAWN)
+
+    def end(done: int, _stage: str) -> None:
+        if done == 2:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", WorkerLost)
+        with pytest.raises(feeler.FeelerError, match=r"shut down|takes no more tasks"):
+            spread(doubled, None, (1.0, None), range(100), pool, end)
+        with pytest.raises(feeler.FeelerError, match="takes no more tasks"):
+            spread(doubled, None, (1.0, None), range(3), pool)
+
+
 def test_ctrl_c_gives_what_is_done() -> None:
     def stop(done: int, _stage: str) -> None:
         if done == 5:

@@ -40,6 +40,8 @@ Result = TypeVar("Result")
 
 MOST_WAITING = 256
 """Tasks that are handed to the executor at a time: more would only fill its memory."""
+CANCELLED_EVERY_S = 0.2
+"""How often cancelled tasks are looked for."""
 MOST_LOSSES = 3
 """So often tasks that were lost with their worker are done again."""
 KEPT_IN_A_PROCESS = 2
@@ -188,9 +190,13 @@ class _Round(Generic[Task, Result]):
                         waiting[self._place.submit(self._executor, self._tasks[i])] = i
                     except BrokenExecutor as error:
                         lost = error
+                    except RuntimeError as error:  # of an executor that was shut down
+                        raise FeelerError(f"the executor takes no more tasks: {error}; give one that runs") from None
                 if not waiting:
                     return lost
-                finished = wait(waiting, return_when=FIRST_COMPLETED).done
+                # Futures that somebody cancels, by ending the executor, are not among those that are waited for.
+                finished = set(wait(waiting, CANCELLED_EVERY_S, FIRST_COMPLETED).done)
+                finished |= {future for future in waiting if future.cancelled()}
                 before = len(self._results)
                 for future in sorted(finished, key=waiting.__getitem__):
                     i = waiting.pop(future)
@@ -220,6 +226,8 @@ class _Round(Generic[Task, Result]):
         self._heard(len(self._results), told)
         if isinstance(error, BrokenExecutor):
             self._executor = self._like(self._executor)
+        elif isinstance(error, CancelledError) and isinstance(self._place, _Here):
+            raise FeelerError("tasks were cancelled: the executor was shut down while they waited") from None
 
     def _like(self, broken: Executor) -> Executor:
         """A new executor in place of one that cannot go on after the death of a worker."""

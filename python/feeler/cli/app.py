@@ -142,7 +142,8 @@ class _Output(io.FileIO):
             stream.flush()
         except (OSError, ValueError):  # no file at all
             return None
-        encoding, errors, by_lines = stream.encoding, stream.errors, stream.line_buffering
+        # What is told on stderr is told at once.
+        encoding, errors, by_lines = stream.encoding, stream.errors, stream.line_buffering or name == "stderr"
         buffered = io.BufferedWriter(output)
         setattr(sys, name, io.TextIOWrapper(buffered, encoding, errors, line_buffering=by_lines))
         return output

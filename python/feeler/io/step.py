@@ -40,6 +40,7 @@ DEFAULT_CHORD_TOLERANCE = 1e-4
 ANGLE_RAD = 0.5
 """The largest angle between neighbouring triangles: at least 13 around a circle of any size."""
 
+_LOSS = re.compile(r"unresolved|incorrect|undefined|not found|fail", re.IGNORECASE)
 _WORKER = Path(__file__).with_name("_step_worker.py")
 _NOT_INSTALLED = 3
 _EMPTY = re.compile("RWGltf_CafWriter skipped node .* without geometry data")  # reported by the part's name instead
@@ -149,11 +150,13 @@ def _read(
     raw.unit, raw.in_metres, raw.up = _main_unit(text), True, "z"
     raw.notes += left_out(text)
     if made_faces is not None and made_faces < stated_faces:
-        raw.notes.append(
+        raw.doubts.append(
             f"{stated_faces - made_faces:,} of the {stated_faces:,} faces in the STEP file have no triangle: they are "
             "damaged, of a kind that OpenCASCADE does not know, or in no part that is placed"
         )
-    raw.notes += [f"OpenCASCADE said: {line}" for line in said]
+    for line in said:
+        # A reference that leads nowhere may have moved a part, or taken a face from it.
+        (raw.doubts if _LOSS.search(line) else raw.notes).append(f"OpenCASCADE said: {line}")
     units = stated_units(text)
     if len(units) > 1 or None in units:
         raw.notes.append(

@@ -99,9 +99,9 @@ def _assemble(model: Model) -> RawMesh:
         names,
         paths,
         unit=unit,
-        notes=required + tally.notes(),
+        notes=tally.notes(),
         up="z",
-        doubts=tally.doubts(),
+        doubts=required + tally.doubts(),
     )
 
 
