@@ -385,3 +385,15 @@ def test_output_that_cannot_be_written(tmp_path: Path, stand: Path, slider: Path
     os.close(writes)
     closed = "import os, sys; os.close(1); sys.stdout = None"
     assert _with_output(words, None, closed) == (usual, "")
+
+
+@pytest.mark.parametrize("words", [("clash",), ("remove", "--part", "*", "--each", "--seconds", "1"), ("index",)])
+def test_doubts_about_a_mock_up_are_told(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nv 10 9 9\nv 9 10 9\n"
+    (tmp_path / "a.obj").write_text(f"o one\n{points}f 1 2 3\no two\nf 4 5 6\nf 4 5 77\n")
+    result = CliRunner().invoke(app, [words[0], "a.obj", *words[1:]])
+    assert result.exit_code in (0, 1), result.output
+    assert "mock-up: 1 triangle" in result.stderr, result.stderr

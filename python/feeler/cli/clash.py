@@ -25,6 +25,7 @@ from feeler.cli.inputs import (
     Up,
     Without,
     read_mockup,
+    warn_of_doubts,
 )
 from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
@@ -146,6 +147,7 @@ def clash(
             found = found.with_rules(given)
     else:
         world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
+        warn_of_doubts(world)
         if before is not None:
             check_previous(world, before)
         with bar("indexing") as progress:

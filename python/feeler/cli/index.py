@@ -12,7 +12,17 @@ import typer
 import feeler
 from feeler.atomic import check_target
 from feeler.cli.app import command
-from feeler.cli.inputs import AsJson, BuildThreads, ChordTolerance, MockupFiles, MockupUnit, Up, VoxelSize, read_mockup
+from feeler.cli.inputs import (
+    AsJson,
+    BuildThreads,
+    ChordTolerance,
+    MockupFiles,
+    MockupUnit,
+    Up,
+    VoxelSize,
+    read_mockup,
+    warn_of_doubts,
+)
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.saved import SUFFIX
@@ -52,8 +62,7 @@ def index(
         raise OptionError(f"--out is {target}, which is the mock-up itself: choose another name")
     start = time.perf_counter()
     world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
-    for doubt in world.source.doubts:
-        outputs.warn(f"mock-up: {doubt}")
+    warn_of_doubts(world)
     with bar("building index") as progress:
         scene = feeler.Scene(world, voxel_size, threads=threads, progress=progress)
     with bar(f"saving {target}") as progress:

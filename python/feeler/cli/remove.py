@@ -33,6 +33,7 @@ from feeler.cli.inputs import (
     read_mockup,
     read_poses,
     read_tool,
+    warn_of_doubts,
 )
 from feeler.cli.values import DIRECTION, LENGTH, SECONDS, SEED, THREADS, Whole
 from feeler.cli.workers import Dask, Workers, executor_of
@@ -177,6 +178,7 @@ def remove(
     if len(start) > 1:
         raise OptionError(f"--pose {pose} has {len(start)} poses: the grip of the hand is one")
     world = read_mockup(mockup, unit, up)
+    warn_of_doubts(world)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, threads=threads, progress=progress)
     scene = Choice(None, without, only).scene_of(scene) if without or only else scene

@@ -10,7 +10,19 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, Threads, ToolUnit, Up, Without, read_mockup, read_tool
+from feeler.cli.inputs import (
+    AsJson,
+    Choice,
+    MockupUnit,
+    Only,
+    Threads,
+    ToolUnit,
+    Up,
+    Without,
+    read_mockup,
+    read_tool,
+    warn_of_doubts,
+)
 from feeler.progress import bar
 
 if TYPE_CHECKING:
@@ -65,6 +77,7 @@ def replay(
 
     read = read_record(record)
     world = read_mockup(mockup or [_SAMPLE], unit, up)
+    warn_of_doubts(world)
     probe = None if tool is None else read_tool(tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
