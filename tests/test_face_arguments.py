@@ -335,7 +335,7 @@ def called(call: Call, **other: object) -> None:
     arguments = {**arguments, **other}
     signature = inspect.signature(function)
     rest = [name for name, each in signature.parameters.items() if each.kind is each.VAR_POSITIONAL]
-    more = [arguments.pop(name) for name in rest]
+    more = [arguments.pop(name) for name in rest if name in arguments]
     before = [arguments.pop(name) for name in list(signature.parameters) if rest and name == "path"]
     function(*before, *more, **arguments)
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from feeler.arguments import check_path
+from feeler.arguments import check_path, check_text
 from feeler.errors import FeelerError, WriteError
 
 _ENDINGS = frozenset(
@@ -46,6 +46,8 @@ def check_target(path: str | os.PathLike[str], *endings: str) -> Path:
     refused: it would say what is not in the file. One without an ending, or with one that nobody knows, is not.
     """
     target = check_path("path", path, WriteError)
+    for each in endings:
+        check_text("endings", each, 'endings of names, such as ".glb"')
     named = _shown(target)
     ending = target.suffix.lower()
     if endings and ending in _ENDINGS and ending not in endings:

@@ -367,7 +367,8 @@ def _targets(scene: Scene, targets: Fasteners | PoseLike | PosesLike) -> tuple[F
         raise PoseError(
             f"targets is {shown(targets)}: give feeler.find_fasteners(mockup, {shown(targets)}), or frames (n, 4, 4)"
         )
-    if isinstance(targets, (Sequence, np.ndarray)) and not len(targets):
+    given: object = targets
+    if isinstance(given, (Sequence, np.ndarray)) and (given.size == 0 if isinstance(given, np.ndarray) else not given):
         raise OptionError("there are no targets: give feeler.Fasteners or frames (n, 4, 4)")
     frames = pose_stack(targets, "targets")
     for i, frame in enumerate(frames):

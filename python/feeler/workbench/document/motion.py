@@ -49,7 +49,8 @@ def checked(given: Any, where: str) -> Floats:
 
 def is_row(given: Any) -> bool:
     """Whether these are 16 numbers."""
-    return isinstance(given, (list, tuple, np.ndarray)) and np.shape(given[:1]) == (1,) and len(given) == 16
+    is_list = isinstance(given, (list, tuple)) or (isinstance(given, np.ndarray) and given.ndim == 1)
+    return is_list and len(given) == 16 and np.shape(given[:1]) == (1,)
 
 
 def shifted(offset: npt.ArrayLike) -> Floats:
