@@ -33,18 +33,9 @@ impl Default for OpenOptions<'_> {
 }
 
 impl<'a> OpenOptions<'a> {
-    /// Sets whether the file is verified.
-    #[must_use]
-    pub fn with_verify(mut self, verify: bool) -> Self {
-        self.verify = verify;
-        self
-    }
-
-    /// Sets the most bytes of a query's result.
-    #[must_use]
-    pub fn with_memory_limit(mut self, bytes: u64) -> Self {
-        self.memory_limit = bytes;
-        self
+    feeler_core::setters! {
+        with_verify: verify: bool,
+        with_memory_limit: memory_limit: u64,
     }
 
     /// Calls a function with the share done (0 to 1) and the stage. Opening stops where it returns false.
