@@ -27,6 +27,7 @@ CARGO_ARGS ?=
 TARGET ?=
 PAIRS ?= 10000000
 CASTS ?= 1000000
+BODIES ?= 3000
 CONTACTS ?= 5000
 DEPTHS ?= 3000
 FUZZ_SECONDS ?= 1200
@@ -221,9 +222,10 @@ test-python-second: build ## and the files h to z
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[h-z]*.py
 
 .PHONY: exact
-exact: build ## ten million hard pairs, thousands of scenes, a million casts, contacts and depths (PAIRS=, CASTS=, CONTACTS=, DEPTHS=)
+exact: build ## ten million hard pairs, thousands of scenes, a million casts, bodies, contacts and depths (PAIRS=, CASTS=, BODIES=, CONTACTS=, DEPTHS=)
 	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- casts --casts $(CASTS)
+	@cargo run --release $(LOCKED) -p feeler-exact -- bodies --sets $(BODIES)
 	@cargo run --release $(LOCKED) -p feeler-exact -- contacts --cases $(CONTACTS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- depths --cases $(DEPTHS)
 	@cargo test --release $(LOCKED) -p feeler-core -p feeler-contacts --test determinism

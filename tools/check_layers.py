@@ -92,6 +92,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "setters": set(),
         "scene": {*QUERY_BASE, "collide", "distance", "cast", "rays", "section", "sizing"},
         "stoppable": {*QUERY_BASE, "collide", "distance", "scene"},
+        # Many bodies that move, each against each.
+        "bodies": {*QUERY_BASE, "collide", "scene"},
     },
     "feeler-contacts": {
         "constants": set(),
@@ -114,6 +116,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "point_depth": {"constants", "containment"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment", "point_depth"},
         "tracker": {*CONTACTS_BASE, "solver"},
+        "body_depth": {"escape", "solver"},
         # The mock-up against itself: the verdict on each pair of parts, and its depth.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver", "point_depth"},
     },
@@ -240,8 +243,9 @@ BASE = {
     "words",
 }
 ROOMS: dict[str, set[str]] = {
-    "_core": {"_core_results", "choices", "figures", "poses"},
-    "_core_results": {"choices", "figures"},  # a share of the stub
+    "_core": {"_core_bodies", "_core_results", "choices", "figures", "poses"},
+    "_core_bodies": {"poses"},  # a share of the stub
+    "_core_results": {"choices", "figures"},  # another
     "errors": set(),
     "progress": {"errors"},
     "words": set(),
@@ -289,6 +293,8 @@ ROOMS: dict[str, set[str]] = {
     },
     "io": {*BASE, "saved"},
     "interchange": {*BASE, "io"},
+    # Interfaces of other libraries.
+    "compat": {*BASE, "_core"},
     "haptics": {*BASE, "figures"},
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.

@@ -7,6 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self, disjoint_base
 
+from feeler._core_bodies import Bodies as Bodies
+from feeler._core_bodies import Shape as Shape
 from feeler._core_results import (
     Batch,
     Cast,
@@ -43,6 +45,7 @@ _Ignore = Any  # feeler.ignored.Ignore, which needs this module
 
 __all__ = [
     "Batch",
+    "Bodies",
     "Cast",
     "ClashRows",
     "Clearance",
@@ -79,6 +82,7 @@ __all__ = [
     "SeatAnswer",
     "SectionOutline",
     "Selected",
+    "Shape",
     "StartAnswer",
     "StatisticsAnswer",
     "StepAnswer",

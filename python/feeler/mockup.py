@@ -194,8 +194,8 @@ class Mockup(_core.Mockup):
             raise OptionError(
                 f"unit is {shown(unit)}, and is for mesh objects: arrays are in metres, so scale the vertices"
             )
-        points = _points(vertices)
-        indices = _indices(faces, len(points))
+        points = mesh_points(vertices)
+        indices = mesh_indices(faces, len(points))
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), "part")
         self = super().__new__(cls, points, indices, parts, len(names))
         self.part_names = names
@@ -300,8 +300,8 @@ class Tool(_core.Tool):
             raise OptionError(
                 f"unit is {shown(unit)}, and is for mesh objects: arrays are in metres, so scale the vertices"
             )
-        points = _points(vertices)
-        indices = _indices(faces, len(points))
+        points = mesh_points(vertices)
+        indices = mesh_indices(faces, len(points))
         check_text("name", name)
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), name)
         self = super().__new__(cls, points, indices, parts, len(names))
@@ -449,7 +449,8 @@ def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:
     return (float(v[0]), float(v[1]), float(v[2]))
 
 
-def _points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def mesh_points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Vertices, `(n, 3) float64`. Raises `MeshError` for what is not that."""
     array = _array("vertices", vertices)
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshError(f"vertices has shape {array.shape}: (n, 3) is needed")
@@ -459,7 +460,8 @@ def _points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
         return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def _indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
+def mesh_indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
+    """Faces, `(m, 3) uint32`, of so many vertices. Raises `MeshError` for what is not that."""
     array = _array("faces", faces)
     if array.size == 0 and array.ndim <= 2:
         raise MeshError("faces is empty: a mesh needs at least one triangle")

@@ -42,6 +42,7 @@
 //! Lengths are metres; points and normals are in the world, the mock-up's frame; normals point from the mock-up to the tool, and
 //! a gap is negative where the tool is that deep behind the plane.
 
+mod body_depth;
 mod clash;
 mod constants;
 mod contact_plane;
@@ -64,6 +65,7 @@ mod surface;
 mod tests;
 mod tracker;
 
+pub use body_depth::{body_depth, BodyDepth};
 pub use clash::row::{Clash, Verdict};
 pub use clash::search::{clash, ClashCounts, ClashOptions, ClashSearch, Clashes};
 pub use constants::{FEW_DEEP, MANY_DEEP, MOST_MANIFOLD_POINTS, MOST_PLANES};

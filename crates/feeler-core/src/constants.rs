@@ -179,6 +179,15 @@ pub(crate) const TOOL_CUT_PIECES_EACH: f64 = 2.5;
 /// the pose: 4 for the triangle's corners, 4 for the piece's, 16 for a box's centre and reach, and a factor of two to spare.
 pub(crate) const TRANSFORM_ROUNDOFFS: f64 = 48.0;
 
+/// Roundings, in unit roundoffs of the largest number involved, by which a pose relative to another may put a triangle elsewhere: the
+/// inverse of a rotation takes 8 an entry, its product with another 3 rows of 14, the translation 20, the corners of both triangles in
+/// the world 4 each; times the root of three for an axis of the other frame, and a factor of four to spare.
+pub(crate) const RELATIVE_ROUNDOFFS: f64 = 512.0;
+
+/// How much longer a distance may be in the frame of a pose than in the world (a share): poses are rigid within
+/// [`POSE_TOLERANCE`].
+pub(crate) const FRAME_STRETCH: f64 = 10.0 * POSE_TOLERANCE;
+
 /// Error bound of a placed coordinate in float32, as a share of the sum of the numbers it is made of: 2^-20, twice its eight
 /// roundings of 2^-24. The derivation stands at `Placement::new`.
 pub(crate) const PLACEMENT_ROUNDING: f64 = 1.0 / 1_048_576.0;

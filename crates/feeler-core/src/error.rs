@@ -49,6 +49,12 @@ pub enum Error {
         /// Number of parts.
         parts: usize,
     },
+    /// A number that no body has.
+    #[error("there is no body {body}")]
+    NoSuchBody {
+        /// The body asked for.
+        body: u32,
+    },
     /// A part index past the last part.
     #[error("part_of_face[{face}] is {part}, but there are {parts} parts (0 to {last})", last = .parts - 1)]
     PartOutOfRange {

@@ -51,6 +51,7 @@
 
 #![deny(unsafe_code)]
 
+mod bodies;
 mod cast;
 mod chunks;
 #[doc(hidden)]
@@ -83,6 +84,10 @@ mod stoppable;
 #[doc(hidden)]
 pub mod tool;
 
+pub use bodies::set::{Bodies, BodyContact, BodyGap, Who};
+pub use bodies::shape::Shape;
+#[doc(hidden)]
+pub use bodies::two_bodies::ToolAndMockup;
 pub use cast::impact::{Cast, Touching};
 pub use cast::options::{CastOptions, PathOptions};
 pub use cast::path::PathCheck;

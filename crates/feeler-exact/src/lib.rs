@@ -3,7 +3,7 @@
 //! The [`oracle`] decides any pair of triangles slowly and obviously. The [`corpus`] keeps hard pairs by name, made by
 //! [`families`] of cases. The [`mass`] aims millions of [`pairs`] and whole [`scenes`] at the core; what fails is shrunk by
 //! [`minimise`] to a line of the corpus. [`distance`] does for distances what the oracle does for meetings. A mass
-//! of [`casts`] is known to hit. How deep [`concave`] solids of [`blocks`] are in each other is known to the judge of [`contacts`].
+//! of [`casts`] is known to hit. Sets of [`bodies`] are all moved. How deep [`concave`] solids of [`blocks`] are in each other is known to the judge of [`contacts`].
 //! How deep [`polyhedra`] are in each other by points, the judge of [`depths`] asks points in whole numbers of [`spots`].
 //! No product code depends on this crate.
 //!
@@ -19,6 +19,7 @@
 //! ```
 
 pub mod blocks;
+pub mod bodies;
 pub mod casts;
 pub mod check;
 pub mod concave;

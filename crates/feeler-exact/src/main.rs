@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use feeler_core::intersect_triangle_triangle;
 use feeler_exact::corpus::{self, word};
-use feeler_exact::{casts, contacts, depths, families, mass, oracle};
+use feeler_exact::{bodies, casts, contacts, depths, families, mass, oracle};
 
 /// Holds feeler's triangle test and stores to exact rational arithmetic.
 #[derive(Parser)]
@@ -21,6 +21,7 @@ Examples:
   feeler-exact mass --json > figures.json         figures for a program
   feeler-exact casts --casts 100000               casts that must hit: none may tunnel or be late
   feeler-exact casts --casts 1000 --samples 1000  the same, each looked at a thousand times before its impact
+  feeler-exact bodies --sets 10000                sets of bodies that all are moved, fits among them
   feeler-exact contacts --cases 1000              contacts of concave solids of known depth, so many of each family
   feeler-exact contacts --only rack --from 7 --cases 1    one of them once more
   feeler-exact depths --cases 1000                depths of polyhedra against points in whole numbers, so many of each family
@@ -60,6 +61,15 @@ enum Command {
         /// Times before each impact at which all pairs are looked at, beside six close to it.
         #[arg(long, default_value_t = 0)]
         samples: u32,
+    },
+    /// Judge which triangles of bodies that all are moved meet; exit code 1 when the core is wrong about a pair.
+    Bodies {
+        /// How many sets.
+        #[arg(long, default_value_t = 3000)]
+        sets: u64,
+        /// Another seed makes other sets; the same seed the same ones on every machine.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
     },
     /// Judge contacts of concave solids whose depths are known; exit code 1 when a plane is missing, too deep or turned, or a way
     /// out is too short.
@@ -115,6 +125,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Mass { pairs, seed, only, json } => run_mass(pairs, seed, &only, json),
         Command::Casts { casts, seed, samples } => Ok(run_casts(casts, seed, samples)),
+        Command::Bodies { sets, seed } => Ok(run_bodies(sets, seed)),
         Command::Contacts { cases, seed, from, only, triangles } => run_contacts(cases, seed, from, &only, triangles),
         Command::Depths { cases, seed, from, only } => run_depths(cases, seed, from, &only),
         Command::Corpus { file, check } => make_corpus(&file, check),
@@ -166,6 +177,17 @@ fn run_casts(count: u64, seed: u64, samples: u32) -> bool {
     );
     tally.faults.iter().for_each(|fault| println!("  {fault}"));
     tally.is_right()
+}
+
+fn run_bodies(sets: u64, seed: u64) -> bool {
+    let tally = bodies::run(sets, seed);
+    println!(
+        "bodies (seed {seed}): {} sets, {} pairs of bodies, {} pairs of triangles, {} of which meet; {} wrong ({} not judged: both \
+         without an area where they are)",
+        tally.sets, tally.bodies, tally.pairs, tally.meeting, tally.wrong, tally.not_judged
+    );
+    tally.faults.iter().for_each(|fault| println!("  {fault}"));
+    tally.wrong == 0
 }
 
 fn run_contacts(cases: u64, seed: u64, from: u64, only: &[String], triangles: usize) -> Result<bool, String> {

@@ -22,6 +22,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::NotSymmetric { .. }
         | Error::NoneAsked { .. }
         | Error::NoSuchPart { .. }
+        | Error::NoSuchBody { .. }
         | Error::Plane { .. }
         | Error::Ray { .. }
         | Error::Section { .. }

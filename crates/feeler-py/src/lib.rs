@@ -2,6 +2,7 @@
 
 mod arguments;
 mod arrays;
+mod bodies;
 mod cast;
 mod clash;
 mod collision;
@@ -63,6 +64,8 @@ fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> 
 
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::bodies::{Bodies, Shape};
     #[pymodule_export]
     use super::cast::{Cast, PathCheck};
     #[pymodule_export]

@@ -9,7 +9,7 @@ use crate::geometry::pose::Pose;
 use crate::geometry::predicates::Signs;
 use crate::index::interner::{pair_key, KeySet};
 use crate::index::sink::{CandidateSink, PlacedTool, Stats};
-use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
+use crate::mesh::triangle_mesh::{prefetch_corners, Corners};
 use crate::progress::Pace;
 use crate::tool::moving_tool::Tool;
 use feeler_lanes::{prefetch_at, Arithmetic, Kernel, Simd, LANES, WIDE_LANES};
@@ -167,6 +167,8 @@ pub(crate) enum Until {
 /// One query's narrow phase. Stores offer candidate pairs to it.
 pub(crate) struct Narrow<'a> {
     pub at: PlacedTool<'a>,
+    /// The mock-up's triangles, in the frame in which the tool is placed.
+    pub corners: Corners<'a>,
     pub filters: Filters,
     pub until: Until,
     pub placed: &'a mut PlacedBounds,
@@ -206,7 +208,7 @@ impl CandidateSink for Narrow<'_> {
         let from = pending.count;
         pending.mockup_triangles[from..from + LANES].fill(mockup_triangle);
         pending.count = s.append(chosen, slots, &mut pending.slots, from);
-        prefetch_at(self.at.mesh.faces(), mockup_triangle as usize);
+        prefetch_at(self.corners.faces, mockup_triangle as usize);
         pending.ask(mockup_triangle);
         self.is_batch_over()
     }
@@ -217,7 +219,7 @@ impl CandidateSink for Narrow<'_> {
         let first = *asked_count;
         *asked_count = s.append(ask, triangles, asked, first);
         for triangle in &asked[first..*asked_count] {
-            prefetch_at(self.at.mesh.faces(), *triangle as usize);
+            prefetch_at(self.corners.faces, *triangle as usize);
         }
         let from = self.pending.count;
         self.pending.slots[from..from + LANES].fill(slot);
@@ -236,7 +238,7 @@ impl CandidateSink for Narrow<'_> {
             return false;
         }
         if self.filters.boxes {
-            let bounds = Aabb::of_triangle(&self.at.mesh.triangle(mockup_triangle));
+            let bounds = Aabb::of_triangle(&self.corners.triangle(mockup_triangle));
             if !self.placed_bounds(slot).is_overlapping(&bounds) {
                 return false;
             }
@@ -303,9 +305,10 @@ impl Narrow<'_> {
         for i in count..count.next_multiple_of(LANES) {
             (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
         }
-        let PlacedTool { mesh, tool, pose, lanes, .. } = self.at;
+        let PlacedTool { tool, pose, lanes, .. } = self.at;
+        let corners = self.corners;
         let triangles = &mut *mockup_triangles;
-        let (found, in_doubt) = lanes.run(Test { pose, tool, mesh, slots, triangles, count, asked, crossing });
+        let (found, in_doubt) = lanes.run(Test { pose, tool, corners, slots, triangles, count, asked, crossing });
         let mut is_crossed = found > 0;
         let hit = |key: &u64| Hit::new(tool.ids()[(key >> 32) as usize], *key as u32, PairKind::Crossing);
         self.hits.extend(crossing[..found].iter().map(hit));
@@ -317,7 +320,7 @@ impl Narrow<'_> {
             }
             let p = pose.apply_triangle(&tool.placeable()[*slot as usize]);
             let mut signs = Signs::default();
-            let meeting = intersect_with(&mut signs, &p, &mesh.triangle(*triangle));
+            let meeting = intersect_with(&mut signs, &p, &corners.triangle(*triangle));
             self.stats.exact_tests += u64::from(signs.exact > 0);
             if let Some(kind) = meeting {
                 is_crossed |= kind == PairKind::Crossing;
@@ -341,7 +344,7 @@ const CORNERS_AHEAD: usize = 24;
 struct Test<'a> {
     pose: &'a Pose,
     tool: &'a Tool,
-    mesh: &'a Mesh,
+    corners: Corners<'a>,
     slots: &'a mut [u32; PENDING_PLACES],
     triangles: &'a mut [u32; PENDING_PLACES],
     count: usize,
@@ -355,9 +358,10 @@ impl Kernel for Test<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> (usize, usize) {
-        let Test { pose, tool, mesh, slots, triangles, count, asked, crossing } = self;
+        let Test { pose, tool, corners, slots, triangles, count, asked, crossing } = self;
         let (mut found, mut left) = (0, 0);
-        let (lines, faces, vertices) = (tool.lines(), mesh.faces(), mesh.vertices());
+        let Corners { faces, vertices } = corners;
+        let lines = tool.lines();
         let part = s.part();
         let least = part.splat(least_of(pose, tool.mesh().bounds().largest_coordinate()));
         let seen = Seen::at(pose);

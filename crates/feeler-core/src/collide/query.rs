@@ -10,6 +10,7 @@ use crate::index::blocks::BlocksScratch;
 use crate::index::interner::KeySet;
 use crate::index::mockup_index::Index;
 use crate::index::sink::{PlacedTool, Stats};
+use crate::mesh::triangle_mesh::Corners;
 use crate::progress::{GoOn, Pace};
 use crate::tool::moving_tool::Tool;
 
@@ -39,7 +40,7 @@ pub(crate) struct CollideScratch {
 
 impl CollideScratch {
     /// The pairs that the last query found, in order, each once.
-    pub(super) fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+    pub(crate) fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
         self.hits.sorted()
     }
 }
@@ -102,6 +103,22 @@ impl How<'_> {
 
 /// One query: `scratch.hits` afterwards holds the sorted, unique pairs. An error where it was stopped.
 pub(super) fn run(index: &Index, tool: &Tool, pose: &Pose, how: How<'_>, scratch: &mut CollideScratch) -> Result<()> {
+    let mockup = index.mockup();
+    let (mesh, lanes, selection) = (mockup.mesh(), index.lanes(), index.selection());
+    let at = PlacedTool { mockup, mesh, tool, pose, lanes, selection, spread: 0.0 };
+    run_at(index, &at, &at, mesh.corners(), how, scratch)
+}
+
+/// The same of a mock-up that is placed, too: the store is asked for the tool as the mock-up's frame has it, `offered`, and pairs are
+/// tested where both are, the tool at `at` and the mock-up's triangles at `corners`.
+fn run_at(
+    index: &Index,
+    offered: &PlacedTool<'_>,
+    at: &PlacedTool<'_>,
+    corners: Corners<'_>,
+    how: How<'_>,
+    scratch: &mut CollideScratch,
+) -> Result<()> {
     let How { filters, until, go_on } = how;
     let CollideScratch { placed, seen, pending, blocks, hits, stats } = scratch;
     placed.begin();
@@ -109,12 +126,9 @@ pub(super) fn run(index: &Index, tool: &Tool, pose: &Pose, how: How<'_>, scratch
     pending.clear();
     hits.clear();
     *stats = Stats::default();
-    let mockup = index.mockup();
-    let (mesh, lanes, selection) = (mockup.mesh(), index.lanes(), index.selection());
-    let at = PlacedTool { mockup, mesh, tool, pose, lanes, selection };
     let pace = Pace::new(go_on, BATCHES_BETWEEN);
-    let mut narrow = Narrow { at, filters, until, placed, seen, pending, hits, stats, pace };
-    index.store().offer_candidates(&at, blocks, &mut narrow);
+    let mut narrow = Narrow { at: *at, corners, filters, until, placed, seen, pending, hits, stats, pace };
+    index.store().offer_candidates(offered, blocks, &mut narrow);
     if narrow.pace.is_stopped() {
         return Err(Error::Cancelled);
     }
@@ -122,4 +136,36 @@ pub(super) fn run(index: &Index, tool: &Tool, pose: &Pose, how: How<'_>, scratch
     hits.sort(index.lanes());
     stats.pairs = hits.sorted().len() as u64;
     Ok(())
+}
+
+/// A tool at a pose, and an index whose mesh is placed, too.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BothPlaced<'a> {
+    pub index: &'a Index,
+    /// The mesh's corners in the world.
+    pub corners: Corners<'a>,
+    pub tool: &'a Tool,
+    /// `world_from_tool`.
+    pub pose: &'a Pose,
+    /// `mesh_from_tool`, rounded.
+    pub relative: &'a Pose,
+    /// How far (metres, per axis of the mesh's frame) rounding may take a triangle of the tool at that from where it is to one of the
+    /// mesh, beyond [`Tool::margin_at`].
+    pub spread: f64,
+}
+
+/// Every pair of a tool and a mesh that are both placed: stops at the first where only one is asked for. `scratch.sorted` has them.
+pub(crate) fn meet(
+    both: &BothPlaced<'_>,
+    is_first_enough: bool,
+    go_on: GoOn<'_>,
+    scratch: &mut CollideScratch,
+) -> Result<()> {
+    let BothPlaced { index, corners, tool, pose, relative, spread } = *both;
+    let mockup = index.mockup();
+    let (mesh, lanes, selection) = (mockup.mesh(), index.lanes(), index.selection());
+    let at = PlacedTool { mockup, mesh, tool, pose, lanes, selection, spread };
+    let until = if is_first_enough { Until::First } else { Until::End };
+    let how = How { go_on, ..How::until(until) };
+    run_at(index, &PlacedTool { pose: relative, ..at }, &at, corners, how, scratch)
 }

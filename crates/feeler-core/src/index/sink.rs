@@ -25,6 +25,8 @@ pub(crate) struct PlacedTool<'a> {
     pub lanes: Checked,
     /// The selection. A hint: others may be offered all the same.
     pub selection: &'a Selection,
+    /// By how much farther than [`Tool::margin_at`] (metres, per axis) a triangle of either may be off: where `mesh` is placed, too.
+    pub spread: f64,
 }
 
 /// Takes candidate pairs: those that the index cannot hold apart.

@@ -105,6 +105,11 @@ impl Mesh {
         corners(&self.vertices, &self.faces[id as usize])
     }
 
+    /// Faces and vertices.
+    pub(crate) fn corners(&self) -> Corners<'_> {
+        Corners { faces: &self.faces, vertices: &self.vertices }
+    }
+
     /// The first corner of such a triangle.
     #[inline]
     #[doc(hidden)]
@@ -135,6 +140,21 @@ impl Mesh {
     /// Bytes held by the vertex and face arrays.
     pub(crate) fn memory(&self) -> usize {
         self.vertices.memory() + self.faces.memory() + self.defects.excluded.capacity() * size_of::<u32>()
+    }
+}
+
+/// Faces, and the places of their vertices: a mesh's own, or where it is placed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Corners<'a> {
+    pub faces: &'a [[u32; 3]],
+    pub vertices: &'a [Point],
+}
+
+impl Corners<'_> {
+    /// As [`Mesh::triangle`].
+    #[inline]
+    pub(crate) fn triangle(&self, id: u32) -> Triangle {
+        corners(self.vertices, &self.faces[id as usize])
     }
 }
 

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::surface_links::SurfaceLinks;
-use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::constants::{
+    MAX_TOOL_TRIANGLES, MOCKUP_CUT_ALLOWANCE, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF,
+};
 use crate::error::{Error, Result};
 use crate::geometry::bounds::{Aabb, Piece, Point, Triangle};
 use crate::geometry::intersect_lanes::line_of;
@@ -88,13 +90,29 @@ impl Tool {
     ///
     /// Errors: as [`new`](Self::new), no part, and a `part_of_face` of another length or with a part that is not there.
     pub fn of_parts(vertices: Vec<Point>, faces: Vec<[u32; 3]>, part_of_face: Vec<u32>, parts: usize) -> Result<Tool> {
+        Tool::cut_by(vertices, faces, part_of_face, parts, TOOL_CUT_PIECES_EACH)
+    }
+
+    /// The same of one part whose triangles are cut as those of a mock-up: made sooner, for few queries against few triangles.
+    pub(crate) fn of_body(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Result<Tool> {
+        Tool::cut_by(vertices, faces, Vec::new(), 1, MOCKUP_CUT_ALLOWANCE)
+    }
+
+    /// `each`: the most pieces that a triangle is cut into more than one, on average.
+    fn cut_by(
+        vertices: Vec<Point>,
+        faces: Vec<[u32; 3]>,
+        part_of_face: Vec<u32>,
+        parts: usize,
+        each: f64,
+    ) -> Result<Tool> {
         check_parts(&part_of_face, faces.len(), parts)?;
         if faces.len() > MAX_TOOL_TRIANGLES {
             let count = faces.len() as u64;
             return Err(Error::TooMany { what: "tool triangles", count, limit: MAX_TOOL_TRIANGLES as u64 });
         }
         let mesh = Mesh::new("tool", vertices, faces)?;
-        let pieces = cut(&mesh);
+        let pieces = cut(&mesh, each);
         let cells = Cells::new(&mesh.bounds());
         let middle = |p: &CutPiece| {
             let b = grown_box(&p.corners, 0.0);
@@ -293,10 +311,10 @@ fn mean_powers(widths: impl ExactSizeIterator<Item = f64>) -> [f64; 3] {
 
 /// All pieces. Long triangles of a coarse tool are worth many pieces each; a fine tool has short ones already, and pays for
 /// each piece at every pose.
-fn cut(mesh: &Mesh) -> Vec<CutPiece> {
+fn cut(mesh: &Mesh, each: f64) -> Vec<CutPiece> {
     let ids: Vec<u32> = mesh.queried().collect();
     let n = ids.len() as f64;
-    let allowance = f64::min(TOOL_CUT_PIECES / n, TOOL_CUT_PIECES_EACH);
+    let allowance = f64::min(TOOL_CUT_PIECES / n, each);
     let size = default_piece_size(ids.len(), |i| mesh.triangle(ids[i]), allowance);
     let mut pieces = Vec::new();
     for id in ids {

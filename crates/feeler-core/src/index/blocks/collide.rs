@@ -58,8 +58,8 @@ impl Default for BlocksScratch {
 impl Blocks {
     /// Offers every pair of pieces that boxes and planes do not hold apart to the narrow phase, until it says stop.
     pub fn offer_candidates<N: CandidateSink>(&self, at: &PlacedTool<'_>, scratch: &mut BlocksScratch, narrow: &mut N) {
-        let PlacedTool { mesh, tool, pose, lanes, selection, .. } = *at;
-        let margin = tool.margin_at(pose);
+        let PlacedTool { mesh, tool, pose, lanes, selection, spread, .. } = *at;
+        let margin = tool.margin_at(pose) + spread;
         // In float64 first: a tool far away is done with.
         let whole = pose.apply_box(&tool.mesh().bounds(), margin);
         if !whole.is_overlapping(&mesh.bounds()) {

@@ -1,0 +1,145 @@
+"""Triangles of other libraries' objects, shapes made of them, and what a matrix with scale or mirror does to both."""
+
+from __future__ import annotations
+
+import zlib
+from collections import OrderedDict
+from collections.abc import Hashable
+from threading import Lock
+from typing import Any
+from weakref import WeakValueDictionary
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.arguments import shown
+from feeler.errors import MeshError, PoseError
+from feeler.mockup import mesh_indices, mesh_points
+
+Floats = npt.NDArray[np.float64]
+Triangles = tuple[Floats, npt.NDArray[np.uint32]]
+
+MOST_KEPT = 64
+"""Shapes that are kept though no body has them: `in_collision_single` is often asked with one mesh at many places."""
+
+_lock = Lock()
+_kept: OrderedDict[Hashable, _core.Shape] = OrderedDict()
+_alive: WeakValueDictionary[Hashable, _core.Shape] = WeakValueDictionary()
+
+
+def triangles_of(mesh: Any) -> Triangles:
+    """Vertices and faces of a mesh of trimesh, of FreeCAD (`Mesh.Mesh`, or an object with one), of anything with
+    `.vertices` and `.faces`, or of a pair of arrays. Raises `MeshError` for others."""
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        vertices, faces = mesh.vertices, mesh.faces
+    elif hasattr(getattr(mesh, "Mesh", mesh), "Topology"):
+        points, faces = getattr(mesh, "Mesh", mesh).Topology
+        vertices = [tuple(point) for point in points]
+    elif isinstance(mesh, tuple) and len(mesh) == 2:
+        vertices, faces = mesh
+    else:
+        raise MeshError(f"a mesh with vertices and faces is needed, not {shown(mesh)}")
+    points = mesh_points(vertices)
+    return points, mesh_indices(faces, len(points))
+
+
+def is_solid(mesh: Any, triangles: Triangles) -> bool:
+    """Whether a mesh is closed and convex, as it says itself (trimesh's `is_convex`) or as its triangles show: then
+    what lies in it meets it."""
+    try:
+        return bool(mesh.is_convex)
+    except (AttributeError, ImportError):  # not of trimesh, or without SciPy, which trimesh needs to say it
+        return is_convex(triangles)
+
+
+def is_convex(triangles: Triangles) -> bool:
+    """Whether triangles are one closed surface, and nowhere bent inwards by more than 1e-6 rad."""
+    vertices, faces = triangles
+    if len(faces) < 4 or faces.max() >= len(vertices):
+        return False
+    corners = vertices[faces]
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
+    keys = edges[:, 0] * len(vertices) + edges[:, 1]
+    back = edges[:, 1] * len(vertices) + edges[:, 0]
+    order = np.argsort(keys)
+    at = np.searchsorted(keys[order], back)
+    if len(np.unique(keys)) < len(keys) or not np.array_equal(keys[order][np.minimum(at, len(keys) - 1)], back):
+        return False  # an edge without its like in the other direction, or with several
+    if len(np.unique(faces)) - len(keys) // 2 + len(faces) != 2:
+        return False  # several surfaces, or one with a hole through it
+    face = np.tile(np.arange(len(faces)), 3)
+    beside = face[order][at]
+    with np.errstate(invalid="ignore", over="ignore"):
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = np.linalg.norm(normals, axis=1)
+        flat = lengths == 0
+        normals /= np.where(flat, 1.0, lengths)[:, None]
+        away = corners[beside] - corners[face, 0][:, None]
+        heights = np.einsum("eij,ej->ei", away, normals[face])
+        bent = heights > 1e-6 * np.linalg.norm(away, axis=2)
+        inside_out = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0
+        return not (inside_out or bent.any())
+
+
+def shape_of(triangles: Triangles, solid: bool, stretch: Floats | None, memory_limit: int) -> _core.Shape:
+    """The shape of triangles, stretched by a matrix `(3, 3)`; the same for the same triangles, while it is in use or
+    was lately. `memory_limit`: the most bytes of its index."""
+    vertices, faces = triangles
+    if stretch is not None:
+        vertices = np.ascontiguousarray(vertices @ stretch.T)
+        if np.linalg.det(stretch) < 0:
+            faces = np.ascontiguousarray(faces[:, ::-1])
+    key = (len(vertices), len(faces), zlib.crc32(vertices.data), zlib.crc32(faces.data), solid)
+    with _lock:
+        shape = _alive.get(key)
+    if shape is None or not shape.is_of(vertices, faces, solid):
+        shape = _core.Shape(vertices, faces, solid, memory_limit)
+    with _lock:
+        _alive[key] = _kept[key] = shape
+        _kept.move_to_end(key)
+        while len(_kept) > MOST_KEPT:
+            _kept.popitem(last=False)
+    return shape
+
+
+def affine(matrix: npt.ArrayLike | None) -> Floats:
+    """A matrix `(4, 4)`, the identity for None. Raises `PoseError` for one that is not affine, finite and
+    invertible."""
+    if matrix is None:
+        return np.eye(4)
+    try:
+        given = np.asarray(matrix, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PoseError(f"a transform cannot be read as a matrix: {error}") from error
+    if given.shape != (4, 4):
+        raise PoseError(f"a transform has shape {given.shape}: (4, 4) is needed")
+    if not np.isfinite(given).all():
+        raise PoseError("a transform has numbers that are not finite")
+    if not np.allclose(given[3], [0, 0, 0, 1], rtol=0, atol=1e-6):
+        raise PoseError(f"the last row of a transform is {given[3].tolist()}, not [0, 0, 0, 1]")
+    return given
+
+
+def split(matrix: Floats) -> tuple[Floats, Floats]:
+    """A matrix `(4, 4)` as a rigid one and the stretch `(3, 3)` before it, which mirrors if the matrix does (polar
+    decomposition). Raises `PoseError` if it flattens."""
+    linear = matrix[:3, :3]
+    u, scales, v = np.linalg.svd(linear)
+    if not scales[2] > 1e-12 * scales[0]:
+        raise PoseError("a transform flattens: its linear part has no inverse")
+    turn = u @ v
+    if np.linalg.det(turn) < 0:
+        turn = -turn
+    return _with(matrix, turn), turn.T @ linear
+
+
+def rigid_after(matrix: Floats, stretch: Floats) -> Floats:
+    """The matrix that comes after a stretch, so that both together are the one given."""
+    return _with(matrix, matrix[:3, :3] @ np.linalg.inv(stretch))
+
+
+def _with(matrix: Floats, linear: Floats) -> Floats:
+    rigid = np.eye(4)
+    rigid[:3, :3], rigid[:3, 3] = linear, matrix[:3, 3]
+    return rigid

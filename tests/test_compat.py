@@ -1,0 +1,364 @@
+"""trimesh's collision manager, answered by feeler; MuJoCo's geometries as bodies."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from trimesh.creation import box, icosphere, torus
+
+import feeler
+from feeler.compat import meshes
+from feeler.compat.mujoco import collision_manager, move
+from feeler.compat.trimesh import CollisionManager, scene_to_collision
+
+CUBE = box((1, 1, 1))
+
+
+class Surface:
+    """A mesh that says that it is not convex."""
+
+    is_convex = False
+
+    def __init__(self, mesh: Any) -> None:
+        self.vertices, self.faces = mesh.vertices, mesh.faces
+
+
+def at(x: float, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    place = np.eye(4)
+    place[:3, 3] = x, y, z
+    return place
+
+
+def random_rotation(rng: np.random.Generator) -> np.ndarray:
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return turn * np.sign(np.linalg.det(turn))
+
+
+def placed(rng: np.random.Generator, reach: float) -> np.ndarray:
+    place = np.eye(4)
+    place[:3, :3] = random_rotation(rng)
+    place[:3, 3] = rng.uniform(-reach, reach, 3)
+    return place
+
+
+def moved(mesh: Any, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A mesh in the world, with the roundings of the contract."""
+    x, y, z = np.asarray(mesh.vertices, dtype=np.float64).T
+    columns = [((row[0] * x + row[1] * y) + row[2] * z) + row[3] for row in place[:3]]
+    return np.column_stack(columns), np.asarray(mesh.faces)
+
+
+def test_each_method_of_trimesh_s() -> None:
+    manager = CollisionManager()
+    manager.add_object("a", CUBE)
+    manager.add_object("b", CUBE, at(5))
+    assert manager.in_collision_single(CUBE) is True
+    assert manager.in_collision_single(CUBE, at(-5)) is False
+    assert manager.in_collision_single(CUBE, at(5.5), return_names=True) == (True, {"b"})
+    hit, names, contacts = manager.in_collision_single(CUBE, at(5), return_names=True, return_data=True)
+    assert hit and names == {"b"} and contacts
+    for contact in contacts:
+        assert contact.names == {"b", "__external"}
+        assert contact.depth == pytest.approx(1.0, rel=1e-5)
+        assert sorted(np.abs(contact.normal)) == pytest.approx([0, 0, 1])
+        assert 0 <= contact.index("b") < 12 and 0 <= contact.index("__external") < 12
+    assert manager.in_collision_internal() is False
+    manager.add_object("c", CUBE, at(5, 0.5))
+    assert manager.in_collision_internal(return_names=True) == (True, {("b", "c")})
+    manager.set_transform("c", at(-5))
+    assert manager.in_collision_internal(True, True) == (False, set(), [])
+    assert manager.min_distance_internal(return_names=True) == (4.0, ("a", "b"))
+    assert manager.min_distance_internal("c", return_names=True) == (4.0, ("a", "c"))
+    assert manager.min_distance_single(CUBE, at(5.75)) == pytest.approx(-0.25, rel=1e-4)
+    assert manager.min_distance_single(CUBE, at(2), return_name=True) == (1.0, "a")
+    distance, name, data = manager.min_distance_single(CUBE, at(9, 1, 0), return_name=True, return_data=True)
+    assert (distance, name, data.distance) == (3.0, "b", 3.0) and data.names == {"b", "__external"}
+    assert data.point("b")[0] == 5.5 and data.point("__external")[0] == 8.5
+    manager.remove_object("c")
+    other = CollisionManager()
+    other.add_object("x", CUBE, at(5.5))
+    other.add_object("a", CUBE, at(-9))
+    assert manager.in_collision_other(other) is True
+    assert manager.in_collision_other(other, return_names=True) == (True, {("b", "x")})
+    assert other.in_collision_other(manager, return_names=True) == (True, {("x", "b")})
+    other.remove_object("x")
+    distance, pair, data = manager.min_distance_other(other, return_names=True, return_data=True)
+    assert (distance, pair) == (8.0, ("a", "a")) and data.distance == 8.0
+    assert manager.names == ["a", "b"]
+    assert repr(manager) == "<CollisionManager of 2 objects>"
+
+
+def test_nothing_to_compare_is_infinitely_far() -> None:
+    manager = CollisionManager()
+    assert manager.min_distance_internal(return_names=True, return_data=True) == (np.inf, None, None)
+    assert manager.min_distance_single(CUBE) == np.inf
+    assert manager.in_collision_internal(return_names=True, return_data=True) == (False, set(), [])
+    manager.add_object("one", CUBE)
+    assert manager.min_distance_internal() == np.inf
+    assert manager.min_distance_internal("one") == np.inf
+    assert manager.min_distance_other(CollisionManager()) == np.inf
+    assert manager.in_collision_other(manager) is True  # each with each: with itself, too
+
+
+def test_bodies_that_all_move_meet_where_their_vertices_are() -> None:
+    rng = np.random.default_rng(4)
+    shapes = [torus(1.0, 0.3, major_sections=12, minor_sections=6), icosphere(1, 0.8), box((1.5, 0.4, 0.9))]
+    manager = CollisionManager(threads=1)
+    places = [placed(rng, 2.0) for _ in range(12)]
+    kinds = [shapes[i % 3] for i in range(12)]
+    for i in range(12):
+        manager.add_object(i, Surface(kinds[i]), places[i])
+    for frame in range(4):
+        pairs, triangles, least = set(), set(), np.inf
+        for i in range(12):
+            scene = feeler.Scene(feeler.Mockup(*moved(kinds[i], places[i])), threads=1)
+            for j in range(i):
+                tool = feeler.Tool(*moved(kinds[j], places[j]))
+                hit = scene.collide(tool, np.eye(4))
+                triangles.update((j, i, int(t), int(m)) for t, m in hit.pairs)
+                if len(hit):
+                    pairs.add((j, i))
+                least = min(least, scene.distance(tool, np.eye(4)).value)
+        hit, names, contacts = manager.in_collision_internal(return_names=True, return_data=True)
+        assert (hit, names) == (bool(pairs), pairs), frame
+        found = {(a, b, c.index(a), c.index(b)) for c in contacts for a, b in [sorted(c.names)]}
+        assert found == triangles
+        assert manager.min_distance_internal() == pytest.approx(least, abs=1e-12)
+        for i in range(12):
+            places[i] = places[i] @ placed(rng, 0.3)
+            manager.set_transform(i, places[i])
+    assert pairs
+
+
+@pytest.mark.parametrize(
+    "linear",
+    [np.diag([2.0, 2.0, 2.0]), np.diag([-1.0, 1.0, 1.0]), np.array([[1.0, 0.4, 0], [0, 2.0, 0.1], [0, 0, 0.5]])],
+    ids=["scaled", "mirrored", "sheared"],
+)
+def test_a_transform_may_scale_mirror_and_shear(linear: np.ndarray) -> None:
+    rng = np.random.default_rng(8)
+    mesh = torus(1.0, 0.3, major_sections=12, minor_sections=6)
+    probe = Surface(icosphere(1, 0.4))
+    manager = CollisionManager()
+    manager.add_object("rigid first", mesh)
+    for turn in range(5):
+        place = placed(rng, 1.0)
+        place[:3, :3] = place[:3, :3] @ linear
+        manager.add_object("stretched", mesh, place)
+        manager.set_transform("rigid first", place)
+        # By hand: the same triangles, where numpy puts them.
+        hand = CollisionManager()
+        points = mesh.vertices @ place[:3, :3].T + place[:3, 3]
+        hand.add_object("by hand", (points, mesh.faces))
+        for x in (0.0, 0.5, 1.0, 2.0, 4.0):
+            expected = hand.min_distance_single(probe, at(x))
+            for name in ("stretched", "rigid first"):
+                alone = CollisionManager()
+                alone.add_object("probe", probe, at(x))
+                here, distance = manager, manager.min_distance_single(probe, at(x))
+                assert distance == pytest.approx(expected, abs=1e-9), (turn, name)
+                assert here.in_collision_single(probe, at(x)) == hand.in_collision_single(probe, at(x))
+        manager.remove_object("stretched")
+    manager.set_transform("rigid first", at(0))
+    assert manager.min_distance_single(probe, at(3)) == pytest.approx(3 - 1.3 - 0.4, abs=1e-9)
+
+
+def test_a_convex_mesh_is_solid_and_others_are_surfaces() -> None:
+    small = Surface(box((0.1, 0.1, 0.1)))
+    opened = (CUBE.vertices, CUBE.faces[1:])
+    for outer, meets, distance in ((CUBE, True, -0.55), (Surface(CUBE), False, 0.45), (opened, False, 0.45)):
+        manager = CollisionManager()
+        manager.add_object("outer", outer)
+        assert manager.in_collision_single(small) is meets
+        assert manager.min_distance_single(small) == pytest.approx(distance, rel=2e-3)
+        assert bool(manager.in_collision_single(small, return_data=True)[1]) is meets
+    ring = torus(1.0, 0.3, major_sections=12, minor_sections=6)
+    manager = CollisionManager()
+    manager.add_object("ring", ring)
+    manager.add_object("other", ring, at(1.0))
+    assert manager.min_distance_internal() == 0.0
+
+
+def test_what_is_convex() -> None:
+    closed = [CUBE, icosphere(2, 0.7), box((1e-3, 1e2, 1.0))]
+    for mesh in closed:
+        assert meshes.is_convex(meshes.triangles_of(mesh))
+        assert not meshes.is_convex(meshes.triangles_of((mesh.vertices, mesh.faces[1:])))
+        assert not meshes.is_convex(meshes.triangles_of((mesh.vertices, mesh.faces[:, ::-1])))
+        twice = (
+            np.concatenate([mesh.vertices, mesh.vertices + 9]),
+            np.concatenate([mesh.faces, mesh.faces + len(mesh.vertices)]),
+        )
+        assert not meshes.is_convex(meshes.triangles_of(twice))
+        dented = mesh.vertices.copy()
+        dented[0] *= -0.2
+        assert not meshes.is_convex(meshes.triangles_of((dented, mesh.faces)))
+    assert not meshes.is_convex(meshes.triangles_of(torus(1.0, 0.3, major_sections=12, minor_sections=6)))
+    assert not meshes.is_convex(meshes.triangles_of((CUBE.vertices, np.where(CUBE.faces == 3, 99, CUBE.faces))))
+
+
+def test_depth_and_normal_are_of_the_time_of_the_question() -> None:
+    manager = CollisionManager()
+    manager.add_object("a", CUBE)
+    manager.add_object("b", CUBE, at(0.9))
+    contact = manager.in_collision_internal(return_data=True)[1][0]
+    manager.set_transform("b", at(0.5))
+    manager.remove_object("a")
+    assert contact.depth == pytest.approx(0.1, rel=1e-4)
+    assert contact.normal == pytest.approx([1, 0, 0], abs=1e-9)
+
+
+def test_the_normal_leads_the_second_out_of_the_first() -> None:
+    ball, plate = icosphere(2, 0.5), box((3, 3, 0.2))
+    for first, second in ((ball, plate), (plate, ball)):
+        manager = CollisionManager()
+        manager.add_object(0, first)
+        manager.add_object(1, second, at(0.1, 0.2, 0.4))
+        contact = manager.in_collision_internal(return_data=True)[1][0]
+        away = at(0.1, 0.2, 0.4)
+        away[:3, 3] += contact.normal * contact.depth * 1.001
+        assert contact.normal[2] > 0.99
+        manager.set_transform(1, away)
+        assert manager.in_collision_internal() is False
+
+
+def test_meshes_of_other_kinds() -> None:
+    points = [SimpleNamespace(x=float(x), y=float(y), z=float(z)) for x, y, z in CUBE.vertices]
+    vectors = [type("Vector", (tuple,), {})((p.x, p.y, p.z)) for p in points]
+    freecad = SimpleNamespace(Topology=(vectors, [tuple(map(int, face)) for face in CUBE.faces]))
+    mockup = feeler.Mockup(CUBE.vertices, CUBE.faces)
+    for mesh in (freecad, SimpleNamespace(Mesh=freecad), mockup, (CUBE.vertices, CUBE.faces)):
+        manager = CollisionManager()
+        manager.add_object("mesh", mesh)
+        assert manager.min_distance_single(CUBE, at(3)) == 2.0
+
+
+def test_shapes_are_shared_by_content_and_dropped() -> None:
+    mesh = icosphere(1, 0.123)
+    manager = CollisionManager()
+    manager.add_object(1, mesh)
+    manager.add_object(2, (mesh.vertices.copy(), mesh.faces.copy()), at(1))
+    assert manager._placed[1].shape is manager._placed[2].shape
+    manager.add_object(3, (np.nextafter(mesh.vertices, 1), mesh.faces), at(2))
+    assert manager._placed[3].shape is not manager._placed[1].shape
+    for n in range(2 * meshes.MOST_KEPT):
+        CollisionManager().in_collision_single((CUBE.vertices * (1 + n), CUBE.faces))
+    assert len(meshes._kept) == meshes.MOST_KEPT
+    assert len(meshes._alive) <= meshes.MOST_KEPT + 20
+
+
+def test_a_scene_of_trimesh() -> None:
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene()
+    scene.add_geometry(box((1, 1, 1)), node_name="left")
+    scene.add_geometry(box((1, 1, 1)), node_name="right", transform=at(1))
+    manager, numbers = scene_to_collision(scene)
+    assert sorted(numbers) == ["left", "right"]
+    assert manager.in_collision_internal(return_names=True) == (True, {("left", "right")})
+
+
+def test_geometries_of_mujoco() -> None:
+    # As its arrays are: two meshes one after the other, and a plane, which has no mesh.
+    names = ["base", "", "floor"]
+    model = SimpleNamespace(
+        geom_type=np.array([7, 7, 0]),
+        geom_dataid=np.array([1, 0, -1]),
+        mesh_vert=np.concatenate([CUBE.vertices, 2 * CUBE.vertices]).astype(np.float32),
+        mesh_face=np.concatenate([CUBE.faces, CUBE.faces]).astype(np.int32),
+        mesh_vertadr=np.array([0, 8]),
+        mesh_vertnum=np.array([8, 8]),
+        mesh_faceadr=np.array([0, 12]),
+        mesh_facenum=np.array([12, 12]),
+        geom=lambda i: SimpleNamespace(name=names[i]),
+    )
+    data = SimpleNamespace(
+        geom_xpos=np.array([[0.0, 0, 0], [4, 0, 0], [0, 0, 0]]), geom_xmat=np.tile(np.eye(3).ravel(), (3, 1))
+    )
+    manager = collision_manager(model, data)
+    assert manager.names == ["base", "geom_1"]
+    assert manager.min_distance_internal() == 2.5
+    data.geom_xpos[1, 0] = 1.5
+    move(manager, model, data)
+    assert manager.in_collision_internal(return_names=True) == (True, {("base", "geom_1")})
+    with pytest.raises(feeler.MeshError, match=r"mujoco\.MjModel"):
+        collision_manager(box((1, 1, 1)))
+
+
+def _flat() -> np.ndarray:
+    return np.diag([1.0, 1.0, 0.0, 1.0])
+
+
+BAD: list[tuple[Callable[[CollisionManager], object], type[Exception], str]] = [
+    (lambda m: m.remove_object("nobody"), feeler.OptionError, "'nobody' is not in the collision manager"),
+    (lambda m: m.set_transform("nobody", np.eye(4)), feeler.OptionError, "'nobody' is not"),
+    (lambda m: m.set_transform([], np.eye(4)), feeler.OptionError, "is not in the collision manager"),
+    (lambda m: m.min_distance_internal("nobody"), feeler.OptionError, "'nobody' is not"),
+    (lambda m: m.add_object("x", CUBE, np.eye(3)), feeler.PoseError, "shape"),
+    (lambda m: m.add_object("x", CUBE, _flat()), feeler.PoseError, "flattens"),
+    (lambda m: m.set_transform("a", _flat()), feeler.PoseError, "flattens"),
+    (lambda m: m.set_transform("a", np.full((4, 4), np.nan)), feeler.PoseError, "not finite"),
+    (lambda m: m.set_transform("a", at(0).T + 1), feeler.PoseError, "last row"),
+    (lambda m: m.set_transform("a", "x"), feeler.PoseError, "matrix|read"),
+    (lambda m: m.add_object("x", 7), feeler.MeshError, "vertices and faces"),
+    (lambda m: m.add_object("x", ([], [])), feeler.MeshError, "shape|empty"),
+    (lambda m: m.add_object("x", (np.full((3, 3), np.nan), [[0, 1, 2]])), feeler.MeshError, "nothing|can be queried"),
+    (lambda m: m.in_collision_other(7), feeler.OptionError, "other_manager"),
+    (lambda m: m.min_distance_other(None), feeler.OptionError, "other_manager"),
+    (lambda m: m.in_collision_internal(return_names="yes"), feeler.OptionError, "return_names"),
+    (lambda m: CollisionManager(threads=0), feeler.OptionError, "threads"),
+    (lambda m: scene_to_collision(CUBE), feeler.MeshError, "scene of trimesh"),
+]
+
+
+@pytest.mark.parametrize(("call", "error", "words"), BAD, ids=[str(i) for i in range(len(BAD))])
+def test_what_is_wrong_is_said_and_changes_nothing(
+    call: Callable[[CollisionManager], object], error: type[Exception], words: str
+) -> None:
+    manager = CollisionManager()
+    manager.add_object("a", CUBE)
+    manager.add_object("b", CUBE, at(1))
+    with pytest.raises(error, match=words):
+        call(manager)
+    assert manager.in_collision_internal(return_names=True) == (True, {("a", "b")})
+
+
+def test_a_bad_replacement_leaves_the_object() -> None:
+    manager = CollisionManager()
+    manager.add_object("a", CUBE)
+    with pytest.raises(feeler.PoseError):
+        manager.add_object("a", CUBE, _flat())
+    assert manager.in_collision_single(CUBE, return_names=True) == (True, {"a"})
+
+
+def test_several_threads_ask_and_move_at_once() -> None:
+    manager = CollisionManager()
+    for i in range(20):
+        manager.add_object(i, CUBE, at(2.0 * i))
+    asked = CollisionManager()
+    asked.add_object("q", CUBE, at(4.0))
+
+    def work(n: int) -> bool:
+        if n % 3 == 0:
+            manager.set_transform(10 + n % 10, at(2.0 * (10 + n % 10), 0.1 * (n % 2)))
+        return bool(manager.in_collision_other(asked) and asked.in_collision_other(manager))
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(work, range(300)))
+
+
+def test_data_can_be_printed_and_managers_are_not_pickled() -> None:
+    manager = CollisionManager()
+    manager.add_object("a", CUBE)
+    manager.add_object("b", CUBE, at(0.5))
+    contact = manager.in_collision_internal(return_data=True)[1][0]
+    assert repr(contact).startswith("<ContactData of a and b at [")
+    manager.set_transform("b", at(2))
+    assert repr(manager.min_distance_internal(return_data=True)[1]) == "<DistanceData of a and b, 1.0 apart>"
+    with pytest.raises(TypeError, match="pickle"):
+        pickle.dumps(manager)
