@@ -327,6 +327,10 @@ def test_removals_refuse_what_cannot_move(scene: feeler.Scene) -> None:
             feeler.removals(scene, bad)  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="out already"):
         feeler.removals(scene.without([3]), [[3]])
+    mask = np.arange(scene.mockup.part_count) < 2
+    for given, said in ((mask, "parts is a mask: give np.flatnonzero"), ({"a": [1]}, "parts is a dict")):
+        with pytest.raises(feeler.OptionError, match=said):
+            feeler.removals(scene, given)  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="seconds"):
         feeler.removals(scene, [[3]], seconds=0.0)
 
@@ -485,7 +489,8 @@ def test_variants_are_checked_in_order(processes: Executor, tmp_path: Path) -> N
         found = feeler.clash_variants(variants, **options)
         for ours, theirs in zip(found, expected, strict=True):
             assert list(ours.ids) == list(theirs.ids) and ours.depths.tolist() == theirs.depths.tolist()
-    for bad, said in (("a.glb", "a list"), ([], "at least one"), ([3], r"variants\[0\]")):
+    in_dict = {"a": mockups[0]}
+    for bad, said in (("a.glb", "a list"), ([], "at least one"), ([3], r"variants\[0\]"), (in_dict, "variants.values")):
         with pytest.raises(feeler.OptionError, match=said):
             feeler.clash_variants(bad)  # type: ignore[arg-type]
     with pytest.raises(feeler.MissingFileError):
