@@ -30,7 +30,7 @@ CASTS ?= 1000000
 CONTACTS ?= 5000
 DEPTHS ?= 3000
 FUZZ_SECONDS ?= 1200
-FUZZ ?= collide contacts distance mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
+FUZZ ?= collide contacts distance mesh saved_scene $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
 # Where rustup puts cargo, for shells that were not told.
 export PATH := $(PATH):$(HOME)/.cargo/bin
