@@ -230,7 +230,7 @@ exact: build ## ten million hard pairs, thousands of scenes, a million casts, co
 	@FEELER_LARGE=1 $(PY) -m pytest tests/test_stores.py
 
 .PHONY: fuzz
-fuzz: build ## fuzz collisions, distances and contacts, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
+fuzz: build ## fuzz collisions, distances, contacts, saved scenes and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
 	@sh tools/fuzz.sh $(PY) $(FUZZ_SECONDS) $(FUZZ)
 
 .PHONY: sanitize
