@@ -118,8 +118,8 @@ def removal_order(
     - `rounds`: the most rounds of each attempt with pushes and random trees, instead of a share of the time. The search
       ends when no attempt of that many helps. An order that `seconds` did not cut (`is_out_of_time`) is the same on
       every machine.
-    - `executor`: where attempts that do not depend on each other are made, as in `removals`, one thread each. It finds
-      the same order.
+    - `executor`: where attempts that do not depend on each other are made, as in `removals`, one thread each. The order
+      does not depend on it, except where time cut it.
     - `progress`: called with the share of the time, 0 to 1, and the current attempt.
 
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
