@@ -84,8 +84,8 @@ impl Blocks {
     fn check(&self, mesh: &Mesh) -> Result<()> {
         let is_queried = |t: &u32| (*t as usize) < mesh.faces().len() && mesh.is_queried(*t);
         let is_right = |(packed, node): (&PackedPieces, &Node)| {
-            let (last, count) = (u32::MAX >> node.valid.leading_zeros(), node.valid.count_ones() as usize);
-            count > 0 && node.valid == last && packed.triangles[..count].iter().all(is_queried)
+            let (last, count) = (u32::MAX.checked_shr(node.valid.leading_zeros()), node.valid.count_ones() as usize);
+            last == Some(node.valid) && packed.triangles[..count].iter().all(is_queried)
         };
         let blocks = self.pieces.par_iter().zip(self.levels[0].par_iter());
         check(blocks.all(is_right), || "blocks.pieces".into())?;
