@@ -31,7 +31,7 @@ BODIES ?= 3000
 CONTACTS ?= 5000
 DEPTHS ?= 3000
 FUZZ_SECONDS ?= 1200
-FUZZ ?= collide contacts distance mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
+FUZZ ?= collide contacts distance mesh saved_scene $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
 # Where rustup puts cargo, for shells that were not told.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -232,7 +232,7 @@ exact: build ## ten million hard pairs, thousands of scenes, a million casts, bo
 	@FEELER_LARGE=1 $(PY) -m pytest tests/test_stores.py
 
 .PHONY: fuzz
-fuzz: build ## fuzz collisions, distances and contacts, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
+fuzz: build ## fuzz collisions, distances, contacts, saved scenes and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
 	@sh tools/fuzz.sh $(PY) $(FUZZ_SECONDS) $(FUZZ)
 
 .PHONY: sanitize

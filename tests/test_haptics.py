@@ -359,3 +359,8 @@ def test_what_a_device_may_tell_lets_go_and_what_a_program_may_pass_is_an_error(
             haptics.Coupling(max_force_n=value)  # type: ignore[arg-type]
     with pytest.raises(OptionError, match=r"feeler\.Scene"):
         haptics.Session(scene.mockup, tool)  # type: ignore[arg-type]
+
+
+def test_a_replay_of_a_folder_is_refused_in_words(tmp_path: Path) -> None:
+    with pytest.raises(feeler.LoadError, match=r"give a file that Session\.record wrote"):
+        feeler.haptics.replay(tmp_path)

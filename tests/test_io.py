@@ -547,7 +547,7 @@ def test_unknown_unit_lists_the_known(tmp_path, unit):
     assert str(error.value).endswith("choose " + ", ".join(KNOWN_UNITS))
 
 
-@pytest.mark.parametrize("tolerance", [0, -1.0, float("nan"), float("inf"), "fine", True])
+@pytest.mark.parametrize("tolerance", [0, 1e-12, -1.0, float("nan"), float("inf"), "fine", True])
 def test_wrong_chord_tolerance(tmp_path, tolerance):
     with pytest.raises(OptionError, match="chord_tolerance"):
         load_mockup(save(tmp_path, "p.stl", stl_binary()), chord_tolerance=tolerance)

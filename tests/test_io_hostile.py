@@ -35,7 +35,7 @@ from test_io_builders import (
 )
 
 from feeler import FeelerError, LimitError, LoadError, MeshError, MissingFileError, OptionError
-from feeler.io import load_mockup, load_tool, step
+from feeler.io import load, load_mockup, load_tool, step
 
 needs_step = pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
 STEP_TEXT = (Path(__file__).parent.parent / "testdata" / "meshes" / "assembly.step").read_bytes()
@@ -677,6 +677,16 @@ def test_step_faces_that_the_converter_leaves_out_are_noted(tmp_path, old, new, 
 def test_step_converter_that_misbehaves(tmp_path, monkeypatch, worker, words):
     monkeypatch.setattr(step, "_WORKER", save(tmp_path, "worker.py", worker))
     refuse(save(tmp_path, "a.step", STEP_TEXT), *words)
+
+
+def test_errors_of_the_step_converter_are_words_without_its_places(tmp_path, monkeypatch, testdata):
+    """OpenCASCADE throws for a tolerance that it does not take; its binding makes that a Python error."""
+    pytest.importorskip("cascadio")
+    monkeypatch.setattr(load, "FINEST_CHORD_TOLERANCE", 1e-15)
+    with pytest.raises(LoadError, match="failed") as error:
+        load_mockup(testdata / "meshes" / "assembly.step", chord_tolerance=1e-12)
+    assert "invalid parameter value" in str(error.value)
+    assert "File" not in str(error.value) and "Error" not in str(error.value)
 
 
 def test_step_converter_that_does_not_end(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import multiprocessing
 import os
 import pickle
@@ -21,6 +22,7 @@ from commands import error_of, run, run_json
 
 import feeler
 from feeler import batches, spreading
+from feeler.plan import crew
 from feeler.spreading import Interrupted, WorkerLost, spread
 
 SPAWN = multiprocessing.get_context("spawn")
@@ -280,14 +282,185 @@ def _shelf() -> feeler.Mockup:
     return feeler.Mockup(vertices, faces, np.repeat(np.arange(count), len(box.faces)), part_paths=paths)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="the MPI of the tests is for Linux")
+def test_mpi_gives_the_same_rows(tmp_path: Path) -> None:
+    """Three processes: one runs the script, the others work for it."""
+    pytest.importorskip("mpi4py")
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    if not mpiexec.exists():
+        pytest.skip("no mpiexec beside this Python: pip install mpich")
+    script = tmp_path / "script.py"
+    script.write_text(MPI_SCRIPT)
+    # Processes of one machine alone, whatever its network.
+    command = [str(mpiexec), "-localhost", "127.0.0.1", "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stdout.split() == ["2", "same", "same", "same"]
+
+
+MPI_SCRIPT = """
+import feeler
+from mpi4py.futures import MPIPoolExecutor
+
+def rows(found):
+    return [(row.parts, row.removal.poses.tolist(), row.removal.certificate) for row in found]
+
+if __name__ == "__main__":
+    scene = feeler.Scene(feeler.sample("gearbox", 40_000))
+    scene.save("gearbox.feeler")
+    bolts = ["gearbox/housing/split_bolts/bolt_2", "gearbox/housing/split_bolts/bolt_3"]
+    order = {"parts": "gearbox/bracket/left_mount/retainer", "keep": "gearbox/housing", "rounds": 1, "seconds": 600.0}
+    with MPIPoolExecutor() as workers:
+        workers.bootup()
+        print(workers.num_workers)
+        alone = rows(feeler.removals(scene, bolts, rounds=1))
+        for each in (scene, feeler.open_scene("gearbox.feeler")):
+            print("same" if rows(feeler.removals(each, bolts, rounds=1, executor=workers)) == alone else "different")
+        alone, spread = (rows(feeler.removal_order(scene, executor=each, **order)) for each in (None, workers))
+        print("same" if spread == alone else "different")
+"""
+
+
 def test_removals_refuse_what_cannot_move(scene: feeler.Scene) -> None:
     for bad, said in (("a*", "give a list"), ([], "at least one"), ([["nothing"]], "nothing"), (3, "give a list")):
         with pytest.raises(feeler.OptionError, match=said):
             feeler.removals(scene, bad)  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="out already"):
         feeler.removals(scene.without([3]), [[3]])
+    mask = np.arange(scene.mockup.part_count) < 2
+    for given, said in ((mask, "parts is a mask: give np.flatnonzero"), ({"a": [1]}, "parts is a dict")):
+        with pytest.raises(feeler.OptionError, match=said):
+            feeler.removals(scene, given)  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="seconds"):
         feeler.removals(scene, [[3]], seconds=0.0)
+
+
+def _steps(order: feeler.RemovalOrder) -> list[Any]:
+    return [(step.parts, *_facts(step.removal)) for step in order]
+
+
+def _facts(one: feeler.Removal) -> tuple[Any, ...]:
+    blockers = [(each.part, each.count, each.reach, each.pose.tolist()) for each in one.blocked_by]
+    return one.is_found, one.poses.tolist(), one.path_length, one.certificate, blockers
+
+
+@pytest.fixture(scope="module")
+def gearbox() -> feeler.Scene:
+    return feeler.Scene(feeler.sample("gearbox", 40_000))
+
+
+# Two that other parts leave before, and one that tries what is stuck, and gives up.
+ORDERS = {
+    "bracket/left_mount/retainer": 2,
+    "housing/split_bolts/bolt_8": 2,
+    "gear_train/starter_shaft/front_bearing/ball_5": 0,
+}
+
+
+@pytest.mark.parametrize("where", ["threads", "processes", "dask"])
+def test_orders_do_not_depend_on_the_workers(
+    where: str, gearbox: feeler.Scene, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    executor = _executor(where, request)
+    handed: list[int] = []
+    spread_all = crew.spread
+
+    def counted(*args: Any, **kwargs: Any) -> Any:
+        handed.append(len(args[3]))
+        return spread_all(*args, **kwargs)
+
+    monkeypatch.setattr(crew, "spread", counted)
+    for part, steps in ORDERS.items():
+        options: dict[str, Any] = {"keep": "gearbox/housing", "seconds": 600.0, "rounds": 1}
+        alone = feeler.removal_order(gearbox, f"gearbox/{part}", threads=1, **options)
+        assert len(alone) == max(steps, 1) and alone.is_found == bool(steps) and not alone.is_out_of_time
+        assert not handed
+        told: list[tuple[float, str]] = []
+        progress = functools.partial(lambda told, *heard: told.append(heard), told)
+        found = feeler.removal_order(gearbox, f"gearbox/{part}", executor=executor, progress=progress, **options)
+        assert _steps(found) == _steps(alone) and found.is_found == alone.is_found and not found.is_out_of_time
+        assert handed and min(handed) > 1, "nothing was handed to the workers"
+        assert told == sorted(told, key=lambda heard: heard[0]) and any("at once: 1 of" in stage for _, stage in told)
+        handed.clear()
+
+
+def test_an_order_by_rounds_ends_without_a_time_limit(gearbox: feeler.Scene) -> None:
+    part = "gearbox/housing/split_bolts/bolt_washer_5"
+    options: dict[str, Any] = {"keep": "gearbox/housing", "seconds": float("inf")}
+    casts = [
+        feeler.removal_order(gearbox, part, rounds=rounds, **options).steps[0].removal.certificate.casts
+        for rounds in (0, 1, 4)
+    ]
+    assert casts[0] < casts[1] < casts[2]
+    cut = feeler.removal_order(gearbox, part, keep="gearbox/housing", seconds=0.3, rounds=2**20)
+    assert not cut.is_found and cut.is_out_of_time
+    for bad in (-1, 1.5, "2", 2**40):
+        with pytest.raises(feeler.OptionError, match="rounds"):
+            feeler.removal_order(gearbox, part, rounds=bad)  # type: ignore[arg-type]
+    with pytest.raises(feeler.OptionError, match="executor"):
+        feeler.removal_order(gearbox, part, executor="processes")  # type: ignore[arg-type]
+
+
+def dies_once(note: Path, scene: feeler.Scene, shared: Any, task: Any) -> Any:
+    """The task of an order, which kills its process once."""
+    try:
+        note.touch(exist_ok=False)
+    except FileExistsError:
+        return crew.done(scene, shared, task)
+    os._exit(1)
+
+
+@pytest.mark.parametrize("where", ["processes", "dask"])
+def test_an_order_survives_the_death_of_a_worker(
+    where: str, gearbox: feeler.Scene, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = "gearbox/gear_train/starter_shaft/front_bearing/ball_5"
+    options: dict[str, Any] = {"keep": "gearbox/housing", "seconds": 600.0, "rounds": 1}
+    alone = feeler.removal_order(gearbox, part, **options)
+    spread_all, dying = crew.spread, functools.partial(dies_once, tmp_path / "died")
+    monkeypatch.setattr(crew, "spread", lambda _, *args, **kwargs: spread_all(dying, *args, **kwargs))
+    executor = _executor(where, request) if where == "dask" else ProcessPoolExecutor(2, mp_context=SPAWN)
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        found = feeler.removal_order(gearbox, part, executor=executor, **options)
+    assert _steps(found) == _steps(alone) and (tmp_path / "died").exists()
+    losses = [each for each in warned if each.category is WorkerLost]
+    assert len(losses) == (where != "dask"), "told once, however many spreads follow; Dask does lost tasks again itself"
+
+
+def test_ctrl_c_ends_an_order_with_the_best_attempt(gearbox: feeler.Scene) -> None:
+    told: list[str] = []
+
+    def stop(_share: float, stage: str) -> None:
+        told.append(stage)
+        if "at once: 1 of" in stage and len(told) > 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(feeler.RemovalOrderInterrupted) as caught:
+        feeler.removal_order(
+            gearbox,
+            "gearbox/gear_train/starter_shaft/front_bearing/ball_5",
+            keep="gearbox/housing",
+            rounds=1,
+            executor=ThreadPoolExecutor(2),
+            progress=stop,
+        )
+    order = caught.value.order
+    assert not order.is_found and [len(step.parts) for step in order] == [1]
+    assert order.steps[0].removal.blocked_by
+
+
+def test_tasks_after_the_last_one_of_use_are_left_out() -> None:
+    done: list[int] = []
+    for executor in (None, ThreadPoolExecutor(1), ThreadPoolExecutor(3)):
+        found = spread(doubled, None, (1.0, None), range(300), executor, is_last=lambda row: row[0] >= 4.0)
+        assert found == [(float(i), -1) for i in range(5)]
+        done.clear()
+        found = spread(
+            *(doubled, None, (1.0, None), range(300), executor, lambda i, _: done.append(i)),
+            goes_on=lambda: len(done) < 6,
+        )
+        assert found == [(float(i), -1) for i in range(len(found))] and 4 <= len(found) < 20
 
 
 def test_access_does_not_depend_on_the_workers(processes: Executor) -> None:
@@ -316,7 +489,8 @@ def test_variants_are_checked_in_order(processes: Executor, tmp_path: Path) -> N
         found = feeler.clash_variants(variants, **options)
         for ours, theirs in zip(found, expected, strict=True):
             assert list(ours.ids) == list(theirs.ids) and ours.depths.tolist() == theirs.depths.tolist()
-    for bad, said in (("a.glb", "a list"), ([], "at least one"), ([3], r"variants\[0\]")):
+    in_dict = {"a": mockups[0]}
+    for bad, said in (("a.glb", "a list"), ([], "at least one"), ([3], r"variants\[0\]"), (in_dict, "variants.values")):
         with pytest.raises(feeler.OptionError, match=said):
             feeler.clash_variants(bad)  # type: ignore[arg-type]
     with pytest.raises(feeler.MissingFileError):
@@ -330,8 +504,8 @@ def test_commands_share_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     run("index", "sample:gearbox:40000", "-o", "gearbox.feeler")
     each = ["remove", "gearbox.feeler", "--part", "*retainer*", "--each", "--rounds", "1", "--seconds", "600"]
 
-    def steps(*words: str) -> Any:
-        document = run_json(*each, *words, code=1)
+    def steps(*words: str, code: int = 1) -> Any:
+        document = run_json(*each, *words, code=code)
         for part in document["parts"]:
             for step in part["steps"]:
                 step.pop("seconds")
@@ -344,7 +518,11 @@ def test_commands_share_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert run_json(*reach, "--workers", "2", code=1)["rows"] == alone
     assert "exclude each other" in error_of(*each, "--workers", "2", "--dask", address)
     assert "are for --each" in error_of("remove", "gearbox.feeler", "--part", "*retainer*", "--workers", "2")
-    assert "--rounds is for" in error_of("remove", "gearbox.feeler", "--part", "*", "--order", "--rounds", "2")
+    assert "--rounds is for" in error_of("remove", "gearbox.feeler", "--part", "*", "--insert", "--rounds", "2")
+    wanted = ["--part", "gearbox/bracket/left_mount/retainer", "--keep", "gearbox/housing", "--rounds", "2"]
+    each = ["remove", "gearbox.feeler", "--order", *wanted, "--seconds", "600"]
+    assert steps(code=0) == steps("--workers", "2", code=0) == steps("--dask", address, code=0)
+    assert [len(part["steps"]) for part in steps(code=0)] == [2]
     assert "no scheduler answers" in error_of(*reach, "--dask", "tcp://127.0.0.1:1")
 
 

@@ -341,6 +341,7 @@ def test_errors_travel(cls: type[FeelerError]) -> None:
         (feeler.ClashInterrupted, ("clashes", "Clashes")),
         (feeler.RemovalInterrupted, ("removal", "Removal")),
         (feeler.RemovalsInterrupted, ("removals", "Removals")),
+        (feeler.RemovalOrderInterrupted, ("order", "RemovalOrder")),
         (feeler.AccessInterrupted, ("access", "Access")),
     ],
 )

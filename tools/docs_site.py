@@ -74,7 +74,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("removal", "removal_order", "removals", "insertion", "access", "find_fasteners", "swept"),
             *("Removal", "RemovalLeg", "RemovalBlocker", "Certificate", "Blocker", "RemovalOrder", "RemovalStep"),
             *("Removals", "PartsRemoval", "Access", "Reach", "Fasteners", "Fastener"),
-            *("RemovalInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
+            *("RemovalInterrupted", "RemovalOrderInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
         ],
     ),
     "haptics": (

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Fuzzes: tools/fuzz.sh PYTHON SECONDS TARGET...   (targets: collide, contacts, distance, mesh, and the formats of fuzz/loaders.py)
+# Fuzzes: tools/fuzz.sh PYTHON SECONDS TARGET...   (targets: collide, contacts, distance, mesh, saved_scene, and the formats of fuzz/loaders.py)
 #
 # Needs a nightly Rust for the targets in Rust, and atheris (Linux, macOS) for the loaders; both say so when missing.
 # Corpora and crashes: build/fuzz.
@@ -12,7 +12,7 @@ shift 2
 for target; do
     echo "== $target, $seconds s"
     case $target in
-    collide | contacts | distance | mesh)
+    collide | contacts | distance | mesh | saved_scene)
         if ! cargo +nightly --version >/dev/null 2>&1; then
             echo "make fuzz: the sanitizers need a nightly Rust (rustup toolchain install nightly)" >&2
             exit 1

@@ -6,4 +6,5 @@ pub mod collide;
 pub mod contacts;
 pub mod distance;
 pub mod mesh;
+pub mod saved_scene;
 pub mod shapes;

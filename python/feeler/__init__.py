@@ -62,7 +62,7 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
     from feeler.plan.legs import RemovalLeg
-    from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
+    from feeler.plan.order import RemovalOrder, RemovalOrderInterrupted, RemovalStep, removal_order
     from feeler.plan.reaching import Access, AccessInterrupted, Reach, access
     from feeler.plan.removal import Certificate, Removal, RemovalBlocker, RemovalInterrupted, removal
     from feeler.plan.removals import PartsRemoval, Removals, RemovalsInterrupted, removals
@@ -125,6 +125,7 @@ __all__ = [
     "RemovalInterrupted",
     "RemovalLeg",
     "RemovalOrder",
+    "RemovalOrderInterrupted",
     "RemovalStep",
     "Removals",
     "RemovalsInterrupted",
@@ -245,6 +246,7 @@ _HOMES = {
     "feeler.plan.legs": ("RemovalLeg",),
     "feeler.plan.order": (
         "RemovalOrder",
+        "RemovalOrderInterrupted",
         "RemovalStep",
         "removal_order",
     ),

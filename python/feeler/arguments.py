@@ -6,7 +6,7 @@ import difflib
 import inspect
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -129,7 +129,9 @@ def check_callable(what: str, value: Callable[..., object], give: str) -> Callab
 
 
 def check_list(what: str, value: object, give: str, error: type[FeelerError] = OptionError) -> list[Any]:
-    """The entries of anything that has some, other than text. Raises `error` for other values."""
+    """The entries of anything that has some, other than text and dicts. Raises `error` for other values."""
+    if isinstance(value, Mapping):
+        raise error(f"{what} is a dict: give {give}, such as list({what}.values())")
     is_list = isinstance(value, Iterable) and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) > 0
     if not is_list:
         raise error(f"{what} is {shown(value)}: give {give}")

@@ -21,7 +21,7 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, ExitStack
 from importlib import import_module
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -72,13 +72,51 @@ def check_executor(executor: object) -> Executor | None:
     )
 
 
+class Workers:
+    """An executor for several `spread`s. What takes its place when a worker dies serves those after it, too."""
+
+    def __init__(self, executor: Executor) -> None:
+        self.executor = executor
+        self._made: list[Executor] = []
+
+    @property
+    def is_here(self) -> bool:
+        """Whether they are threads of this process."""
+        return isinstance(self.executor, ThreadPoolExecutor)
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for pool in self._made:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+    def renew(self) -> None:
+        """A new executor in place of one that cannot go on after the death of a worker."""
+        from concurrent.futures import ProcessPoolExecutor
+
+        broken: Any = self.executor
+        if isinstance(self.executor, ProcessPoolExecutor):
+            self.executor = ProcessPoolExecutor(
+                broken._max_workers, broken._mp_context, initializer=broken._initializer, initargs=broken._initargs
+            )
+            self._made.append(self.executor)
+        elif type(broken).__module__.startswith("loky"):
+            self.executor = import_module("loky").get_reusable_executor(max_workers=broken._max_workers)
+        else:
+            raise FeelerError(f"a worker of {broken!r} died, and it takes no more tasks: start it again") from None
+
+
 def spread(
     function: Callable[[Any, Shared, Task], Result],
     scene: Scene | None,
     shared: Shared,
     tasks: Sequence[Task],
-    executor: Executor | None,
+    executor: Executor | Workers | None,
     heard: Callable[[int, str], object] = lambda done, stage: None,
+    *,
+    is_last: Callable[[Result], bool] = lambda result: False,
+    goes_on: Callable[[], bool] = lambda: True,
 ) -> list[Result]:
     """`function(scene, shared, task)` for each task, in their order.
 
@@ -86,26 +124,42 @@ def spread(
     - `scene`: None if the tasks need none.
     - `executor`: None for one task after the other in this thread.
     - `heard`: called with the number of tasks done and the stage, in the thread of the caller.
+    - `is_last`: whether no result after this one is of use. The first such one, in the order of the tasks, ends it;
+      the tasks after it are cancelled, and those that run already end on their own.
+    - `goes_on`: asked several times a second; where it says no, the results up to the first missing one are returned.
 
     A scene that is not in a file is saved to a temporary one for other processes. Tasks lost with a worker are done
     again, with a `WorkerLost` warning. Ctrl-C raises `Interrupted`; an error of a task ends all others.
     """
     if executor is None:
-        return _one_by_one(lambda task: function(scene, shared, task), tasks, heard)
-    if isinstance(executor, ThreadPoolExecutor):
-        return _Round(_Here(function, scene, shared), tasks, executor, heard).run()
-    with nullcontext() if scene is None else scene._in_a_file() as saved:
-        return _Round(_Elsewhere(function, saved, shared), tasks, executor, heard).run()
+        return _one_by_one(lambda task: function(scene, shared, task), tasks, heard, is_last, goes_on)
+    with ExitStack() as stack:
+        workers = executor if isinstance(executor, Workers) else stack.enter_context(Workers(executor))
+        place: _Here[Shared, Task, Result] | _Elsewhere[Shared, Task, Result]
+        if workers.is_here:
+            place = _Here(function, scene, shared)
+        else:
+            saved = None if scene is None else stack.enter_context(scene._in_a_file())
+            place = _Elsewhere(function, saved, shared)
+        return _Round(place, tasks, workers, heard, is_last, goes_on).run()
 
 
 def _one_by_one(
-    function: Callable[[Task], Result], tasks: Sequence[Task], heard: Callable[[int, str], object]
+    function: Callable[[Task], Result],
+    tasks: Sequence[Task],
+    heard: Callable[[int, str], object],
+    is_last: Callable[[Result], bool],
+    goes_on: Callable[[], bool],
 ) -> list[Result]:
     found: dict[int, Result] = {}
     try:
         for i, task in enumerate(tasks):
+            if not goes_on():
+                break
             found[i] = function(task)
             heard(i + 1, "")
+            if is_last(found[i]):
+                break
     except KeyboardInterrupt:
         raise Interrupted(found) from None
     return list(found.values())
@@ -157,26 +211,27 @@ class _Round(Generic[Task, Result]):
         self,
         place: _Here[Any, Task, Result] | _Elsewhere[Any, Task, Result],
         tasks: Sequence[Task],
-        executor: Executor,
+        workers: Workers,
         heard: Callable[[int, str], object],
+        is_last: Callable[[Result], bool],
+        goes_on: Callable[[], bool],
     ) -> None:
-        self._place, self._tasks, self._executor, self._heard = place, tasks, executor, heard
+        self._place, self._tasks, self._workers, self._heard = place, tasks, workers, heard
+        self._is_last, self._goes_on = is_last, goes_on
         self._results: dict[int, Result] = {}
-        self._made: list[Executor] = []  # in place of broken ones
+        self._looked_at = 0
+        self._is_ended = False
         self._losses = 0
 
     def run(self) -> list[Result]:
         try:
-            while len(self._results) < len(self._tasks):
+            while len(self._results) < len(self._tasks) and not self._is_ended:
                 lost = self._try([i for i in range(len(self._tasks)) if i not in self._results])
-                if lost is not None:
+                if lost is not None and not self._is_ended:
                     self._recover(lost)
-            return [self._results[i] for i in range(len(self._tasks))]
+            return [self._results[i] for i in range(self._looked_at)]
         except KeyboardInterrupt:
             raise Interrupted(self._results) from None
-        finally:
-            for pool in self._made:
-                pool.shutdown(wait=False, cancel_futures=True)
 
     def _try(self, numbers: list[int]) -> BaseException | None:
         """Does these tasks; the error of a lost worker if there was one."""
@@ -187,7 +242,7 @@ class _Round(Generic[Task, Result]):
             while True:
                 while lost is None and len(waiting) < MOST_WAITING and (i := next(left, None)) is not None:
                     try:
-                        waiting[self._place.submit(self._executor, self._tasks[i])] = i
+                        waiting[self._place.submit(self._workers.executor, self._tasks[i])] = i
                     except BrokenExecutor as error:
                         lost = error
                     except RuntimeError as error:  # of an executor that was shut down
@@ -208,10 +263,20 @@ class _Round(Generic[Task, Result]):
                         lost = error
                 for done in range(before + 1, len(self._results) + 1):
                     self._heard(done, "")
+                if self._ends():
+                    return lost
         finally:
             for future, i in waiting.items():
                 if not future.cancel() and future.done() and future.exception() is None:
                     self._results[i] = future.result()  # finished while nobody looked
+
+    def _ends(self) -> bool:
+        """Whether no further result is of use."""
+        while not self._is_ended and self._looked_at in self._results:
+            self._is_ended = self._is_last(self._results[self._looked_at])
+            self._looked_at += 1
+        self._is_ended = self._is_ended or not self._goes_on()
+        return self._is_ended
 
     def _recover(self, error: BaseException) -> None:
         self._losses += 1
@@ -225,25 +290,9 @@ class _Round(Generic[Task, Result]):
         warnings.warn(f"{told} ({type(error).__name__})", WorkerLost, stacklevel=5)
         self._heard(len(self._results), told)
         if isinstance(error, BrokenExecutor):
-            self._executor = self._like(self._executor)
+            self._workers.renew()
         elif isinstance(error, CancelledError) and isinstance(self._place, _Here):
             raise FeelerError("tasks were cancelled: the executor was shut down while they waited") from None
-
-    def _like(self, broken: Executor) -> Executor:
-        """A new executor in place of one that cannot go on after the death of a worker."""
-        from concurrent.futures import ProcessPoolExecutor
-
-        known: Any = broken
-        if isinstance(broken, ProcessPoolExecutor):
-            made = ProcessPoolExecutor(
-                known._max_workers, known._mp_context, initializer=known._initializer, initargs=known._initargs
-            )
-            self._made.append(made)
-            return made
-        if type(broken).__module__.startswith("loky"):
-            renewed: Executor = import_module("loky").get_reusable_executor(max_workers=known._max_workers)
-            return renewed
-        raise FeelerError(f"a worker of {broken!r} died, and it takes no more tasks: start it again") from None
 
 
 def _is_loss(error: BaseException) -> bool:

@@ -62,3 +62,8 @@ fn distances() {
 fn meshes() {
     smoke("mesh", 200, targets::mesh::check);
 }
+
+#[test]
+fn saved_scenes() {
+    smoke("saved_scene", 20, targets::saved_scene::check);
+}

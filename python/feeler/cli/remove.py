@@ -56,6 +56,7 @@ feeler remove engine.step --part "*fuel pump*" --hand sample:hand --at 0.8,0.1,0
 feeler remove engine.step --part "*bolt*" --each --csv bolts.csv
 feeler remove engine.feeler --part "*pump*" --each --workers 8 --rounds 20
 feeler remove engine.step --part "*pump*" --order --keep "*casing*" --seconds 120 --json
+feeler remove engine.feeler --part "*pump*" --order --rounds 50 --seconds 3600 --workers 8
 feeler remove sample:gearbox --part gearbox/bracket/left_mount/retainer --order
 feeler remove engine.step --part "*fuel pump*" --insert --from bench.json --glb in.glb
 feeler remove engine.step --part "*pump*" --way out.npy && feeler path engine.step --part "*pump*" --poses out.npy
@@ -157,10 +158,10 @@ def remove(
     _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
-    if (workers is not None or dask is not None) and (not each or insert or hand is not None):
-        raise OptionError("--workers and --dask are for --each, without --hand and --insert")
-    if rounds is not None and (order or insert):
-        raise OptionError("--rounds is for a removal alone, without --order and --insert")
+    if (workers is not None or dask is not None) and not (each or order):
+        raise OptionError("--workers and --dask are for --each and --order: give one of these, too")
+    if rounds is not None and insert:
+        raise OptionError("--rounds is for removals, without --insert")
     options: dict[str, Any] = {
         "ignore": ignore,
         "overlap": overlap,
@@ -184,11 +185,11 @@ def remove(
     scene = Choice(None, without, only).scene_of(scene) if without or only else scene
     asked = _Asked(scene, held, start[0], keep, options, ends)
     chosen = world.parts.select(part)
-    if each:
-        with executor_of(workers, dask) as executor:
+    with executor_of(workers, dask) as executor:
+        if each:
             answers, is_interrupted = _each(asked, chosen.tolist(), executor)
-    else:
-        answers, is_interrupted = _one(asked, chosen, order)
+        else:
+            answers, is_interrupted = _one(asked, chosen, order, executor)
     written = _write(asked, answers, targets)
     is_found = all(answer.found for answer in answers) and not is_interrupted
     if as_json:
@@ -243,7 +244,7 @@ class _Asked:
     ends: dict[str, Any] | None
     """For a path in: its start and goal; None for a path out."""
 
-    def answer(self, parts: npt.NDArray[np.uint32], order: bool) -> _Answer:
+    def answer(self, parts: npt.NDArray[np.uint32], order: bool, executor: Executor | None = None) -> _Answer:
         """One question."""
         mockup = self.scene.mockup
         name = mockup.part_paths[int(parts[0])] if len(parts) == 1 else plural(len(parts), "part")
@@ -256,7 +257,13 @@ class _Asked:
                 return _Answer(gone, found_in.is_found, (feeler.RemovalStep(gone, found_in),))
             if order:
                 found = feeler.removal_order(
-                    self.scene, parts, **grip, **self.options, progress=progress, keep=self.keep
+                    self.scene,
+                    parts,
+                    **grip,
+                    **self.options,
+                    progress=progress,
+                    keep=self.keep,
+                    executor=executor,
                 )
                 return _Answer(gone, found.is_found, found.steps)
             one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
@@ -267,17 +274,22 @@ def _of_removal(parts: tuple[int, ...], found: feeler.Removal) -> _Answer:
     return _Answer(parts, found.is_found, (feeler.RemovalStep(parts, found),))
 
 
-def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[list[_Answer], bool]:
+def _one(
+    asked: _Asked, parts: npt.NDArray[np.uint32], order: bool, executor: Executor | None
+) -> tuple[list[_Answer], bool]:
     """All parts together, until Ctrl-C; and whether that came."""
+    from feeler.plan.order import RemovalOrderInterrupted
     from feeler.plan.removal import RemovalInterrupted
 
     gone = tuple(parts.tolist())
     try:
-        return [asked.answer(parts, order)], False
+        return [asked.answer(parts, order, executor)], False
     except RemovalInterrupted as stop:
-        if order:  # It is of one try alone.
-            raise
         return [_of_removal(gone, stop.removal)], True
+    except RemovalOrderInterrupted as stop:
+        if not stop.order.steps:
+            raise
+        return [_Answer(gone, False, stop.order.steps)], True
 
 
 def _each(asked: _Asked, parts: list[int], executor: Executor | None) -> tuple[list[_Answer], bool]:

@@ -111,6 +111,8 @@ def _opened(path: Path) -> Iterator[Any]:
         opened = path.open("rb")
     except FileNotFoundError as error:
         raise MissingFileError(f"{path} does not exist") from error
+    except OSError as error:  # a folder, or a file that this user may not read
+        raise LoadError(f"{path} cannot be read: {error.strerror}; give a file that Session.record wrote") from error
     with opened:
         try:
             record = np.load(opened, allow_pickle=False)

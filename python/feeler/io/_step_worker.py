@@ -23,15 +23,19 @@ def main() -> int:
     except ImportError as error:
         print(error, file=sys.stderr)
         return 3
-    return cascadio.step_to_glb(
-        source,
-        target,
-        tol_linear=float(linear),
-        tol_angular=float(angular),
-        tol_relative=False,
-        merge_primitives=True,
-        include_brep=True,  # tells which face each triangle came from, so that a face without any can be reported
-    )
+    try:
+        return cascadio.step_to_glb(
+            source,
+            target,
+            tol_linear=float(linear),
+            tol_angular=float(angular),
+            tol_relative=False,
+            merge_primitives=True,
+            include_brep=True,  # tells which face each triangle came from, so that a face without any can be reported
+        )
+    except Exception as error:  # what OpenCASCADE throws: the message is of use, the places in its binding are not
+        print(str(error) or type(error).__name__, file=sys.stderr)
+        return 1
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from feeler.io.plausible import LONGEST_M, size_note
 from feeler.io.raw import Axis, PathBook, RawMesh, portion
 from feeler.io.readers import Watched, read
 from feeler.io.sniff import identify
-from feeler.io.step import DEFAULT_CHORD_TOLERANCE
+from feeler.io.step import DEFAULT_CHORD_TOLERANCE, FINEST_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
 from feeler.memory import free_memory
 from feeler.mockup import Mockup, Tool
@@ -343,7 +343,8 @@ def _signed(note: str, names: list[str], several: bool) -> str:
 
 def _check_tolerance(chord_tolerance: float | None) -> None:
     if chord_tolerance is not None:
-        check_number("chord_tolerance", chord_tolerance, "metres, more than 0, such as 0.0001", above=0.0)
+        finest = f"metres, at least {FINEST_CHORD_TOLERANCE:g}, such as 0.0001"
+        check_number("chord_tolerance", chord_tolerance, finest, least=FINEST_CHORD_TOLERANCE)
 
 
 def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, str]:

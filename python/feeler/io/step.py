@@ -36,6 +36,8 @@ from feeler.words import counted
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
 """Metres. A smaller value is finer: the number of triangles grows with its inverse square root."""
+FINEST_CHORD_TOLERANCE = 1e-9
+"""Metres. OpenCASCADE takes none below 1e-10."""
 
 ANGLE_RAD = 0.5
 """The largest angle between neighbouring triangles: at least 13 around a circle of any size."""

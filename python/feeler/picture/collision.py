@@ -64,8 +64,9 @@ def collision_bodies(
     check_flag("grey", grey)
     check_hits(collision)
     tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
-    tool_body = with_marks(tool_body, [Mark(np.asarray(collision.tool_triangles, dtype=np.int64), ORANGE)])
     body = body_of(mockup, colours=LIGHT_GREY if grey else None)
+    _check_same(body, tool_body, collision)
+    tool_body = with_marks(tool_body, [Mark(np.asarray(collision.tool_triangles, dtype=np.int64), ORANGE)])
     is_hit = np.zeros(max(len(body.paths), 1), dtype=bool)
     is_hit[np.asarray(collision.parts, dtype=np.int64)] = True
     tinted = np.flatnonzero(is_hit[body.part_of_face])
@@ -82,6 +83,17 @@ def check_hits(hits: object) -> None:
     """Raises `OptionError` for what has no triangles and parts."""
     if not all(hasattr(hits, name) for name in ("tool_triangles", "mockup_triangles", "parts")):
         raise OptionError(f"{shown(hits)} has no triangles to show: give a feeler.Collision or feeler.Clearance")
+
+
+def _check_same(mockup: Body, tool: Body, hits: Hits) -> None:
+    """Raises `OptionError` for hits of another mock-up or tool: triangles that they do not have, or of other parts."""
+    given = (hits.parts, hits.mockup_triangles, hits.tool_triangles)
+    parts, triangles, of_tool = (np.asarray(each, dtype=np.int64) for each in given)
+    is_there = bool((triangles < len(mockup.faces)).all() and (parts < max(len(mockup.paths), 1)).all())
+    if not is_there or not np.isin(mockup.part_of_face[triangles], parts).all():
+        raise OptionError("the triangles are of another mock-up: give the mock-up that was queried")
+    if (of_tool >= len(tool.faces)).any():
+        raise OptionError("the triangles are of another tool: give the tool that was queried")
 
 
 def check_mask(parts: npt.ArrayLike, count: int) -> npt.NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from feeler.atomic import atomic_file
+from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, RED, STEEL_BLUE, FloatArray, body_of
 from feeler.io.export import Motion, animated_glb
 from feeler.io.film import PAUSE_S, moments, with_neighbours
@@ -34,8 +35,9 @@ def write_removal_glb(
 
     Moving parts are blue, blockers of parts without a way red, parts nearby grey. A part without a way shows its best
     attempt. tool: moves with the parts of the last step, at the pose `start` in the world. Raises `WriteError`,
-    `MeshError`.
+    `MeshError`, and `OptionError` for steps of another mock-up.
     """
+    _check_same(mockup, steps)
     moving = sorted({part for step in steps for part in step.parts})
     blockers = sorted(
         {
@@ -73,6 +75,13 @@ def write_removal_glb(
         data = animated_glb(body_of(scene, colours=colours), motions)
         file.write(data)
     return len(data)
+
+
+def _check_same(mockup: Mockup, steps: Sequence[RemovalStep]) -> None:
+    named = [(each.part, each.path) for step in steps for each in step.removal.blocked_by]
+    is_there = all(part < mockup.part_count for step in steps for part in step.parts)
+    if not is_there or any(tuple(mockup.part_paths[part : part + 1]) != (path,) for part, path in named):
+        raise OptionError("the steps are of another mock-up: give the mock-up that the parts come out of")
 
 
 def shown_way(removal: Removal) -> FloatArray:

@@ -7,8 +7,8 @@ that it intersects at the start and would enter deeper. `removal` later checks e
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -51,17 +51,55 @@ UNDER_NUT = 0.15
 _SIDES = 16
 
 
-class BlockingGraph:
-    """The exits of each part of a scene, and of the wanted ones (`TARGET`), computed on demand."""
+@dataclass(frozen=True)
+class FirstExits:
+    """The exits of a part up to the first direction that is free."""
 
-    def __init__(self, question: Question, clock: Clock) -> None:
+    exits: tuple[Exit, ...]
+    done: int
+    """Number of directions that were looked at."""
+    fewest: int
+    is_all: bool
+    """Whether there are no more directions."""
+
+
+class BlockingGraph:
+    """The exits of each part of a scene, and of the wanted ones (`TARGET`), computed on demand.
+
+    `computed_at_once`: computes the first exits of several parts on the workers of an executor.
+    """
+
+    def __init__(
+        self,
+        question: Question,
+        clock: Clock,
+        computed_at_once: Callable[[Sequence[int]], Mapping[int, FirstExits]] | None = None,
+    ) -> None:
         self.question, self.clock = question, clock
         self.joints = Joints(question.scene)
         self.allowed = frozenset(question.options["ignore"])
         self.overlap = question.options["overlap"]
+        self._computed_at_once = computed_at_once
+        self._ahead: dict[int, FirstExits] = {}
         self._exits: dict[int, list[Exit]] = {}
-        self._left: dict[int, Iterator[Exit]] = {}
+        self._sources: dict[int, _Source] = {}
         self._holding: dict[int, frozenset[int]] = {}
+
+    def expect(self, nodes: Sequence[int]) -> None:
+        """Computes the exits of several parts at once. Where there is an executor alone: they may not be needed. No
+        answer depends on it: the parts stay unknown until they are asked for."""
+        new = [node for node in nodes if not {node} & (self._exits.keys() | self._ahead.keys() | self.question.kept)]
+        if self._computed_at_once is not None and len(new) > 1:
+            self._ahead.update(self._computed_at_once(new))
+
+    def first_exits(self, node: int) -> FirstExits:
+        """The exits of a part up to the first free direction. The graph forgets them: it computes them for another."""
+        try:
+            exits, source = tuple(self.exits(node)), self._sources[node]
+            return FirstExits(exits, source.done, source.fewest, source.is_all)
+        finally:
+            self._exits.pop(node, None)
+            self._sources.pop(node, None)
 
     def is_known(self, node: int) -> bool:
         """Whether the exits of a part were computed."""
@@ -74,25 +112,16 @@ class BlockingGraph:
             self._exits[node] = []
             if node not in self.question.kept:
                 self.clock.tell(f"what blocks {self.question.names([node])}")
-                holding = self.holding(node)
-                self._left[node] = self._found(_Mover(self, node, frozenset(self.question.parts_of(holding))), holding)
-        left = self._left.get(node, iter(()))
-        while all(one.blockers for one in self._exits[node]) and (more := next(left, None)) is not None:
+                first = self._ahead.pop(node, FirstExits((), 0, MOST_BLOCKERS, False))
+                self._exits[node] = list(first.exits)
+                self._sources[node] = _Source(self, node, first)
+        source = self._sources.get(node)
+        while source is not None and all(one.blockers for one in self._exits[node]):
+            more = source.next(self._exits[node])
+            if more is None:
+                break
             self._exits[node] = undominated([*self._exits[node], more])
         return self._exits[node]
-
-    def _found(self, mover: _Mover, holding: frozenset[int]) -> Iterator[Exit]:
-        fewest = MOST_BLOCKERS
-        for direction in mover.directions():
-            if not self.clock.goes_on():
-                return
-            least = set(map(self.question.node_of, mover.opposed(direction)))
-            if any(one.blockers < least for one in self._exits[mover.node]):
-                continue
-            blockers = mover.blockers(direction, min(MOST_BLOCKERS, 2 * fewest + FEW_BLOCKERS))
-            if blockers is not None:
-                fewest = min(fewest, len(blockers))
-                yield Exit((direction,), frozenset(map(self.question.node_of, blockers)), holding)
 
     def holding(self, node: int) -> frozenset[int]:
         """The removable fasteners that join a part to others."""
@@ -139,6 +168,40 @@ class BlockingGraph:
                 gone |= needs.keys()
             if len(gone) == before:
                 return frozenset(gone)
+
+
+class _Source:
+    """The exits of one part, direction by direction."""
+
+    def __init__(self, graph: BlockingGraph, node: int, first: FirstExits) -> None:
+        self.graph, self.node = graph, node
+        self.done, self.fewest, self.is_all = first.done, first.fewest, first.is_all
+        self._mover: _Mover | None = None
+        self._directions: list[Direction] = []
+
+    def next(self, known: Sequence[Exit]) -> Exit | None:
+        """Another exit, unless all directions are blocked for good, dominated by known exits, or the time is up."""
+        if self.is_all:
+            return None
+        graph, node_of = self.graph, self.graph.question.node_of
+        holding = graph.holding(self.node)
+        if self._mover is None:
+            self._mover = _Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
+            self._directions = list(self._mover.directions())
+        while self.done < len(self._directions):
+            if not graph.clock.goes_on():
+                return None
+            direction = self._directions[self.done]
+            self.done += 1
+            least = set(map(node_of, self._mover.opposed(direction)))
+            if any(one.blockers < least for one in known):
+                continue
+            blockers = self._mover.blockers(direction, min(MOST_BLOCKERS, 2 * self.fewest + FEW_BLOCKERS))
+            if blockers is not None:
+                self.fewest = min(self.fewest, len(blockers))
+                return Exit((direction,), frozenset(map(node_of, blockers)), holding)
+        self.is_all = True
+        return None
 
 
 class _Mover:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -13,18 +15,23 @@ from feeler.errors import MeshError
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.blocking import BlockingGraph
-from feeler.plan.question import TARGET, Clock, Question
-from feeler.plan.removal import LARGEST_SEED, Allowed, Removal, alone
+from feeler.plan.crew import Crew
+from feeler.plan.question import TARGET, Attempt, Budget, Clock, Question
+from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
 from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
+from feeler.spreading import check_executor
 
 TRY_SHARE = 0.05
-"""An attempt with pushes and random trees takes at most this share of the time, at first. A larger value finds harder
-ways, but fewer."""
-LEAST_TRY_S = 0.25
-"""The least seconds of such an attempt, and of one along a direction."""
+"""An attempt with pushes and random trees takes at most this share of the time, or of the rounds, at first. A larger
+value finds harder ways, but fewer."""
+LEAST_TRY_S, LEAST_TRY_ROUNDS = 0.25, 2
+"""The least seconds, or rounds, of such an attempt, and of one along a direction."""
+MOST_FULL_PASSES = 8
+"""With `rounds`, the search gives up after it has tried what is stuck this often with all of them: a way that it finds
+is rarely refused by every plan, but may be."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,8 @@ class RemovalOrder(OldAttributes):
     - `is_found`: whether these steps free the wanted parts. False is no proof that nothing does.
     - `steps`: `RemovalStep`s in order. If no order was found: the best attempt of the wanted parts alone.
     - `seconds`: the time it took.
+    - `is_out_of_time`: whether time cut the search or one of its attempts. If not, the order is the same on every
+      machine, with any number of threads and any executor.
     """
 
     _RENAMED: ClassVar[Mapping[str, str]] = {"found": "is_found"}
@@ -49,6 +58,7 @@ class RemovalOrder(OldAttributes):
     is_found: bool
     steps: tuple[RemovalStep, ...]
     seconds: float
+    is_out_of_time: bool = False
 
     @property
     def parts(self) -> tuple[int, ...]:
@@ -64,6 +74,17 @@ class RemovalOrder(OldAttributes):
     def __repr__(self) -> str:
         said = f"{len(self.steps)} steps" if self.is_found else "not found"
         return f"RemovalOrder({said})"
+
+
+class RemovalOrderInterrupted(KeyboardInterrupt):
+    """Ctrl-C; `.order` has the best attempt of the wanted parts by then, if there was one, as if none was found."""
+
+    def __init__(self, order: RemovalOrder) -> None:
+        self.order = order
+        super().__init__(f"interrupted: {order!r}")
+
+    def __reduce__(self) -> tuple[type[RemovalOrderInterrupted], tuple[RemovalOrder]]:
+        return (type(self), (self.order,))
 
 
 @keywords({"part": "parts"}, gone={"allow": ALLOW})
@@ -83,6 +104,8 @@ def removal_order(
     *,
     overlap: float = 0.0,
     seats: bool = True,
+    rounds: int | None = None,
+    executor: Executor | None = None,
 ) -> RemovalOrder:
     """The parts to remove before these come out, in the fewest steps, and the way of each.
 
@@ -91,13 +114,18 @@ def removal_order(
     - Parts that block each other leave together in one step if none comes out alone.
     - Fasteners leave before the parts that they join (`find_fasteners`), unless they are kept or do not come out.
     - `keep`: parts that must stay, as `Parts.select` takes them.
-    - `seconds`: in total. The search ends earlier only if it finds an order.
+    - `seconds`: in total. Without `rounds` the search ends earlier only if it finds an order.
+    - `rounds`: the most rounds of each attempt with pushes and random trees, instead of a share of the time. The search
+      ends when no attempt of that many helps. An order that `seconds` did not cut (`is_out_of_time`) is the same on
+      every machine.
+    - `executor`: where attempts that do not depend on each other are made, as in `removals`, one thread each. The order
+      does not depend on it, except where time cut it.
     - `progress`: called with the share of the time, 0 to 1, and the current attempt.
 
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
     random trees as well; so are `parts` before it is said that others have to go.
 
-    Raises the errors of `feeler.removal`; Ctrl-C ends it with `KeyboardInterrupt`.
+    Raises the errors of `feeler.removal`; Ctrl-C ends it with `RemovalOrderInterrupted`, which has the best attempt.
     """
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     check_progress(progress)
@@ -105,6 +133,8 @@ def removal_order(
     allowed = Allowed.of(scene, ignore, overlap, seats)
     check_length("clearance", clearance)
     check_threads(threads)
+    most = None if rounds is None else check_whole("rounds", rounds, 0, LARGEST_ROUNDS)
+    check_executor(executor)
     if not isinstance(tool, (Tool, type(None))):
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
     wanted = tuple(int(each) for each in scene.mockup.parts.select(parts))
@@ -123,15 +153,22 @@ def removal_order(
             "threads": threads,
         },
     )
-    return _Search(question, Clock(limit, progress)).order()
+    clock = Clock(limit, progress)
+    with Crew(question, clock, executor) as crew:
+        search = _Search(question, clock, most, crew)
+        try:
+            return search.order()
+        except KeyboardInterrupt:
+            steps = () if search.last is None else (RemovalStep(wanted, search.last),)
+            raise RemovalOrderInterrupted(RemovalOrder(False, steps, clock.spent)) from None
 
 
 class _Search:
     """Plans from the blockers of straight motions, checks each step, and tries bent ways for stuck parts."""
 
-    def __init__(self, question: Question, clock: Clock) -> None:
-        self.question, self.clock = question, clock
-        self.graph = BlockingGraph(question, clock)
+    def __init__(self, question: Question, clock: Clock, rounds: int | None, crew: Crew) -> None:
+        self.question, self.clock, self.rounds, self.crew = question, clock, rounds, crew
+        self.graph = BlockingGraph(question, clock, crew.exits if crew.has_workers else None)
         self.ways: dict[tuple[int, ...], list[tuple[frozenset[int], Removal]]] = {}
         self.tries = 0
         self.last: Removal | None = None
@@ -141,56 +178,73 @@ class _Search:
         question, target = self.question, frozenset([TARGET])
         if int(question.scene.part_mask.sum()) == len(question.wanted):
             return self._ended(True, [RemovalStep(question.wanted, alone(int(question.options["seed"])))])
-        in_place = question.straight_way(LEAST_TRY_S, self.clock)
+        in_place, is_cut = question.straight_way(self._least, self.clock)
+        self.crew.is_cut = is_cut
         is_held = bool(self.graph.holding(TARGET))
         if in_place is not None and not is_held:
             return self._ended(True, [RemovalStep(question.wanted, in_place)])
         plan = self._plan()
-        if (plan is None or len(plan) > 1) and not is_held and self._try_bent(target, frozenset(), self._try_s(0)):
+        is_short = plan is not None and len(plan) == 1
+        if not (is_short or is_held) and self._try_bent(self._attempt(target, frozenset(), 0)):
             plan = self._plan()
-        rounds = 0
+        passes = full_passes = 0
         while self.clock.goes_on():
             steps = None if plan is None else self._checked(plan)
             if steps is not None:
                 return self._ended(True, steps)
             if plan is None:
-                self._try_what_is_stuck(rounds)
-                rounds += 1
+                is_full = self.rounds is not None and self._budget(passes).rounds == self.rounds
+                has_helped = self._try_what_is_stuck(passes)
+                passes, full_passes = passes + 1, full_passes + is_full
+                if is_full and (not has_helped or full_passes == MOST_FULL_PASSES):
+                    break
             plan = self._plan()
-        last = self.last or question.removal(target, frozenset(), None, LEAST_TRY_S, self.clock)
+        last = self.last or self.crew.way(Attempt(target, frozenset(), None, (self._least,)))
         return self._ended(False, [RemovalStep(question.wanted, last)])
 
     def _ended(self, found: bool, steps: list[RemovalStep]) -> RemovalOrder:
-        return RemovalOrder(found, tuple(steps), self.clock.spent)
+        is_cut = self.crew.is_cut or not self.clock.goes_on()
+        return RemovalOrder(found, tuple(steps), self.clock.spent, is_cut)
 
     def _plan(self) -> list[SequenceStep] | None:
-        return shortest_sequence(TARGET, self.graph, self.question.node_count, self.clock.goes_on)
+        goes_on, count = self.clock.goes_on, self.question.node_count
+        return shortest_sequence(TARGET, self.graph, count, goes_on, self.graph.expect)
 
     def _checked(self, plan: list[SequenceStep]) -> list[RemovalStep] | None:
         """The steps with their ways. If a step has none, the graph learns its blockers, and the result is empty."""
+        before = [frozenset().union(*(step.parts for step in plan[:i])) for i in range(len(plan))]
+        new = [
+            self._step_attempt(step, gone)
+            for step, gone in zip(plan, before, strict=True)
+            if self._known_way(step, gone) is None
+        ]
+        self.crew.try_ahead(new, lambda way: not way.is_found)
         steps: list[RemovalStep] = []
-        gone: frozenset[int] = frozenset()
-        for step in plan:
+        for step, gone in zip(plan, before, strict=True):
             way = self._way(step, gone)
             if way is None:
                 return None
             steps.append(RemovalStep(self.question.parts_of(step.parts), way))
-            gone |= step.parts
         return steps
 
-    def _way(self, step: SequenceStep, gone: frozenset[int]) -> Removal | None:
+    def _known_way(self, step: SequenceStep, gone: frozenset[int]) -> Removal | None:
         question = self.question
         parts = question.parts_of(step.parts)
         if int(question.scene.part_mask.sum()) == len(parts) + len(question.parts_of(gone)):
             return alone(int(question.options["seed"]))
-        known = next((way for before, way in self.ways.get(parts, []) if before == gone), None)
+        return next((way for before, way in self.ways.get(parts, []) if before == gone), None)
+
+    def _step_attempt(self, step: SequenceStep, gone: frozenset[int]) -> Attempt:
+        direction = step.motion if isinstance(step.motion, tuple) else None
+        # The second budget: there was no time left for the direction itself, or the way is bent.
+        return Attempt(step.parts, gone, direction, (self._least, self._budget(0)))
+
+    def _way(self, step: SequenceStep, gone: frozenset[int]) -> Removal | None:
+        known = self._known_way(step, gone)
         if known is not None:
             return known
-        direction = step.motion if isinstance(step.motion, tuple) else None
-        way = question.removal(step.parts, gone, direction, LEAST_TRY_S, self.clock)
-        if not way.is_found and (direction is None or not way.blocked_by):
-            # There was no time left for the direction itself, or the way is bent.
-            way = question.removal(step.parts, gone, direction, self._try_s(0), self.clock)
+        parts = self.question.parts_of(step.parts)
+        way = self.crew.way(self._step_attempt(step, gone))
         if not way.is_found:
             # A way that was found with more parts removed is valid if it is free of those still there.
             held = next((way for before, way in self.ways.get(parts, []) if before <= gone), None)
@@ -210,23 +264,28 @@ class _Search:
                 if more is not None and more not in self.question.kept:
                     self.graph.learn(node, replace(one, blockers=one.blockers | {more}))
 
-    def _try_what_is_stuck(self, rounds: int) -> None:
+    def _try_what_is_stuck(self, passes: int) -> bool:
         """Pushes and trees for stuck parts, with all removable parts gone: first for the wanted parts, then for small
-        ones, longer in each round. Ends with the first success, which may make a plan possible."""
+        ones, longer in each pass. Ends with the first success, which may make a plan possible."""
         gone = self.graph.most_gone()
         stuck = [frozenset([node]) for node in sorted(self.graph.reached(), key=self.question.size) if node not in gone]
         worst = [] if self.last is None else [self.question.node_of(each.part) for each in self.last.blocked_by[:2]]
         pairs = [frozenset([TARGET, node]) for node in worst if node not in self.question.kept and node not in gone]
-        for nodes in [*stuck, *pairs]:
-            if not self.clock.goes_on() or self._try_bent(nodes, gone, self._try_s(rounds)):
-                return
+        sure = [nodes for nodes in [*stuck, *pairs] if len(nodes) + len(gone) < self.question.node_count]
+        attempts = [self._attempt(nodes, gone, passes, later) for later, nodes in enumerate(sure)]
+        self.crew.try_ahead(attempts, lambda way: way.is_found)
+        return any(self.clock.goes_on() and self._try_bent(attempt) for attempt in attempts)
 
-    def _try_bent(self, nodes: frozenset[int], gone: frozenset[int], seconds: float) -> bool:
+    def _attempt(self, nodes: frozenset[int], gone: frozenset[int], passes: int, later: int = 0) -> Attempt:
+        """A search by pushes and trees. `later`: how many others are tried before it."""
+        return Attempt(nodes, gone, None, (self._budget(passes),), self.tries + later)
+
+    def _try_bent(self, attempt: Attempt) -> bool:
         """Whether a way exists with some parts gone; the graph learns it, with those of them that it collides with."""
-        question = self.question
+        question, nodes, gone = self.question, attempt.nodes, attempt.gone
         if len(nodes) + len(gone) >= question.node_count:
             return False
-        way = question.removal(nodes, gone, None, seconds, self.clock, seed=self.tries)
+        way = self.crew.way(attempt)
         self.tries += 1
         if nodes == {TARGET}:
             self.last = way
@@ -238,5 +297,12 @@ class _Search:
             self.graph.learn(node, Exit((self.tries,), met | nodes - {node}, self.graph.holding(node)))
         return True
 
-    def _try_s(self, rounds: int) -> float:
-        return max(LEAST_TRY_S, TRY_SHARE * self.clock.seconds) * 2.0**rounds
+    @property
+    def _least(self) -> Budget:
+        return Budget(LEAST_TRY_S) if self.rounds is None else Budget(rounds=min(LEAST_TRY_ROUNDS, self.rounds))
+
+    def _budget(self, passes: int) -> Budget:
+        if self.rounds is None:
+            return Budget(max(LEAST_TRY_S, TRY_SHARE * self.clock.seconds) * 2.0**passes)
+        first = max(LEAST_TRY_ROUNDS, math.ceil(TRY_SHARE * self.rounds))
+        return Budget(rounds=min(self.rounds, first * 2**passes))

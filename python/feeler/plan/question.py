@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import threading
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -27,11 +29,36 @@ class _NotStraightError(FeelerError):
     """Ends a removal that would go on to other ways than straight ones."""
 
 
-class Clock:
-    """The time limit, and the progress reports."""
+class StoppedError(FeelerError):
+    """Nobody wants the answer any more."""
 
-    def __init__(self, seconds: float, progress: Progress | None = None) -> None:
-        self.seconds, self.progress = seconds, progress
+
+@dataclass(frozen=True)
+class Budget:
+    """The most work of one attempt: seconds, or rounds of the search."""
+
+    seconds: float = math.inf
+    rounds: int | None = None
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A removal to try: one of some parts with others gone, along a direction first."""
+
+    nodes: frozenset[int]
+    gone: frozenset[int]
+    direction: Direction | None
+    budgets: tuple[Budget, ...]
+    """Each is used if the one before ended without a way and without a part that blocks the direction."""
+    seed: int = 0
+    """Added to the seed of the options."""
+
+
+class Clock:
+    """The time limit, and the progress reports. `stop`: ends it from another thread."""
+
+    def __init__(self, seconds: float, progress: Progress | None = None, stop: threading.Event | None = None) -> None:
+        self.seconds, self.progress, self._stop = seconds, progress, stop
         self._begun = time.monotonic()
 
     @property
@@ -46,12 +73,17 @@ class Clock:
 
     def goes_on(self) -> bool:
         """Whether there is time left."""
-        return self.spent < self.seconds
+        return self.spent < self.seconds and not self._is_stopped()
 
     def tell(self, what: str) -> None:
-        """Reports the share of the time and the current attempt."""
+        """Reports the share of the time and the current attempt. Raises `StoppedError` if it was stopped."""
+        if self._is_stopped():
+            raise StoppedError
         if self.progress is not None:
             self.progress(min(1.0, self.spent / self.seconds), what)
+
+    def _is_stopped(self) -> bool:
+        return self._stop is not None and self._stop.is_set()
 
 
 @dataclass(frozen=True)
@@ -99,41 +131,40 @@ class Question:
         place = np.eye(4) if self.grip["start"] is None else self.grip["start"]
         return Tool.assembly({"parts": own, "tool": (self.grip["tool"], place)})
 
-    def removal(
-        self,
-        nodes: frozenset[int],
-        gone: frozenset[int],
-        direction: Direction | None,
-        seconds: float,
-        clock: Clock,
-        seed: int = 0,
-    ) -> Removal:
-        """A removal with some parts gone; along a direction first. `seed` is added to that of the options."""
-        name, after = self.names(nodes), f", {len(gone)} gone" if gone else ""
-        return removal(
-            self.scene.without(list(self.parts_of(gone))) if gone else self.scene,
-            list(self.parts_of(nodes)),
-            **self._held(nodes, direction),
-            **{**self.options, "seed": self.options["seed"] + seed},
-            seconds=min(seconds, clock.left),
-            progress=lambda _done, stage: clock.tell(f"{name}{after}: {stage}"),
-        )
+    def tried(self, attempt: Attempt, clock: Clock) -> tuple[Removal, bool]:
+        """The answer to an attempt, and whether time cut it."""
+        gone, is_cut = attempt.gone, False
+        name, after = self.names(attempt.nodes), f", {len(gone)} gone" if gone else ""
+        for budget in attempt.budgets:
+            way = removal(
+                self.scene.without(list(self.parts_of(gone))) if gone else self.scene,
+                list(self.parts_of(attempt.nodes)),
+                **self._held(attempt.nodes, attempt.direction),
+                **{**self.options, "seed": self.options["seed"] + attempt.seed},
+                seconds=min(budget.seconds, clock.left),
+                rounds=budget.rounds,
+                progress=lambda _done, stage: clock.tell(f"{name}{after}: {stage}"),
+            )
+            is_cut = is_cut or _is_cut(way)
+            if way.is_found or (attempt.direction is not None and way.blocked_by):
+                break
+        return way, is_cut
 
-    def straight_way(self, seconds: float, clock: Clock) -> Removal | None:
+    def straight_way(self, budget: Budget, clock: Clock) -> tuple[Removal | None, bool]:
         """A straight way of the wanted parts with all other parts in place, if there is one: `removal` without
-        searches."""
+        searches. And whether time cut it."""
 
         def only_straight(_done: float, stage: str) -> None:
             if stage != "straight ways":
                 raise _NotStraightError
             clock.tell(f"{self.names([TARGET])}: {stage}")
 
-        options = {**self.grip, **self.options, "seconds": min(seconds, clock.left), "progress": only_straight}
+        options = {**self.grip, **self.options, "seconds": min(budget.seconds, clock.left), "progress": only_straight}
         try:
             way = removal(self.scene, list(self.wanted), **options)
         except _NotStraightError:
-            return None
-        return way if way.is_found else None
+            return None, False
+        return way if way.is_found else None, _is_cut(way)
 
     def is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
         """Whether a way collides with another part, or the wanted ones."""
@@ -143,3 +174,8 @@ class Question:
     def _held(self, nodes: frozenset[int], direction: Direction | None) -> dict[str, Any]:
         grip = self.grip if TARGET in nodes else dict.fromkeys(self.grip)
         return grip if direction is None else {**grip, "directions": [direction]}
+
+
+def _is_cut(way: Removal) -> bool:
+    """Whether time cut a search, or the measurement of what it found."""
+    return way.is_out_of_time or (way.is_found and math.isnan(way.clearance))

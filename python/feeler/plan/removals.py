@@ -154,6 +154,8 @@ def removals(
 def _entries(scene: Scene, parts: Sequence[PartsLike] | None) -> list[tuple[int, ...]]:
     if parts is None:
         return [(int(part),) for part in np.flatnonzero(scene.part_mask)]
+    if isinstance(parts, np.ndarray) and parts.dtype == bool:
+        raise OptionError("parts is a mask: give np.flatnonzero(parts) for one entry each, or [parts] for all in one")
     given = check_list("parts", parts, "a list, each entry of which names parts that move together")
     entries = [tuple(int(part) for part in scene.mockup.parts.select(entry)) for entry in given]
     if not entries:

@@ -71,13 +71,17 @@ class Graph(Protocol):
 
 
 def shortest_sequence(
-    target: int, graph: Graph, node_count: int, goes_on: Callable[[], bool]
+    target: int,
+    graph: Graph,
+    node_count: int,
+    goes_on: Callable[[], bool],
+    expect: Callable[[Sequence[int]], object] = lambda nodes: None,
 ) -> list[SequenceStep] | None:
     """The steps that free `target`, its own last; `None` if there are none, or no time is left.
 
     Computes the exits of a part only if it may be in a shortest sequence. There are `node_count` parts; the last step
     must leave one behind. Best first: the cost is the number of steps, and a part without a chosen exit counts for one
-    at most.
+    at most. `expect` hears of the parts whose exits are likely to be asked for soon; the steps do not depend on it.
     """
     count = 0
     queue: list[tuple[float, int, dict[int, Exit], float]] = [(0.0, 0, {}, 0.0)]
@@ -90,6 +94,8 @@ def shortest_sequence(
             return None
         # Continue with the open part that has the fewest exits.
         known = [part for part in pending if graph.is_known(part)]
+        if not known:
+            expect(pending)
         part = min(known, key=lambda each: len(graph.exits(each))) if known else pending[0]
         for one, more in _with_fasteners_standing(graph.exits(part)):
             grown = {**chosen, part: one}

@@ -92,7 +92,7 @@ impl Index {
             return Ok((Index::build(mockup, storage, voxel_size, memory_limit, control)?, absent));
         }
         check(voxel_size.is_finite() && voxel_size > 0.0, || "index.facts".into())?;
-        let store = Arc::new(Store::Blocks(Blocks::of_saved(saved, mockup.mesh().faces().len())?));
+        let store = Arc::new(Store::Blocks(Blocks::of_saved(saved, mockup.mesh())?));
         let (selection, lanes) = (Selection::default(), Level::best().checked());
         Ok((Index { mockup, voxel_size, storage, memory_limit, store, selection, lanes }, absent))
     }

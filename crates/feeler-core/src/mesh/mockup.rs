@@ -79,7 +79,7 @@ impl Mockup {
                 "parts.of_face".into()
             })?;
         }
-        let adjacency = Adjacency::of_saved(saved, mesh.faces().len(), part_bounds.len())?;
+        let adjacency = Adjacency::of_saved(saved, &mesh, part_bounds.len())?;
         let found = OnceBox::new();
         let _ = found.set(Box::new(adjacency));
         Ok(Mockup {

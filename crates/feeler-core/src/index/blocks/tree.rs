@@ -56,8 +56,8 @@ impl Blocks {
         sections.add("blocks.pieces", &self.pieces);
     }
 
-    /// From the sections of a saved scene of so many triangles.
-    pub fn of_saved(saved: Reader<'_>, triangles: usize) -> Result<Blocks> {
+    /// From the sections of a saved scene of this mesh.
+    pub fn of_saved(saved: Reader<'_>, mesh: &Mesh) -> Result<Blocks> {
         let Facts { origin, scale, slack, levels } = saved.one("blocks.facts")?;
         check((1..=MOST_LEVELS).contains(&levels), || "blocks.facts".into())?;
         let pieces: Column<PackedPieces> = saved.column("blocks.pieces")?;
@@ -74,16 +74,18 @@ impl Blocks {
         if saved.is_checked {
             let is_frame = scale.is_finite() && slack.is_finite() && scale > 0.0 && slack >= 0.0;
             check(is_frame && origin.iter().all(|x| x.is_finite()), || "blocks.facts".into())?;
-            blocks.check(triangles)?;
+            blocks.check(mesh)?;
         }
         Ok(blocks)
     }
 
-    /// Each node has the children that it must have, and each piece is of a triangle that there is.
-    fn check(&self, triangles: usize) -> Result<()> {
+    /// Each node has the children that it must have, and each piece is of a triangle that is queried: others have corners that are
+    /// not there.
+    fn check(&self, mesh: &Mesh) -> Result<()> {
+        let is_queried = |t: &u32| (*t as usize) < mesh.faces().len() && mesh.is_queried(*t);
         let is_right = |(packed, node): (&PackedPieces, &Node)| {
-            let (last, count) = (u32::MAX >> node.valid.leading_zeros(), node.valid.count_ones() as usize);
-            count > 0 && node.valid == last && packed.triangles[..count].iter().all(|t| (*t as usize) < triangles)
+            let (last, count) = (u32::MAX.checked_shr(node.valid.leading_zeros()), node.valid.count_ones() as usize);
+            last == Some(node.valid) && packed.triangles[..count].iter().all(is_queried)
         };
         let blocks = self.pieces.par_iter().zip(self.levels[0].par_iter());
         check(blocks.all(is_right), || "blocks.pieces".into())?;

@@ -182,8 +182,9 @@ impl Adjacency {
         sections.add_made("topology.facts", &[Facts { centre: self.centre, cracks, seams }]);
     }
 
-    /// From the sections of a saved scene of so many triangles and parts.
-    pub(crate) fn of_saved(saved: Reader<'_>, triangles: usize, parts: usize) -> Result<Adjacency> {
+    /// From the sections of a saved scene of this mesh, and so many parts.
+    pub(crate) fn of_saved(saved: Reader<'_>, mesh: &Mesh, parts: usize) -> Result<Adjacency> {
+        let triangles = mesh.faces().len();
         let Facts { centre, cracks, seams } = saved.one("topology.facts")?;
         let adjacency = Adjacency {
             neighbours: saved.column_of("topology.neighbours", triangles)?,
@@ -198,14 +199,15 @@ impl Adjacency {
             has_loose_seams: seams != 0,
         };
         if saved.is_checked {
-            adjacency.check(triangles, parts)?;
+            adjacency.check(mesh, parts)?;
         }
         Ok(adjacency)
     }
 
-    /// Every number is one of a triangle, part or body that there is, and the lists are sorted.
-    fn check(&self, triangles: usize, parts: usize) -> Result<()> {
-        let is_triangle = |t: u32| (t as usize) < triangles;
+    /// Every number is one of a queried triangle, a part or a body that there is, and the lists are sorted.
+    fn check(&self, mesh: &Mesh, parts: usize) -> Result<()> {
+        let triangles = mesh.faces().len();
+        let is_triangle = |t: u32| (t as usize) < triangles && mesh.is_queried(t);
         let is_part = |part: u32| (part as usize) < parts;
         let neighbours = |around: &[u32; 3]| around.iter().all(|t| *t == NONE || is_triangle(*t));
         check(self.neighbours.par_iter().all(neighbours), || "topology.neighbours".into())?;

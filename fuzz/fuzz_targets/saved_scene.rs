@@ -1,0 +1,5 @@
+#![no_main]
+
+use feeler_fuzz::saved_scene::{check, Case};
+
+libfuzzer_sys::fuzz_target!(|case: Case| check(case));
