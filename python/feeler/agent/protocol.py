@@ -114,6 +114,7 @@ class Calls:
             return _error(f"feeler failed ({type(error).__name__}): this is a bug; the server's log has the rest")
         finally:
             job.cancel()
+            done.cancel()  # whatever the thread still ends with: nobody waits for it
             self._running.discard(job)
         content: list[ContentBlock] = [TextContent(type="text", text=result.text)]
         if result.png is not None:

@@ -64,8 +64,10 @@ def call(tool: Tool, served: Served, given: object, job: Job) -> Result:
         job.check()
     except KeyboardInterrupt:
         job.check()
+        seconds = values.get("seconds")
+        hint = "ask for less" if seconds is None else "give more seconds"
         raise OptionError(
-            f"{tool.name} was stopped after {QUICK_S:g} s: ask for less, or leave out parts (without)"
+            f"{tool.name} was stopped after {seconds or QUICK_S:g} s: {hint}, or leave out parts (without)"
         ) from None
     answer, png = made if isinstance(made, tuple) else (made, None)
     content, text = finished(answer, tool.fields, tool.rows, values.get("offset", 0))
@@ -116,7 +118,7 @@ _TAKEN_OUT = {
 }
 _LEG_FIELDS = {
     "legs": Field("names", "the legs of the path, in words"),
-    "path_length_m": Field("number", "travel of the middle of the moving parts", AT_MOST),
+    "path_length_m": Field("number", "travel of their middle; a shorter path may exist", AT_MOST),
 }  # fmt: skip
 _BLOCKERS = Field(
     "array",

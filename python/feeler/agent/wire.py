@@ -125,9 +125,10 @@ async def streams(wire: Wire) -> AsyncIterator[tuple[Read, Write]]:
                     tasks.cancel_scope.cancel()  # the client is gone
 
     threading.Thread(target=read_lines, name="feeler-stdin", daemon=True).start()
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(send_all)
-        yield read, write
+    with send_in, read, write, take_out:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(send_all)
+            yield read, write
 
 
 def _in_loop(loop: asyncio.AbstractEventLoop, work: Coroutine[Any, Any, None]) -> None:
