@@ -74,10 +74,11 @@ def _object(fields: Fields) -> dict[str, Any]:
 def finished(answer: Mapping[str, Any], fields: Fields, rows: str, offset: int) -> tuple[dict[str, Any], str]:
     """The answer as an object and as text, with the kinds of its figures, cut to `MOST_BYTES`.
 
-    rows: the name of its main list, which begins with the entry `offset`.
+    rows: the name of its main list, which begins with the entry `offset`. An answer may have `kinds` of its own, for
+    figures that are less than they usually are.
     """
     whole: dict[str, Any] = _plain(answer)
-    kinds = {name: kind for name, kind in _kinds(fields) if _has(whole, name)}
+    kinds = {name: kind for name, kind in _kinds(fields) if _has(whole, name)} | whole.pop("kinds", {})
     if kinds:
         whole["kinds"] = kinds
     left_out: dict[str, int] = {}

@@ -270,7 +270,13 @@ class Pose:
         if not isinstance(value, list) or len(value) != 4 or any(not isinstance(r, list) or len(r) != 4 for r in value):
             raise PoseError(f"{what} is {shown(value)}: give {_POSE}")
         for number in (number for row in value for number in row):
-            check_number(what, number, f"a matrix of numbers from {-FARTHEST_M:g} to {FARTHEST_M:g}", **_WITHIN)
+            check_number(
+                what,
+                number,
+                f"a matrix of numbers from {-FARTHEST_M:g} to {FARTHEST_M:g}",
+                least=-FARTHEST_M,
+                most=FARTHEST_M,
+            )
         matrix = one_pose(value, what)
         try:
             placed(np.zeros((1, 3)), matrix, what)
@@ -282,7 +288,6 @@ class Pose:
         return matrix
 
 
-_WITHIN = {"least": -FARTHEST_M, "most": FARTHEST_M}
 _POSE = (
     '{"at_m": [x, y, z], "rotate_deg": [rx, ry, rz]} (about the mock-up\'s x, then y, then z axis), or a 4 by 4 matrix '
     "world_from_tool, row by row, metres"

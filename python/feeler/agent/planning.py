@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from feeler.agent.answers import part_name, part_names, point
+from feeler.agent.answers import AT_LEAST, part_name, part_names, point
 from feeler.agent.job import Job
 from feeler.agent.queries import MOST_ROWS, Answer, Given
 from feeler.agent.served import Served
@@ -44,6 +44,7 @@ def clash(served: Served, given: Given, job: Job) -> Answer:
         "findings": len(chosen),
         "verdicts": {verdict: count for verdict, count in counts.items() if count},
         "rows": [_finding(row) for row in chosen[offset : offset + MOST_ROWS]],
+        "kinds": {"findings": AT_LEAST, "verdicts": AT_LEAST} if found.is_partial else {},
     }
 
 

@@ -208,7 +208,9 @@ def path(served: Served, given: Given, job: Job) -> Answer:
     )
     assert check.containment is not None
     offset = given["offset"]
+    slides = "bound: between poses, parts may overlap by tolerance_m at most"
     return {
+        "kinds": {"free": slides} if given["touching"] == "free" else {},
         "free": check.is_free,
         "segments": len(check),
         "segments_hit": len(segments),

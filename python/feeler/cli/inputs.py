@@ -228,7 +228,7 @@ def telling(label: str, also: Progress | None = None) -> Iterator[Progress]:
         yield report
 
 
-def warn_of_doubts(mesh: feeler.Mockup, what: str = "mock-up") -> None:
+def warn_of_doubts(mesh: feeler.Mockup | feeler.Tool, what: str = "mock-up") -> None:
     """What puts answers about a mesh in doubt, on stderr, a line each."""
     for doubt in mesh.source.doubts:
         warn(f"{what}: {doubt}")
