@@ -37,6 +37,8 @@ from anyio.from_thread import BlockingPortal, start_blocking_portal
 from mcp import Client
 from mcp.client.stdio import StdioServerParameters, stdio_client
 
+from feeler.agent.protocol import MOST_CALLS
+
 WAIT_S = 60.0
 PUMP = "engine/externals/accessory_gearbox/oil_pump_1/body"
 STUCK = "engine/hp_compressor/*disk*"
@@ -398,6 +400,17 @@ def test_a_call_is_cancelled_while_others_are_answered(engine: Agent) -> None:
     assert engine.ask("removal", parts=PUMP)["found"], "calls that take long run one at a time, and this one could"
 
 
+def test_a_flood_of_calls_is_refused_and_quick_ones_are_answered(engine: Agent) -> None:
+    stuck = [engine.start("removal", {"parts": STUCK, "seconds": 600}) for _ in range(MOST_CALLS)]
+    try:
+        assert "are running or waiting" in engine.error("removal", parts=PUMP)
+        assert engine.ask("info")["parts"] == 362
+    finally:
+        for call_ in stuck:
+            call_.cancel()
+    assert engine.ask("removal", parts=PUMP)["found"]
+
+
 def test_a_time_limit_returns_what_was_found(engine: Agent, scene: feeler.Scene) -> None:
     found = engine.ask("removal", parts=STUCK, seconds=0.5)
     assert not found["found"] and found["out_of_time"] and found["blocked_by"] and not found["held_by"]
@@ -484,11 +497,33 @@ def exchange(words: tuple[str | Path, ...], lines: list[bytes]) -> tuple[list[di
     return [json.loads(line) for line in run.stdout.splitlines()], run.stderr.decode(), run.returncode
 
 
+HELLO = {
+    "protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"},
+}  # fmt: skip
+
+
+def message(number: int, method: str, params: dict[str, Any]) -> bytes:
+    return json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode()
+
+
+def test_closing_stdin_ends_a_long_call(files: Path) -> None:
+    stuck = {"name": "removal", "arguments": {"parts": STUCK, "seconds": 600}}
+    begun = {"name": "info", "arguments": {}, "_meta": {"progressToken": 1}}
+    lines = [message(1, "initialize", HELLO), message(2, "tools/call", stuck), message(3, "tools/call", begun)]
+    with subprocess.Popen(command(files / "engine.feeler"), stdin=-1, stdout=-1, stderr=-1) as process:
+        try:
+            assert process.stdin is not None and process.stdout is not None
+            process.stdin.write(b"\n".join([*lines, b""]))
+            process.stdin.flush()
+            while b'"id":3' not in process.stdout.readline():  # the mock-up is open, and the long call was there first
+                pass
+            out, err = process.communicate(timeout=WAIT_S)
+        finally:
+            process.kill()
+    assert process.returncode == 0 and b"Traceback" not in err and b'"id":2' in out, "an error: the connection is over"
+
+
 def test_garbage_is_answered_and_the_server_goes_on(files: Path) -> None:
-    hello = {
-        "jsonrpc": "2.0", "id": 1, "method": "initialize",
-        "params": {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "t", "version": "1"}},
-    }  # fmt: skip
     lines = [
         b"{",
         b"null",
@@ -496,15 +531,15 @@ def test_garbage_is_answered_and_the_server_goes_on(files: Path) -> None:
         b"[" * 100_000,
         b'{"jsonrpc": "2.0"}',
         b"x" * 3_000_000,
-        json.dumps(hello).encode(),
+        message(1, "initialize", HELLO),
         b'{"jsonrpc": "2.0", "id": 2, "method": "ping"}',
     ]
     half = {"name": "parts", "arguments": {"pattern": "half \ud800"}}
-    lines.append(json.dumps({"jsonrpc": "2.0", "id": 3, "method": "tools/call", "params": half}).encode())
+    lines.append(message(3, "tools/call", half))
     said, errors, code = exchange((files / "case.feeler",), lines)
     assert code == 0 and "Traceback" not in errors
-    assert [message["error"]["code"] for message in said if message["id"] is None] == [*[-32700] * 5, -32600, -32700]
-    answers_ = {message["id"]: message["result"] for message in said if message["id"] is not None}
+    assert [each["error"]["code"] for each in said if each["id"] is None] == [*[-32700] * 5, -32600, -32700]
+    answers_ = {each["id"]: each["result"] for each in said if each["id"] is not None}
     assert answers_[1]["serverInfo"]["name"] == "feeler" and answers_[2] == {}
 
 

@@ -42,8 +42,9 @@ from feeler.agent.wire import Wire, streams
 from feeler.arguments import near
 from feeler.errors import FeelerError
 
-MOST_CALLS = 64
-"""Calls that run or wait; more are refused."""
+MOST_CALLS = 32
+"""Calls of each lane that run or wait; more are refused. Both lanes together have fewer than `MOST_REQUESTS`, so that
+there is always room to read that one is cancelled."""
 QUICK_THREADS = 3
 PROGRESS_EVERY_S = 0.2
 """The least time between two reports of progress."""
@@ -67,7 +68,7 @@ class Calls:
     def __init__(self, opening: Opening) -> None:
         self._opening = opening
         self._quick, self._long = Lane("quick", QUICK_THREADS), Lane("long", 1)
-        self._running: set[Job] = set()
+        self._running: dict[Lane, set[Job]] = {self._quick: set(), self._long: set()}
 
     async def list_tools(self, _context: Any, _params: Any) -> ListToolsResult:
         """The table, as the protocol has it."""
@@ -78,8 +79,12 @@ class Calls:
         tool = TOOLS.get(params.name)
         if tool is None:
             raise MCPError(code=INVALID_PARAMS, message=f"there is no tool {params.name[:80]!r}: {near('', TOOLS)}")
-        if len(self._running) >= MOST_CALLS:
-            return _error(f"{MOST_CALLS} calls are running or waiting: wait for one of them, or cancel it")
+        lane = self._long if tool.is_long else self._quick
+        running = self._running[lane]
+        if len(running) >= MOST_CALLS:
+            return _error(
+                f"{MOST_CALLS} calls like this one are running or waiting: wait for one of them, or cancel it"
+            )
         loop, news = asyncio.get_running_loop(), asyncio.Event()
         done: asyncio.Future[Result] = loop.create_future()
 
@@ -98,9 +103,9 @@ class Calls:
                 loop.call_soon_threadsafe(_settle, done, made)
 
         job = Job(tell)
-        self._running.add(job)
+        running.add(job)
         try:
-            (self._long if tool.is_long else self._quick).submit(work)
+            lane.submit(work)
             await _told(context, job, news, done)
             result = done.result()
         except FeelerError as error:
@@ -115,7 +120,7 @@ class Calls:
         finally:
             job.cancel()
             done.cancel()  # whatever the thread still ends with: nobody waits for it
-            self._running.discard(job)
+            running.discard(job)
         content: list[ContentBlock] = [TextContent(type="text", text=result.text)]
         if result.png is not None:
             picture = base64.b64encode(result.png).decode()
@@ -124,9 +129,10 @@ class Calls:
 
     def end(self) -> bool:
         """Cancels all calls; whether they ended in time."""
-        for job in list(self._running):
-            job.cancel()
-        return all([lane.end(LAST_WAIT_S / 2) for lane in (self._quick, self._long)])
+        for running in self._running.values():
+            for job in list(running):
+                job.cancel()
+        return all([lane.end(LAST_WAIT_S / 2) for lane in self._running])
 
 
 async def _told(context: Any, job: Job, news: asyncio.Event, done: asyncio.Future[Result]) -> None:
