@@ -536,11 +536,39 @@ def test_garbage_is_answered_and_the_server_goes_on(files: Path) -> None:
     ]
     half = {"name": "parts", "arguments": {"pattern": "half \ud800"}}
     lines.append(message(3, "tools/call", half))
+    lines.append(b'{"jsonrpc": "2.0", "id": 4, "method": "ping", "params": {"_meta": {"n": 1e999}}}')
     said, errors, code = exchange((files / "case.feeler",), lines)
     assert code == 0 and "Traceback" not in errors
     assert [each["error"]["code"] for each in said if each["id"] is None] == [*[-32700] * 5, -32600, -32700]
     answers_ = {each["id"]: each["result"] for each in said if each["id"] is not None}
     assert answers_[1]["serverInfo"]["name"] == "feeler" and answers_[2] == {}
+
+
+def test_nothing_but_the_protocol_is_on_stdout(files: Path) -> None:
+    """Whatever a library prints while it works goes to stderr, and it cannot read the client's messages."""
+    program = (
+        "import os, feeler.cli.mcp as command\n"
+        "read = command.read_mockup\n"
+        "def noisy(*words, **options):\n"
+        "    os.write(1, b'noise of C\\n')\n"
+        "    print('noise of Python', os.read(0, 9), flush=True)\n"
+        "    return read(*words, **options)\n"
+        "command.read_mockup = noisy\n"
+        "from feeler.cli import main; main()"
+    )
+    asked = [message(1, "initialize", HELLO), message(2, "tools/call", {"name": "info", "arguments": {}}), b""]
+    words = [sys.executable, "-c", program, "mcp", str(files / "case.feeler")]
+    with subprocess.Popen(words, stdin=-1, stdout=-1, stderr=-1) as process:
+        try:
+            assert process.stdin is not None and process.stdout is not None
+            process.stdin.write(b"\n".join(asked))
+            process.stdin.flush()
+            numbers = [json.loads(process.stdout.readline())["id"] for _ in asked[:2]]
+            out, err = process.communicate(timeout=WAIT_S)
+        finally:
+            process.kill()
+    assert (numbers, out, process.returncode) == ([1, 2], b"", 0)
+    assert b"noise of C\n" in err and b"noise of Python b''\n" in err
 
 
 def test_files_that_cannot_be_read_end_the_server(files: Path, capfd: pytest.CaptureFixture[str]) -> None:

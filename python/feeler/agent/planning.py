@@ -29,7 +29,9 @@ _BLOCKERS = 3  # of each fastener
 
 def clash(served: Served, given: Given, job: Job) -> Answer:
     """All pairs of parts that overlap, touch or are too near; the worst first."""
-    found: Clashes = served.kept("clash", given, lambda: _clashes(served, given, job))
+    found: Clashes = served.kept(
+        "clash", given, ("part", "verdict", "seconds", "offset"), lambda: _clashes(served, given, job)
+    )
     job.check()
     chosen = found
     if given["part"] is not None:
@@ -136,6 +138,7 @@ def order(served: Served, given: Given, job: Job) -> Answer:
     found = served.kept(
         "order",
         given,
+        ("offset",),
         lambda: (
             removal_order(scene, moved, **_options(served, given), keep=keep, progress=job.progress),
             not job.is_cancelled,
@@ -169,7 +172,7 @@ def access(served: Served, given: Given, job: Job) -> Answer:
     scene = served.standing(given)
     targets = None if given["targets"] is None else served.present("targets", given["targets"])
     asked: tuple[Fasteners, Access] = served.kept(
-        "access", given, lambda: _reached(scene, tool, hand, targets, given, job)
+        "access", given, ("seconds", "offset"), lambda: _reached(scene, tool, hand, targets, given, job)
     )
     job.check()
     bolts, found = asked

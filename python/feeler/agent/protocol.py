@@ -50,7 +50,8 @@ PROGRESS_EVERY_S = 0.2
 """The least time between two reports of progress."""
 LAST_WAIT_S = 2.0
 """How long the program waits for running calls at its end."""
-MOST_ERROR_CHARACTERS = 1_500
+MOST_ERROR_CHARACTERS = 900
+"""The longest error: less than 4 kB in any script."""
 
 INSTRUCTIONS = """\
 feeler answers questions about one digital mock-up (a CAD assembly as triangles): collisions, clearance, clashes,

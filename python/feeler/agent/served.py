@@ -92,12 +92,14 @@ class Served:
             raise OptionError("nothing moves: give tool, or part for parts of the mock-up")
         return scene, self.tool(tool)
 
-    def kept(self, tool: str, given: Mapping[str, Any], make: Callable[[], tuple[Any, bool]]) -> Any:
-        """What `make` returns, or what it returned for the same arguments, the offset aside.
+    def kept(
+        self, tool: str, given: Mapping[str, Any], aside: Sequence[str], make: Callable[[], tuple[Any, bool]]
+    ) -> Any:
+        """What `make` returns, or what it returned for the same arguments, those in `aside` excepted.
 
         make: returns a result, and whether it is complete; only complete ones are kept.
         """
-        key = json.dumps([tool, {name: given[name] for name in given if name != "offset"}], default=_listed)
+        key = json.dumps([tool, {name: given[name] for name in given if name not in aside}], default=_listed)
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)

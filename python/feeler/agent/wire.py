@@ -50,7 +50,7 @@ class Wire:
         os.dup2(2, 1)
 
     def close(self) -> None:
-        """Gives the streams back."""
+        """Gives the streams back. The copies stay open, since a thread may still read from one."""
         os.dup2(self._in, 0)
         os.dup2(self._out, 1)
 

@@ -63,7 +63,7 @@ def mcp(
     The tools answer about collisions, clearance, clashes, removal, access, rays and pictures. They read the files named
     here and no others, and write nothing. Needs the package mcp: pip install "feeler\\[mcp]".
 
-    Exit status: 0 the client closed stdin, 2 bad input, 130 interrupted.
+    Exit status: 0 the client closed stdin, or SIGTERM; 2 bad input; 130 interrupted.
     """
     if find_spec("mcp") is None or find_spec("mcp_types") is None:
         raise OptionError('feeler mcp needs the package mcp, 2.3 or later: pip install "feeler[mcp]"')
