@@ -414,9 +414,9 @@ def test_a_flood_of_calls_is_refused_and_quick_ones_are_answered(engine: Agent) 
 def test_a_time_limit_returns_what_was_found(engine: Agent, scene: feeler.Scene) -> None:
     found = engine.ask("removal", parts=STUCK, seconds=0.5)
     assert not found["found"] and found["out_of_time"] and found["blocked_by"] and not found["held_by"]
-    part = engine.ask("clash", clearance_m=0.123, seconds=1e-6)
+    part = engine.ask("clash", clearance_m=0.012, seconds=1e-6)
     assert not part["complete"] and part["kinds"]["findings"] == "bound: at least"
-    assert engine.ask("clash", clearance_m=0.123)["complete"], "what is not complete is not kept"
+    assert engine.ask("clash", clearance_m=0.012)["complete"], "what is not complete is not kept"
     assert "give more seconds" in engine.error("access", tool="sample:hand", seconds=1e-6)
     job = Job(lambda: job.limit(0.0) if job.report[0] > 1.1 else None)  # the time is up while targets are tried
     some = call(TOOLS["access"], Served(scene), {"tool": "sample:hand", "targets": "*bolt*"}, job).content
@@ -448,6 +448,7 @@ def test_a_time_limit_returns_what_was_found(engine: Agent, scene: feeler.Scene)
         ("collide", {"pose": at(0, 0, 0), "depth": "yes"}, "depth is 'yes': give True or False"),
         ("collide", {"pose": at(0, 0, 0), "offset": -1}, "offset is -1"),
         ("clearance", {"pose": at(0, 0, 0), "within_m": 1e9}, "within_m is"),
+        ("clash", {"clearance_m": 1.0}, "clearance_m is 1.0: give metres, 0 to 0.1"),
         ("path", {"poses": []}, "poses has 0 entries: give 1 to 1000"),
         ("path", {"poses": [at(0, 0, 0)] * 1001}, "poses has 1,001 entries"),
         ("path", {"poses": [at(0, 0, 0), {"at_m": "x"}]}, "poses[1].at_m is 'x'"),
@@ -458,6 +459,7 @@ def test_a_time_limit_returns_what_was_found(engine: Agent, scene: feeler.Scene)
         ("removal", {"parts": PUMP, "seconds": 1e6}, "seconds is 1000000.0"),
         ("removal", {"parts": PUMP, "seconds": 0}, "seconds is 0"),
         ("removal", {"parts": PUMP, "tool_pose": at(0, 0, 0)}, "give tool, too"),
+        ("removal", {"parts": PUMP, "tool": "wrench", "tool_pose": at(0, 0, 1e5)}, "put it where it grips them"),
         ("removal", {"parts": PUMP, "without": PUMP}, "name others"),
         ("removal", {"parts": 3}, "parts is 3: give a name or pattern"),
         ("access", {"tool": "sample:hand", "targets": PUMP}, "looks like a fastener"),

@@ -75,20 +75,31 @@ def _finding(row: Clash) -> Answer:
     return {**answer, "separation_m": length if length > 0.0 else None, "point_a_m": point(row.point_a)}
 
 
-def _options(served: Served, given: Given) -> dict[str, Any]:
+def _options(served: Served, given: Given, moved: Any) -> dict[str, Any]:
     """The options of removals and orders; with the tool that grips the parts."""
     tool = None if given["tool"] is None else served.tool(given["tool"])
     if tool is None and given["tool_pose"] is not None:
         raise OptionError("tool_pose is of a tool that grips the parts: give tool, too")
+    if tool is not None:
+        _check_grip(served, tool, np.eye(4) if given["tool_pose"] is None else given["tool_pose"], moved)
     return {
         "tool": tool,
         "start": given["tool_pose"],
-        "ignore": None if given["ignore"] is None else served.select("ignore", given["ignore"]),
         "directions": None if given["directions"] is None else np.array(given["directions"]),
         "clearance": given["clearance_m"],
         "seconds": given["seconds"],
         "seed": given["seed"],
     }
+
+
+def _check_grip(served: Served, tool: Any, pose: Any, moved: Any) -> None:
+    """Refuses a tool that is far from the parts: a search would move both through all that is between them."""
+    bounds = np.asarray(served.mockup.part_bounds).reshape(-1, 2, 3)[moved]
+    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    middle = pose[:3, :3] @ tool.bounds.mean(axis=0) + pose[:3, 3]
+    away = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - middle, middle - high))))
+    if away > float(np.linalg.norm(np.diff(served.mockup.bounds, axis=0))):
+        raise OptionError(f"tool_pose: the tool is {away:.4g} m away from the parts: put it where it grips them")
 
 
 def _moved(served: Served, given: Given) -> tuple[Scene, Any]:
@@ -104,7 +115,7 @@ def _moved(served: Served, given: Given) -> tuple[Scene, Any]:
 def removal(served: Served, given: Given, job: Job) -> Answer:
     """A path of parts out of the mock-up, or what blocks it."""
     scene, moved = _moved(served, given)
-    found = way_out(scene, moved, **_options(served, given), progress=job.progress)
+    found = way_out(scene, moved, **_options(served, given, moved), progress=job.progress)
     return {
         "parts": {"count": len(moved), "first": part_names(scene.mockup, moved)},
         **_way(found),
@@ -140,7 +151,7 @@ def order(served: Served, given: Given, job: Job) -> Answer:
         given,
         ("offset",),
         lambda: (
-            removal_order(scene, moved, **_options(served, given), keep=keep, progress=job.progress),
+            removal_order(scene, moved, **_options(served, given, moved), keep=keep, progress=job.progress),
             not job.is_cancelled,
         ),
     )

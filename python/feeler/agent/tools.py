@@ -25,6 +25,8 @@ MOST_POSES = 1_000
 MOST_RAYS = 1_000
 LARGEST_ANSWER_M = 1e4
 """The largest distance up to which a query looks."""
+LARGEST_CLEARANCE_M = 0.1
+"""The largest distance of a clash check: beyond, every part is near hundreds of others, and findings fill memory."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,8 @@ _TOUCHING = Argument(Word(TOUCHINGS), "free: bodies may touch and slide, and onl
 _SECONDS = Number("seconds, above 0 up to 600", above=0.0, most=MOST_S)
 _LENGTH = Number(f"metres, 0 to {LARGEST_ANSWER_M:g}", least=0.0, most=LARGEST_ANSWER_M)
 
+_NEAR = Number(f"metres, 0 to {LARGEST_CLEARANCE_M:g}", least=0.0, most=LARGEST_CLEARANCE_M)
+
 _SOME = {"count": Field("integer", "how many"), "first": Field("names", "the first of them")}
 _INSIDE = {
     "inside": Field("object", "closed parts that the moving body is inside of", EXACT, _SOME),
@@ -105,8 +109,9 @@ _HIT = {
 }
 _TAKEN_OUT = {
     "parts": Argument(Names(), f"take these parts out, as one: {_NAMES}"),
-    "without": _WITHOUT,
-    "ignore": Argument(Names(), f"neighbours that it may touch and cross: {_NAMES}", None),
+    "without": Argument(
+        Names(), f"leave these out of the mock-up: those already gone, or that it may cross: {_NAMES}", None
+    ),
     "tool": Argument(Text("the name of a tool"), "a tool or hand that grips the parts and moves with them", None),
     "tool_pose": Argument(Pose(), "world_from_tool of that tool at the start, as for pose in collide", None),
     "directions": Argument(
@@ -362,8 +367,8 @@ _ALL = [
         "Takes seconds to minutes.",
         planning.clash,
         {
-            "clearance_m": Argument(_LENGTH, "required distance of parts; 0: only collisions", 0.002),
-            "contact_m": Argument(_LENGTH, "how deep parts may overlap and still count as contact", 0.0),
+            "clearance_m": Argument(_NEAR, "required distance of parts; 0: only collisions", 0.002),
+            "contact_m": Argument(_NEAR, "how deep parts may overlap and still count as contact", 0.0),
             "without": _WITHOUT,
             "part": Argument(Names(), f"only findings of these parts: {_NAMES}", None),
             "verdict": Argument(Word([each.value for each in Verdict]), "only findings with this verdict", None),
