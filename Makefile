@@ -310,7 +310,7 @@ format: $(INSTALLED) $(NODE_MODULES) ## format Rust, Python and TypeScript, appl
 .PHONY: lock
 lock: $(INSTALLED) ## make the lock files anew from pyproject.toml (newest versions)
 	@$(PY) -m pip install --quiet uv
-	$(call pin,requirements.lock,make setup,--extra step --extra gltf --extra study --extra volume --extra xlsx --extra bench \
+	$(call pin,requirements.lock,make setup,--extra step --extra gltf --extra study --extra volume --extra xlsx --extra mcp --extra bench \
 		--group build --group test --group lint pyproject.toml)
 	$(call pin,requirements-wheel.lock,make wheel,--group wheel)
 	$(call pin,requirements-docs.lock,make docs,--group docs)

@@ -22,7 +22,7 @@ from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "clash", "remove", "access", "swept"]
-COMMANDS += ["feel", "view", "replay", "sample", "bench"]
+COMMANDS += ["feel", "view", "mcp", "replay", "sample", "bench"]
 
 
 def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
@@ -70,7 +70,7 @@ def test_help_lists_the_commands_and_each_has_examples() -> None:
     for command in COMMANDS:
         text = run(command, "--help").stdout
         assert f"feeler {command}" in text.partition("Examples")[2]
-        assert "--json" in text
+        assert "--json" in text or command == "mcp", "whose answers are JSON"
 
 
 @pytest.mark.parametrize("words", [["--help"], ["--version"], ["collide", "--help"]])

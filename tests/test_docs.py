@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import re
 import shlex
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,6 +80,10 @@ def run_command(words: list[str], folder: Path) -> None:
     if words[:2] == ["feeler", "view"]:
         with viewed(folder, *words[2:]) as (url, _), Page(url) as page:
             document_when(page, lambda document: document["mockup"])
+    elif words[:2] == ["feeler", "mcp"]:  # it takes the streams of its process
+        command = [sys.executable, "-m", *words]
+        ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        assert (ended.returncode, ended.stdout) == (0, ""), ended.stderr
     elif words[0] == "feeler":
         result = CliRunner().invoke(app, words[1:])
         assert result.exit_code in (0, 1), f"{shlex.join(words)}\n{result.output}\n{result.exception!r}"
@@ -124,6 +130,8 @@ def test_a_page_runs(page: str, sample_files: Path, tmp_path: Path, monkeypatch:
             continue
         if block.language == "python":
             run_python(page, block, names)
+        elif block.language == "json":
+            json.loads(block.text)
         elif block.language == "toml":
             tomllib.loads(block.text)
         elif block.language == "sh":
@@ -132,7 +140,9 @@ def test_a_page_runs(page: str, sample_files: Path, tmp_path: Path, monkeypatch:
                 if words:
                     run_command(words, tmp_path)
         else:
-            assert block.language == "text", f"line {block.line}: {block.language!r} is not python, sh, toml or text"
+            assert block.language == "text", (
+                f"line {block.line}: {block.language!r} is not python, sh, json, toml or text"
+            )
 
 
 def test_blocks_that_do_not_run_are_known() -> None:

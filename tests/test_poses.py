@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import feeler
 from feeler.cli.app import app
-from feeler.cli.inputs import rotation_xyz
+from feeler.poses import rotation_xyz
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 FACES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]

@@ -307,7 +307,12 @@ ROOMS: dict[str, set[str]] = {
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
-    "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "saved", "study", "workbench", "feeler"},
+    # The mock-up for agents: a server of the Model Context Protocol.
+    "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
+    "cli": {
+        *(*BASE, "agent", "clashes", "haptics", "io", "picture", "plan", "samples", "saved", "study", "workbench"),
+        "feeler",
+    },
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
         *("parts", "spreading", "study", "types", "workbench"),

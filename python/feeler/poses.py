@@ -287,3 +287,20 @@ def _deviation(poses: Floats) -> Floats:
     deviation: Floats = np.maximum(np.maximum(products, last), np.where(mirrors, 2.0, 0.0))
     deviation[np.isnan(deviation)] = np.inf
     return deviation
+
+
+def rotation_xyz(rx_deg: float, ry_deg: float, rz_deg: float) -> Floats:
+    """Rotation about the world's x, then y, then z axis: Rz @ Ry @ Rx, (3, 3). Quarter turns are exact."""
+    (cx, sx), (cy, sy), (cz, sz) = (_cos_sin(angle) for angle in (rx_deg, ry_deg, rz_deg))
+    rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    result: Floats = rz @ ry @ rx + 0.0  # turns negative zeros into zeros
+    return result
+
+
+def _cos_sin(angle_deg: float) -> tuple[float, float]:
+    turn = math.fmod(angle_deg, 360.0)
+    if turn % 90.0 == 0:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(turn // 90) % 4]
+    return math.cos(math.radians(turn)), math.sin(math.radians(turn))

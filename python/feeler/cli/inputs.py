@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -35,6 +34,7 @@ from feeler.errors import LoadError, MissingFileError, OptionError, PoseError
 from feeler.io.axes import parse_axis
 from feeler.io.text import decoded, name_text, numbers_of, text_of
 from feeler.io.units import parse_name
+from feeler.poses import rotation_xyz
 from feeler.progress import Progress, bar
 
 Triple = tuple[float, float, float]
@@ -228,7 +228,7 @@ def telling(label: str, also: Progress | None = None) -> Iterator[Progress]:
         yield report
 
 
-def warn_of_doubts(mesh: feeler.Mockup, what: str = "mock-up") -> None:
+def warn_of_doubts(mesh: feeler.Mockup | feeler.Tool, what: str = "mock-up") -> None:
     """What puts answers about a mesh in doubt, on stderr, a line each."""
     for doubt in mesh.source.doubts:
         warn(f"{what}: {doubt}")
@@ -294,16 +294,6 @@ def poses_of_options(
     if rotate is not None:
         matrix[:3, :3] = rotation_xyz(*rotate)
     return matrix[None]
-
-
-def rotation_xyz(rx_deg: float, ry_deg: float, rz_deg: float) -> npt.NDArray[np.float64]:
-    """Rotation about the world's x, then y, then z axis: Rz @ Ry @ Rx, (3, 3). Quarter turns are exact."""
-    (cx, sx), (cy, sy), (cz, sz) = (_cos_sin(angle) for angle in (rx_deg, ry_deg, rz_deg))
-    rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
-    ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-    rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
-    result: npt.NDArray[np.float64] = rz @ ry @ rx + 0.0  # turns negative zeros into zeros
-    return result
 
 
 def read_poses(path: Path, snap: bool = False) -> Poses:
@@ -383,13 +373,6 @@ def _from_json(document: Any) -> Any:
 def _from_text(text: str) -> npt.NDArray[np.float64]:
     plain = "\n".join(line.partition("#")[0] for line in text.splitlines())
     return np.array(numbers_of(plain, 16, "poses")).reshape(-1, 4, 4)
-
-
-def _cos_sin(angle_deg: float) -> tuple[float, float]:
-    turn = math.fmod(angle_deg, 360.0)
-    if turn % 90.0 == 0:
-        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(turn // 90) % 4]
-    return math.cos(math.radians(turn)), math.sin(math.radians(turn))
 
 
 def _sample_words(source: str, defaults: tuple[str, ...]) -> list[str]:
