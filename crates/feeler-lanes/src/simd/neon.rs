@@ -75,7 +75,7 @@ operators_of_four! {
 // register's size and ask for no alignment.
 
 /// For each choice of four lanes, the places of the bytes that bring those chosen to the front.
-static PACKINGS: [[u8; 16]; 16] = {
+static PACKINGS: Packings = Packings({
     let mut packings = [[0; 16]; 16];
     let mut chosen = 0;
     while chosen < 16 {
@@ -94,7 +94,11 @@ static PACKINGS: [[u8; 16]; 16] = {
         chosen += 1;
     }
     packings
-};
+});
+
+/// Each in one register, and in one cache line.
+#[repr(C, align(16))]
+struct Packings([[u8; 16]; 16]);
 
 /// Sixteen bytes as a register.
 #[inline(always)]
@@ -603,7 +607,7 @@ impl Simd for Neon {
             // SAFETY: see above; `count` is at most four times `i`, so that four places are there.
             unsafe {
                 let numbers = vreinterpretq_u8_u32(vld1q_u32(from[4 * i..].as_ptr()));
-                let packed = vqtbl1q_u8(numbers, bytes(&PACKINGS[four]));
+                let packed = vqtbl1q_u8(numbers, bytes(&PACKINGS.0[four]));
                 vst1q_u32(to[count..].as_mut_ptr(), vreinterpretq_u32_u8(packed));
             }
             count += four.count_ones() as usize;
