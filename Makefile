@@ -249,7 +249,7 @@ arm64: ## the core's tests and the corpus of hard pairs for arm64, emulated: the
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-exact --test corpus $(CARGO_ARGS)
 
 .PHONY: arm64-wheel
-arm64-wheel: $(WHEEL_TOOLS) $(PAGE) ## build the wheel for arm64 Linux into dist/, and use it with an emulated Python (Debian; 15 minutes)
+arm64-wheel: $(WHEEL_TOOLS) $(PAGE) ## build the wheel for arm64 Linux into dist/, and use it with an emulated Python (Debian; 5 minutes)
 	@command -v cargo >/dev/null || { echo "make arm64-wheel: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
 	@$(dir $(WHEEL_TOOLS))$(notdir $(BIN))/python tools/smoke_arm64.py --check
 	@rm -f dist/feeler-*manylinux*aarch64.whl
