@@ -250,6 +250,14 @@ arm64: ## the core's tests and the corpus of hard pairs for arm64, emulated: the
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-lanes -p feeler-core -p feeler-contacts $(CARGO_ARGS)
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-exact --test corpus $(CARGO_ARGS)
 
+.PHONY: arm64-wheel
+arm64-wheel: $(WHEEL_TOOLS) $(PAGE) ## build the wheel for arm64 Linux into dist/, and use it with an emulated Python (Debian; 5 minutes)
+	@command -v cargo >/dev/null || { echo "make arm64-wheel: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
+	@$(dir $(WHEEL_TOOLS))$(notdir $(BIN))/python tools/smoke_arm64.py --check
+	@rm -f dist/feeler-*manylinux*aarch64.whl
+	@$(dir $(WHEEL_TOOLS))$(notdir $(BIN))/python tools/make_wheel.py --target aarch64-unknown-linux-gnu
+	@$(dir $(WHEEL_TOOLS))$(notdir $(BIN))/python tools/smoke_arm64.py dist/feeler-*manylinux*aarch64.whl
+
 .PHONY: portable
 portable: ## cargo check for arm64 Linux, macOS and Windows: no warning there either (needs Rust's libraries for them)
 	@set -e; for target in aarch64-unknown-linux-gnu aarch64-apple-darwin x86_64-pc-windows-gnu; do \

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 # Instruction sets that decide how fast such code can run; the rest of the flags says nothing here.
 _SETS = re.compile(r"^(sse2|sse4_2|avx|avx2|fma|bmi2|avx512\w+|asimd|sve2?|neon)$")
 # The first of these that a CPU has. One name may stand for several generations, which only such flags tell apart.
-_LANES = {"avx512_vp2intersect": "AVX-512 with VP2INTERSECT", "avx512f": "AVX-512", "avx2": "AVX2"}
+_LANES = {"avx512_vp2intersect": "AVX-512 with VP2INTERSECT", "avx512f": "AVX-512", "avx2": "AVX2", "asimd": "NEON"}
 
 
 def machine() -> dict[str, Any]:
@@ -38,7 +38,7 @@ def machine() -> dict[str, Any]:
 
 def name(cpu: str, flags: Sequence[str]) -> str:
     """The name of a kind of machine: its CPU, and the best lanes it has."""
-    lanes = next((name for flag, name in _LANES.items() if flag in flags), "neither AVX2 nor AVX-512")
+    lanes = next((name for flag, name in _LANES.items() if flag in flags), "no AVX2, AVX-512 or NEON")
     plain = re.sub(r"\((R|TM)\)|\b(CPU|Processor)\b|@.*$", " ", cpu, flags=re.IGNORECASE)
     return f"{' '.join(plain.split())}, {lanes}"
 

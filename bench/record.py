@@ -45,7 +45,7 @@ ORDER: dict[str, tuple[str, ...]] = {
     "tool": ("torque", "wrench", "square", "hand", "hand-fine"),
     "kind": ("nominal", "near", "deep"),
     "query": ("collide", "is_colliding", "distance", "cast", "contacts"),
-    "engine": ("feeler", "coal", "fcl", "embree", "parry", "feeler-avx512", "feeler-avx2"),
+    "engine": ("feeler", "coal", "fcl", "embree", "parry", "feeler-avx512", "feeler-avx2", "feeler-neon"),
 }
 
 Row = dict[str, Any]  # by column; None or no entry where a column says nothing

@@ -304,7 +304,8 @@ def test_the_record_is_small_and_clean(root: Path, bench: SimpleNamespace, tmp_p
     [
         ("Intel(R) Xeon(R) Processor", ["avx2", "avx512f"], "Intel Xeon, AVX-512"),
         ("AMD EPYC", ["avx2"], "AMD EPYC, AVX2"),
-        ("A(TM) CPU @ 2.00GHz", [], "A, neither AVX2 nor AVX-512"),
+        ("Neoverse-N1", ["asimd"], "Neoverse-N1, NEON"),
+        ("A(TM) CPU @ 2.00GHz", [], "A, no AVX2, AVX-512 or NEON"),
     ],
 )
 def test_kinds_of_machines(bench: SimpleNamespace, cpu: str, flags: list[str], name: str) -> None:

@@ -13,6 +13,7 @@ import oracle
 import pytest
 
 import feeler
+from feeler.choices import SIMDS
 
 LARGE = bool(os.environ.get("FEELER_LARGE"))
 """As `make exact` runs these: more voxel sizes, and a mock-up four times as large."""
@@ -95,7 +96,7 @@ def test_a_fine_tool_against_all_pairs() -> None:
         assert as_dict(hit.pairs, hit.kind_codes) == expected
 
 
-LANES: list[dict[str, Any]] = [{"simd": "avx2"}, {"simd": "avx512"}, {"simd": "portable"}]
+LANES: list[dict[str, Any]] = [{"simd": simd} for simd in SIMDS]
 
 
 @pytest.mark.parametrize("options", [*STORES, *LANES], ids=str)

@@ -71,7 +71,7 @@ FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "limit_mixed": (ctypes.c_double, (COUNT,)),
 }
 STANDARD = (1_600_000, 100, 5)  # size, poses, rounds
-LEVELS: tuple[Simd, ...] = ("avx512", "avx2", "portable")
+LEVELS: tuple[Simd, ...] = ("avx512", "avx2", "neon", "portable")
 SIZES = (MIB // 2, 2 * MIB, 8 * MIB, 16 * MIB, 32 * MIB, 64 * MIB)
 RANDOM, CHAINED, STEPS = 1_000_000, 100_000, 1_000_000
 REPEATS = 8

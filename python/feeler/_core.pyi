@@ -214,7 +214,7 @@ class Scene:
         """The hashing level; 0 unless hashed."""
     @property
     def simd(self) -> Simd:
-        """The instruction set of its queries: `"avx512"`, `"avx2"` or `"portable"`."""
+        """The instruction set of its queries: `"avx512"`, `"avx2"`, `"neon"` or `"portable"`."""
     def memory(self) -> Mapping[str, int]:
         """Bytes by structure, and their `"total"`: all that stays in memory for the index.
 

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 Storage = Literal["blocks", "dense", "hashed"]
 Estimator = Literal["calibrated", "area", "diagonal", "side"]
-Simd = Literal["avx512", "avx2", "portable"]
+Simd = Literal["avx512", "avx2", "neon", "portable"]
 PenetrationKind = Literal["bound", "estimate", "exact"]
 Touching = Literal["counts", "free"]
 

@@ -86,8 +86,8 @@ class Scene(_core.Scene):
     - `threads`: for building and batches; default: all.
     - `progress`: called with the share done (0 to 1) and the stage.
     - `memory_limit`: the most bytes for building, and for the result of a batch; default: 80 % of the free memory.
-    - `simd`: the instruction set of its queries, `"avx512"`, `"avx2"` or `"portable"`; default: the best this CPU
-      has. All give the same answers.
+    - `simd`: the instruction set of its queries, `"avx512"`, `"avx2"`, `"neon"` or `"portable"`; default: the best
+      this CPU has. All give the same answers.
 
     Raises `OptionError` for values out of range and `LimitError` for a voxel size that would need more memory, or more
     voxels, than allowed, before anything is allocated.

@@ -1,7 +1,7 @@
 //! Lanes: sixteen float32 or eight float64 at once, with the widest instructions the CPU has.
 //!
 //! Kernels are written once, generic over [`Simd`], as a type that implements [`Kernel`]; [`Checked::run`] compiles them for each
-//! instruction set (AVX-512, AVX2, plain code) and calls the one asked for, [`Level::best`] asks the CPU. All `unsafe` code of the
+//! instruction set (AVX-512, AVX2, NEON, plain code) and calls the one asked for, [`Level::best`] asks the CPU. All `unsafe` code of the
 //! pure crates of feeler is here. It knows no meshes.
 //!
 //! ```

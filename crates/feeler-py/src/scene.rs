@@ -153,7 +153,7 @@ impl Scene {
         }
     }
 
-    /// The instruction set of its queries: `"avx512"`, `"avx2"` or `"portable"`.
+    /// The instruction set of its queries: `"avx512"`, `"avx2"`, `"neon"` or `"portable"`.
     #[getter]
     fn simd(&self) -> &'static str {
         self.core.lanes().name()

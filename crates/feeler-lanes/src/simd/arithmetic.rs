@@ -140,9 +140,9 @@ pub trait Arithmetic: Copy {
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
     /// `a * b - c`, rounded likewise.
     fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
-    /// The smaller; of no use with NaN.
+    /// `a` if it is smaller, else `b`: of two zeros `b`, and `b` if one of them is NaN.
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32;
-    /// The larger; of no use with NaN.
+    /// `a` if it is larger, else `b`.
     fn max(self, a: Self::F32, b: Self::F32) -> Self::F32;
     /// Absolute value.
     fn abs(self, a: Self::F32) -> Self::F32;
@@ -172,11 +172,11 @@ pub trait Arithmetic: Copy {
     fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
     /// Absolute value.
     fn wide_abs(self, a: Self::F64) -> Self::F64;
-    /// The smaller; of no use with NaN.
+    /// `a` if it is smaller, else `b`: of two zeros `b`, and `b` if one of them is NaN.
     fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a / b`.
     fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64;
-    /// The larger; of no use with NaN.
+    /// `a` if it is larger, else `b`.
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a > b`.
     fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64;
@@ -231,9 +231,9 @@ pub trait Simd: Arithmetic {
     fn load(self, x: &[f32; LANES]) -> Self::F32;
     /// The lanes.
     fn store(self, x: Self::F32, to: &mut [f32; LANES]);
-    /// The least of all lanes of each of three values; the fourth is zero.
+    /// The least of all lanes of each of three values; the fourth is zero. Of no use with NaN; a zero may have either sign.
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4];
-    /// The greatest of all lanes of each of three values; the fourth is zero.
+    /// The greatest of all lanes of each of three values; the fourth is zero. See [`Simd::smallest3`].
     fn largest3(self, x: &[Self::F32; 3]) -> [f32; 4];
     /// Lane by lane, three values and zero.
     fn transposed(self, x: &[Self::F32; 3], to: &mut [[f32; 4]; LANES]);

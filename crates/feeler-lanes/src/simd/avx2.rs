@@ -6,7 +6,8 @@ use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 use super::arithmetic::{
     close_up, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES,
 };
-use super::x86::{is_apart, least_sides, numbers, One};
+use super::registers::One;
+use super::x86::{is_apart, least_sides, numbers};
 
 /// Whether the CPU has the features of [`Avx2`].
 pub fn is_there() -> bool {

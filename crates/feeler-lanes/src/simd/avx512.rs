@@ -4,7 +4,8 @@ use std::arch::x86_64::*;
 
 use super::arithmetic::{close_up, Arithmetic, ByteBoxes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 use super::avx2;
-use super::x86::{is_apart, least_sides, numbers, One};
+use super::registers::One;
+use super::x86::{is_apart, least_sides, numbers};
 
 /// Whether the CPU has the features of [`Avx512`].
 pub fn is_there() -> bool {

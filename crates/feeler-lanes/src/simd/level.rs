@@ -3,6 +3,8 @@
 use std::sync::OnceLock;
 
 use super::arithmetic::Kernel;
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+use super::neon;
 use super::portable;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
@@ -13,6 +15,8 @@ use super::{avx2, avx512};
 pub enum Level {
     /// Plain code, as good as the compiler's own vectors for the baseline CPU.
     Portable,
+    /// NEON (64-bit ARM).
+    Neon,
     /// AVX2 and FMA (x86-64-v3).
     Avx2,
     /// AVX-512 F, BW, DQ, VL (x86-64-v4).
@@ -22,7 +26,7 @@ pub enum Level {
 impl Level {
     /// All levels this CPU has, the best last.
     pub fn available() -> Vec<Level> {
-        let all = [Level::Portable, Level::Avx2, Level::Avx512];
+        let all = [Level::Portable, Level::Neon, Level::Avx2, Level::Avx512];
         all.into_iter().filter(|level| level.is_available()).collect()
     }
 
@@ -37,6 +41,7 @@ impl Level {
     pub fn name(self) -> &'static str {
         match self {
             Level::Portable => "portable",
+            Level::Neon => "neon",
             Level::Avx2 => "avx2",
             Level::Avx512 => "avx512",
         }
@@ -44,17 +49,15 @@ impl Level {
 
     /// Whether this CPU has it.
     pub fn is_available(self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        {
-            match self {
-                Level::Portable => true,
-                Level::Avx2 => avx2::is_there(),
-                Level::Avx512 => avx512::is_there(),
-            }
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        {
-            self == Level::Portable
+        match self {
+            Level::Portable => true,
+            #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+            Level::Neon => neon::is_there(),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => avx2::is_there(),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => avx512::is_there(),
+            _ => false,
         }
     }
 
@@ -84,6 +87,9 @@ impl Checked {
             // SAFETY: the same.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { avx2::run_avx2(kernel) },
+            // SAFETY: the same.
+            #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+            Level::Neon => unsafe { neon::run_neon(kernel) },
             _ => kernel.run(portable::TOKEN),
         }
     }

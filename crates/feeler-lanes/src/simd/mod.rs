@@ -16,8 +16,14 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod level;
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+mod neon;
 mod portable;
 mod prefetch;
+#[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_endian = "little")))]
+mod registers;
+#[cfg(test)]
+mod twins;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 

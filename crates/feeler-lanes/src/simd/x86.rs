@@ -4,23 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::arithmetic::ByteBoxes;
-
-/// One register.
-#[derive(Debug, Clone, Copy)]
-pub struct One<T>(pub T);
-
-macro_rules! operators {
-    ($($trait:ident, $name:ident, $register:ty: $instruction:ident;)*) => {$(
-        impl $trait for One<$register> {
-            type Output = Self;
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: such values are made with a token only.
-                unsafe { One($instruction(self.0, other.0)) }
-            }
-        }
-    )*};
-}
+use super::registers::{operators, One};
 
 operators! {
     Add, add, __m256: _mm256_add_ps;

@@ -98,7 +98,8 @@ impl Adjacency {
         Adjacency::without_regions(mesh, &|_| 0, &[mesh.bounds()])
     }
 
-    fn without_regions(mesh: &Mesh, part_of_face: &impl Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
+    // By reference, so that all of this is compiled once: it is 30 kB of code.
+    fn without_regions(mesh: &Mesh, part_of_face: &dyn Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
         let mut joined = Joined::new(mesh);
         let (unique, welded) = weld_vertices(mesh.vertices());
         let corners = |t: u32| mesh.faces()[t as usize].map(|v| welded[v as usize]);
