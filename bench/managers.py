@@ -45,7 +45,7 @@ class Fcl(trimesh.collision.CollisionManager):
     """trimesh's, which without SciPy cannot tell what is convex."""
 
     def _get_fcl_obj(self, mesh: Any) -> Any:
-        is_convex = meshes.is_convex(meshes.triangles_of(mesh))
+        is_convex = meshes.shape_of(meshes.triangles_of(mesh), None, 1 << 30).is_solid
         make: Callable[[Any], Any] = trimesh.collision.mesh_to_convex if is_convex else trimesh.collision.mesh_to_BVH
         return make(mesh)
 

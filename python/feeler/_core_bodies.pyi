@@ -14,12 +14,14 @@ class Shape:
         cls,
         vertices: npt.NDArray[np.float64],
         faces: npt.NDArray[np.uint32],
-        is_solid: bool,
         memory_limit: int,
     ) -> Self:
-        """Vertices `(n, 3)` in metres, faces `(m, 3)`; `is_solid`: what lies in it meets it."""
-    def is_of(self, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32], is_solid: bool) -> bool:
+        """Vertices `(n, 3)` in metres, faces `(m, 3)`. Solid, so that what lies in it meets it, if it is closed and convex."""
+    def is_of(self, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> bool:
         """Whether it is of these arrays, to the last bit."""
+    @property
+    def is_solid(self) -> bool:
+        """Whether what lies in it meets it."""
     @property
     def triangle_count(self) -> int:
         """Triangles given, defective ones included."""

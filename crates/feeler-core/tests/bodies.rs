@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use feeler_core::{closest_triangle_triangle, intersect_triangle_triangle, Bodies, Error, Pose, Shape, Triangle, Who};
+use feeler_core::{
+    closest_triangle_triangle, intersect_triangle_triangle, weld_vertices, Bodies, Error, Pose, Shape, Triangle, Who,
+};
 use feeler_shapes::random::Random;
 use feeler_shapes::soups::{lattice, needles, soup};
 use feeler_shapes::{ball, box_mesh, cylinder, Arrays};
@@ -182,7 +184,7 @@ fn sets_are_asked_across() {
 fn what_lies_in_a_solid_body_meets_it() {
     let (outer, inner) = (ball(1.0, 12), ball(0.2, 5));
     let hollow = shape(outer.clone());
-    let solid = Arc::new(Shape::new(outer.0, outer.1, u64::MAX).unwrap().solid());
+    let solid = Arc::new(Shape::new(outer.0, outer.1, u64::MAX).unwrap().solid_if_convex());
     let inner = shape(inner);
     for (x, is_in) in [(0.0, true), (0.7, true), (0.9, true), (1.0, true), (1.3, false), (5.0, false)] {
         let pose = Pose::IDENTITY.translated(&[x, 0.0, 0.0]).unwrap();
@@ -196,6 +198,44 @@ fn what_lies_in_a_solid_body_meets_it() {
             assert!(contacts.iter().all(|contact| contact.kind.is_some() == (x > 0.75)), "{x}");
         }
     }
+}
+
+#[test]
+fn closed_convex_shapes_are_solid() {
+    let is_solid = |vertices: &[[f64; 3]], faces: &[[u32; 3]]| {
+        Shape::new(vertices.to_vec(), faces.to_vec(), u64::MAX).unwrap().solid_if_convex().is_solid()
+    };
+    for (vertices, faces) in [ball(0.5, 6), box_mesh([0.3; 3], [1e-3, 1e2, 1.0], 2), cylinder(0.2, 1.5, 7, 1)] {
+        let (vertices, faces) = welded(&vertices, &faces);
+        assert!(is_solid(&vertices, &faces));
+        // Rounded, taken apart, far away.
+        let rounded: Vec<_> = vertices.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
+        assert!(is_solid(&rounded, &faces));
+        let apart: Vec<_> = faces.iter().flatten().map(|v| vertices[*v as usize]).collect();
+        let each: Vec<_> = (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        assert!(is_solid(&apart, &each));
+        let far: Vec<_> = vertices.iter().map(|p| p.map(|x| x + 64.0)).collect();
+        assert!(is_solid(&far, &faces));
+        // Open, inside out, two of them, dented, with a triangle twice.
+        assert!(!is_solid(&vertices, &faces[1..]));
+        assert!(!is_solid(&vertices, &faces.iter().map(|[a, b, c]| [*a, *c, *b]).collect::<Vec<_>>()));
+        let n = vertices.len() as u32;
+        let two: Vec<_> = vertices.iter().copied().chain(vertices.iter().map(|p| p.map(|x| x + 300.0))).collect();
+        let both: Vec<_> = faces.iter().copied().chain(faces.iter().map(|f| f.map(|v| v + n))).collect();
+        assert!(!is_solid(&two, &both));
+        let mut dented = vertices.clone();
+        dented[0] = dented[0].map(|x| -0.2 * x);
+        assert!(!is_solid(&dented, &faces));
+        assert!(!is_solid(&vertices, &[&faces[..], &faces[..2]].concat()));
+    }
+    let (vertices, faces) = soup(3, 30, 0.5);
+    assert!(!is_solid(&vertices, &faces));
+}
+
+/// Vertices that are there once, and the faces of them.
+fn welded(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> Arrays {
+    let (unique, index) = weld_vertices(vertices);
+    (unique, faces.iter().map(|face| face.map(|v| index[v as usize])).collect())
 }
 
 #[test]

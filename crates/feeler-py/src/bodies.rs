@@ -28,44 +28,41 @@ pub struct Shape {
 
 #[pymethods]
 impl Shape {
-    /// Vertices `(n, 3)` in metres, faces `(m, 3)`; `is_solid`: what lies in it meets it.
+    /// Vertices `(n, 3)` in metres, faces `(m, 3)`. Solid, so that what lies in it meets it, if it is closed and convex.
     #[new]
     fn new(
         py: Python<'_>,
         vertices: PyReadonlyArray2<'_, f64>,
         faces: PyReadonlyArray2<'_, u32>,
-        is_solid: bool,
         memory_limit: u64,
     ) -> PyResult<Shape> {
         let (vertices, faces) = (rows("vertices", &vertices)?, rows("faces", &faces)?);
         let faces_count = faces.len();
-        let make = move || core::Shape::new(vertices, faces, memory_limit);
+        let make = move || core::Shape::new(vertices, faces, memory_limit).map(core::Shape::solid_if_convex);
         // To hand a small one to another thread takes longer than to make it.
         let made = if faces_count < SOON_CHECKED { py.detach(make) } else { py.detach(|| on_pool_or_left(make))? };
-        let shape = made.map_err(to_py)?;
-        Ok(Shape { core: Arc::new(if is_solid { shape.solid() } else { shape }) })
+        Ok(Shape { core: Arc::new(made.map_err(to_py)?) })
     }
 
     /// Whether it is of these arrays, to the last bit.
-    fn is_of(
-        &self,
-        py: Python<'_>,
-        vertices: PyReadonlyArray2<'_, f64>,
-        faces: PyReadonlyArray2<'_, u32>,
-        is_solid: bool,
-    ) -> bool {
+    fn is_of(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>, faces: PyReadonlyArray2<'_, u32>) -> bool {
         let (vertices, faces) = (vertices.as_array(), faces.as_array());
         py.detach(|| {
             let mesh = self.core.mesh();
             let same = |a: &[f64; 3], b: numpy::ndarray::ArrayView1<'_, f64>| {
                 b.len() == 3 && (0..3).all(|i| a[i].to_bits() == b[i].to_bits())
             };
-            is_solid == self.core.is_solid()
-                && mesh.vertices().len() == vertices.nrows()
+            mesh.vertices().len() == vertices.nrows()
                 && mesh.faces().len() == faces.nrows()
                 && mesh.vertices().iter().zip(vertices.rows()).all(|(a, b)| same(a, b))
                 && mesh.faces().iter().zip(faces.rows()).all(|(a, b)| b.len() == 3 && (0..3).all(|i| a[i] == b[i]))
         })
+    }
+
+    /// Whether what lies in it meets it.
+    #[getter]
+    fn is_solid(&self) -> bool {
+        self.core.is_solid()
     }
 
     /// Triangles given, defective ones included.

@@ -44,45 +44,7 @@ def triangles_of(mesh: Any) -> Triangles:
     return points, mesh_indices(faces, len(points))
 
 
-def is_solid(mesh: Any, triangles: Triangles) -> bool:
-    """Whether a mesh is closed and convex, as it says itself (trimesh's `is_convex`) or as its triangles show: then
-    what lies in it meets it."""
-    try:
-        return bool(mesh.is_convex)
-    except (AttributeError, ImportError):  # not of trimesh, or without SciPy, which trimesh needs to say it
-        return is_convex(triangles)
-
-
-def is_convex(triangles: Triangles) -> bool:
-    """Whether triangles are one closed surface, and nowhere bent inwards by more than 1e-6 rad."""
-    vertices, faces = triangles
-    if len(faces) < 4 or faces.max() >= len(vertices):
-        return False
-    corners = vertices[faces]
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
-    keys = edges[:, 0] * len(vertices) + edges[:, 1]
-    back = edges[:, 1] * len(vertices) + edges[:, 0]
-    order = np.argsort(keys)
-    at = np.searchsorted(keys[order], back)
-    if len(np.unique(keys)) < len(keys) or not np.array_equal(keys[order][np.minimum(at, len(keys) - 1)], back):
-        return False  # an edge without its like in the other direction, or with several
-    if len(np.unique(faces)) - len(keys) // 2 + len(faces) != 2:
-        return False  # several surfaces, or one with a hole through it
-    face = np.tile(np.arange(len(faces)), 3)
-    beside = face[order][at]
-    with np.errstate(invalid="ignore", over="ignore"):
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        lengths = np.linalg.norm(normals, axis=1)
-        flat = lengths == 0
-        normals /= np.where(flat, 1.0, lengths)[:, None]
-        away = corners[beside] - corners[face, 0][:, None]
-        heights = np.einsum("eij,ej->ei", away, normals[face])
-        bent = heights > 1e-6 * np.linalg.norm(away, axis=2)
-        inside_out = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0
-        return not (inside_out or bent.any())
-
-
-def shape_of(triangles: Triangles, solid: bool, stretch: Floats | None, memory_limit: int) -> _core.Shape:
+def shape_of(triangles: Triangles, stretch: Floats | None, memory_limit: int) -> _core.Shape:
     """The shape of triangles, stretched by a matrix `(3, 3)`; the same for the same triangles, while it is in use or
     was lately. `memory_limit`: the most bytes of its index."""
     vertices, faces = triangles
@@ -90,11 +52,11 @@ def shape_of(triangles: Triangles, solid: bool, stretch: Floats | None, memory_l
         vertices = np.ascontiguousarray(vertices @ stretch.T)
         if np.linalg.det(stretch) < 0:
             faces = np.ascontiguousarray(faces[:, ::-1])
-    key = (len(vertices), len(faces), zlib.crc32(vertices.data), zlib.crc32(faces.data), solid)
+    key = (len(vertices), len(faces), zlib.crc32(vertices.data), zlib.crc32(faces.data))
     with _lock:
         shape = _alive.get(key)
-    if shape is None or not shape.is_of(vertices, faces, solid):
-        shape = _core.Shape(vertices, faces, solid, memory_limit)
+    if shape is None or not shape.is_of(vertices, faces):
+        shape = _core.Shape(vertices, faces, memory_limit)
     with _lock:
         _alive[key] = _kept[key] = shape
         _kept.move_to_end(key)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.arguments import check_flag, check_kind, check_threads, shown
-from feeler.compat.meshes import Floats, affine, is_solid, rigid_after, shape_of, split, triangles_of
+from feeler.compat.meshes import Floats, affine, rigid_after, shape_of, split, triangles_of
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.memory import free_memory
 
@@ -115,7 +115,6 @@ class _Placed:
     def __init__(self, mesh: Any, transform: npt.ArrayLike | None, memory_limit: int) -> None:
         self._memory_limit = memory_limit
         self._triangles = triangles_of(mesh)
-        self.is_solid = is_solid(mesh, self._triangles)
         self._stretch: Floats | None = None
         self.body = 0
         self.shape, self.pose = self._at(affine(transform))
@@ -134,7 +133,7 @@ class _Placed:
         self._stretch = None
         if not _is_rigid(matrix):
             matrix, self._stretch = split(matrix)
-        return shape_of(self._triangles, self.is_solid, self._stretch, self._memory_limit), matrix
+        return shape_of(self._triangles, self._stretch, self._memory_limit), matrix
 
 
 def _is_rigid(matrix: Floats) -> bool:
@@ -322,7 +321,7 @@ class CollisionManager:
         second = self if other is None else other
         for a, b in bodies.meeting(one=one, others=others).tolist():
             names = self._pair(other, (a, b))
-            if not (self._placed[names[0]].is_solid or second._placed[names[1]].is_solid):
+            if not (self._placed[names[0]].shape.is_solid or second._placed[names[1]].shape.is_solid):
                 continue
             depth = float(np.linalg.norm(bodies.depth(a, b, others=others)))
             if deepest is None or depth > deepest[0]:

@@ -1,5 +1,5 @@
-//! Pairs of boxes that overlap, or are near: sorted along one axis and swept (D. Baraff: *Dynamic simulation of non-penetrating rigid
-//! bodies*, 1992).
+//! Pairs of boxes that overlap, or are near: sorted along one axis and swept (D. Baraff: *Dynamic simulation of
+//! non-penetrating rigid bodies*, 1992).
 
 use crate::constants::ROOT_ROUNDING;
 use crate::geometry::bounds::Aabb;
@@ -32,7 +32,8 @@ impl Boxes {
         Boxes { boxes, axis, is_two_groups }
     }
 
-    /// A distance (metres) that some pair is surely within: that of the farthest corners of boxes that follow each other.
+    /// A distance (metres) that some pair is surely within: that of the farthest corners of boxes that follow each
+    /// other.
     pub fn surely_within(&self) -> f64 {
         let (mut last, mut within) = ([None; 2], f64::INFINITY);
         for b in &self.boxes {
@@ -46,7 +47,8 @@ impl Boxes {
         within
     }
 
-    /// Each pair of boxes that are at most `within` apart, and by how much. Of one group the lower number is first; of two, the first's.
+    /// Each pair of boxes that are at most `within` apart, and by how much. Of one group the lower number is first; of
+    /// two, the first's.
     pub fn near_pairs(&self, within: f64) -> Vec<([u32; 2], f64)> {
         let mut pairs = Vec::new();
         for (i, a) in self.boxes.iter().enumerate() {

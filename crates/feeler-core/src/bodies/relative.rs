@@ -3,8 +3,8 @@
 use crate::geometry::bounds::Point;
 use crate::geometry::pose::Pose;
 
-/// `frame_from_body`, of `world_from_frame` and `world_from_body`. The rotation is inverted, not transposed: poses are rigid within a
-/// tolerance only.
+/// `frame_from_body`, of `world_from_frame` and `world_from_body`. The rotation is inverted, not transposed: poses are
+/// rigid within a tolerance only.
 pub(super) fn relative(frame: &Pose, body: &Pose) -> Pose {
     let (inverse, r) = (inverse(frame.rotation()), body.rotation());
     let between: Point = std::array::from_fn(|a| body.translation()[a] - frame.translation()[a]);

@@ -18,11 +18,13 @@ use crate::geometry::pose::Pose;
 use crate::progress::GoOn;
 use crate::scratch_pool::ScratchPool;
 
-/// Bodies that move: each against each, or against those of another set. Each is a [`Shape`] at a pose; bodies of one shape share it.
+/// Bodies that move: each against each, or against those of another set. Each is a [`Shape`] at a pose; bodies of one
+/// shape share it.
 ///
-/// Two bodies meet if and only if exact rational arithmetic says that two of their closed triangles share a point, on corners that
-/// [`Pose::apply`] computes, for both; or if one is [solid](Shape::solid) and a whole connected surface of the other is in it. That one
-/// body moves and the other does not changes nothing. A copy of a set shares its bodies, and costs a word each.
+/// Two bodies meet if and only if exact rational arithmetic says that two of their closed triangles share a point, on
+/// corners that [`Pose::apply`] computes, for both; or if one is [solid](Shape::solid_if_convex) and a whole connected
+/// surface of the other is in it. That one body moves and the other does not changes nothing. A copy of a set shares
+/// its bodies, and costs a word each.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -145,8 +147,8 @@ impl Bodies {
         self.contacts_while(who, GoOn::default())
     }
 
-    /// The closest pair of bodies whose surfaces are at most `within` (metres) apart; of several, the first by bodies and triangles,
-    /// and of several that meet, any. Errors as [`is_meeting`](Self::is_meeting).
+    /// The closest pair of bodies whose surfaces are at most `within` (metres) apart; of several, the first by bodies
+    /// and triangles, and of several that meet, any. Errors as [`is_meeting`](Self::is_meeting).
     pub fn closest(&self, who: Who<'_>, within: f64) -> Result<Option<BodyGap>> {
         self.closest_while(who, within, GoOn::default())
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use once_cell::race::OnceBox;
 
+use super::convexity::is_convex;
 use crate::constants::MAX_TOOL_TRIANGLES;
 use crate::error::{Error, Result};
 use crate::geometry::bounds::Point;
@@ -13,8 +14,9 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::scene::{Scene, SceneOptions};
 use crate::tool::moving_tool::Tool;
 
-/// A mesh of which [`Bodies`](crate::Bodies) are made, in its own frame, metres. Any number of bodies share it. In a pair of bodies the
-/// smaller mesh needs a tree of boxes and the larger one an index; both are made when a query first needs them.
+/// A mesh of which [`Bodies`](crate::Bodies) are made, in its own frame, metres. Any number of bodies share it. In a
+/// pair of bodies the smaller mesh needs a tree of boxes and the larger one an index; both are made when a query first
+/// needs them.
 #[derive(Debug)]
 pub struct Shape {
     mockup: Arc<Mockup>,
@@ -26,10 +28,11 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Checks the arrays: vertices in metres, faces as places among them. `memory_limit`: the most bytes that its index may take.
+    /// Checks the arrays: vertices in metres, faces as places among them. `memory_limit`: the most bytes that its index
+    /// may take.
     ///
-    /// Errors: no triangle at all, none that can be queried, and more than 2^30 triangles or 2^32 - 1 vertices. Other defects are
-    /// listed in [`Mesh::defects`].
+    /// Errors: no triangle at all, none that can be queried, and more than 2^30 triangles or 2^32 - 1 vertices. Other
+    /// defects are listed in [`Mesh::defects`].
     pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>, memory_limit: u64) -> Result<Shape> {
         if faces.len() > MAX_TOOL_TRIANGLES {
             let count = faces.len() as u64;
@@ -40,10 +43,10 @@ impl Shape {
         Ok(Shape { mockup, is_solid: false, memory_limit, scene, tool, surfaces })
     }
 
-    /// The same with its inside: what lies in it meets it. It must be closed.
+    /// The same with its inside, if it is one closed convex surface: what lies in it meets it.
     #[must_use]
-    pub fn solid(self) -> Shape {
-        Shape { is_solid: true, ..self }
+    pub fn solid_if_convex(self) -> Shape {
+        Shape { is_solid: is_convex(self.mesh()), ..self }
     }
 
     /// Whether what lies in it meets it.

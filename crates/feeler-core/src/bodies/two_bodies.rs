@@ -1,5 +1,6 @@
-//! Two bodies: which triangles meet, and which are closest. The smaller one goes to the larger one's index at a relative pose, which is
-//! rounded; triangles that this may bring together are tested in the world, where both are placed.
+//! Two bodies: which triangles meet, and which are closest. The smaller one goes to the larger one's index at a
+//! relative pose, which is rounded; triangles that this may bring together are tested in the world, where both are
+//! placed.
 
 use std::sync::Arc;
 
@@ -63,7 +64,8 @@ impl<'a> Two<'a> {
         Found { triangles, kind, closest }
     }
 
-    /// The pose of the moving one in the frame of the other, and how far rounding may take triangles from where they are to each other.
+    /// The pose of the moving one in the frame of the other, and how far rounding may take triangles from where they
+    /// are to each other.
     fn relative(&self) -> (Pose, f64) {
         let largest =
             |body: &Body| 3.1 * body.shape().mesh().bounds().largest_coordinate() + body.pose().largest_translation();
@@ -113,7 +115,8 @@ pub(super) fn tool_and_mockup(a: &Body, b: &Body) -> Result<ToolAndMockup> {
     })
 }
 
-/// Adds what a pair needs of its shapes and is not made yet: the tree of one that moves, or the index of one that stands.
+/// Adds what a pair needs of its shapes and is not made yet: the tree of one that moves, or the index of one that
+/// stands.
 pub(super) fn needs<'a>(a: &'a Body, b: &'a Body, needed: &mut Vec<(&'a Arc<Shape>, bool)>) {
     let Two { moving, standing, .. } = Two::new(a, b);
     if !moving.shape().has_tool() {
@@ -134,8 +137,8 @@ pub(super) fn is_meeting(a: &Body, b: &Body, go_on: GoOn<'_>, scratch: &mut TwoS
     Ok(meets || is_inside(a, b))
 }
 
-/// Every pair of triangles that meets, sorted by the triangles, with a point that both have. Where only one body's inside meets the
-/// other, the closest pair. Errors: more of them than `most`.
+/// Every pair of triangles that meets, sorted by the triangles, with a point that both have. Where only one body's
+/// inside meets the other, the closest pair. Errors: more of them than `most`.
 pub(super) fn meeting(
     a: &Body,
     b: &Body,
@@ -177,8 +180,8 @@ pub(super) fn too_many(count: usize, most: usize) -> Error {
     }
 }
 
-/// The closest pair of triangles of two bodies' surfaces that are at most `within` (metres) apart; of several, the first by the
-/// triangles.
+/// The closest pair of triangles of two bodies' surfaces that are at most `within` (metres) apart; of several, the
+/// first by the triangles.
 pub(super) fn closest(
     a: &Body,
     b: &Body,
