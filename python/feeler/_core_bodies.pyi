@@ -16,7 +16,8 @@ class Shape:
         faces: npt.NDArray[np.uint32],
         memory_limit: int,
     ) -> Self:
-        """Vertices `(n, 3)` in metres, faces `(m, 3)`. Solid, so that what lies in it meets it, if it is closed and convex."""
+        """Vertices `(n, 3)` in metres, faces `(m, 3)`. Solid, so that what lies in it meets it, if it is closed and
+        convex."""
     def is_of(self, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> bool:
         """Whether it is of these arrays, to the last bit."""
     @property

@@ -28,7 +28,8 @@ pub struct Shape {
 
 #[pymethods]
 impl Shape {
-    /// Vertices `(n, 3)` in metres, faces `(m, 3)`. Solid, so that what lies in it meets it, if it is closed and convex.
+    /// Vertices `(n, 3)` in metres, faces `(m, 3)`. Solid, so that what lies in it meets it, if it is closed and
+    /// convex.
     #[new]
     fn new(
         py: Python<'_>,
