@@ -9,7 +9,9 @@ use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use common::*;
-use feeler_core::{BatchOptions, Collision, Error, Filters, Mockup, Pose, Scene, SceneOptions, Storage, Tool};
+use feeler_core::{
+    BatchOptions, Collision, Error, Filters, IgnoredPairs, Mockup, Pose, Scene, SceneOptions, Storage, Tool,
+};
 
 struct Counting;
 
@@ -296,4 +298,22 @@ fn building_takes_at_most_twice_what_stays() {
     let (peak, _, scene) = growth(|| build(&mockup_of(large()), Storage::Blocks, None, u64::MAX).unwrap());
     let stays: usize = scene.memory().iter().map(|(_, bytes)| bytes).sum();
     assert!(peak <= 2 * stays, "{peak} bytes at the most for {stays}");
+}
+
+#[test]
+fn ignored_pairs_that_are_near_are_not_remembered() {
+    let _alone = alone();
+    // Two soups in one place: nearly a million pairs are near, and none of them ends the search for the closest one that counts.
+    let (vertices, faces) = soup(3, 1500, 0.4);
+    let parts: Vec<u32> = (0..faces.len() as u32).map(|i| i % 2).collect();
+    let mockup = Arc::new(Mockup::new(vertices.clone(), faces.clone(), parts.clone(), 2).unwrap());
+    let tool = Tool::of_parts(vertices, faces, parts, 2).unwrap();
+    let scene = build(&mockup, Storage::Blocks, None, u64::MAX).unwrap();
+    for (ignored, counts) in [(vec![[0, 0], [0, 1], [1, 0], [1, 1]], false), (vec![[0, 0], [0, 1], [1, 0]], true)] {
+        let scene = scene.ignoring(Arc::new(IgnoredPairs::new(2, 2, ignored)));
+        let away = Pose::IDENTITY.translated(&[0.0, 0.0, if counts { 3.0 } else { 0.0 }]).unwrap();
+        let (peak, _, gap) = growth(|| scene.distance(&tool, &away, f64::INFINITY).unwrap());
+        assert_eq!(gap.is_some(), counts);
+        assert!(peak < 1 << 20, "{peak} bytes");
+    }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use feeler_contacts::{ContactPlane, Contacts, Footing, Penetration, PenetrationKind, MOST_PLANES};
 use feeler_core::geometry::vectors::length;
-use feeler_core::{Cast, CastOptions, Collision, Gap, IgnoredPairs, Motion, Pose, Scene, Tool};
+use feeler_core::{Cast, CastOptions, Collision, Gap, GoOn, IgnoredPairs, Motion, Pose, Scene, Tool};
 
 use crate::constants::{CLEARANCE_SHARE, CLEARANCE_STEP, TOUCH};
 use crate::environment::{id_in_body, Body, Environment};
@@ -234,10 +234,9 @@ pub fn least_distance(
 ) -> Result<f64> {
     let (long, size) = (motion.longest_way(), length(&tool.mesh().bounds().extent()));
     let mut time = 0.0;
+    let scene = scene.stoppable(GoOn::new(goes_on));
     while let Some(gap) = scene.distance(tool, &motion.at(time), least + long * (1.0 - time))? {
-        if !goes_on() {
-            return Err(feeler_core::Error::Cancelled.into());
-        }
+        GoOn::new(goes_on).check()?;
         let beyond = gap.distance - least;
         least = least.min(gap.distance);
         if time >= 1.0 || least == 0.0 {

@@ -40,6 +40,8 @@ DEEPER_M, DEEPER_SHARE = 1e-5, 0.07
 DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2.0, 3.0)
 """Where that depth is measured, in sizes of the moving part. `removal` later finds a step that goes too deep
 between."""
+DEPTHS_AT_ONCE = 4
+"""Parts whose depth is measured between two looks at the clock: each may take a second."""
 SAME_COSINE = 1.0 - 1e-8
 """Directions closer than this are one: 0.1 mrad."""
 
@@ -280,7 +282,7 @@ class _Mover:
         way = self._way_out(direction)
         at_start = self._depths(left, np.eye(4)) if left else {}
         for share in DEPTH_SHARES:
-            if not left or share * self.size > way:
+            if not left or share * self.size > way or not self.graph.clock.goes_on():
                 break
             depths = self._depths(left, self._moved(direction, share * self.size))
             limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * at_start.get(part, 0.0) for part in left}
@@ -289,10 +291,14 @@ class _Mover:
         return found
 
     def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
-        depths = self.rest.only(parts).depth(self.tool, pose)
+        """The depth in each part that it is in; where time is up, in the first of them."""
         found: dict[int, float] = {}
-        for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
-            found[part] = max(depth, found.get(part, 0.0))
+        for start in range(0, len(parts), DEPTHS_AT_ONCE):
+            if start and not self.graph.clock.goes_on():
+                break
+            depths = self.rest.only(parts[start : start + DEPTHS_AT_ONCE]).depth(self.tool, pose)
+            for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
+                found[part] = max(depth, found.get(part, 0.0))
         return found
 
     def _moved(self, direction: Direction, by: float) -> Floats:

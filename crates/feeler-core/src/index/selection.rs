@@ -40,6 +40,8 @@ pub struct Presence {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IgnoredPairs {
     of_parts: Matrix,
+    /// By part of the mock-up: whether it is ignored with all parts of the tool.
+    whole: Vec<bool>,
     of_surfaces: Option<IgnoredSurfaces>,
 }
 
@@ -115,7 +117,10 @@ impl SurfaceNumbers {
 impl IgnoredPairs {
     /// Ignores the pairs `[tool part, mock-up part]`. `tool_parts`, `parts`: how many there are; larger numbers in pairs are dropped.
     pub fn new(tool_parts: usize, parts: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> IgnoredPairs {
-        IgnoredPairs { of_parts: Matrix::new([tool_parts, parts], pairs), of_surfaces: None }
+        let of_parts = Matrix::new([tool_parts, parts], pairs);
+        let is_whole = |part: u32| (0..tool_parts as u32).all(|tool_part| of_parts.contains(tool_part, part));
+        let whole = (0..parts as u32).map(is_whole).collect();
+        IgnoredPairs { of_parts, whole, of_surfaces: None }
     }
 
     /// Also ignores pairs `[tool surface, mock-up surface]`, by the surface numbers of tool and mock-up.
@@ -250,6 +255,14 @@ impl Selection {
         let tool_triangle = tool.ids()[slot as usize];
         !ignored.contains(tool.part_of_face(tool_triangle), mockup.part_of_face(triangle))
             && !ignored.contains_surfaces(tool_triangle, triangle)
+    }
+
+    /// Whether no pair with a triangle of the mock-up is wanted, since its part is ignored with all parts of the tool.
+    #[inline(always)]
+    pub(crate) fn ignores_all_with(&self, mockup: &Mockup, triangle: u32) -> bool {
+        let is_whole =
+            |ignored: &Arc<IgnoredPairs>| ignored.whole.get(mockup.part_of_face(triangle) as usize) == Some(&true);
+        self.ignored.as_ref().is_some_and(is_whole)
     }
 
     /// Words of the nodes of a level: which children have anything below them that is there. Empty: all.

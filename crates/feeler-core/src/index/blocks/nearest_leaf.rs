@@ -70,7 +70,8 @@ pub fn scan<S: Simd, W: NearSink>(
     for &(piece, mut lanes) in &near[..count] {
         let (h, lane) = (piece / LANES, piece % LANES);
         let triangle = packed.triangles[piece];
-        if !run.at.selection.has(triangle) {
+        let selection = run.at.selection;
+        if !selection.has(triangle) || selection.ignores_all_with(run.at.mockup, triangle) {
             continue;
         }
         let mut limit = run.limit;
@@ -117,6 +118,7 @@ pub fn scan<S: Simd, W: NearSink>(
         let mut collect = |c: &Candidate| run.wanted.collect(c.slot, c.triangle, f64::from(c.bound).sqrt() * per_unit);
         return candidates.iter().any(&mut collect);
     }
+    let ignores_any = run.at.selection.ignores_any();
     candidates.sort_unstable_by(|a, b| a.bound.total_cmp(&b.bound));
     for candidate in candidates.iter() {
         mesh.faces()[candidate.triangle as usize].iter().for_each(|v| prefetch(&mesh.vertices()[*v as usize]));
@@ -124,6 +126,10 @@ pub fn scan<S: Simd, W: NearSink>(
     for candidate in candidates.iter() {
         if candidate.bound > run.limit {
             break;
+        }
+        // Those never make the limit fall: where many are near, they would all be remembered.
+        if ignores_any && !run.at.selection.wants(run.at.tool, run.at.mockup, candidate.slot, candidate.triangle) {
+            continue;
         }
         // A bound only falls, so a pair needs no second look.
         if seen.insert(pair_key(candidate.slot, candidate.triangle)) {
