@@ -195,6 +195,24 @@ def test_depth_and_normal_are_of_the_time_of_the_question() -> None:
     assert contact.normal == pytest.approx([1, 0, 0], abs=1e-9)
 
 
+def test_plates_part_by_the_short_way() -> None:
+    for place, depth in ((at(0, 1.45), 0.06), (at(0, 0, 1.4), 0.11), (at(0), 1.51)):
+        manager = CollisionManager()
+        manager.add_object("lying", box((3, 3, 0.02)))
+        manager.add_object("upright", box((3, 0.02, 3)), place)
+        assert manager.min_distance_internal() == pytest.approx(-depth, rel=1e-5)
+
+
+def test_triangles_that_both_collapse_by_rounding_meet() -> None:
+    sliver = (np.array([[0, 0, 0], [2.0**-30, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    for apart, meets in ((0.0, True), (0.5, True), (1.0, True), (1.5, False)):
+        manager = CollisionManager()
+        manager.add_object(0, sliver, at(1e9, 1e9))
+        manager.add_object(1, sliver, at(1e9, 1e9 + apart))
+        assert manager.in_collision_internal() is meets
+        assert manager.min_distance_internal() == max(apart - 1.0, 0.0)
+
+
 def test_the_normal_leads_the_second_out_of_the_first() -> None:
     ball, plate = icosphere(2, 0.5), box((3, 3, 0.2))
     for first, second in ((ball, plate), (plate, ball)):
@@ -267,8 +285,21 @@ def test_geometries_of_mujoco() -> None:
     data.geom_xpos[1, 0] = 1.5
     move(manager, model, data)
     assert manager.in_collision_internal(return_names=True) == (True, {("base", "geom_1")})
-    with pytest.raises(feeler.MeshError, match=r"mujoco\.MjModel"):
-        collision_manager(box((1, 1, 1)))
+    for call in (lambda: collision_manager(box((1, 1, 1))), lambda: move(manager, None, data)):
+        with pytest.raises(feeler.MeshError, match=r"mujoco\.MjModel"):
+            call()
+    other = SimpleNamespace(geom_xpos=data.geom_xpos[:2], geom_xmat=data.geom_xmat[:2])
+    for call in (
+        lambda: move(manager, model, None),
+        lambda: move(manager, model, other),
+        lambda: collision_manager(model, 5),
+    ):
+        with pytest.raises(feeler.MeshError, match=r"mujoco\.MjData"):
+            call()
+    with pytest.raises(feeler.OptionError, match="manager"):
+        move(None, model, data)  # type: ignore[arg-type]
+    names[0] = "geom_1"
+    assert collision_manager(model, data).names == ["geom_1", "geom_1_"]
 
 
 def _flat() -> np.ndarray:
@@ -286,6 +317,7 @@ BAD: list[tuple[Callable[[CollisionManager], object], type[Exception], str]] = [
     (lambda m: m.set_transform("a", np.full((4, 4), np.nan)), feeler.PoseError, "not finite"),
     (lambda m: m.set_transform("a", at(0).T + 1), feeler.PoseError, "last row"),
     (lambda m: m.set_transform("a", "x"), feeler.PoseError, "matrix|read"),
+    (lambda m: m.add_object([], CUBE), feeler.OptionError, "key of a dict"),
     (lambda m: m.add_object("x", 7), feeler.MeshError, "vertices and faces"),
     (lambda m: m.add_object("x", ([], [])), feeler.MeshError, "shape|empty"),
     (lambda m: m.add_object("x", (np.full((3, 3), np.nan), [[0, 1, 2]])), feeler.MeshError, "nothing|can be queried"),
@@ -309,12 +341,20 @@ def test_what_is_wrong_is_said_and_changes_nothing(
     assert manager.in_collision_internal(return_names=True) == (True, {("a", "b")})
 
 
-def test_a_bad_replacement_leaves_the_object() -> None:
-    manager = CollisionManager()
-    manager.add_object("a", CUBE)
-    with pytest.raises(feeler.PoseError):
-        manager.add_object("a", CUBE, _flat())
-    assert manager.in_collision_single(CUBE, return_names=True) == (True, {"a"})
+@pytest.mark.parametrize("bad", [_flat(), at(1e300), np.diag([2.0, 2.0, 2.0, 1.0]) + at(1e200) - np.eye(4)])
+def test_a_refused_place_leaves_the_object(bad: np.ndarray) -> None:
+    for transform in (np.eye(4), np.diag([2.0, 2.0, 2.0, 1.0])):
+        manager = CollisionManager()
+        manager.add_object("a", CUBE, transform)
+        with pytest.raises(feeler.PoseError):
+            manager.add_object("a", CUBE, bad)
+        with pytest.raises(feeler.PoseError):
+            manager.set_transform("a", bad)
+        assert manager.in_collision_single(CUBE, return_names=True) == (True, {"a"})
+        manager.set_transform("a", at(9))
+        assert manager.in_collision_single(CUBE) is False
+        manager.remove_object("a")
+        assert manager.names == []
 
 
 def test_several_threads_ask_and_move_at_once() -> None:
@@ -326,8 +366,11 @@ def test_several_threads_ask_and_move_at_once() -> None:
 
     def work(n: int) -> bool:
         if n % 3 == 0:
-            manager.set_transform(10 + n % 10, at(2.0 * (10 + n % 10), 0.1 * (n % 2)))
-        return bool(manager.in_collision_other(asked) and asked.in_collision_other(manager))
+            place = at(2.0 * (10 + n % 10), 0.1 * (n % 2))
+            place[0, 0] = 1 + n % 4 / 8  # a new shape: its body gets another number
+            manager.set_transform(10 + n % 10, place)
+        names = manager.in_collision_other(asked, return_names=True)[1]
+        return names == {(2, "q")} == {pair[::-1] for pair in asked.in_collision_other(manager, return_names=True)[1]}
 
     with ThreadPoolExecutor(4) as pool:
         assert all(pool.map(work, range(300)))

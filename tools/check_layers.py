@@ -116,7 +116,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "point_depth": {"constants", "containment"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment", "point_depth"},
         "tracker": {*CONTACTS_BASE, "solver"},
-        "body_depth": {"escape", "solver"},
+        "convex_depth": set(),
+        "body_depth": {"convex_depth", "escape", "solver"},
         # The mock-up against itself: the verdict on each pair of parts, and its depth.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver", "point_depth"},
     },

@@ -2,10 +2,14 @@
 
 use std::sync::Arc;
 
-use feeler_core::{Bodies, GoOn, Point, Result, ToolAndMockup, Who};
+use feeler_core::geometry::vectors::{length, sub};
+use feeler_core::{Aabb, Bodies, GoOn, Point, Pose, Result, Shape, ToolAndMockup, Who};
 
-use crate::escape::penetration::PenetrationKind;
+use crate::convex_depth::convex_depth;
 use crate::solver::ContactSolver;
+
+/// By how much farther than the border convex bodies are moved: that they touch no more, a share of the depth and of coordinates.
+const BEYOND: [f64; 2] = [1e-6, 64.0 * f64::EPSILON];
 
 /// The shortest translation found that parts two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,16 +18,44 @@ pub struct BodyDepth {
     pub translation: Point,
     /// Its length, metres; the bodies are at most so deep in each other.
     pub depth: f64,
-    /// How it was found.
-    pub kind: PenetrationKind,
+    /// Whether none is shorter: of two solid bodies, to a billionth of their size and a millionth of the depth.
+    pub is_least: bool,
 }
 
-/// The depth of two bodies that meet, by [`ContactSolver::penetration`]; 0 for others. Errors: no such body, and the request to stop.
+/// The depth of two bodies that meet: of two solid ones the least, of others by [`ContactSolver::penetration`]; 0 for bodies that are
+/// apart. Errors: no such body, and the request to stop.
 pub fn body_depth(bodies: &Bodies, who: Who<'_>, pair: [u32; 2], go_on: GoOn<'_>) -> Result<BodyDepth> {
+    let [first, second] = bodies.pair(who, pair)?;
+    if first.0.is_solid() && second.0.is_solid() {
+        return Ok(of_solids(first, second));
+    }
     let ToolAndMockup { scene, tool, pose, frame, is_turned } = bodies.as_tool_and_mockup(who, pair)?;
     let found = ContactSolver::new(Arc::clone(&scene)).stoppable(go_on).penetration(&tool, &pose, 0.0, None)?;
     let sense = if is_turned { 1.0 } else { -1.0 };
     let row = |i: usize| (0..3).map(|k| frame.rotation()[i][k] * found.translation[k]).sum::<f64>();
     let translation = std::array::from_fn(|i| sense * row(i));
-    Ok(BodyDepth { translation, depth: found.depth, kind: found.kind })
+    Ok(BodyDepth { translation, depth: found.depth, is_least: found.depth == 0.0 })
+}
+
+fn of_solids(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyDepth {
+    let placed = |(shape, pose): (&Arc<Shape>, &Pose)| -> Vec<Point> {
+        let mesh = shape.mesh();
+        let mut used: Vec<u32> = mesh.faces().iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        used.iter().map(|v| pose.apply(&mesh.vertices()[*v as usize])).collect()
+    };
+    let (mut a, mut b) = (placed(first), placed(second));
+    let mut around = Aabb::EMPTY;
+    a.iter().chain(&b).for_each(|p| around.grow(p));
+    // From a corner of one: far from the origin less is lost.
+    let origin = a[0];
+    a.iter_mut().chain(&mut b).for_each(|p| *p = sub(p, &origin));
+    let found = convex_depth(&a, &b);
+    if found.depth < 0.0 {
+        return BodyDepth { translation: [0.0; 3], depth: 0.0, is_least: true };
+    }
+    let by = found.depth * (1.0 + BEYOND[0]) + BEYOND[1] * around.largest_coordinate();
+    let translation = found.direction.map(|x| x * by);
+    BodyDepth { translation, depth: length(&translation), is_least: found.is_least }
 }

@@ -50,6 +50,7 @@ mod containers;
 mod containment;
 mod context;
 mod contour;
+mod convex_depth;
 mod copies;
 mod depth;
 mod escape;

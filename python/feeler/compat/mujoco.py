@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from feeler.arguments import shown
+from feeler.arguments import check_kind, shown
 from feeler.compat.meshes import Floats, Triangles
 from feeler.compat.trimesh import CollisionManager
 from feeler.errors import MeshError
@@ -21,29 +21,44 @@ _MESH = 7
 
 
 def collision_manager(model: Any, data: Any = None) -> CollisionManager:
-    """A manager of the geometries of a `mujoco.MjModel` that are meshes, by name (`geom_7` where the seventh has none).
+    """A manager of the geometries of a `mujoco.MjModel` that are meshes, by name (`geom_7` where number 7 has none).
 
     `data`: the `mujoco.MjData` that says where they are; None: move them later. Boxes, capsules and other shapes
     without triangles are left out. Raises `MeshError` for what is no model.
     """
-    if not hasattr(model, "geom_dataid") or not hasattr(model, "mesh_vert"):
-        raise MeshError(f"a mujoco.MjModel is needed, not {shown(model)}")
     manager = CollisionManager()
     for geom, name in _geoms(model):
-        manager.add_object(name, _triangles(model, int(model.geom_dataid[geom])), _place(data, geom))
+        manager.add_object(name, _triangles(model, int(model.geom_dataid[geom])), _place(model, data, geom))
     return manager
 
 
 def move(manager: CollisionManager, model: Any, data: Any) -> None:
     """Moves the bodies of a manager to where a `mujoco.MjData` has them: call it after `mujoco.mj_forward` or
-    `mj_step`."""
+    `mj_step`.
+
+    Raises `OptionError` for a geometry that the manager does not have, `MeshError` for data of another model.
+    """
+    check_kind("manager", manager, CollisionManager)
+    if data is None:
+        raise MeshError("a mujoco.MjData is needed, not None")
     for geom, name in _geoms(model):
-        manager.set_transform(name, _place(data, geom))
+        manager.set_transform(name, _place(model, data, geom))
 
 
 def _geoms(model: Any) -> list[tuple[int, str]]:
-    meshes = np.flatnonzero(np.asarray(model.geom_type) == _MESH)
-    return [(int(geom), model.geom(int(geom)).name or f"geom_{geom}") for geom in meshes]
+    if not hasattr(model, "geom_dataid") or not hasattr(model, "mesh_vert"):
+        raise MeshError(f"a mujoco.MjModel is needed, not {shown(model)}")
+    meshes = [int(geom) for geom in np.flatnonzero(np.asarray(model.geom_type) == _MESH)]
+    names = {geom: model.geom(geom).name for geom in meshes}
+    taken = set(names.values())
+    for geom in meshes:
+        if not names[geom]:
+            name = f"geom_{geom}"
+            while name in taken:
+                name += "_"
+            taken.add(name)
+            names[geom] = name
+    return list(names.items())
 
 
 def _triangles(model: Any, mesh: int) -> Triangles:
@@ -53,9 +68,12 @@ def _triangles(model: Any, mesh: int) -> Triangles:
     return points, mesh_indices(model.mesh_face[start : start + faces], len(points))
 
 
-def _place(data: Any, geom: int) -> Floats:
+def _place(model: Any, data: Any, geom: int) -> Floats:
     place = np.eye(4)
     if data is not None:
-        place[:3, :3] = np.reshape(data.geom_xmat[geom], (3, 3))
-        place[:3, 3] = data.geom_xpos[geom]
+        turns, places = getattr(data, "geom_xmat", None), getattr(data, "geom_xpos", None)
+        if turns is None or places is None or not len(turns) == len(places) == len(model.geom_type):
+            raise MeshError(f"a mujoco.MjData of this model is needed, not {shown(data)}")
+        place[:3, :3] = np.reshape(turns[geom], (3, 3))
+        place[:3, 3] = places[geom]
     return place

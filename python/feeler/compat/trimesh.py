@@ -6,7 +6,9 @@ imported. Differences: [docs/compat.md](https://feeler.readthedocs.io/en/latest/
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -115,9 +117,8 @@ class _Placed:
     def __init__(self, mesh: Any, transform: npt.ArrayLike | None, memory_limit: int) -> None:
         self._memory_limit = memory_limit
         self._triangles = triangles_of(mesh)
-        self._stretch: Floats | None = None
         self.body = 0
-        self.shape, self.pose = self._at(affine(transform))
+        self.shape, self.pose, self._stretch = self._at(affine(transform))
 
     def move(self, bodies: _core.Bodies, transform: npt.ArrayLike) -> None:
         try:
@@ -125,15 +126,16 @@ class _Placed:
             moved: Any = transform if self._stretch is None else rigid_after(affine(transform), self._stretch)
             bodies.set_pose(self.body, moved)
         except PoseError:
-            self.shape, self.pose = self._at(affine(transform))
+            shape, pose, stretch = self._at(affine(transform))
+            body = bodies.add(shape, pose)
             bodies.remove(self.body)
-            self.body = bodies.add(self.shape, self.pose)
+            self.shape, self.pose, self._stretch, self.body = shape, pose, stretch, body
 
-    def _at(self, matrix: Floats) -> tuple[_core.Shape, Floats]:
-        self._stretch = None
+    def _at(self, matrix: Floats) -> tuple[_core.Shape, Floats, Floats | None]:
+        stretch = None
         if not _is_rigid(matrix):
-            matrix, self._stretch = split(matrix)
-        return shape_of(self._triangles, self._stretch, self._memory_limit), matrix
+            matrix, stretch = split(matrix)
+        return shape_of(self._triangles, stretch, self._memory_limit), matrix, stretch
 
 
 def _is_rigid(matrix: Floats) -> bool:
@@ -156,35 +158,45 @@ class CollisionManager:
         self._bodies = _core.Bodies(self._threads, self._memory_limit)
         self._placed: dict[Hashable, _Placed] = {}
         self._names: dict[int, Hashable] = {}
+        self._lock = RLock()
 
     def add_object(self, name: Hashable, mesh: Any, transform: npt.ArrayLike | None = None) -> int:
         """Adds an object, in place of one that has this name already.
 
         `mesh`: of trimesh, of FreeCAD, anything with `.vertices` and `.faces`, or a pair of these arrays. `transform`:
-        `(4, 4)`, affine. Raises `MeshError` or `PoseError`; the object of this name stays then.
+        `(4, 4)`, affine. Raises `MeshError`, `PoseError`, or `OptionError` for a name that is not hashable; the object
+        of this name stays then.
         """
+        try:
+            hash(name)
+        except TypeError:
+            raise OptionError(f"a name that can be a key of a dict is needed, not {shown(name)}") from None
         placed = _Placed(mesh, transform, self._memory_limit)
-        if name in self._placed:
-            self.remove_object(name)
-        placed.body = self._bodies.add(placed.shape, placed.pose)
-        self._placed[name], self._names[placed.body] = placed, name
+        with self._lock:
+            old = self._placed.get(name)
+            placed.body = self._bodies.add(placed.shape, placed.pose)
+            if old is not None:
+                self.remove_object(name)
+            self._placed[name], self._names[placed.body] = placed, name
         return placed.body
 
     def remove_object(self, name: Hashable) -> None:
         """Removes an object. Raises `OptionError`, which is a `ValueError`, if there is none of this name."""
-        placed = self._of(name)
-        self._bodies.remove(placed.body)
-        del self._placed[name], self._names[placed.body]
+        with self._lock:
+            placed = self._of(name)
+            self._bodies.remove(placed.body)
+            del self._placed[name], self._names[placed.body]
 
     def set_transform(self, name: Hashable, transform: npt.ArrayLike) -> None:
         """Moves an object to a transform, `(4, 4)`, affine. Raises `PoseError`, and `OptionError` if there is none of
         this name."""
-        placed = self._of(name)
-        del self._names[placed.body]
-        try:
-            placed.move(self._bodies, transform)
-        finally:
-            self._names[placed.body] = name
+        with self._lock:
+            placed = self._of(name)
+            del self._names[placed.body]
+            try:
+                placed.move(self._bodies, transform)
+            finally:
+                self._names[placed.body] = name
 
     @property
     def names(self) -> list[Hashable]:
@@ -232,8 +244,9 @@ class CollisionManager:
         """The least distance of any two objects, or of one, by name, from any other; with `return_names` also the two
         names, sorted, with `return_data` also the `DistanceData`. Infinite, with None for both, if there are no two
         objects."""
-        one = None if name is None else self._of(name).body
-        return self._distance(None, one, _sorted, return_names, return_data)
+        with self._lock:
+            one = None if name is None else self._of(name).body
+            return self._distance(None, one, _sorted, return_names, return_data)
 
     def min_distance_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
@@ -260,18 +273,19 @@ class CollisionManager:
         self, other: CollisionManager | None, named: Callable[[Names], Any], return_names: bool, return_data: bool
     ) -> Any:
         wants_names, wants_data = check_flag("return_names", return_names), check_flag("return_data", return_data)
-        bodies, others = self._bodies, None if other is None else other._bodies
-        if wants_data:
-            # What is asked for later is answered as things are now.
-            bodies, others = bodies.copy(), None if others is None else others.copy()
-            contacts = self._contacts(other, bodies, others)
-            names = {named(pair) for pair in dict.fromkeys(pair for pair, _ in contacts)}
-            found = [contact for _, contact in contacts]
-            return (bool(found), names, found) if wants_names else (bool(found), found)
-        if wants_names:
-            names = {named(self._pair(other, pair)) for pair in bodies.meeting(others=others).tolist()}
-            return bool(names), names
-        return bodies.is_meeting(others=others)
+        with _held(self, other):
+            bodies, others = self._bodies, None if other is None else other._bodies
+            if wants_data:
+                # What is asked for later is answered as things are now.
+                bodies, others = bodies.copy(), None if others is None else others.copy()
+                contacts = self._contacts(other, bodies, others)
+                names = {named(pair) for pair in dict.fromkeys(pair for pair, _ in contacts)}
+                found = [contact for _, contact in contacts]
+                return (bool(found), names, found) if wants_names else (bool(found), found)
+            if wants_names:
+                names = {named(self._pair(other, pair)) for pair in bodies.meeting(others=others).tolist()}
+                return bool(names), names
+            return bodies.is_meeting(others=others)
 
     def _contacts(
         self, other: CollisionManager | None, bodies: _core.Bodies, others: _core.Bodies | None
@@ -296,29 +310,29 @@ class CollisionManager:
         return_data: bool,
     ) -> Any:
         wants_names, wants_data = check_flag("return_names", return_names), check_flag("return_data", return_data)
-        bodies, others = self._bodies.copy(), None if other is None else other._bodies.copy()
-        data = self._overlap(other, bodies, others, one) or self._gap(other, bodies, others, one)
-        names = None if data is None else named(data[0])
-        distance = float("inf") if data is None else data[1].distance
-        told = (distance, *([names] if wants_names else []), *([data and data[1]] if wants_data else []))
+        with _held(self, other):
+            found = self._overlap(other, one, wants_data) or self._gap(other, one)
+        distance, names, data = (float("inf"), None, None) if found is None else found
+        names = None if names is None else named(names)
+        told = (distance, *([names] if wants_names else []), *([data] if wants_data else []))
         return told if len(told) > 1 else distance
 
-    def _gap(
-        self, other: CollisionManager | None, bodies: _core.Bodies, others: _core.Bodies | None, one: int | None
-    ) -> tuple[Names, DistanceData] | None:
-        found = bodies.closest(np.inf, one=one, others=others)
+    def _gap(self, other: CollisionManager | None, one: int | None) -> tuple[float, Names, DistanceData] | None:
+        """The closest two objects."""
+        found = self._bodies.closest(np.inf, one=one, others=None if other is None else other._bodies)
         if found is None:
             return None
         pair, triangles, distance, points = found
         names = self._pair(other, pair)
-        return names, DistanceData(names, triangles, distance, points)
+        return distance, names, DistanceData(names, triangles, distance, points)
 
     def _overlap(
-        self, other: CollisionManager | None, bodies: _core.Bodies, others: _core.Bodies | None, one: int | None
-    ) -> tuple[Names, DistanceData] | None:
+        self, other: CollisionManager | None, one: int | None, wants_data: bool
+    ) -> tuple[float, Names, DistanceData | None] | None:
         """The two objects that are deepest in each other, if one is convex."""
         deepest = None
         second = self if other is None else other
+        bodies, others = self._bodies, None if other is None else other._bodies
         for a, b in bodies.meeting(one=one, others=others).tolist():
             names = self._pair(other, (a, b))
             if not (self._placed[names[0]].shape.is_solid or second._placed[names[1]].shape.is_solid):
@@ -329,10 +343,21 @@ class CollisionManager:
         if deepest is None:
             return None
         depth, pair, names = deepest
+        if not wants_data:
+            return -depth, names, None
         pairs, triangles, _, points = bodies.contacts(one=one, others=others)
         at = int(np.argmax((pairs == pair).all(axis=1)))
         s, t = triangles[at].tolist()
-        return names, DistanceData(names, (s, t), -depth, np.array([points[at], points[at]]))
+        return -depth, names, DistanceData(names, (s, t), -depth, np.array([points[at], points[at]]))
+
+
+@contextmanager
+def _held(*managers: CollisionManager | None) -> Iterator[None]:
+    """Keeps other threads from changing managers, always in one order."""
+    with ExitStack() as held:
+        for manager in sorted({id(m): m for m in managers if m is not None}.values(), key=id):
+            held.enter_context(manager._lock)
+        yield
 
 
 def _sorted(pair: Names) -> Names:

@@ -224,6 +224,12 @@ impl Bodies {
         Ok(first.into_iter().chain(rest).flatten().min_by(order))
     }
 
+    /// The shapes and poses of two bodies. Errors: no such body.
+    #[doc(hidden)]
+    pub fn pair<'a>(&'a self, who: Who<'a>, [a, b]: [u32; 2]) -> Result<[(&'a Arc<Shape>, &'a Pose); 2]> {
+        Ok([self.body(a)?, self.second(who, b)?].map(|body| (body.shape(), body.pose())))
+    }
+
     /// Two bodies as tool and mock-up. Errors: no such body.
     #[doc(hidden)]
     pub fn as_tool_and_mockup(&self, who: Who<'_>, [a, b]: [u32; 2]) -> Result<ToolAndMockup> {

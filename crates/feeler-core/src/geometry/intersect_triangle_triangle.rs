@@ -7,9 +7,10 @@
 //!
 //! One of the two may be degenerate: a tool triangle's corners are rounded at each pose and can end up on one line. As
 //! a closed set it is then a segment or a point. It has no plane to cross, so its collision with another triangle is
-//! `coplanar` if it lies in that triangle's plane and `touching` otherwise.
+//! `coplanar` if it lies in that triangle's plane and `touching` otherwise. Of two bodies that both move, both triangles may be: two
+//! segments or points that meet are `touching`.
 
-use crate::geometry::bounds::Triangle;
+use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::predicates::{is_collinear, Sign, Signs};
 
 /// How two triangles collide.
@@ -53,7 +54,7 @@ pub fn intersect_with(signs: &mut Signs, p: &Triangle, q: &Triangle) -> Option<P
         return None;
     }
     match (side_p == [0; 3], side_q == [0; 3]) {
-        (true, true) => return is_overlapping_coplanar(signs, p, q).then_some(PairKind::Coplanar),
+        (true, true) => return meeting_coplanar(signs, p, q),
         // All corners of q on the plane of p, but not the other way round: p has no plane.
         (false, true) => return is_segment_meeting(signs, p, side_p, q).then_some(PairKind::Touching),
         (true, false) => return is_segment_meeting(signs, q, side_q, p).then_some(PairKind::Touching),
@@ -120,6 +121,34 @@ fn turn(t: &Triangle, side: [Sign; 3]) -> (Triangle, bool) {
     unreachable!("sides {side:?} are one-sided or all zero")
 }
 
+/// Two triangles of which each lies in the plane of the other, if it has one.
+#[cold]
+fn meeting_coplanar(signs: &mut Signs, p: &Triangle, q: &Triangle) -> Option<PairKind> {
+    if is_collinear(&p[0], &p[1], &p[2]) && is_collinear(&q[0], &q[1], &q[2]) {
+        return are_segments_meeting(signs, ends(p), ends(q)).then_some(PairKind::Touching);
+    }
+    is_overlapping_coplanar(signs, p, q).then_some(PairKind::Coplanar)
+}
+
+/// The ends of three points on one line: along a line the order of coordinates is that of the points.
+fn ends(t: &Triangle) -> [Point; 2] {
+    let order = |a: &&Point, b: &&Point| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal);
+    [t.iter().min_by(order), t.iter().max_by(order)].map(|end| *end.unwrap_or(&t[0]))
+}
+
+/// Two closed segments, perhaps points. In one plane they meet if they do along each axis: one that the plane does not contain shows
+/// it as it is; on one line the boxes do.
+fn are_segments_meeting(signs: &mut Signs, [a, b]: [Point; 2], [c, d]: [Point; 2]) -> bool {
+    let overlaps = |i: usize| a[i].min(b[i]) <= c[i].max(d[i]) && c[i].min(d[i]) <= a[i].max(b[i]);
+    if !(0..3).all(overlaps) || signs.orient3d(&a, &b, &c, &d) != 0 {
+        return false;
+    }
+    [(0, 1), (1, 2), (2, 0)].iter().all(|(u, v)| {
+        let [a, b, c, d] = [a, b, c, d].map(|p| [p[*u], p[*v]]);
+        signs.orient2d(a, b, c) * signs.orient2d(a, b, d) <= 0 && signs.orient2d(c, d, a) * signs.orient2d(c, d, b) <= 0
+    })
+}
+
 /// A triangle without area (corners on one line, not all in the plane of `t`) against one with: whether the line's passage
 /// through the plane lies in `t`. The sides are not all strictly on one side, so the passage belongs to the segment.
 #[cold]
@@ -158,13 +187,67 @@ fn is_overlapping_coplanar(signs: &mut Signs, p: &Triangle, q: &Triangle) -> boo
             .iter()
             .any(|(s, t, outside)| is_outside_an_edge(s, t, *outside));
     }
-    // Neither has an area: the mock-up's triangles always do, so this is not a pair of a tool and a mock-up.
+    // Neither has an area: `meeting_coplanar` asks segments then.
     false
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Whether two segments of whole numbers meet, by fractions.
+    fn meets_by_fractions([a, b]: [[i64; 3]; 2], [c, d]: [[i64; 3]; 2]) -> bool {
+        let minus = |p: [i64; 3], q: [i64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+        let cross = |p: [i64; 3], q: [i64; 3]| {
+            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+        };
+        let dot = |p: [i64; 3], q: [i64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        let (u, v, w) = (minus(b, a), minus(d, c), minus(c, a));
+        let n = cross(u, v);
+        let size = dot(n, n);
+        if size > 0 {
+            let is_share = |share: i64| (0..=size).contains(&share);
+            return dot(w, n) == 0 && is_share(dot(cross(w, v), n)) && is_share(dot(cross(w, u), n));
+        }
+        // On one line or parallel; where both are points, equal.
+        let along = if u == [0; 3] { v } else { u };
+        if cross(w, along) != [0; 3] || (along == [0; 3] && w != [0; 3]) {
+            return false;
+        }
+        let range = |p: [i64; 3], q: [i64; 3]| {
+            let (s, t) = (dot(p, along), dot(q, along));
+            (s.min(t), s.max(t))
+        };
+        let (own, other) = (range(a, b), range(c, d));
+        own.0 <= other.1 && other.0 <= own.1
+    }
+
+    #[test]
+    fn two_segments_meet_as_fractions_say() {
+        let point = |n: u64| [n % 3, n / 3 % 3, n / 9].map(|x| x as i64);
+        let mut random = feeler_lanes::SplitMix64::new(3);
+        let (mut meeting, mut apart) = (0, 0);
+        for _ in 0..20_000 {
+            let mut ends = || [random.bits() % 27, random.bits() % 27].map(point);
+            let (s, t) = (ends(), ends());
+            let flat = |[a, b]: [[i64; 3]; 2], turn: bool| -> Triangle {
+                let [a, b] = [a, b].map(|p| p.map(|x| x as f64));
+                let middle = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+                if turn {
+                    [b, a, middle]
+                } else {
+                    [middle, a, b]
+                }
+            };
+            let found = intersect_triangle_triangle(&flat(s, random.bits() % 2 == 0), &flat(t, random.bits() % 2 == 0));
+            let expected = meets_by_fractions(s, t);
+            assert_eq!(found, expected.then_some(PairKind::Touching), "{s:?} {t:?}");
+            meeting += u32::from(expected);
+            apart += u32::from(!expected);
+        }
+        assert!(meeting > 1000 && apart > 5000, "{meeting} {apart}");
+    }
+
     use crate::geometry::bounds::Point;
     use crate::geometry::predicates::{orient2d, orient3d};
     use proptest::prelude::*;
