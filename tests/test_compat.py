@@ -192,7 +192,8 @@ def test_depth_and_normal_are_of_the_time_of_the_question() -> None:
     manager.set_transform("b", at(0.5))
     manager.remove_object("a")
     assert contact.depth == pytest.approx(0.1, rel=1e-4)
-    assert contact.normal == pytest.approx([1, 0, 0], abs=1e-9)
+    assert contact.pair == ("b", "a")
+    assert contact.normal == pytest.approx([-1, 0, 0], abs=1e-9)
 
 
 def test_plates_part_by_the_short_way() -> None:
@@ -213,18 +214,33 @@ def test_triangles_that_both_collapse_by_rounding_meet() -> None:
         assert manager.min_distance_internal() == max(apart - 1.0, 0.0)
 
 
-def test_the_normal_leads_the_second_out_of_the_first() -> None:
+def test_the_normal_leads_the_second_of_a_pair_out_of_the_first() -> None:
     ball, plate = icosphere(2, 0.5), box((3, 3, 0.2))
     for first, second in ((ball, plate), (plate, ball)):
-        manager = CollisionManager()
+        place = at(0.1, 0.2, 0.4)
+        manager, other = CollisionManager(), CollisionManager()
         manager.add_object(0, first)
-        manager.add_object(1, second, at(0.1, 0.2, 0.4))
+        other.add_object(1, second, place)
+        for contact, pair, up in (
+            (manager.in_collision_single(second, place, return_data=True)[1][0], (0, "__external"), 1),
+            (manager.in_collision_other(other, return_data=True)[1][0], (0, 1), 1),
+            (other.in_collision_other(manager, return_data=True)[1][0], (1, 0), -1),
+        ):
+            assert contact.pair == pair and contact.names == set(pair)
+            assert contact.normal[2] * up > 0.99
+            away = place.copy()
+            away[:3, 3] += contact.normal * contact.depth * up
+            assert manager.in_collision_single(second, away) is False
+        # Of one manager the one that was added first is the second, as with python-fcl.
+        manager.add_object(1, second, place)
         contact = manager.in_collision_internal(return_data=True)[1][0]
-        away = at(0.1, 0.2, 0.4)
-        away[:3, 3] += contact.normal * contact.depth * 1.001
-        assert contact.normal[2] > 0.99
-        manager.set_transform(1, away)
+        assert contact.pair == (1, 0)
+        manager.set_transform(0, np.diag([1.0, 1.0, 1.001, 1.0]))  # a new shape, so a new body
+        assert manager.in_collision_internal(return_data=True)[1][0].pair == (1, 0)
+        manager.set_transform(0, np.eye(4))
+        manager.set_transform(0, at(*(contact.normal * contact.depth)))
         assert manager.in_collision_internal() is False
+        assert contact.index(0) < len(first.faces) and contact.index(1) < len(second.faces)
 
 
 def test_meshes_of_other_kinds() -> None:

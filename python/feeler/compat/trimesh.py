@@ -27,10 +27,12 @@ Names = tuple[Any, Any]
 
 
 class ContactData:
-    """Two triangles of two objects that meet."""
+    """Two triangles of two objects that meet. `names` is a set, as trimesh's; `pair` has an order, for `normal`: the
+    second is the mesh that was asked for, or of the other manager, or of one manager's the one that was added first."""
 
     def __init__(self, names: Names, triangles: tuple[int, int], point: Floats, parting: _Parting) -> None:
         self.names = set(names)
+        self.pair = names
         self._triangles: dict[Hashable, int] = dict(zip(names, triangles, strict=True))
         self._point = point
         self._parting = parting
@@ -43,12 +45,13 @@ class ContactData:
 
     @property
     def normal(self) -> Floats:
-        """The direction in which the second object leaves the first on the shortest way found, `(3,)`, of length 1."""
+        """The direction in which the second object of `pair` leaves the first on the shortest way found, `(3,)`, of
+        length 1."""
         return self._parting.normal
 
     @property
     def depth(self) -> float:
-        """How far the second object has to be moved along `normal` until the two are apart: an upper bound of the
+        """How far that object has to be moved along `normal` until the two are apart: an upper bound of the
         least. The same for all contacts of two objects, and found when first asked for."""
         return self._parting.depth
 
@@ -90,14 +93,15 @@ class _Parting:
     """The shortest translation found that parts two bodies, found when first asked for."""
 
     def __init__(self, bodies: _core.Bodies, others: _core.Bodies | None, pair: tuple[int, int]) -> None:
-        self._asked: tuple[_core.Bodies, _core.Bodies | None, tuple[int, int]] | None = (bodies, others, pair)
+        self.pair = pair
+        self._asked: tuple[_core.Bodies, _core.Bodies | None] | None = (bodies, others)
         self._found: Floats = np.zeros(3)
 
     @property
     def translation(self) -> Floats:
         if self._asked is not None:
-            bodies, others, (first, second) = self._asked
-            self._found = bodies.depth(first, second, others=others)
+            bodies, others = self._asked
+            self._found = bodies.depth(*self.pair, others=others)
             self._asked = None
         return self._found
 
@@ -112,9 +116,10 @@ class _Parting:
 
 
 class _Placed:
-    """An object of a manager: its triangles, the stretch of its shape, its body."""
+    """An object of a manager: its triangles, the stretch of its shape, its body, how many were added before."""
 
     def __init__(self, mesh: Any, transform: npt.ArrayLike | None, memory_limit: int) -> None:
+        self.number = 0
         self._memory_limit = memory_limit
         self._triangles = triangles_of(mesh)
         self.body = 0
@@ -158,6 +163,7 @@ class CollisionManager:
         self._bodies = _core.Bodies(self._threads, self._memory_limit)
         self._placed: dict[Hashable, _Placed] = {}
         self._names: dict[int, Hashable] = {}
+        self._added = 0
         self._lock = RLock()
 
     def add_object(self, name: Hashable, mesh: Any, transform: npt.ArrayLike | None = None) -> int:
@@ -175,6 +181,7 @@ class CollisionManager:
         with self._lock:
             old = self._placed.get(name)
             placed.body = self._bodies.add(placed.shape, placed.pose)
+            placed.number, self._added = self._added, self._added + 1
             if old is not None:
                 self.remove_object(name)
             self._placed[name], self._names[placed.body] = placed, name
@@ -295,11 +302,20 @@ class CollisionManager:
         contacts = []
         for (first, second), (s, t), point in zip(pairs.tolist(), triangles.tolist(), points, strict=True):
             pair = (first, second)
-            if pair not in partings:
-                partings[pair] = (self._pair(other, pair), _Parting(bodies, others, pair))
-            names, parting = partings[pair]
-            contacts.append((names, ContactData(names, (s, t), point, parting)))
+            names, parting = partings.get(pair) or self._parting(other, bodies, others, pair)
+            partings[pair] = (names, parting)
+            of_names = (s, t) if parting.pair == pair else (t, s)
+            contacts.append((names, ContactData(names, of_names, point, parting)))
         return contacts
+
+    def _parting(
+        self, other: CollisionManager | None, bodies: _core.Bodies, others: _core.Bodies | None, pair: tuple[int, int]
+    ) -> tuple[Names, _Parting]:
+        """Two names, and how the second is parted from the first; of one manager's in the order of python-fcl."""
+        names = self._pair(other, pair)
+        if other is None and self._placed[names[0]].number < self._placed[names[1]].number:
+            names, pair = names[::-1], pair[::-1]
+        return names, _Parting(bodies, others, pair)
 
     def _distance(
         self,

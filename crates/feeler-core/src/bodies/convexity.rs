@@ -7,7 +7,7 @@ use crate::mesh::weld::weld_vertices;
 /// How far an edge may be bent inwards, radians: flat faces whose corners were rounded to float32 are.
 const INWARDS: f64 = 1e-6;
 
-/// Whether all triangles are queried and form one closed surface, wound outwards and nowhere bent inwards by more than
+/// Whether all triangles are queried and form one closed surface, wound either way and nowhere bent inwards by more than
 /// [`INWARDS`]. Vertices with equal coordinates are one.
 pub(super) fn is_convex(mesh: &Mesh) -> bool {
     // Euler: a closed surface without holes through it has so many vertices; nearly all others end here.
@@ -41,24 +41,26 @@ fn is_convex_of(vertices: &[Point], faces: &[[u32; 3]], one: impl Fn(u32) -> u32
         }
     }
     edges.sort_unstable();
+    let volume: f64 = faces.iter().map(|face| six_volumes(vertices, face)).sum();
+    let sense = volume.signum();
     let is_bent_out = |pair: &[([u32; 2], bool, u32)]| {
         let [(edge, is_back, face), (same, is_there, beside)] = [pair[0], pair[1]];
-        edge == same && is_back != is_there && !is_inwards(vertices, &faces[face as usize], &faces[beside as usize])
+        let [face, beside] = [face, beside].map(|face| &faces[face as usize]);
+        edge == same && is_back != is_there && !is_inwards(vertices, face, beside, sense)
     };
-    let outwards: f64 = faces.iter().map(|face| six_volumes(vertices, face)).sum();
     // Each edge twice, once in each direction; of more, neighbours in order have the same direction.
-    edges.chunks_exact(2).all(is_bent_out) && edges.windows(3).all(|w| w[0].0 != w[2].0) && outwards > 0.0
+    edges.chunks_exact(2).all(is_bent_out) && edges.windows(3).all(|w| w[0].0 != w[2].0) && volume != 0.0
 }
 
-/// Whether a corner of a face lies in front of another by more than may be.
-fn is_inwards(vertices: &[Point], face: &[u32; 3], beside: &[u32; 3]) -> bool {
+/// Whether a corner of a face lies in front of another by more than may be. `sense`: 1 where normals point outwards, else -1.
+fn is_inwards(vertices: &[Point], face: &[u32; 3], beside: &[u32; 3], sense: f64) -> bool {
     let [a, b, c] = face.map(|v| vertices[v as usize]);
     let (u, v) = (between(&a, &b), between(&a, &c));
     let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     let length = dot(&normal, &normal).sqrt();
     beside.iter().any(|v| {
         let away = between(&a, &vertices[*v as usize]);
-        dot(&normal, &away) > INWARDS * length * dot(&away, &away).sqrt()
+        sense * dot(&normal, &away) > INWARDS * length * dot(&away, &away).sqrt()
     })
 }
 

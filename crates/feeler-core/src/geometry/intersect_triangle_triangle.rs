@@ -239,7 +239,10 @@ mod tests {
                     [middle, a, b]
                 }
             };
-            let found = intersect_triangle_triangle(&flat(s, random.bits() % 2 == 0), &flat(t, random.bits() % 2 == 0));
+            let found = intersect_triangle_triangle(
+                &flat(s, random.bits().is_multiple_of(2)),
+                &flat(t, random.bits().is_multiple_of(2)),
+            );
             let expected = meets_by_fractions(s, t);
             assert_eq!(found, expected.then_some(PairKind::Touching), "{s:?} {t:?}");
             meeting += u32::from(expected);
