@@ -1,6 +1,6 @@
 //! Sets of bodies that all are moved: fits, flush faces and lattices, each body at a pose of its own.
 //!
-//! A scene of [`scenes`](crate::scenes) becomes a set: its mock-up, and its tool once for each pose; then all of it is moved by one
+//! A scene of [`scenes`] becomes a set: its mock-up, and its tool once for each pose; then all of it is moved by one
 //! more motion, which rounds what was equal. Where two triangles are is what [`Pose::apply`] computes, and whether they meet there is
 //! judged by the oracle, pair by pair.
 
