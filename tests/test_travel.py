@@ -30,6 +30,8 @@ PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 STAY = {
     "ClashRows",
     "World",
+    "Shape",
+    "Bodies",
     "GuardedMove",
     "Impact",
     "Predictor",
@@ -286,6 +288,9 @@ def staying(name: str) -> Any:
             "seed": 0,
         }
         return _core.removal(feeler.Scene(mock), tool, pose(5.0), own_parts=1, directions=np.eye(3), **lift)
+    if name in ("Shape", "Bodies"):
+        vertices, faces = mock.vertices, mock.faces
+        return _core.Bodies(1, 2**20) if name == "Bodies" else _core.Shape(vertices, faces, 2**30)
     if name in ("World", "GuardedMove", "MoveAnswer"):
         world = _core.World(feeler.Scene(mock), [])
         guarded = _core.GuardedMove(world, tool, pose(5.0))

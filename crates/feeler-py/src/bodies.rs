@@ -16,6 +16,7 @@ use crate::pools::Pool;
 use crate::proximity::points;
 use crate::reporter::Reporter;
 use crate::signals::on_pool_or_left;
+use crate::travel::stays;
 
 /// Triangles of a mesh that is checked in less than a millisecond.
 const SOON_CHECKED: usize = 10_000;
@@ -70,6 +71,10 @@ impl Shape {
     #[getter]
     fn triangle_count(&self) -> usize {
         self.core.mesh().faces().len()
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("Shape", "make it anew from its arrays"))
     }
 }
 
@@ -217,6 +222,10 @@ impl Bodies {
             contacts::body_depth(bodies, who, [first, second], go_on)
         })?;
         Ok(found.translation.to_vec().into_pyarray(py))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("Bodies", "add them to a new set"))
     }
 }
 

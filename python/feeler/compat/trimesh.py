@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from threading import RLock
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -262,6 +262,9 @@ class CollisionManager:
         name first."""
         other = check_kind("other_manager", other_manager, CollisionManager)
         return self._distance(other, None, lambda pair: pair, return_names, return_data)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a CollisionManager cannot be pickled or copied: add its objects to a new one")
 
     def __repr__(self) -> str:
         return f"<CollisionManager of {len(self._placed)} objects>"
