@@ -204,6 +204,35 @@ def test_plates_part_by_the_short_way() -> None:
         assert manager.min_distance_internal() == pytest.approx(-depth, rel=1e-5)
 
 
+def test_many_overlaps_are_measured_where_they_may_be_deepest() -> None:
+    manager = CollisionManager(threads=1)
+    for i in range(300):
+        manager.add_object(i, CUBE, at(0, 0, 0 if i < 299 else 0.5))
+    distance, names = manager.min_distance_internal(return_names=True)
+    assert distance == pytest.approx(-1.0, rel=1e-5) and 299 not in names
+
+
+def test_triangles_that_are_not_queried_are_told() -> None:
+    vertices = CUBE.vertices.copy()
+    vertices[CUBE.faces[0, 0]] = np.nan
+    manager = CollisionManager()
+    with pytest.warns(UserWarning, match=r"'bad': \d triangles non_finite: not queried"):
+        manager.add_object("bad", (vertices, CUBE.faces))
+    with pytest.warns(UserWarning, match="1 triangle index_out_of_range"):
+        manager.add_object("bad", (CUBE.vertices, np.where(CUBE.faces == CUBE.faces[0], -1, CUBE.faces)[:3]))
+
+
+def test_rounded_meshes_are_as_convex_as_for_trimesh() -> None:
+    rng = np.random.default_rng(2)
+    ball = icosphere(4, 1.0)
+    rounded = (ball.vertices @ random_rotation(rng).T + 3).astype(np.float32)
+    small = box((0.1, 0.1, 0.1))
+    for mesh in ((rounded, ball.faces), (rounded, ball.faces[:, ::-1])):
+        manager = CollisionManager()
+        manager.add_object("ball", mesh)
+        assert manager.in_collision_single(small, at(3, 3, 3)) is True
+
+
 def test_triangles_that_both_collapse_by_rounding_meet() -> None:
     sliver = (np.array([[0, 0, 0], [2.0**-30, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
     for apart, meets in ((0.0, True), (0.5, True), (1.0, True), (1.5, False)):
@@ -334,6 +363,8 @@ BAD: list[tuple[Callable[[CollisionManager], object], type[Exception], str]] = [
     (lambda m: m.set_transform("a", at(0).T + 1), feeler.PoseError, "last row"),
     (lambda m: m.set_transform("a", "x"), feeler.PoseError, "matrix|read"),
     (lambda m: m.add_object([], CUBE), feeler.OptionError, "key of a dict"),
+    (lambda m: m.set_transform("a", np.eye(4) * 1j), feeler.PoseError, "real numbers"),
+    (lambda m: m.add_object("x", SimpleNamespace(Topology=5)), feeler.MeshError, "topology"),
     (lambda m: m.add_object("x", 7), feeler.MeshError, "vertices and faces"),
     (lambda m: m.add_object("x", ([], [])), feeler.MeshError, "shape|empty"),
     (lambda m: m.add_object("x", (np.full((3, 3), np.nan), [[0, 1, 2]])), feeler.MeshError, "nothing|can be queried"),

@@ -245,7 +245,7 @@ BASE = {
 }
 ROOMS: dict[str, set[str]] = {
     "_core": {"_core_bodies", "_core_results", "choices", "figures", "poses"},
-    "_core_bodies": {"poses"},  # a share of the stub
+    "_core_bodies": {"choices", "poses"},  # a share of the stub
     "_core_results": {"choices", "figures"},  # another
     "errors": set(),
     "progress": {"errors"},

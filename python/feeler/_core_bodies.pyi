@@ -1,11 +1,13 @@
 # Bodies that move, each against each: a share of the stub of `feeler._core`, which imports it.
 
+from collections.abc import Mapping, Sequence
 from typing import final
 
 import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self
 
+from feeler.choices import DefectKind
 from feeler.poses import PoseLike
 
 @final
@@ -23,6 +25,9 @@ class Shape:
     @property
     def is_solid(self) -> bool:
         """Whether what lies in it meets it."""
+    @property
+    def defects(self) -> Mapping[DefectKind, tuple[int, Sequence[int]]]:
+        """Kind of defect -> count and first ids."""
     @property
     def triangle_count(self) -> int:
         """Triangles given, defective ones included."""
@@ -57,5 +62,8 @@ class Bodies:
     ) -> tuple[tuple[int, int], tuple[int, int], float, npt.NDArray[np.float64]] | None:
         """The closest bodies, triangles, distance (metres) and points `(2, 3)`; None if no surfaces are within
         `within`."""
+    def deepest(self, *, one: int | None = None, others: Bodies | None = None) -> tuple[tuple[int, int], float] | None:
+        """The two bodies that meet, one of them solid, and are deepest in each other, and how deep, metres; None if
+        there are none."""
     def depth(self, first: int, second: int, *, others: Bodies | None = None) -> npt.NDArray[np.float64]:
         """The shortest translation found that parts the second of two bodies from the first: `(3,)`, metres, world."""

@@ -37,6 +37,34 @@ pub fn body_depth(bodies: &Bodies, who: Who<'_>, pair: [u32; 2], go_on: GoOn<'_>
     Ok(BodyDepth { translation, depth: found.depth, is_least: found.depth == 0.0 })
 }
 
+/// The two bodies that meet, one of them solid, and are deepest in each other; of several the first. Errors as [`body_depth`].
+pub fn deepest(bodies: &Bodies, who: Who<'_>, go_on: GoOn<'_>) -> Result<Option<([u32; 2], BodyDepth)>> {
+    let mut pairs = Vec::new();
+    for pair in bodies.meeting_while(who, go_on)? {
+        let [first, second] = bodies.pair(who, pair)?;
+        if first.0.is_solid() || second.0.is_solid() {
+            pairs.push((bodies.parted_by(who, pair)?, pair));
+        }
+    }
+    // Those that may be deepest first: most others need no look then.
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut best: Option<([u32; 2], BodyDepth)> = None;
+    for (most, pair) in pairs {
+        if best.is_some_and(|(_, depth)| most <= depth.depth) {
+            break;
+        }
+        go_on.check()?;
+        let depth = body_depth(bodies, who, pair, go_on)?;
+        let is_deeper = |(old, of_old): &([u32; 2], BodyDepth)| {
+            depth.depth > of_old.depth || (depth.depth == of_old.depth && pair < *old)
+        };
+        if best.as_ref().is_none_or(is_deeper) {
+            best = Some((pair, depth));
+        }
+    }
+    Ok(best)
+}
+
 fn of_solids(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyDepth {
     let placed = |(shape, pose): (&Arc<Shape>, &Pose)| -> Vec<Point> {
         let mesh = shape.mesh();

@@ -66,7 +66,7 @@ mod surface;
 mod tests;
 mod tracker;
 
-pub use body_depth::{body_depth, BodyDepth};
+pub use body_depth::{body_depth, deepest, BodyDepth};
 pub use clash::row::{Clash, Verdict};
 pub use clash::search::{clash, ClashCounts, ClashOptions, ClashSearch, Clashes};
 pub use constants::{FEW_DEEP, MANY_DEEP, MOST_MANIFOLD_POINTS, MOST_PLANES};

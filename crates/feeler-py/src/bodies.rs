@@ -8,10 +8,12 @@ use feeler_core::{GoOn, PairKind, Who};
 use numpy::ndarray::Array2;
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arguments::PoseArgument;
 use crate::arrays::rows;
 use crate::errors::to_py;
+use crate::mockup::defects;
 use crate::pools::Pool;
 use crate::proximity::points;
 use crate::reporter::Reporter;
@@ -65,6 +67,12 @@ impl Shape {
     #[getter]
     fn is_solid(&self) -> bool {
         self.core.is_solid()
+    }
+
+    /// Kind of defect -> count and first ids.
+    #[getter]
+    fn defects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        defects(py, self.core.mesh())
     }
 
     /// Triangles given, defective ones included.
@@ -207,6 +215,19 @@ impl Bodies {
         let ask = |bodies: &core::Bodies, who: Who<'_>, go_on: GoOn<'_>| bodies.closest_while(who, within, go_on);
         let found = self.ask(py, one, others.as_deref(), ask)?;
         Ok(found.map(|gap| (gap.bodies, gap.triangles, gap.distance, points(py, gap.points.into_iter()))))
+    }
+
+    /// The two bodies that meet, one of them solid, and are deepest in each other, and how deep, metres; None if
+    /// there are none.
+    #[pyo3(signature = (*, one = None, others = None))]
+    fn deepest(
+        &self,
+        py: Python<'_>,
+        one: Option<u32>,
+        others: Option<PyRef<'_, Bodies>>,
+    ) -> PyResult<Option<([u32; 2], f64)>> {
+        let found = self.ask(py, one, others.as_deref(), contacts::deepest)?;
+        Ok(found.map(|(pair, depth)| (pair, depth.depth)))
     }
 
     /// The shortest translation found that parts the second of two bodies from the first: `(3,)`, metres, world.

@@ -34,8 +34,11 @@ def triangles_of(mesh: Any) -> Triangles:
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         vertices, faces = mesh.vertices, mesh.faces
     elif hasattr(getattr(mesh, "Mesh", mesh), "Topology"):
-        points, faces = getattr(mesh, "Mesh", mesh).Topology
-        vertices = [tuple(point) for point in points]
+        try:
+            corners, faces = getattr(mesh, "Mesh", mesh).Topology
+            vertices = [tuple(corner) for corner in corners]
+        except (TypeError, ValueError) as error:
+            raise MeshError(f"a topology of points and triangles is needed, not that of {shown(mesh)}") from error
     elif isinstance(mesh, tuple) and len(mesh) == 2:
         vertices, faces = mesh
     else:
@@ -49,7 +52,8 @@ def shape_of(triangles: Triangles, stretch: Floats | None, memory_limit: int) ->
     was lately. `memory_limit`: the most bytes of its index."""
     vertices, faces = triangles
     if stretch is not None:
-        vertices = np.ascontiguousarray(vertices @ stretch.T)
+        with np.errstate(over="ignore", invalid="ignore"):  # beyond float64: triangles that are not queried
+            vertices = np.ascontiguousarray(vertices @ stretch.T)
         if np.linalg.det(stretch) < 0:
             faces = np.ascontiguousarray(faces[:, ::-1])
     key = (len(vertices), len(faces), zlib.crc32(vertices.data), zlib.crc32(faces.data))
@@ -71,7 +75,10 @@ def affine(matrix: npt.ArrayLike | None) -> Floats:
     if matrix is None:
         return np.eye(4)
     try:
-        given = np.asarray(matrix, dtype=np.float64)
+        read = np.asarray(matrix)
+        if read.dtype.kind not in "fiub":
+            raise PoseError(f"a transform has dtype {read.dtype}: real numbers are needed")
+        given = read.astype(np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         raise PoseError(f"a transform cannot be read as a matrix: {error}") from error
     if given.shape != (4, 4):
@@ -87,7 +94,8 @@ def split(matrix: Floats) -> tuple[Floats, Floats]:
     """A matrix `(4, 4)` as a rigid one and the stretch `(3, 3)` before it, which mirrors if the matrix does (polar
     decomposition). Raises `PoseError` if it flattens."""
     linear = matrix[:3, :3]
-    u, scales, v = np.linalg.svd(linear)
+    with np.errstate(over="ignore", invalid="ignore"):
+        u, scales, v = np.linalg.svd(linear)
     if not scales[2] > 1e-12 * scales[0]:
         raise PoseError("a transform flattens: its linear part has no inverse")
     turn = u @ v

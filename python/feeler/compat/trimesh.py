@@ -6,6 +6,7 @@ imported. Differences: [docs/compat.md](https://feeler.readthedocs.io/en/latest/
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from threading import RLock
@@ -19,6 +20,7 @@ from feeler.arguments import check_flag, check_kind, check_threads, shown
 from feeler.compat.meshes import Floats, affine, rigid_after, shape_of, split, triangles_of
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.memory import free_memory
+from feeler.words import counted
 
 EXTERNAL = "__external"
 """The name of a mesh that is in no manager."""
@@ -145,7 +147,8 @@ class _Placed:
 
 def _is_rigid(matrix: Floats) -> bool:
     linear = matrix[:3, :3]
-    return bool(np.abs(linear @ linear.T - np.eye(3)).max() <= 0.9e-6 and np.linalg.det(linear) > 0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.abs(linear @ linear.T - np.eye(3)).max() <= 0.9e-6 and np.linalg.det(linear) > 0)
 
 
 class CollisionManager:
@@ -178,6 +181,9 @@ class CollisionManager:
         except TypeError:
             raise OptionError(f"a name that can be a key of a dict is needed, not {shown(name)}") from None
         placed = _Placed(mesh, transform, self._memory_limit)
+        for kind, (count, _) in placed.shape.defects.items():
+            if count and kind != "duplicate":
+                warnings.warn(f"{shown(name)}: {counted(count, 'triangles')} {kind}: not queried", stacklevel=2)
         with self._lock:
             old = self._placed.get(name)
             placed.body = self._bodies.add(placed.shape, placed.pose)
@@ -233,7 +239,7 @@ class CollisionManager:
     ) -> Any:
         """Whether any object meets one of another manager: as `in_collision_internal`, with this manager's name first
         in a pair."""
-        other = check_kind("other_manager", other_manager, CollisionManager)
+        other = check_kind("other_manager", other_manager, CollisionManager, "another CollisionManager")
         return self._collisions(other, lambda pair: pair, return_names, return_data)
 
     def min_distance_single(
@@ -260,7 +266,7 @@ class CollisionManager:
     ) -> Any:
         """The least distance of any object from one of another manager: as `min_distance_internal`, with this manager's
         name first."""
-        other = check_kind("other_manager", other_manager, CollisionManager)
+        other = check_kind("other_manager", other_manager, CollisionManager, "another CollisionManager")
         return self._distance(other, None, lambda pair: pair, return_names, return_data)
 
     def __reduce__(self) -> NoReturn:
@@ -349,19 +355,12 @@ class CollisionManager:
         self, other: CollisionManager | None, one: int | None, wants_data: bool
     ) -> tuple[float, Names, DistanceData | None] | None:
         """The two objects that are deepest in each other, if one is convex."""
-        deepest = None
-        second = self if other is None else other
         bodies, others = self._bodies, None if other is None else other._bodies
-        for a, b in bodies.meeting(one=one, others=others).tolist():
-            names = self._pair(other, (a, b))
-            if not (self._placed[names[0]].shape.is_solid or second._placed[names[1]].shape.is_solid):
-                continue
-            depth = float(np.linalg.norm(bodies.depth(a, b, others=others)))
-            if deepest is None or depth > deepest[0]:
-                deepest = (depth, (a, b), names)
+        deepest = bodies.deepest(one=one, others=others)
         if deepest is None:
             return None
-        depth, pair, names = deepest
+        pair, depth = deepest
+        names = self._pair(other, pair)
         if not wants_data:
             return -depth, names, None
         pairs, triangles, _, points = bodies.contacts(one=one, others=others)

@@ -4,8 +4,9 @@ use crate::geometry::bounds::Point;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld_vertices;
 
-/// How far an edge may be bent inwards, radians: flat faces whose corners were rounded to float32 are.
-const INWARDS: f64 = 1e-6;
+/// How far a corner may stand out of the plane of the face beside, a share of the mesh's diagonal: as in trimesh. Of a fine mesh whose
+/// corners were rounded to float32 many do.
+const INWARDS: f64 = 1e-5;
 
 /// Whether all triangles are queried and form one closed surface, wound either way and nowhere bent inwards by more than
 /// [`INWARDS`]. Vertices with equal coordinates are one.
@@ -15,17 +16,20 @@ pub(super) fn is_convex(mesh: &Mesh) -> bool {
     if !mesh.defects().excluded.is_empty() || mesh.vertices().len() < count {
         return false;
     }
-    is_convex_of(mesh.vertices(), mesh.faces(), |v| v) || {
+    let extent = mesh.bounds().extent();
+    let diagonal = dot(&extent, &extent).sqrt();
+    is_convex_of(mesh.vertices(), mesh.faces(), diagonal, |v| v) || {
         // Vertices are looked up only where some may be there twice: it takes longer than all else.
         if mesh.vertices().len() == count {
             return false;
         }
         let (unique, index) = weld_vertices(mesh.vertices());
-        unique.len() < mesh.vertices().len() && is_convex_of(mesh.vertices(), mesh.faces(), |v| index[v as usize])
+        unique.len() < mesh.vertices().len()
+            && is_convex_of(mesh.vertices(), mesh.faces(), diagonal, |v| index[v as usize])
     }
 }
 
-fn is_convex_of(vertices: &[Point], faces: &[[u32; 3]], one: impl Fn(u32) -> u32) -> bool {
+fn is_convex_of(vertices: &[Point], faces: &[[u32; 3]], diagonal: f64, one: impl Fn(u32) -> u32) -> bool {
     let count = faces.len();
     // Euler again, of the vertices that are used.
     let mut is_used = vec![false; vertices.len()];
@@ -43,24 +47,25 @@ fn is_convex_of(vertices: &[Point], faces: &[[u32; 3]], one: impl Fn(u32) -> u32
     edges.sort_unstable();
     let volume: f64 = faces.iter().map(|face| six_volumes(vertices, face)).sum();
     let sense = volume.signum();
+    let most = INWARDS * diagonal;
     let is_bent_out = |pair: &[([u32; 2], bool, u32)]| {
         let [(edge, is_back, face), (same, is_there, beside)] = [pair[0], pair[1]];
         let [face, beside] = [face, beside].map(|face| &faces[face as usize]);
-        edge == same && is_back != is_there && !is_inwards(vertices, face, beside, sense)
+        edge == same && is_back != is_there && !is_inwards(vertices, face, beside, sense, most)
     };
     // Each edge twice, once in each direction; of more, neighbours in order have the same direction.
     edges.chunks_exact(2).all(is_bent_out) && edges.windows(3).all(|w| w[0].0 != w[2].0) && volume != 0.0
 }
 
-/// Whether a corner of a face lies in front of another by more than may be. `sense`: 1 where normals point outwards, else -1.
-fn is_inwards(vertices: &[Point], face: &[u32; 3], beside: &[u32; 3], sense: f64) -> bool {
+/// Whether a corner of a face lies in front of another by more than may be, metres. `sense`: 1 where normals point outwards, else -1.
+fn is_inwards(vertices: &[Point], face: &[u32; 3], beside: &[u32; 3], sense: f64, most: f64) -> bool {
     let [a, b, c] = face.map(|v| vertices[v as usize]);
     let (u, v) = (between(&a, &b), between(&a, &c));
     let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     let length = dot(&normal, &normal).sqrt();
     beside.iter().any(|v| {
         let away = between(&a, &vertices[*v as usize]);
-        sense * dot(&normal, &away) > INWARDS * length * dot(&away, &away).sqrt()
+        sense * dot(&normal, &away) > most * length
     })
 }
 

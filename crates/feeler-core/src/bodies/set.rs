@@ -224,6 +224,14 @@ impl Bodies {
         Ok(first.into_iter().chain(rest).flatten().min_by(order))
     }
 
+    /// No less than the least translation (metres) that parts two bodies: along an axis of the world, by their boxes.
+    #[doc(hidden)]
+    pub fn parted_by(&self, who: Who<'_>, [a, b]: [u32; 2]) -> Result<f64> {
+        let (a, b) = (*self.body(a)?.bounds(), *self.second(who, b)?.bounds());
+        let along = |i: usize| (a.upper[i] - b.lower[i]).min(b.upper[i] - a.lower[i]);
+        Ok((0..3).map(along).fold(f64::INFINITY, f64::min))
+    }
+
     /// The shapes and poses of two bodies. Errors: no such body.
     #[doc(hidden)]
     pub fn pair<'a>(&'a self, who: Who<'a>, [a, b]: [u32; 2]) -> Result<[(&'a Arc<Shape>, &'a Pose); 2]> {
