@@ -363,3 +363,22 @@ def test_a_cache_sees_the_files_beside_a_gltf(tmp_path: Path) -> None:
     os.utime(tmp_path / "a.bin", ns=(0, 1))
     second = feeler.load_mockup(tmp_path / "a.gltf", cache=tmp_path / "cache").vertices
     assert not np.array_equal(first, second)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
+def test_a_pipe_is_refused_at_once(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")  # to open it would wait for somebody who writes
+    with pytest.raises(feeler.LoadError):
+        feeler.open_scene(tmp_path / "pipe")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has other permissions")
+def test_a_replaced_file_keeps_its_permissions(tmp_path: Path) -> None:
+    scene = feeler.Scene(feeler.sample("differential", 10_000))
+    writers = {"a.feeler": scene.save, "a.glb": lambda path: write_glb(path, scene.mockup)}
+    for name, write in writers.items():
+        path = tmp_path / name
+        write(path)
+        path.chmod(0o640)
+        write(path)
+        assert path.stat().st_mode & 0o777 == 0o640, name

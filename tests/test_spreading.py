@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import multiprocessing
 import os
 import pickle
@@ -558,3 +559,64 @@ except RemovalsInterrupted as interrupted:
     said = run.communicate(timeout=60)[0].splitlines()
     assert said[-1].endswith("True"), said
     assert run.returncode == 0
+
+
+def _children(parent: int) -> list[int]:
+    """Processes with this parent that still run."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = stat.read_text(encoding="ascii").rpartition(")")[2].split()
+        except OSError:
+            continue  # it ended meanwhile
+        if int(words[1]) == parent and words[0] != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_workers_of_a_killed_command_end() -> None:
+    code = "from feeler.cli import main; main()"
+    asked = ["remove", "sample:gearbox:40000", "--part", "*", "--each", "--rounds", "9", "--workers", "2"]
+    run = subprocess.Popen([sys.executable, "-c", code, *asked], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    begun, workers = time.monotonic(), []
+    # The workers, and the process that watches over shared names.
+    while len(workers) < 3 and time.monotonic() - begun < 60:
+        time.sleep(0.1)
+        workers = _children(run.pid)
+    assert len(workers) >= 3
+    time.sleep(2.0)  # until they work
+    run.kill()
+    run.wait()
+    # A pipe ends when the last process that holds it does.
+    run.communicate(timeout=60)
+    until = time.monotonic() + 30
+    while any(map(_runs, workers)) and time.monotonic() < until:
+        time.sleep(0.1)
+    assert not [worker for worker in workers if _runs(worker)]
+
+
+def _runs(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C of POSIX")
+def test_ctrl_c_of_an_order_answers_with_what_is_known() -> None:
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "import os, feeler\n"
+        "from feeler.plan import order\n"
+        "old = order._Search.order\n"
+        "def stopped(search):\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    return old(search)\n"
+        "order._Search.order = stopped\n"
+        "from feeler.cli import main; main()"
+    )
+    asked = ["remove", "sample:gearbox:40000", "--part", "*housing*", "--order", "--json"]
+    done = subprocess.run([sys.executable, "-c", code, *asked], capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 130, done.stderr
+    assert json.loads(done.stdout)["parts"][0]["found"] is False

@@ -97,6 +97,8 @@ def atomic_file(path: str | os.PathLike[str], *endings: str) -> Iterator[BinaryI
     temporary = target.with_name(f".{target.name[:32]}.{secrets.token_hex(6)}.part")
     try:
         with open(temporary, "xb") as file:
+            with contextlib.suppress(OSError):  # the file that is replaced may be for few to read
+                os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
             yield file
         os.replace(temporary, target)
     except OSError as error:

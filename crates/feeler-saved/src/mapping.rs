@@ -15,6 +15,10 @@ pub struct Mapping(Mmap);
 impl Mapping {
     /// Maps a file.
     pub fn new(path: &Path) -> Result<Mapping> {
+        // Before it is opened: opening a pipe waits for somebody who writes.
+        if !std::fs::metadata(path)?.is_file() {
+            return Err(Error::NotSaved);
+        }
         let file = File::open(path)?;
         let is_file = file.metadata()?.is_file();
         if !is_file || file.metadata()?.len() == 0 {

@@ -80,7 +80,13 @@ impl Beside {
         for attempt in 0u32.. {
             let own = path.with_file_name(format!(".feeler-{}-{attempt}.part", std::process::id()));
             match OpenOptions::new().write(true).create_new(true).open(&own) {
-                Ok(file) => return Ok(Beside { file, path: own, is_renamed: false }),
+                Ok(file) => {
+                    // The file that is replaced may be for few to read.
+                    if let Ok(replaced) = fs::metadata(path) {
+                        let _ = file.set_permissions(replaced.permissions());
+                    }
+                    return Ok(Beside { file, path: own, is_renamed: false });
+                }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 1000 => {}
                 Err(error) => return Err(error.into()),
             }

@@ -279,7 +279,7 @@ def _one(
 ) -> tuple[list[_Answer], bool]:
     """All parts together, until Ctrl-C; and whether that came."""
     from feeler.plan.order import RemovalOrderInterrupted
-    from feeler.plan.removal import RemovalInterrupted
+    from feeler.plan.removal import RemovalInterrupted, not_tried
 
     gone = tuple(parts.tolist())
     try:
@@ -287,9 +287,8 @@ def _one(
     except RemovalInterrupted as stop:
         return [_of_removal(gone, stop.removal)], True
     except RemovalOrderInterrupted as stop:
-        if not stop.order.steps:
-            raise
-        return [_Answer(gone, False, stop.order.steps)], True
+        steps = stop.order.steps or (feeler.RemovalStep(gone, not_tried(asked.options["seed"])),)
+        return [_Answer(gone, False, steps)], True
 
 
 def _each(asked: _Asked, parts: list[int], executor: Executor | None) -> tuple[list[_Answer], bool]:

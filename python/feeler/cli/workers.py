@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
+import threading
+import time
 from collections.abc import Iterator
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,6 +20,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
 MOST_WORKERS = 1024
+PARENT_EVERY_S = 0.5
+"""Between two looks of a worker whether its parent is there."""
 
 Workers = Annotated[
     int | None,
@@ -46,10 +51,8 @@ def executor_of(workers: int | None, dask: str | None) -> Iterator[Executor | No
         import multiprocessing
         from concurrent.futures import ProcessPoolExecutor
 
-        # They do not hear Ctrl-C, which goes to all processes of a terminal: this one ends them.
-        pool = ProcessPoolExecutor(
-            workers, mp_context=multiprocessing.get_context("spawn"), initializer=signal.signal, initargs=_DEAF
-        )
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(os.getpid(),))
         try:
             yield pool
         except BaseException:
@@ -64,7 +67,17 @@ def executor_of(workers: int | None, dask: str | None) -> Iterator[Executor | No
         yield None
 
 
-_DEAF = (signal.SIGINT, signal.SIG_IGN)
+def _begin(parent: int) -> None:
+    """A worker does not hear Ctrl-C, which goes to all processes of a terminal: its parent ends it. It ends by itself
+    if the parent is gone, by a signal that no program hears, for one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(PARENT_EVERY_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="parent", daemon=True).start()
 
 
 def _client(address: str) -> Any:

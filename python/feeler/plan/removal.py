@@ -297,6 +297,12 @@ def alone(seed: int) -> Removal:
     return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, certificate, (), (), math.nan, False, False, 0.0)
 
 
+def not_tried(seed: int) -> Removal:
+    """The answer where time was up before anything was tried."""
+    certificate = Certificate(seed, "none", 0, _VERSIONS)
+    return Removal(False, (), np.eye(4)[None], 0.0, 0.0, math.nan, certificate, (), (), math.nan, True, False, 0.0)
+
+
 def chosen(scene: object, parts: PartsLike) -> npt.NDArray[np.uint32]:
     """The moving parts, checked to be in the scene with others around them."""
     if not isinstance(scene, Scene):
