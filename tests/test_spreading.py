@@ -620,3 +620,12 @@ def test_ctrl_c_of_an_order_answers_with_what_is_known() -> None:
     done = subprocess.run([sys.executable, "-c", code, *asked], capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 130, done.stderr
     assert json.loads(done.stdout)["parts"][0]["found"] is False
+
+
+def test_an_executor_that_answers_with_something_else_is_refused() -> None:
+    class Lying(ThreadPoolExecutor):
+        def submit(self, *_args: object, **_kwargs: object) -> Any:
+            return 7
+
+    with Lying(1) as executor, pytest.raises(feeler.OptionError, match=r"submit answered 7"):
+        feeler.clash_variants([feeler.sample("differential", 10_000)] * 2, executor=executor)

@@ -25,6 +25,7 @@ from contextlib import AbstractContextManager, ExitStack
 from importlib import import_module
 from typing import Any, Generic, Protocol, TypeVar
 
+from feeler.arguments import shown
 from feeler.errors import FeelerError, OptionError
 
 
@@ -204,6 +205,12 @@ def work(key: str, question: bytes, task: Any) -> Any:
     return function(scene, shared, task)
 
 
+def _future(given: Future[Result]) -> Future[Result]:
+    if not isinstance(given, Future):
+        raise OptionError(f"executor.submit answered {shown(given)}: give an executor of concurrent.futures")
+    return given
+
+
 class _Round(Generic[Task, Result]):
     """All tasks on one executor, and what was lost again."""
 
@@ -242,7 +249,7 @@ class _Round(Generic[Task, Result]):
             while True:
                 while lost is None and len(waiting) < MOST_WAITING and (i := next(left, None)) is not None:
                     try:
-                        waiting[self._place.submit(self._workers.executor, self._tasks[i])] = i
+                        waiting[_future(self._place.submit(self._workers.executor, self._tasks[i]))] = i
                     except BrokenExecutor as error:
                         lost = error
                     except RuntimeError as error:  # of an executor that was shut down
