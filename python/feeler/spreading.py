@@ -25,7 +25,6 @@ from contextlib import AbstractContextManager, ExitStack
 from importlib import import_module
 from typing import Any, Generic, Protocol, TypeVar
 
-from feeler.arguments import shown
 from feeler.errors import FeelerError, OptionError
 
 
@@ -207,7 +206,8 @@ def work(key: str, question: bytes, task: Any) -> Any:
 
 def _future(given: Future[Result]) -> Future[Result]:
     if not isinstance(given, Future):
-        raise OptionError(f"executor.submit answered {shown(given)}: give an executor of concurrent.futures")
+        kind = type(given).__name__
+        raise OptionError(f"executor.submit answered with a {kind}, no future: give one of concurrent.futures")
     return given
 
 
