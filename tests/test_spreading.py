@@ -543,8 +543,10 @@ def test_ctrl_c_ends_variants_with_those_that_are_done() -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C of POSIX")
 def test_ctrl_c_ends_removals_with_the_rows_that_are_done() -> None:
     code = """
+import signal
 import feeler
 from feeler.plan.removals import RemovalsInterrupted
+signal.signal(signal.SIGINT, signal.default_int_handler)
 scene = feeler.Scene(feeler.sample("gearbox", 40_000))
 print("begun", flush=True)
 try:
