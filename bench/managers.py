@@ -42,7 +42,7 @@ Row = tuple[str, float, float]
 
 
 class Fcl(trimesh.collision.CollisionManager):
-    """trimesh's, which without SciPy cannot tell what is convex."""
+    """trimesh's manager, with feeler's test for convex meshes: its own needs SciPy."""
 
     def _get_fcl_obj(self, mesh: Any) -> Any:
         is_convex = meshes.shape_of(meshes.triangles_of(mesh), None, 1 << 30).is_solid
@@ -65,7 +65,7 @@ def rotations(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def warm_up() -> None:
-    """What is made once a process is in no figure: threads, modules, an instruction set."""
+    """Starts threads and loads modules, so that no figure includes it."""
     ring = trimesh.creation.torus(1.0, 0.3)
     for make in (Fcl, partial(CollisionManager, threads=1)):
         manager = make()

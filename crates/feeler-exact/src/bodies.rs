@@ -1,8 +1,8 @@
-//! Sets of bodies that all are moved: fits, flush faces and lattices, each body at a pose of its own.
+//! Judges sets of bodies in which each body has its own pose: parts that fit, flush faces, lattices.
 //!
-//! A scene of [`scenes`] becomes a set: its mock-up, and its tool once for each pose; then all of it is moved by one
-//! more motion, which rounds what was equal. Where two triangles are is what [`Pose::apply`] computes, and whether they meet there is
-//! judged by the oracle, pair by pair.
+//! A scene of [`scenes`] gives the bodies: its mock-up, and its tool once for each pose. One more motion then moves all of them, so
+//! that numbers which were equal are rounded differently. [`Pose::apply`] computes the corners, and the oracle decides each pair of
+//! triangles.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -56,7 +56,7 @@ impl Tally {
     }
 }
 
-/// Judges so many sets, in parallel.
+/// Judges a number of sets, in parallel.
 pub fn run(sets: u64, seed: u64) -> Tally {
     let each = (0..sets).into_par_iter().map(|n| judge(seed.wrapping_mul(0x9e37_79b9).wrapping_add(n)));
     // In order, whatever the threads.

@@ -11,7 +11,8 @@ const INWARDS: f64 = 1e-5;
 /// Whether all triangles are queried and form one closed surface, wound either way and nowhere bent inwards by more than
 /// [`INWARDS`]. Vertices with equal coordinates are one.
 pub(super) fn is_convex(mesh: &Mesh) -> bool {
-    // Euler: a closed surface without holes through it has so many vertices; nearly all others end here.
+    // By Euler's formula a closed surface without holes has half as many vertices as triangles, plus two. Nearly all
+    // other meshes have another number, and need no closer look.
     let count = mesh.faces().len() / 2 + 2;
     if !mesh.defects().excluded.is_empty() || mesh.vertices().len() < count {
         return false;

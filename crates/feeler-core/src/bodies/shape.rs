@@ -59,7 +59,7 @@ impl Shape {
         self.mockup.mesh()
     }
 
-    /// As what stands still. Errors: more memory than allowed.
+    /// The scene for pairs in which a body of this shape is the larger one. Errors: more memory than allowed.
     pub fn scene(&self) -> Result<&Arc<Scene>> {
         self.scene.get_or_try_init(|| {
             let options = SceneOptions::default().with_memory_limit(self.memory_limit);
@@ -67,7 +67,7 @@ impl Shape {
         })
     }
 
-    /// As what moves.
+    /// The tree of boxes for pairs in which a body of this shape is the smaller one. Errors: a mesh that no tool can be made of.
     pub fn tool(&self) -> Result<&Arc<Tool>> {
         self.tool.get_or_try_init(|| {
             let mesh = self.mesh();

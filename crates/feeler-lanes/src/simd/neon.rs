@@ -400,8 +400,8 @@ impl Arithmetic for Neon {
     }
 }
 
-// `partition` and `sort_few` are those of the standard library: two numbers in a register are no more than two in a CPU's
-// ordinary ones, and its sorts have no branches on what is compared either.
+// `partition` and `sort_few` use the standard library. A NEON register holds only two 64-bit numbers, so lanes would not be
+// faster, and the library's sorts do not branch on the numbers either.
 impl Simd for Neon {
     type Part = OneRegister;
     type Few = OneRegister;

@@ -140,7 +140,7 @@ fn of_parts<S: Simd>(s: S, given: &Given, results: &mut Results) {
     results.push(("above, part by part", vec![above.into(), few_above.into()]));
 }
 
-/// What is read from lists, and put into them.
+/// Compares the operations that read from lists and write to them.
 #[inline(always)]
 fn of_lists<S: Simd>(s: S, given: &Given, results: &mut Results) {
     let points: [[f64; 3]; WIDE_LANES] = std::array::from_fn(|i| [0, 1, 2].map(|a| given.double[a][i]));

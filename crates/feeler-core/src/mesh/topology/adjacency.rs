@@ -183,7 +183,7 @@ impl Adjacency {
         sections.add_made("topology.facts", &[Facts { centre: self.centre, cracks, seams }]);
     }
 
-    /// From the sections of a saved scene of this mesh, and so many parts.
+    /// Read from a saved scene, for a mesh with this number of faces and parts.
     pub(crate) fn of_saved(saved: Reader<'_>, mesh: &Mesh, parts: usize) -> Result<Adjacency> {
         let triangles = mesh.faces().len();
         let Facts { centre, cracks, seams } = saved.one("topology.facts")?;
