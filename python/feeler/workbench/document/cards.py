@@ -132,10 +132,9 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
         tool=None,
         starts=tuple((part, document.moved[part]) for part in way.parts if part in document.moved),
     )
-    outside = {part for part, at in placed.items() if motion.is_outside(boxes[part], motion.matrix(at), known.bounds)}
     return document.with_id(
         moved=MappingProxyType(dict(sorted({**document.moved, **placed}.items()))),
-        out=tuple(sorted({*document.out, *outside})),
+        out=tuple(sorted({*document.out, *way.parts})),
         sequence=(*document.sequence, line),
     )
 
