@@ -661,7 +661,7 @@ export interface Replayed {
   readonly verdict: string;
 }
 
-/** The nearest neighbour at one pose of a way, without seats until they separate. */
+/** The nearest neighbour at one pose of a way, without parts in contact since the start. */
 export interface Gap {
   /** Of the length of the way, 0 to 1. */
   readonly share: number;
@@ -724,7 +724,7 @@ export interface CardAnswer {
   /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
   readonly room: HeldManifest | null;
   /** What else is to be said: a name and a figure. */
-  readonly facts: readonly [string, string][];
+  readonly facts: readonly ([string, string])[];
 }
 
 /** The arguments of commands. */
