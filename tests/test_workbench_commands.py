@@ -284,8 +284,13 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "is_touching_hidden": st.booleans(),
     "material": st.sampled_from(["steel", "rubber", None]),
     "findings": st.just({"clashes": [{"id": "1", "a": PATHS[0], "b": PATHS[1], "depth": 0.01}]}),
+    "steps": st.none(),
+    "ways": st.tuples(st.integers(0, 4), POSES).map(
+        lambda way: [{"parts": [way[0]], "poses": [np.eye(4).ravel().tolist(), way[1]], "clearance": None}]
+    ),
 }
-STEPS = st.sampled_from(sorted(COMMANDS)).flatmap(
+# Undo leaves cards as they are.
+STEPS = st.sampled_from(sorted(name for name, command in COMMANDS.items() if not command.is_of_cards)).flatmap(
     lambda name: st.tuples(st.just(name), st.fixed_dictionaries({a: ARGUMENTS[a] for a in COMMANDS[name].arguments}))
 )
 

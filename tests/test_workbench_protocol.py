@@ -117,6 +117,20 @@ DOCUMENT: protocol.DocumentFields = {
     "measures": [],
     "viewpoints": [],
     "findings": None,
+    "cards": [
+        {
+            **{
+                "id": 1,
+                "question": "removal",
+                "parts": [3],
+                "without": [],
+                "options": {},
+                "title": "Can pump come out?",
+            },
+            **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
+            **{"is_good": None, "is_stale": False},
+        }
+    ],
     "material": "steel",
 }
 TEXT_FROM_SERVER = [

@@ -39,6 +39,7 @@ const DOCUMENT: Document = {
   measures: [],
   viewpoints: [],
   findings: null,
+  cards: [],
   material: null,
 };
 

@@ -6,6 +6,7 @@ import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
 import { PANELS, type Panel } from "../model/page-state";
+import { ask } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
@@ -17,6 +18,7 @@ export type CommandGroup =
   | "Look"
   | "Parts"
   | "Tool"
+  | "Ask"
   | "Sections"
   | "Measures"
   | "Sequence"
@@ -44,6 +46,7 @@ const hasTargets = (wb: Workbench): boolean =>
   canLook(wb) && (wb.store.selection.value.size > 0 || wb.store.hover.value >= 0);
 const canGrip = (wb: Workbench): boolean => canChange(wb) && (hasTargets(wb) || isGripping(wb));
 const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.value;
+const canAskAccess = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.tool != null;
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
@@ -185,6 +188,7 @@ const toggleTheme = (wb: Workbench): void =>
 
 const panelTitles: Readonly<Record<Panel, string>> = {
   pose: "Pose",
+  ask: "Ask",
   sections: "Sections",
   measures: "Measures",
   sequence: "Sequence",
@@ -308,6 +312,11 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => wb.toggleXr?.(),
     (wb) => wb.store.is_xr_there.value,
   ),
+
+  command("Ask", "ask-removal", "Can it come out?", "O", (wb) => ask(wb, "removal"), hasTargets),
+  command("Ask", "ask-order", "What has to go first?", "Shift+O", (wb) => ask(wb, "order"), hasTargets),
+  command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
+  command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),
 
   ...AXES.map((name, k) =>
     typing(`axis-${name}`, `Along or about ${name}; again: other frame`, name, (wb) => chooseAxis(wb, k as 0 | 1 | 2)),

@@ -32,6 +32,8 @@ export class Workbench {
   readonly link: Link | null;
   readonly redraw: () => void;
   readonly fetchFile: (name: string) => Promise<Blob>;
+  /** Fetches the swept volume of a card; null without a server. */
+  fetchRoom: ((card: number) => Promise<ArrayBuffer>) | null = null;
   private readonly offline = new OfflineCommands();
   private readonly turns: Turns;
   /** The canvas, to which the focus goes back; null in tests. */

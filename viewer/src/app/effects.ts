@@ -16,13 +16,6 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       if (document) loop.setPartStates(partStates(count, document, store.selection.value));
     }),
     effect(() => {
-      // Another mock-up in the stage has its parts at home.
-      void store.manifest.value;
-      const moved = store.document.value?.moved ?? {};
-      stage.setMoved(new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]])));
-      loop.request();
-    }),
-    effect(() => {
       void store.manifest.value;
       stage.setExplode(store.document.value?.explode ?? 0);
       loop.request();

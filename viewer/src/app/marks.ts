@@ -22,7 +22,22 @@ export function marksOf(store: Store, state: State | null): Marks {
   }));
   const first = picks[0];
   const pending = first ? [{ id: "pending", points: [first.point], text: "", isSelected: true }] : [];
-  return { ...contactMarks(state, unit), measures: [...measures, ...pending], snap: store.snap.peek() };
+  return {
+    ...contactMarks(state, unit),
+    measures: [...measures, ...pending],
+    snap: store.snap.peek(),
+    way: wayOf(store, unit),
+  };
+}
+
+function wayOf(store: Store, unit: Unit): Marks["way"] {
+  const { path, gap, fan } = store.way_marks.peek();
+  if (path.length === 0 && !fan) return null;
+  return {
+    path: [...path],
+    gap: gap && { point: gap.point, text: `${formatLength(gap.value, unit)} to ${store.nameOf(gap.part)}` },
+    fan: fan && { centre: fan.centre, rim: [...fan.rim], isGood: fan.isGood },
+  };
 }
 
 function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "force" | "clearances" | "distance"> {

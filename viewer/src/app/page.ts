@@ -20,6 +20,7 @@ import type { PictureElements } from "../ui/app";
 import { createApi, type FeelerApi } from "./api";
 import { createDevices, type Devices } from "./devices";
 import { followStore } from "./effects";
+import { followFilm } from "./film";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 
@@ -67,13 +68,22 @@ export class Page {
       return fromAxes(right, top, scale(forward, -1), [0, 0, 0]);
     };
     const redraw = (): void => this.loop.request();
-    this.wb = new Workbench({ store, stage, hand, link, redraw, fetchFile: (name) => fetchFile(base, token, name) });
+    this.wb = new Workbench({
+      store,
+      stage,
+      hand,
+      link,
+      redraw,
+      fetchFile: (name) => fetchSecret(base, token, `exports/${encodeURIComponent(name)}`),
+    });
+    if (token) this.wb.fetchRoom = async (card) => (await fetchSecret(base, token, `cards/${card}`)).arrayBuffer();
     this.wb.canvas = picture.canvas;
     const pointer = new Pointer(this.wb, picture.canvas);
     this.loop = new Loop(this.wb, pointer, picture);
     this.devices = createDevices(this.wb, this.loop);
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
+    followFilm(this.wb, this.loop);
     listenToKeys(this.wb);
     stage.onRestored(redraw);
     new ResizeObserver(redraw).observe(picture.canvas);
@@ -288,9 +298,9 @@ function recallCamera(hash: string): Camera | null {
   return kept?.hash === hash ? kept.camera : null;
 }
 
-async function fetchFile(base: URL, token: string | null, name: string): Promise<Blob> {
-  const url = new URL(`exports/${encodeURIComponent(name)}`, base);
+async function fetchSecret(base: URL, token: string | null, name: string): Promise<Blob> {
+  const url = new URL(name, base);
   const response = await fetch(url, { headers: { Authorization: `Bearer ${token ?? ""}` } });
-  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Export it again");
+  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Ask for it again");
   return response.blob();
 }

@@ -25,6 +25,12 @@ export interface Marks {
   distance: { from: Vec3; to: Vec3; text: string } | null;
   measures: MeasureMark[];
   snap: { point: Vec3; type: "vertex" | "edge" | "face" } | null;
+  /** A way: its path, where it is tightest now, and the free swing of a tool about a fastener. */
+  way: {
+    path: Vec3[];
+    gap: { point: Vec3; text: string } | null;
+    fan: { centre: Vec3; rim: Vec3[]; isGood: boolean } | null;
+  } | null;
 }
 
 export const NO_MARKS: Marks = {
@@ -34,6 +40,7 @@ export const NO_MARKS: Marks = {
   distance: null,
   measures: [],
   snap: null,
+  way: null,
 };
 
 // Orange for contacts, blue for near parts, yellow for measures: distinct without seeing red.
@@ -41,6 +48,8 @@ const HIT: Tint = [1.0, 0.58, 0.12, 0.95];
 const NEAR: Tint = [0.33, 0.66, 1.0, 0.95];
 const MEASURE: Tint = [0.98, 0.86, 0.35, 0.95];
 const CHOSEN: Tint = [1.0, 1.0, 1.0, 1.0];
+const WAY: Tint = [0.25, 0.85, 0.8, 0.9];
+const SWING: Tint = [0.45, 0.85, 0.4, 0.9];
 const SNAP: Tint = [1.0, 1.0, 1.0, 0.95];
 
 // Sizes in CSS pixels: marks are as large from afar as from near.
@@ -98,7 +107,7 @@ export class MarkLayer {
 
   /** Builds the strokes for the camera: sizes in pixels become metres at each mark's depth. */
   build(camera: CameraRig): void {
-    const { planes, force, clearances, distance: nearest, measures, snap } = this.#marks;
+    const { planes, force, clearances, distance: nearest, measures, snap, way } = this.#marks;
     this.#lines.clear();
     this.#discs.clear();
     this.anchors = [];
@@ -118,6 +127,7 @@ export class MarkLayer {
       this.anchors.push({ key: "force", point: tip, text: force.text, kind: "hit", rank: 4 });
     }
     for (const measure of measures) this.#addMeasure(measure, pixel);
+    if (way) this.#addWay(way, pixel);
     if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
     this.#lines.commit();
     this.#discs.commit();
@@ -182,6 +192,20 @@ export class MarkLayer {
     const rank = measure.isSelected ? 5 : 2;
     if (points.length > 0)
       this.anchors.push({ key: `measure ${measure.id}`, point: label, text: measure.text, kind: "measure", rank });
+  }
+
+  #addWay({ path, gap, fan }: NonNullable<Marks["way"]>, pixel: (at: Vec3) => number): void {
+    for (let k = 1; k < path.length; k++) this.#lines.add(path[k - 1] as Vec3, path[k] as Vec3, WAY, 2);
+    const [before, end] = [path.at(-2), path.at(-1)];
+    if (before && end && distance(before, end) > 0) this.#lines.addArrow(before, end, HEAD * pixel(end), WAY, 2);
+    if (gap) {
+      this.#lines.add(gap.point, gap.point, NEAR, 7);
+      this.anchors.push({ key: "way gap", point: gap.point, text: gap.text, kind: "near", rank: 5 });
+    }
+    if (!fan) return;
+    const tint = fan.isGood ? SWING : HIT;
+    for (let k = 1; k < fan.rim.length; k++) this.#lines.add(fan.rim[k - 1] as Vec3, fan.rim[k] as Vec3, tint, 3);
+    for (const end of [fan.rim[0], fan.rim.at(-1)]) if (end) this.#lines.add(fan.centre, end, tint, 1.5);
   }
 
   /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */

@@ -16,6 +16,8 @@ const NONE = new Uint32Array(0);
 
 export class Over {
   readonly held: Held;
+  /** A swept volume, drawn as a ghost. */
+  readonly room: Held;
   readonly #hits: Hits;
   readonly #scene = new Scene();
   readonly #labels: LabelLayer | null;
@@ -32,6 +34,7 @@ export class Over {
     labels: HTMLElement | null,
   ) {
     this.held = new Held(uniforms);
+    this.room = new Held(uniforms);
     this.#hits = new Hits(uniforms);
     this.#marks = new MarkLayer(uniforms, [0, 0, 0]);
     this.#lines = new SectionLines(uniforms, [0, 0, 0]);
@@ -49,10 +52,11 @@ export class Over {
     this.#lines = new SectionLines(this.uniforms, middle);
     this.#lines.setOutlines(this.#outlines);
     this.held.setOrigin(middle);
+    this.room.setOrigin(middle);
   }
 
   setSections({ sections, bounds }: Model): void {
-    for (const room of [this.held, this.#hits, this.#marks]) room.setSections(sections.length);
+    for (const room of [this.held, this.room, this.#hits, this.#marks]) room.setSections(sections.length);
     this.#lines.setPlanes(sections, bounds);
   }
 
@@ -104,12 +108,13 @@ export class Over {
       renderer.render(this.#hits.scene, eye);
     }
     if (this.held.isGhostShown) renderer.render(this.held.ghostScene, eye);
+    if (!this.room.isEmpty) renderer.render(this.room.ghostScene, eye);
     if (!this.#marks.isEmpty) renderer.render(this.#marks.scene, eye);
     if (this.group.visible && this.group.children.length > 0) renderer.render(this.#scene, eye);
   }
 
   dispose(): void {
     this.#labels?.dispose();
-    for (const room of [this.held, this.#hits, this.#marks, this.#lines]) room.dispose();
+    for (const room of [this.held, this.room, this.#hits, this.#marks, this.#lines]) room.dispose();
   }
 }

@@ -5,6 +5,7 @@
 
 import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
+import { IDENTITY } from "../math/matrix";
 import { isSame } from "../math/same";
 import { add, type Box, dot, isEmpty, scale, type Vec3 } from "../math/vectors";
 import { aim } from "./aim";
@@ -202,6 +203,14 @@ export class Stage {
   setHeld(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
     this.#over.held.set(held);
     this.#over.setHits({ held: new Uint32Array(0) }, this.#model);
+    this.#touch();
+  }
+
+  /** A swept volume in the world's frame, drawn as a ghost; null: none. */
+  setRoom(room: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
+    if (!room && this.#over.room.isEmpty) return;
+    this.#over.room.set(room);
+    this.#over.room.setPose([...IDENTITY], [...IDENTITY]);
     this.#touch();
   }
 

@@ -5,6 +5,7 @@ import { hint } from "../actions/commands";
 import type { Workbench } from "../actions/workbench";
 import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
+import { AskPanel } from "./cards";
 import { useWorkbench, WorkbenchContext } from "./context";
 import { Banner, Covers, Notices, RecordBar } from "./covers";
 import { CommandButton } from "./fields";
@@ -80,6 +81,7 @@ function Picture({ picture }: { picture: PictureElements }) {
 
 const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
   pose: { icon: "move", text: "Pose" },
+  ask: { icon: "help", text: "Ask" },
   sections: { icon: "section", text: "Sections" },
   measures: { icon: "measure", text: "Measures" },
   sequence: { icon: "list", text: "Sequence" },
@@ -88,6 +90,7 @@ const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
 
 const BODIES = {
   pose: PosePanel,
+  ask: AskPanel,
   sections: SectionPanel,
   measures: MeasurePanel,
   sequence: SequencePanel,

@@ -32,6 +32,8 @@ const PATHS = {
   up: "M12 19V5M6 11l6-6 6 6",
   down: "M12 5v14M6 13l6 6 6-6",
   play: "M7 4l13 8-13 8z",
+  pause: "M8 5v14M16 5v14",
+  check: "M5 12.5l4.5 4.5L19 7.5",
   download: "M12 3v12M7 11l5 5 5-5M4 20h16",
   close: "M6 6l12 12M18 6L6 18",
   sidebar: "M4 4h16v16H4zM9 4v16",
