@@ -213,11 +213,19 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
             for key, value in ast.literal_eval(each.value or ast.Constant(None)).items():
                 lines.append(f"  readonly {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
         else:
-            lines.append(f"{comment(doc, '  ')}  readonly {name}: {of(each.annotation)};\n")
+            lines.append(f"{comment(doc, '  ')}  readonly {optional(name, each.annotation)};\n")
             if spec := array_spec(each.annotation):
                 packed.append(f"    {name}: {spec},\n")
     table = [f"  {kind}: {{\n", *packed, "  },\n"] if packed else []
     return "".join([*lines, "}\n"]), ["".join(table)]
+
+
+def optional(name: str, node: ast.expr) -> str:
+    """A field with its type; one that may be absent has a question mark."""
+    match node:
+        case ast.Subscript(value=ast.Name(id="NotRequired"), slice=inside):
+            return f"{name}?: {of(inside)}"
+    return f"{name}: {of(node)}"
 
 
 def of(node: ast.expr) -> str:

@@ -32,6 +32,10 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       loop.request();
     }),
     effect(() => {
+      stage.camera.setParallel(store.settings.value.is_parallel);
+      loop.request();
+    }),
+    effect(() => {
       const theme = store.theme.value;
       document.documentElement.dataset.theme = theme;
       stage.setTheme(theme);

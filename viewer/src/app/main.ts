@@ -38,11 +38,13 @@ async function start(root: HTMLElement): Promise<void> {
   const picture = makePicture();
   const page = new Page(picture, offline ? null : takeToken(location, history, sessionStorage));
   const dark = matchMedia("(prefers-color-scheme: dark)");
+  const still = matchMedia("(prefers-reduced-motion: reduce)");
   const follow = (): void => {
     page.store.is_system_dark.value = dark.matches;
+    page.store.is_motion_reduced.value = still.matches;
   };
   follow();
-  dark.addEventListener("change", follow);
+  for (const query of [dark, still]) query.addEventListener("change", follow);
   window.feeler = page.api();
   render(h(App, { workbench: page.wb, picture }), root);
   if (offline) page.showOffline(offline);

@@ -94,7 +94,10 @@ export class Page {
     store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
     wb.stage.setManifest(manifest);
     store.manifest.value = manifest;
-    if (camera) wb.stage.camera.fromJSON(camera);
+    if (camera) {
+      wb.stage.camera.fromJSON(camera);
+      store.set({ is_parallel: camera.is_parallel ?? false });
+    }
     for (const [k, piece] of pieces.entries()) wb.stage.addPiece(k, piece);
     this.come_triangles = manifest.triangles;
     this.is_whole = true;

@@ -15,7 +15,7 @@ export interface Handle {
   readonly line: readonly Point[];
 }
 
-export type GizmoView = Pick<CameraRig, "project" | "metresPerPixel" | "position">;
+export type GizmoView = Pick<CameraRig, "project" | "metresPerPixel" | "towards">;
 
 const ARROW_PX = 84;
 const RING_PX = 62;
@@ -31,9 +31,9 @@ const LEAST_ARROW_PX = 18;
 /** The handles about a world point, along the axes of the tool or of the world; none if the point is behind the eye. */
 export function layGizmo(center: Vec3, pose: Pose, frame: "world" | "tool", view: GizmoView): Handle[] {
   const middle = view.project(center);
-  if (!(middle.depth > 0)) return [];
+  if (!middle.isAhead) return [];
   const metres = view.metresPerPixel(middle.depth);
-  const towards = normalize(subtract(view.position, center));
+  const towards = view.towards(center);
   const handles: Handle[] = [{ kind: "move", axis: null, direction: null, line: [middle] }];
   for (const index of [0, 1, 2] as const) {
     const direction = axis(frame === "tool" ? pose : IDENTITY, index);

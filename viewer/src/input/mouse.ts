@@ -5,7 +5,7 @@ import { draftSection, settleSection } from "../actions/sections";
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
-import { distance, type Point, subtract, type Vec3 } from "../math/vectors";
+import { type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
 import { type CutHandle, hitCut, layCuts } from "./cuts";
 import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
@@ -84,7 +84,7 @@ export class Pointer {
 
   /** The pick under the pointer, at most once a frame and only while the view rests. */
   frame(): void {
-    if (!this.is_hover_due || this.gesture || !this.at) return;
+    if (!this.is_hover_due || this.gesture || !this.at || this.wb.stage.camera.isGliding) return;
     this.is_hover_due = false;
     const { store, stage } = this.wb;
     const picked = stage.pick(this.at.x, this.at.y);
@@ -95,6 +95,7 @@ export class Pointer {
   private down(event: PointerEvent): void {
     const { wb } = this;
     const at = this.place(event);
+    this.wb.stage.camera.finish();
     this.canvas.focus({ preventScroll: true });
     wb.store.menu.value = null;
     if (wb.store.typed.peek()) {
@@ -287,9 +288,7 @@ export class Pointer {
     const at = this.place(event);
     const picked = this.wb.stage.pick(at.x, at.y);
     if (!picked || this.wb.store.measuring.peek()) return;
-    const { camera } = this.wb.stage;
-    camera.translate(subtract(picked.point, camera.target));
-    this.wb.redraw();
+    this.wb.look((camera) => camera.translate(subtract(picked.point, camera.target)));
   }
 
   private turnWheel(event: WheelEvent): void {
@@ -325,7 +324,7 @@ export class Pointer {
     if (!other || !before) return;
     const { camera } = this.wb.stage;
     const spread = (a: Point): number => Math.max(Math.hypot(a.x - other.x, a.y - other.y), 1);
-    camera.pan((at.x - before.x) / 2, (at.y - before.y) / 2, distance(camera.position, camera.target));
+    camera.pan((at.x - before.x) / 2, (at.y - before.y) / 2, camera.reach);
     camera.dolly(spread(before) / spread(at), this.wb.pointAt((at.x + other.x) / 2, (at.y + other.y) / 2));
     this.wb.redraw();
   }

@@ -129,6 +129,8 @@ export interface Camera {
   readonly up: Vec3;
   /** Vertical field of view. */
   readonly fov_rad: number;
+  /** Parallel projection, as high at the target as the perspective view; absent: perspective. */
+  readonly is_parallel?: boolean;
 }
 
 /** A stored camera. */

@@ -74,7 +74,7 @@ export class LabelLayer {
     const figures = shown.map((anchor, k) => {
       const at = camera.project(anchor.point);
       const { width, height } = elements[k] as { width: number; height: number };
-      return { x: at.depth > 0 ? at.x : -1, y: at.y, width, height };
+      return { x: at.isAhead ? at.x : -1, y: at.y, width, height };
     });
     layOut(figures, camera.width, camera.height).forEach((place, k) => {
       const { style } = (elements[k] as { element: HTMLElement }).element;

@@ -1,9 +1,10 @@
 // Everything drawn over the mock-up: lines of sections, the hand, colliding triangles, marks with their labels, and the
 // drawings of other modules.
 
-import { type Group, type PerspectiveCamera, Scene, type WebGLRenderer } from "three";
+import { type Group, Scene, type WebGLRenderer } from "three";
 import { isSame } from "../math/same";
 import type { CameraRig } from "./camera";
+import type { Eye } from "./eye";
 import { Held } from "./held";
 import { Hits } from "./hits";
 import { LabelLayer } from "./labels";
@@ -96,7 +97,7 @@ export class Over {
     this.#labels?.update(this.#marks.anchors, camera);
   }
 
-  draw(renderer: WebGLRenderer, eye: PerspectiveCamera): void {
+  draw(renderer: WebGLRenderer, eye: Eye): void {
     if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
     if (!this.held.isEmpty) renderer.render(this.held.scene, eye);
     if (!this.#hits.isEmpty) {

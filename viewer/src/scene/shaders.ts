@@ -37,6 +37,9 @@ vec3 calm(uint part) {
 // The light: a sky, a key light above the left shoulder, a weak fill from the right. The normal faces the eye.
 const LIGHT = /* glsl */ `
 uniform vec3 sky;
+uniform float parallel;
+// The unit vector to the eye.
+vec3 towards(vec3 view) { return parallel > 0.0 ? vec3(0.0, 0.0, 1.0) : -normalize(view); }
 vec3 normalOf(vec3 view) {
   vec3 n = cross(dFdx(view), dFdy(view));
   float size = dot(n, n);
@@ -45,7 +48,7 @@ vec3 normalOf(vec3 view) {
 vec3 lit(vec3 colour, vec3 n, vec3 view) {
   vec3 key = vec3(-0.45, 0.60, 0.66);
   float shade = 0.52 + 0.16 * dot(n, sky) + 0.50 * max(dot(n, key), 0.0) + 0.22 * max(dot(n, vec3(0.75, -0.15, 0.64)), 0.0);
-  vec3 halfway = normalize(key - normalize(view));
+  vec3 halfway = normalize(key + towards(view));
   return colour * shade + 0.12 * pow(max(dot(n, halfway), 0.0), 24.0);
 }
 `;
@@ -97,8 +100,15 @@ const CUT = /* glsl */ `
 #if SECTIONS > 0
 uniform vec4 cutPlanes[SECTIONS];
 uniform vec3 cameraPosition;
+uniform vec4 viewPlanes[SECTIONS];
 bool isCut(vec3 p) {
   for (int i = 0; i < SECTIONS; i++) if (dot(cutPlanes[i].xyz, p) < cutPlanes[i].w) return true;
+  return false;
+}
+// Whether the rays begin in a part cut away. Parallel ones begin beyond everything.
+bool isEyeCut() {
+  if (parallel <= 0.0) return isCut(cameraPosition);
+  for (int i = 0; i < SECTIONS; i++) if (viewPlanes[i].z < -1e-5) return true;
   return false;
 }
 #endif
@@ -129,7 +139,7 @@ void main() {
 #endif
   vec3 n = normalOf(vView);
 #ifdef GHOST
-  float edge = 1.0 - abs(dot(n, normalize(vView)));
+  float edge = 1.0 - abs(dot(n, towards(vView)));
   float alpha = 0.035 + 0.30 * edge * edge * edge;
   outColour = vec4(vec3(0.62, 0.70, 0.80) * alpha, alpha);
 #else
@@ -138,13 +148,16 @@ void main() {
   float slope = fwidth(gl_FragCoord.z);
   gl_FragDepth = gl_FragCoord.z;
   // The eye is in the part cut away: a back face is then the inside of something solid.
-  if (!gl_FrontFacing && isCut(cameraPosition)) {
+  if (!gl_FrontFacing && isEyeCut()) {
     uint h = hashOf(vPart + 1u);
     float across = (h & 1u) != 0u ? gl_FragCoord.x + gl_FragCoord.y : gl_FragCoord.x - gl_FragCoord.y;
     float line = smoothstep(1.4, 0.6, abs(mod(across, 9.0) - 4.5));
-    outColour.rgb = mix(mix(vColour, vec3(0.95, 0.90, 0.78), 0.40), vec3(0.20, 0.19, 0.18), 0.50 * line);
+    // Of the part's colour: paper and ink of it.
+    outColour.rgb = mix(mix(vColour, vec3(1.0), 0.18), 0.42 * vColour, 0.62 * line);
     id |= 0x80000000u;
-    gl_FragDepth += FILL_NEARER * (gl_FragCoord.z + depthLine.y / depthLine.x) + sign(depthLine.x) * FILL_PIXELS * slope;
+    float toEye = parallel > 0.0 ? -1.0 : 1.0;
+    float share = parallel > 0.0 ? -parallel / depthLine.x : gl_FragCoord.z + depthLine.y / depthLine.x;
+    gl_FragDepth += FILL_NEARER * share + toEye * sign(depthLine.x) * FILL_PIXELS * slope;
   }
   #endif
 #endif
@@ -160,7 +173,7 @@ void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 // Makes the kept picture from the raw one: edges between parts and at creases, over the background.
 //
 // A stored depth is affine in 1 / distance, and 1 / distance is affine over the pixels of a plane: its second difference
-// is zero but at a crease, where it is the change of slope.
+// is zero but at a crease, where it is the change of slope. In parallel projection the distance itself is.
 export const resolveFragment = `${PRECISION}/* glsl */
 uniform sampler2D rawColour;
 uniform usampler2D rawId;
@@ -168,6 +181,7 @@ uniform sampler2D rawDepth;
 uniform vec2 depthLine;
 uniform vec2 drawn;
 uniform float focal;
+uniform float parallel;
 uniform float share;
 uniform vec3 above;
 uniform vec3 below;
@@ -195,7 +209,7 @@ void main() {
     ivec2 west = ivec2(max(p.x - 1, 0), p.y), south = ivec2(p.x, max(p.y - 1, 0));
     float w = nearness(p);
     float bend = max(abs(nearness(east) + nearness(west) - 2.0 * w), abs(nearness(north) + nearness(south) - 2.0 * w));
-    edge = 0.45 * smoothstep(0.45, 1.6, bend / w * focal);
+    edge = 0.45 * smoothstep(0.45, 1.6, bend / (parallel > 0.0 ? 1.0 : w) * focal);
   }
 #endif
   // On a dark part a dark line is not seen: there it is lighter than the part.
@@ -263,21 +277,32 @@ uniform vec2 depthLine;
 uniform vec2 fragmentOffset;
 uniform vec4 rayOf;
 uniform bool hasKept;
+#ifndef LIT
+uniform float parallel;
+#endif
 #if SECTIONS > 0
 uniform vec4 viewPlanes[SECTIONS];
 #endif
+float distanceOf(float stored) {
+  float line = depthLine.x * stored + depthLine.y;
+  return parallel > 0.0 ? line : 1.0 / max(line, 1e-30);
+}
 float keptDistance(out uint id) {
   vec2 at = gl_FragCoord.xy + fragmentOffset;
   ivec2 p = ivec2(at * keptScale);
-  float nearness = depthLine.x * texelFetch(keptDepth, p, 0).r + depthLine.y;
   id = texelFetch(keptId, p, 0).r;
-  float found = id == 0u ? 1e30 : 1.0 / max(nearness, 1e-30);
+  float found = id == 0u ? 1e30 : distanceOf(texelFetch(keptDepth, p, 0).r);
 #if SECTIONS > 0
   // A section's fill was drawn with the back face's depth; it appears where the ray enters the remaining solid.
   if ((id & 0x80000000u) != 0u) {
-    vec3 ray = vec3(at * rayOf.xy + rayOf.zw, -1.0);
-    found = 0.0;
-    for (int i = 0; i < SECTIONS; i++) if (viewPlanes[i].w > 0.0) found = max(found, viewPlanes[i].w / dot(viewPlanes[i].xyz, ray));
+    vec2 ray = at * rayOf.xy + rayOf.zw;
+    found = parallel > 0.0 ? -1e30 : 0.0;
+    for (int i = 0; i < SECTIONS; i++) {
+      vec4 plane = viewPlanes[i];
+      if (parallel > 0.0) {
+        if (plane.z < -1e-5) found = max(found, (plane.w - dot(plane.xy, ray)) / -plane.z);
+      } else if (plane.w > 0.0) found = max(found, plane.w / dot(plane.xyz, vec3(ray, -1.0)));
+    }
   }
 #endif
   return found;
@@ -286,8 +311,9 @@ float keptDistance(out uint id) {
 bool isBehindKept(float slack) {
   if (!hasKept) return false;
   uint id;
-  float mine = 1.0 / gl_FragCoord.w;
-  return mine > keptDistance(id) * (1.0 + slack);
+  float kept = keptDistance(id);
+  if (parallel > 0.0) return distanceOf(gl_FragCoord.z) > kept + slack * parallel;
+  return 1.0 / gl_FragCoord.w > kept * (1.0 + slack);
 }
 `;
 
@@ -333,7 +359,7 @@ void main() {
 #else
   vec3 n = normalOf(vView);
   #ifdef GHOST
-  float edge = 1.0 - abs(dot(n, normalize(vView)));
+  float edge = 1.0 - abs(dot(n, towards(vView)));
   float alpha = 0.10 + 0.45 * edge * edge;
   outColour = vec4(vec3(0.55, 0.88, 0.83), alpha);
   #else
@@ -345,13 +371,15 @@ void main() {
 
 // Colliding triangles, of the mock-up or of the held mesh: solid where visible, faint where covered.
 export const hitVertex = `${PRECISION}/* glsl */
+uniform float parallel;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 in vec3 position;
 void main() {
   vec4 view = modelViewMatrix * vec4(position, 1.0);
   // A little towards the eye along the ray: the same pixel, before the surface that the triangle is part of.
-  gl_Position = projectionMatrix * vec4(view.xyz * 0.9999, 1.0);
+  vec3 nearer = parallel > 0.0 ? view.xyz + vec3(0.0, 0.0, 1e-4 * parallel) : view.xyz * 0.9999;
+  gl_Position = projectionMatrix * vec4(nearer, 1.0);
 }
 `;
 

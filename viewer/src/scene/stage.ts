@@ -3,16 +3,17 @@
 // A frame redraws the mock-up only when the camera, a part or a section changed; else it shows the kept layer and draws
 // moving objects over it. While nothing changes, the edges are smoothed, a little each frame.
 
-import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
+import { Group, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
 import { isSame } from "../math/same";
-import { add, type Box, dot, isEmpty, scale, type Vec3 } from "../math/vectors";
+import { add, type Box, dot, isEmpty, scale, union, type Vec3 } from "../math/vectors";
 import { aim } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
 import type { Piece } from "./chunks";
 import { Composer } from "./composer";
 import { DeviceWork } from "./devicework";
+import { Eye } from "./eye";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
 import type { Marks } from "./marks";
 import { Model } from "./model";
@@ -79,7 +80,7 @@ export class Stage {
   readonly camera = new CameraRig();
   /** For WebXR: the session goes here, and `eye` is its camera, in `rig`, which stands in world coordinates less the middle. */
   readonly renderer: WebGLRenderer;
-  readonly eye = new PerspectiveCamera();
+  readonly eye = new Eye();
   readonly rig = new Group();
   /** Shapes that other modules draw over the picture (the gizmo): children in world coordinates. */
   readonly overlay = new Group();
@@ -259,11 +260,14 @@ export class Stage {
     this.#colour();
   }
 
-  /** The box of all visible geometry, without hidden and cut-away parts: for `camera.fit` and `camera.view`. World metres. */
+  /** The box of all visible geometry with the held mesh, without hidden and cut-away parts. World metres. */
   visibleBox(): Box {
-    const box = this.#model.visibleBox();
-    const held = this.#over.held.box();
-    return isEmpty(box) && !isEmpty(held) ? held : box;
+    return union(this.#model.visibleBox(), this.#over.held.box());
+  }
+
+  /** The box of the held mesh, world metres; empty for an empty hand. */
+  heldBox(): Box {
+    return this.#over.held.box();
   }
 
   /** The box of `part` at its present place, world metres; empty for an unknown part. */
@@ -305,6 +309,7 @@ export class Stage {
     this.stats = stats;
     if (this.#isLost) return stats;
     this.renderer.info.reset();
+    let isGliding = false;
     if (this.renderer.xr.isPresenting) {
       this.#drawDirect();
       // Once the headset is left, its camera is not the page's.
@@ -313,6 +318,7 @@ export class Stage {
       stats.isKept = false;
     } else {
       this.#resize();
+      isGliding = this.camera.step(now);
       this.#takeCamera(now);
       const done = this.#work.poll();
       if (done) {
@@ -322,7 +328,7 @@ export class Stage {
       }
       this.#step(now, stats);
     }
-    stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
+    stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew && !isGliding;
     stats.isShown = stats.isWhole && this.#isShown;
     stats.isPictured = this.#isPictured;
     stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
@@ -334,6 +340,7 @@ export class Stage {
   /** The picture as the camera has it at `width` x `height` pixels, as a PNG; without figures and gizmo. */
   async shot(width: number, height: number): Promise<Blob> {
     if (this.#isLost) throw new Error("The graphics context is lost: ask again once it is back.");
+    this.camera.finish();
     this.#resize();
     const kept = new Kept(this.renderer, this.#uniforms, this.#materials);
     const average = new Average(this.renderer);
@@ -568,6 +575,7 @@ export class Stage {
     this.rig.updateMatrixWorld();
     renderer.clear(true, true, false);
     this.#uniforms.hasKept.value = false;
+    this.#uniforms.parallel.value = 0;
     this.#back.draw(renderer, target);
     const { solid, ghosts } = this.#model.pieces(null);
     this.#drawMeshes(solid, null);

@@ -329,7 +329,11 @@ def camera_of(given: Arguments) -> CameraView:
     """The argument "camera"."""
     inner = given.inner("camera", Camera)
     return CameraView(
-        inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
+        inner.point("position"),
+        inner.point("target"),
+        inner.unit("up"),
+        inner.number("fov_rad", 0.01, 3),
+        inner.has("is_parallel") and inner.flag("is_parallel"),
     )
 
 

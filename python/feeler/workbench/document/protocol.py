@@ -8,7 +8,7 @@ row. `frames.py` has the encoding. `FROM_PAGE` are the page's messages, `FROM_SE
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, TypedDict, cast
+from typing import Annotated, Any, ClassVar, Literal, NotRequired, TypedDict, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -178,6 +178,8 @@ class Camera(TypedDict):
     up: Vec3
     fov_rad: float
     """Vertical field of view."""
+    is_parallel: NotRequired[bool]
+    """Parallel projection, as high at the target as the perspective view; absent: perspective."""
 
 
 class Viewpoint(TypedDict):
