@@ -29,10 +29,10 @@ export type Selection = readonly (number | string)[] | number | string;
 
 /** What a command answers. `id`: of what it added. `pose`: of the hand. */
 export interface CommandAnswer {
-  readonly id: number;
-  readonly pose: Pose;
-  readonly undo_depth: number;
-  readonly redo_depth: number;
+  readonly id?: number;
+  readonly pose?: Pose;
+  readonly undo_depth?: number;
+  readonly redo_depth?: number;
 }
 
 export type Unit = "mm" | "cm" | "m" | "in";
@@ -122,13 +122,17 @@ export interface Measure {
   readonly is_exact: boolean;
 }
 
-/** A camera pose. */
-export interface Camera {
+/** Where a camera is, and what it looks at. */
+export interface CameraPlace {
   readonly position: Vec3;
   readonly target: Vec3;
   readonly up: Vec3;
   /** Vertical field of view. */
   readonly fov_rad: number;
+}
+
+/** A camera. */
+export interface Camera extends CameraPlace {
   /** Parallel projection, as high at the target as the perspective view; absent: perspective. */
   readonly is_parallel?: boolean;
 }

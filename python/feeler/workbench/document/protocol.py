@@ -8,7 +8,7 @@ row. `frames.py` has the encoding. `FROM_PAGE` are the page's messages, `FROM_SE
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, NotRequired, TypedDict, cast
+from typing import Annotated, Any, ClassVar, Literal, TypedDict, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -170,15 +170,20 @@ class Measure(TypedDict):
     """Computed by the engine on the triangles, not from the picture."""
 
 
-class Camera(TypedDict):
-    """A camera pose."""
+class CameraPlace(TypedDict):
+    """Where a camera is, and what it looks at."""
 
     position: Vec3
     target: Vec3
     up: Vec3
     fov_rad: float
     """Vertical field of view."""
-    is_parallel: NotRequired[bool]
+
+
+class Camera(CameraPlace, total=False):
+    """A camera."""
+
+    is_parallel: bool
     """Parallel projection, as high at the target as the perspective view; absent: perspective."""
 
 
