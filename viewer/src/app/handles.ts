@@ -1,11 +1,14 @@
-// The handles over the picture, repainted only when they change: the gizmo and those of the cuts.
+// The handles over the picture, repainted only when they change: the gizmo those of the cuts, the
+// view cube with the triad and the scale bar.
 
+import type { Workbench } from "../actions/workbench";
 import { type CutHandle, drawCuts } from "../input/cuts";
 import { drawGizmo, GIZMO_RADIUS_PX, type Handle } from "../input/gizmo";
 import type { Pointer } from "../input/mouse";
+import { Compass, type CompassElements } from "./compass";
 
 /** The elements they are painted on. */
-export interface HandleElements {
+export interface HandleElements extends CompassElements {
   readonly gizmo: HTMLCanvasElement;
   readonly cuts: HTMLElement;
 }
@@ -13,15 +16,20 @@ export interface HandleElements {
 export class Handles {
   private gizmo_drawn = "";
   private cuts_drawn = "";
+  private readonly compass: Compass;
 
   constructor(
+    wb: Workbench,
     private readonly pointer: Pointer,
     private readonly over: HandleElements,
-  ) {}
+  ) {
+    this.compass = new Compass(wb, over);
+  }
 
   paint(): void {
     this.paintGizmo();
     this.paintCuts();
+    this.compass.paint();
   }
 
   private paintGizmo(): void {

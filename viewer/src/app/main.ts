@@ -5,6 +5,7 @@ import { takeToken } from "../link/link";
 import { OfflineError, readOffline } from "../link/offline-file";
 import { App, type PictureElements } from "../ui/app";
 import type { FeelerApi } from "./api";
+import { makeCompass } from "./compass";
 import { Page } from "./page";
 
 declare global {
@@ -30,7 +31,7 @@ function makePicture(): PictureElements {
   cuts.className = "cuts";
   // The panel of the cuts has the same by keys.
   cuts.setAttribute("aria-hidden", "true");
-  return { canvas, gizmo, labels, cuts };
+  return { canvas, gizmo, labels, cuts, ...makeCompass() };
 }
 
 async function start(root: HTMLElement): Promise<void> {

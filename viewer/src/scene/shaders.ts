@@ -36,6 +36,7 @@ vec3 calm(uint part) {
 
 // The light: a sky, a key light above the left shoulder, a weak fill from the right. The normal faces the eye.
 const LIGHT = /* glsl */ `
+#define LIT
 uniform vec3 sky;
 uniform float parallel;
 // The unit vector to the eye.

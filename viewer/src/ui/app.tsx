@@ -3,6 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { hint } from "../actions/commands";
 import type { Workbench } from "../actions/workbench";
+import type { HandleElements } from "../app/handles";
 import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
 import { useWorkbench, WorkbenchContext } from "./context";
@@ -23,11 +24,9 @@ import { Tour } from "./tour";
 import { Tree } from "./tree";
 
 /** The elements that the page draws on: made before the components, which only place them. */
-export interface PictureElements {
+export interface PictureElements extends HandleElements {
   readonly canvas: HTMLCanvasElement;
-  readonly gizmo: HTMLCanvasElement;
   readonly labels: HTMLElement;
-  readonly cuts: HTMLElement;
 }
 
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
@@ -56,6 +55,7 @@ function Picture({ picture }: { picture: PictureElements }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     place.current?.append(picture.canvas, picture.labels, picture.cuts, picture.gizmo);
+    place.current?.append(picture.triad, picture.scale, picture.cube);
     wb.redraw();
   }, []);
   const { store } = wb;
@@ -69,6 +69,10 @@ function Picture({ picture }: { picture: PictureElements }) {
         <CommandButton id="measure" icon="measure" pressed={store.measuring.value !== null} />
         <CommandButton id="explode" icon="explode" pressed={(store.document.value?.explode ?? 0) > 0} />
         <CommandButton id="snapshot" icon="camera" />
+      </div>
+      <div class="toolbar view-tools" role="toolbar" aria-label="Projection and home view">
+        <CommandButton id="home" icon="home" />
+        <CommandButton id="projection" icon="parallel" pressed={store.settings.value.is_parallel} />
       </div>
       <Banner />
       <RecordBar />
