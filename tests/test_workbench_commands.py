@@ -172,7 +172,7 @@ def test_the_samples_can_be_taken_and_a_tool_never_begins_in_the_mockup(bench: B
     wrench = feeler.sample_tool("wrench")
     assert bench.document["tool"] == {"name": "wrench", "triangles": wrench.triangle_count}
     assert not bench.scene.is_colliding(wrench, bench.pose)
-    assert bench.pose[2, 3] + wrench.bounds[0, 2] > 0.5, "above the sheet"
+    assert bench.pose[0, 3] + wrench.bounds[0, 0] > 0.5, "beside the sheet"
     bench.command("undo")
     assert bench.document["tool"]["name"] == "small"
     np.testing.assert_array_equal(bench.pose, on_plate)

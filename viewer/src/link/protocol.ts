@@ -669,7 +669,7 @@ export interface Commands {
   readonly release: Record<string, never>;
   /** Puts parts back into their places. */
   readonly put_back: { readonly parts: Selection };
-  /** Takes another tool, or none; where it would collide, it starts above the mock-up. */
+  /** Takes another tool, or none; where it would collide, it starts beside the mock-up. */
   readonly take_tool: { readonly name: string | null };
   /** Adds a measure of points, parts or triangles. */
   readonly measure_add: {

@@ -3,21 +3,28 @@
 
 import { type Group, Scene, type WebGLRenderer } from "three";
 import { isSame } from "../math/same";
+import type { Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
 import type { Eye } from "./eye";
 import { Held } from "./held";
+import { HeldLayer } from "./held-layer";
 import { Hits } from "./hits";
 import { LabelLayer } from "./labels";
 import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import type { Model } from "./model";
+import { rectOf } from "./rect";
 import { SectionLines } from "./sections";
 import type { SharedUniforms } from "./uniforms";
 
 const NONE = new Uint32Array(0);
+// Room for the outline around the held mesh, device pixels.
+const HELD_MARGIN = 4;
 
 export class Over {
   readonly held: Held;
   readonly #hits: Hits;
+  readonly #heldLayer: HeldLayer;
+  #middle: Vec3 = [0, 0, 0];
   readonly #scene = new Scene();
   readonly #labels: LabelLayer | null;
   #marks: MarkLayer;
@@ -34,6 +41,7 @@ export class Over {
   ) {
     this.held = new Held(uniforms);
     this.#hits = new Hits(uniforms);
+    this.#heldLayer = new HeldLayer(uniforms);
     this.#marks = new MarkLayer(uniforms, [0, 0, 0]);
     this.#lines = new SectionLines(uniforms, [0, 0, 0]);
     this.#labels = labels ? new LabelLayer(labels) : null;
@@ -42,6 +50,7 @@ export class Over {
 
   /** The scene's origin lies elsewhere: in the middle of another mock-up. */
   setOrigin({ middle }: Model): void {
+    this.#middle = middle;
     this.group.position.set(-middle[0], -middle[1], -middle[2]);
     this.#marks.dispose();
     this.#marks = new MarkLayer(this.uniforms, middle);
@@ -53,7 +62,7 @@ export class Over {
   }
 
   setSections({ sections, bounds }: Model): void {
-    for (const room of [this.held, this.#hits, this.#marks]) room.setSections(sections.length);
+    for (const room of [this.held, this.#heldLayer, this.#hits, this.#marks]) room.setSections(sections.length);
     this.#lines.setPlanes(sections, bounds);
   }
 
@@ -99,7 +108,7 @@ export class Over {
 
   draw(renderer: WebGLRenderer, eye: Eye): void {
     if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
-    if (!this.held.isEmpty) renderer.render(this.held.scene, eye);
+    this.#drawHeld(renderer, eye);
     if (!this.#hits.isEmpty) {
       this.#hits.held.place(this.held.matrix);
       renderer.render(this.#hits.scene, eye);
@@ -109,8 +118,20 @@ export class Over {
     if (this.group.visible && this.group.children.length > 0) renderer.render(this.#scene, eye);
   }
 
+  /** In a headset there is no kept layer: the mesh alone. */
+  #drawHeld(renderer: WebGLRenderer, eye: Eye): void {
+    if (this.held.isEmpty) return;
+    if (!this.uniforms.hasKept.value) {
+      renderer.render(this.held.scene, eye);
+      return;
+    }
+    const { width, height } = renderer.getRenderTarget() ?? renderer.domElement;
+    const rect = rectOf(this.held.box(), this.#middle, eye, width, height, HELD_MARGIN);
+    if (rect) this.#heldLayer.draw(renderer, this.held, eye, rect);
+  }
+
   dispose(): void {
     this.#labels?.dispose();
-    for (const room of [this.held, this.#hits, this.#marks, this.#lines]) room.dispose();
+    for (const room of [this.held, this.#heldLayer, this.#hits, this.#marks, this.#lines]) room.dispose();
   }
 }

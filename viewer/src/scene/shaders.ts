@@ -171,6 +171,13 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
+/** Over a rectangle: its lower left and upper right corner, -1 to 1. */
+export const rectVertex = `${PRECISION}/* glsl */
+uniform vec4 rect;
+in vec3 position;
+void main() { gl_Position = vec4(mix(rect.xy, rect.zw, position.xy), 0.0, 1.0); }
+`;
+
 // Makes the kept picture from the raw one: edges between parts and at creases, over the background.
 //
 // A stored depth is affine in 1 / distance, and 1 / distance is affine over the pixels of a plane: its second difference
@@ -354,19 +361,60 @@ layout(location = 0) out uvec4 outFound;
 layout(location = 0) out vec4 outColour;
 #endif
 void main() {
-  if (isBehindKept(0.0)) discard;
-#ifdef PROBE
-  outFound = uvec4(vPart + 1u, floatBitsToUint(-vView.z), 1u, 0u);
-#else
+  // Before pixels are left out: a slope needs its neighbours.
   vec3 n = normalOf(vView);
-  #ifdef GHOST
+  bool isBehind = isBehindKept(0.0);
+#ifdef PROBE
+  if (isBehind) discard;
+  outFound = uvec4(vPart + 1u, floatBitsToUint(-vView.z), 1u, 0u);
+#elif defined(GHOST)
   float edge = 1.0 - abs(dot(n, towards(vView)));
   float alpha = 0.10 + 0.45 * edge * edge;
-  outColour = vec4(vec3(0.55, 0.88, 0.83), alpha);
-  #else
+  outColour = vec4(vec3(0.55, 0.88, 0.83), isBehind ? 0.45 * alpha : alpha);
+#else
+  if (isBehind) discard;
   outColour = vec4(lit(vColour, n, vView), 1.0);
-  #endif
 #endif
+}
+`;
+
+// The held mesh, drawn aside, put over the kept picture: with an outline and creases; what the mock-up hides, faintly.
+export const heldOverFragment = `${PRECISION}${KEPT}/* glsl */
+uniform sampler2D heldColour;
+uniform sampler2D heldDepth;
+uniform float pixelRatio;
+layout(location = 0) out vec4 outColour;
+float coverAt(ivec2 p) { return texelFetch(heldColour, p, 0).a; }
+float lineAt(ivec2 p) { return depthLine.x * texelFetch(heldDepth, p, 0).r + depthLine.y; }
+void main() {
+  ivec2 p = ivec2(gl_FragCoord.xy);
+  ivec2 last = textureSize(heldColour, 0) - 1;
+  int rim = max(1, int(pixelRatio + 0.5));
+  ivec2 around[4] = ivec2[4](ivec2(min(p.x + rim, last.x), p.y), ivec2(max(p.x - rim, 0), p.y),
+    ivec2(p.x, min(p.y + rim, last.y)), ivec2(p.x, max(p.y - rim, 0)));
+  ivec2 at = p;
+  bool isRim = coverAt(p) == 0.0;
+  if (isRim) {
+    int found = -1;
+    for (int k = 0; k < 4; k++) if (found < 0 && coverAt(around[k]) > 0.0) found = k;
+    if (found < 0) discard;
+    at = around[found];
+  }
+  float stored = texelFetch(heldDepth, at, 0).r;
+  float mine = distanceOf(stored);
+  uint id;
+  float kept = hasKept ? keptDistance(id) : 1e30;
+  bool isBehind = mine > kept;
+  float crease = isRim ? 1.0 : 0.0;
+  if (!isRim) {
+    float w = lineAt(p);
+    vec2 bend = abs(vec2(lineAt(p + ivec2(1, 0)) + lineAt(p - ivec2(1, 0)), lineAt(p + ivec2(0, 1)) + lineAt(p - ivec2(0, 1))) - 2.0 * w);
+    crease = 0.45 * smoothstep(0.45, 1.6, max(bend.x, bend.y) / (parallel > 0.0 ? 1.0 : w) / rayOf.x);
+  }
+  vec3 colour = texelFetch(heldColour, at, 0).rgb;
+  if (isBehind) outColour = vec4(mix(colour, vec3(0.62, 1.0, 0.94), isRim ? 1.0 : 0.35), isRim ? 0.80 : 0.20 + 0.5 * crease);
+  else outColour = vec4(mix(colour, vec3(0.01, 0.09, 0.09), crease), 1.0);
+  gl_FragDepth = stored;
 }
 `;
 

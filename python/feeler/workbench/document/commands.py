@@ -295,7 +295,7 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def take_tool(document: Document, given: Arguments, known: Known) -> Document:
-    """Takes another tool, or none; where it would collide, it starts above the mock-up."""
+    """Takes another tool, or none; where it would collide, it starts beside the mock-up."""
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     if not given.has("name"):
