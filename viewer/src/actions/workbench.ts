@@ -197,8 +197,9 @@ export class Workbench {
 
   /** The tool comes into the middle of the picture, which keeps its scale. */
   lookAtTool(): void {
-    const { center } = this.hand;
-    if (center) this.look((camera) => camera.translate(subtract(center, camera.target)));
+    const { pivot, pose, tool } = this.hand;
+    const at = tool ?? pose;
+    if (at) this.look((camera) => camera.translate(subtract(carry(at, pivot), camera.target)));
   }
 
   /** The vertical of the mock-up. */

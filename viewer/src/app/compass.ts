@@ -1,4 +1,5 @@
-// The view cube, the triad of axes and the scale bar: repainted when the camera, the unit or the theme is another one.
+// The view cube, the triad of axes, the scale bar and the legend of the heat map: repainted when the camera, the
+// unit or the theme is another one.
 
 import type { Workbench } from "../actions/workbench";
 import {
@@ -14,7 +15,9 @@ import {
   TRIAD_PX,
 } from "../input/view-cube";
 import { scaleBar } from "../math/scale-bar";
+import { formatLength, type Unit } from "../math/units";
 import type { Point, Vec3 } from "../math/vectors";
+import { HEAT_REACH_M } from "../scene/heat-field";
 
 /** The elements they are painted on. */
 export interface CompassElements {
@@ -22,6 +25,8 @@ export interface CompassElements {
   readonly cube: HTMLButtonElement;
   readonly triad: HTMLCanvasElement;
   readonly scale: HTMLElement;
+  /** What the colours of the heat map mean. */
+  readonly legend: HTMLElement;
 }
 
 const SCALE_PX = 130;
@@ -72,13 +77,24 @@ export class Compass {
     const isShown = store.manifest.peek() !== null && camera.width >= LEAST_WIDTH && camera.height >= LEAST_HEIGHT;
     const theme = store.theme.peek();
     const unit = store.unit.peek();
+    const heat = stage.heatAccuracy;
     const key = isShown
-      ? [...camera.right, ...camera.top, camera.reach, camera.height, camera.isParallel, unit, theme, this.lit].join()
+      ? [
+          ...camera.right,
+          ...camera.top,
+          camera.reach,
+          camera.height,
+          camera.isParallel,
+          unit,
+          theme,
+          heat,
+          this.lit,
+        ].join()
       : "";
     if (key === this.painted) return;
     this.painted = key;
     const { cube, triad, scale } = this.over;
-    for (const each of [cube, triad, scale]) each.hidden = !isShown;
+    for (const each of [cube, triad, scale, this.over.legend]) each.hidden = !isShown;
     if (!isShown) return;
     const ratio = Math.min(globalThis.devicePixelRatio || 1, 2);
     const canvas = cube.firstElementChild as HTMLCanvasElement;
@@ -88,12 +104,22 @@ export class Compass {
     if (onTriad) drawTriad(onTriad, camera, theme, ratio);
     const bar = scaleBar(camera.metresPerPixel(camera.reach), SCALE_PX, unit);
     scale.hidden = !bar;
+    this.paintLegend(heat, unit);
     if (!bar) return;
     scale.style.width = `${bar.width_px.toFixed(1)}px`;
     scale.textContent = camera.isParallel ? bar.text : `≈ ${bar.text}`;
     scale.title = camera.isParallel
       ? "Exact everywhere in the picture: parallel projection"
       : "At the depth of the point that the view turns about; nearer things look larger. Press O for parallel projection.";
+  }
+
+  private paintLegend(accuracy: number | null, unit: Unit): void {
+    const { legend } = this.over;
+    legend.hidden = accuracy === null;
+    if (accuracy === null) return;
+    const reach = formatLength(HEAT_REACH_M, unit);
+    legend.textContent = `0 – ${reach} from the tool`;
+    legend.title = `Visible surfaces within ${reach} of the tool, by their distance to it; a line every ${formatLength(HEAT_REACH_M / 4, unit)}. Accurate to about ${formatLength(accuracy, unit)}; the figures at the lines are exact.`;
   }
 
   private press(event: PointerEvent): void {
@@ -177,5 +203,8 @@ export function makeCompass(): CompassElements {
   const scale = document.createElement("div");
   scale.className = "scale-bar";
   scale.hidden = true;
-  return { cube, triad, scale };
+  const legend = document.createElement("div");
+  legend.className = "heat-legend";
+  legend.hidden = true;
+  return { cube, triad, scale, legend };
 }

@@ -43,7 +43,13 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
     }),
     // The figures of marks depend on the unit; measures and picks are marks themselves.
     effect(() => {
-      void [store.unit.value, store.document.value?.measures, store.measuring.value, store.snap.value];
+      void [
+        store.unit.value,
+        store.document.value?.measures,
+        store.measuring.value,
+        store.snap.value,
+        store.typed.value,
+      ];
       loop.remark();
     }),
     effect(() => {

@@ -27,11 +27,24 @@ function makePicture(): PictureElements {
   const labels = document.createElement("div");
   labels.className = "labels";
   labels.setAttribute("aria-hidden", "true");
+  const tether = document.createElement("div");
+  tether.className = "tether";
+  tether.hidden = true;
+  const arrow = document.createElement("button");
+  arrow.type = "button";
+  arrow.className = "tool-arrow";
+  arrow.hidden = true;
+  arrow.title = "The tool is out of the picture: look at it (Shift+F)";
+  arrow.setAttribute("aria-label", "Look at the tool, which is out of the picture");
+  const head = document.createElement("span");
+  head.textContent = "➤";
+  head.setAttribute("aria-hidden", "true");
+  arrow.append(head);
   const cuts = document.createElement("div");
   cuts.className = "cuts";
   // The panel of the cuts has the same by keys.
   cuts.setAttribute("aria-hidden", "true");
-  return { canvas, gizmo, labels, cuts, ...makeCompass() };
+  return { canvas, gizmo, labels, tether, arrow, cuts, ...makeCompass() };
 }
 
 async function start(root: HTMLElement): Promise<void> {

@@ -17,14 +17,14 @@ export interface Handle {
 
 export type GizmoView = Pick<CameraRig, "project" | "metresPerPixel" | "towards">;
 
-const ARROW_PX = 84;
-const RING_PX = 62;
+const ARROW_PX = 62;
+const RING_PX = 46;
 const KNOB_PX = 9;
 /** How far from a line it is still hit. */
 const REACH_PX = 8;
 const RING_STEPS = 48;
 /** Half the side of the square that holds all of it. */
-export const GIZMO_RADIUS_PX = 104;
+export const GIZMO_RADIUS_PX = 84;
 // An arrow that points at the eye, or a ring seen from its edge, can be neither told apart nor dragged well.
 const LEAST_ARROW_PX = 18;
 
@@ -51,6 +51,10 @@ export function layGizmo(center: Vec3, pose: Pose, frame: "world" | "tool", view
   }
   return handles;
 }
+
+/** The same handles elsewhere in the picture. */
+export const shifted = (handles: readonly Handle[], dx: number, dy: number): Handle[] =>
+  handles.map((handle) => ({ ...handle, line: handle.line.map(({ x, y }) => ({ x: x + dx, y: y + dy })) }));
 
 /** The half of a ring that faces the eye. */
 function ring(center: Vec3, about: Vec3, radius: number, towards: Vec3, view: GizmoView): Point[] {

@@ -7,9 +7,11 @@ import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
 import { type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
+import type { Area } from "../scene/labels";
 import { type CutHandle, hitCut, layCuts } from "./cuts";
 import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
-import { type Handle, hitGizmo, layGizmo } from "./gizmo";
+import { type Handle, hitGizmo, layGizmo, shifted } from "./gizmo";
+import { areaOf, type GizmoPlace, hullOf, isInPicture, placeGizmo, pointsOf } from "./gizmo-place";
 
 /** A press that moves less is a click. */
 const CLICK_PX = 4;
@@ -42,6 +44,10 @@ export class Pointer {
   handle: Handle | null = null;
   /** The cut whose arrow is under it, or being dragged; null: none. */
   cut: number | null = null;
+  /** What lies over the picture: the gizmo stands elsewhere. */
+  taken: () => readonly Area[] = () => [];
+  /** How far the gizmo stands from the point that it moves. */
+  place_of_gizmo: GizmoPlace = { dx: 0, dy: 0, way: null };
   private gesture: Gesture | null = null;
   private pressed: { at: Point; button: number; time_ms: number } | null = null;
   private readonly touches = new Map<number, Point>();
@@ -71,7 +77,29 @@ export class Pointer {
     const { hand, store, stage } = this.wb;
     const { pose, center } = hand;
     if (!pose || !center || hand.isLocked || !store.has_hand.peek()) return [];
-    return layGizmo(center, pose, store.settings.peek().frame, stage.camera);
+    const { camera } = stage;
+    const isDragged = this.gesture?.kind === "tool";
+    const tool = pointsOf(stage.heldCorners(pose), camera);
+    if (!isDragged && tool.length > 0 && !isInPicture(areaOf(tool), camera.width, camera.height)) return [];
+    const handles = layGizmo(center, pose, store.settings.peek().frame, camera);
+    const middle = handles[0]?.line[0];
+    if (!middle) return [];
+    // What is dragged goes with the hand, wherever that is.
+    if (!isDragged)
+      this.place_of_gizmo = placeGizmo(middle, hullOf(tool), camera, this.taken(), this.place_of_gizmo.way);
+    return shifted(handles, this.place_of_gizmo.dx, this.place_of_gizmo.dy);
+  }
+
+  /** Where the tool lies in the picture, if it is out of it; null: it is in sight, or the hand is empty. */
+  outOfSight(): Point | null {
+    const { hand, store, stage } = this.wb;
+    const { pose, center } = hand;
+    if (!pose || !center || !store.has_hand.peek() || !store.manifest.peek()) return null;
+    const { camera } = stage;
+    if (isInPicture(areaOf(pointsOf(stage.heldCorners(pose), camera)), camera.width, camera.height)) return null;
+    const { x, y, isAhead } = camera.project(center);
+    // Behind the eye: the shorter turn is to the other side.
+    return isAhead ? { x, y } : { x: camera.width - x, y: camera.height - y };
   }
 
   /** The arrows of the cuts, as they lie in the picture now. */
@@ -130,12 +158,15 @@ export class Pointer {
     if (!pose || !center || hand.isLocked) return null;
     if (this.handle) {
       const { kind, direction } = this.handle;
+      const { dx, dy } = this.place_of_gizmo;
+      // As if the gizmo were where it moves the tool.
+      const from = { x: at.x - dx, y: at.y - dy };
       return {
         kind: "tool",
         drag: { kind, start: pose, center, direction },
         source: "gizmo",
-        from: at,
-        to: at,
+        from,
+        to: from,
         last: at,
       };
     }

@@ -19,6 +19,8 @@ import { define } from "./screen";
 import { heldOverFragment } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
 
+const BORDER = 4;
+
 function layerTarget(width: number, height: number): WebGLRenderTarget {
   const depthTexture = new DepthTexture(width, height, FloatType);
   depthTexture.format = DepthFormat;
@@ -54,8 +56,9 @@ export class HeldLayer {
     const target = renderer.getRenderTarget();
     const { width, height } = target ?? renderer.domElement;
     const layer = this.#room(width, height);
+    // With a border: the outline looks at the pixels around, and those of the last frame are still there.
     layer.scissorTest = true;
-    layer.scissor.set(rect.left, rect.bottom, rect.width, rect.height);
+    layer.scissor.set(rect.left - BORDER, rect.bottom - BORDER, rect.width + 2 * BORDER, rect.height + 2 * BORDER);
     renderer.setRenderTarget(layer);
     const gl = renderer.getContext() as WebGL2RenderingContext;
     renderer.state.buffers.color.setMask(true);

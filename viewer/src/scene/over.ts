@@ -6,10 +6,11 @@ import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
 import type { Eye } from "./eye";
+import { Heat } from "./heat";
 import { Held } from "./held";
 import { HeldLayer } from "./held-layer";
 import { Hits } from "./hits";
-import { LabelLayer } from "./labels";
+import { LabelLayer, type Taken } from "./labels";
 import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import type { Model } from "./model";
 import { rectOf } from "./rect";
@@ -22,6 +23,7 @@ const HELD_MARGIN = 4;
 
 export class Over {
   readonly held: Held;
+  readonly heat: Heat;
   readonly #hits: Hits;
   readonly #heldLayer: HeldLayer;
   #middle: Vec3 = [0, 0, 0];
@@ -40,6 +42,7 @@ export class Over {
     labels: HTMLElement | null,
   ) {
     this.held = new Held(uniforms);
+    this.heat = new Heat(uniforms);
     this.#hits = new Hits(uniforms);
     this.#heldLayer = new HeldLayer(uniforms);
     this.#marks = new MarkLayer(uniforms, [0, 0, 0]);
@@ -62,7 +65,8 @@ export class Over {
   }
 
   setSections({ sections, bounds }: Model): void {
-    for (const room of [this.held, this.#heldLayer, this.#hits, this.#marks]) room.setSections(sections.length);
+    for (const room of [this.held, this.heat, this.#heldLayer, this.#hits, this.#marks])
+      room.setSections(sections.length);
     this.#lines.setPlanes(sections, bounds);
   }
 
@@ -102,11 +106,12 @@ export class Over {
   }
 
   /** Puts the figures to their marks. */
-  label(camera: CameraRig): void {
-    this.#labels?.update(this.#marks.anchors, camera);
+  label(camera: CameraRig, taken: Taken): void {
+    this.#labels?.update(this.#marks.anchors, camera, taken);
   }
 
   draw(renderer: WebGLRenderer, eye: Eye): void {
+    if (this.uniforms.hasKept.value && !this.held.isEmpty) this.heat.draw(renderer, this.held, eye, this.#middle);
     if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
     this.#drawHeld(renderer, eye);
     if (!this.#hits.isEmpty) {
@@ -132,6 +137,6 @@ export class Over {
 
   dispose(): void {
     this.#labels?.dispose();
-    for (const room of [this.held, this.#heldLayer, this.#hits, this.#marks, this.#lines]) room.dispose();
+    for (const room of [this.held, this.heat, this.#heldLayer, this.#hits, this.#marks, this.#lines]) room.dispose();
   }
 }

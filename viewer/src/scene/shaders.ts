@@ -7,6 +7,7 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
+precision highp sampler3D;
 `;
 
 // A part's state and place, by its id. The widths are those of parts.ts.
@@ -228,7 +229,7 @@ void main() {
 
 // The kept picture at the size of the screen, with its lit parts. They are tinted here, by their ids, so that lighting one redraws
 // nothing of the mock-up. A rim around selected parts is visible on any colour, and on a bolt of a few pixels; parts that
-// are hit or near change from frame to frame and have none, as looking for it takes time.
+// are hit change from frame to frame and have none, as looking for it takes time.
 export const tintFragment = `${PRECISION}/* glsl */
 uniform sampler2D kept;
 uniform vec2 keptScale;
@@ -239,11 +240,11 @@ uniform float pixelRatio;
 layout(location = 0) out vec4 outColour;
 const float RIM_PIXELS = 1.5;
 uint idAt(ivec2 p) { return texelFetch(keptId, p, 0).r & 0x7fffffffu; }
-// How a part is lit: the bits near, hit and selected.
+// How a part is lit: the bits hit and selected.
 uint litOf(uint id) {
   if (id == 0u) return 0u;
   uint part = id - 1u;
-  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 28u;
+  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 24u;
 }
 // Three places around the pixel see every edge.
 bool isAtRim(ivec2 p, uint id) {
@@ -265,9 +266,9 @@ void main() {
   if (state != 0u) {
     bool isHit = (state & 8u) != 0u, isSelected = (state & 16u) != 0u;
     float light = dot(colour, vec3(0.30, 0.59, 0.11));
-    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : isSelected ? vec3(1.0, 0.92, 0.55) : vec3(0.28, 0.60, 1.0);
+    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : vec3(1.0, 0.92, 0.55);
     colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.66 : 0.74);
-    // A hatch besides the colour, so that hit and near differ without seeing red.
+    // A hatch besides the colour, so that hit and selected differ without seeing red.
     if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
     if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
   }
@@ -415,6 +416,33 @@ void main() {
   if (isBehind) outColour = vec4(mix(colour, vec3(0.62, 1.0, 0.94), isRim ? 1.0 : 0.35), isRim ? 0.80 : 0.20 + 0.5 * crease);
   else outColour = vec4(mix(colour, vec3(0.01, 0.09, 0.09), crease), 1.0);
   gl_FragDepth = stored;
+}
+`;
+
+// Surfaces of the kept picture near the held mesh, by their distance to it: orange at contact, blue at the reach, a line
+// each quarter of it.
+export const heatFragment = `${PRECISION}${KEPT}/* glsl */
+uniform sampler3D field;
+uniform mat4 fieldFromView;
+uniform vec3 fieldEdge;
+uniform float fieldScale;
+uniform float heatReach;
+layout(location = 0) out vec4 outColour;
+void main() {
+  uint id;
+  float far = keptDistance(id);
+  vec2 ray = (gl_FragCoord.xy + fragmentOffset) * rayOf.xy + rayOf.zw;
+  vec3 view = vec3(parallel > 0.0 ? ray : ray * far, -far);
+  vec3 at = (fieldFromView * vec4(view, 1.0)).xyz;
+  float share = texture(field, clamp(at, fieldEdge, 1.0 - fieldEdge)).r * fieldScale / heatReach;
+  float quarter = 4.0 * share;
+  float slope = fwidth(quarter);
+  if (id == 0u || any(lessThan(at, fieldEdge)) || any(greaterThan(at, 1.0 - fieldEdge)) || share >= 1.0) discard;
+  vec3 colour = share < 0.5 ? mix(vec3(1.0, 0.46, 0.06), vec3(1.0, 0.86, 0.36), 2.0 * share)
+    : mix(vec3(1.0, 0.86, 0.36), vec3(0.24, 0.58, 1.0), 2.0 * share - 1.0);
+  float line = slope < 0.4 ? 1.0 - smoothstep(0.6, 1.4, abs(fract(quarter + 0.5) - 0.5) / max(slope, 1e-5)) : 0.0;
+  if (quarter < 0.5) line = 0.0;
+  outColour = vec4(mix(colour, 0.35 * colour, 0.6 * line), mix(0.74, 0.30, share) + 0.2 * line);
 }
 `;
 

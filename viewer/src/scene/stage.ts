@@ -14,7 +14,9 @@ import type { Piece } from "./chunks";
 import { Composer } from "./composer";
 import { DeviceWork } from "./devicework";
 import { Eye } from "./eye";
+import { heatField } from "./heat-field";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
+import { NOTHING_TAKEN, type Taken } from "./labels";
 import type { Marks } from "./marks";
 import { Model } from "./model";
 import { Over } from "./over";
@@ -96,6 +98,9 @@ export class Stage {
     isPictured: false,
   };
 
+  /** What the figures keep clear of. */
+  taken: () => Taken = () => NOTHING_TAKEN;
+
   readonly #uniforms = sharedUniforms();
   readonly #materials: PieceMaterials;
   readonly #kept: Kept;
@@ -113,6 +118,7 @@ export class Stage {
   readonly #restored: (() => void)[] = [];
   readonly #resizes: ResizeObserver;
 
+  #held: object | null = null;
   #theme: Theme = "dark";
   #isLost = false;
   #isPictured = false;
@@ -201,7 +207,11 @@ export class Stage {
 
   /** The held mesh: its pieces one after the other in `piece`; null for an empty hand. */
   setHeld(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
+    this.#held = held;
     this.#over.held.set(held);
+    this.#over.heat.setField(null);
+    // Not in the frame in which the mesh comes: the field may take a tenth of a second.
+    if (held) setTimeout(() => this.#makeField(held));
     this.#over.setHits({ held: new Uint32Array(0) }, this.#model);
     this.#touch();
   }
@@ -268,6 +278,11 @@ export class Stage {
   /** The box of the held mesh, world metres; empty for an empty hand. */
   heldBox(): Box {
     return this.#over.held.box();
+  }
+
+  /** The corners of the held mesh's box at a pose, world metres; none for an empty hand. */
+  heldCorners(pose: ArrayLike<number>): Vec3[] {
+    return this.#over.held.boxCorners(pose);
   }
 
   /** The box of `part` at its present place, world metres; empty for an unknown part. */
@@ -374,6 +389,18 @@ export class Stage {
     }
   }
 
+  /** The surfaces near the held mesh get colours of their distance to it. */
+  setHeat(isOn: boolean): void {
+    if (isOn === this.#over.heat.isOn) return;
+    this.#over.heat.isOn = isOn;
+    this.#touch();
+  }
+
+  /** How exact the heat map is, metres; null while none is shown. */
+  get heatAccuracy(): number | null {
+    return this.#over.heat.isOn ? this.#over.heat.accuracy : null;
+  }
+
   /** Calls `f` whenever a lost graphics context came back; the next frame draws everything anew. */
   onRestored(f: () => void): void {
     this.#restored.push(f);
@@ -388,6 +415,14 @@ export class Stage {
     this.#back.dispose();
     this.#materials.dispose();
     this.renderer.dispose();
+  }
+
+  #makeField(held: object): void {
+    const mesh = this.#held === held ? this.#over.held.fieldMesh() : null;
+    if (!mesh) return;
+    this.#over.heat.setField(heatField(mesh.pieces, mesh.lower, mesh.upper));
+    this.#touch();
+    for (const f of this.#restored) f();
   }
 
   readonly #onLost = (event: Event): void => {
@@ -560,7 +595,7 @@ export class Stage {
     this.#isOverlayNew = false;
     this.#over.build(this.camera);
     this.#composer.compose(this.#kept, this.#lit, this.#isAnyLit, null);
-    this.#over.label(this.camera);
+    this.#over.label(this.camera, this.taken());
   }
 
   get #isAnyLit(): boolean {

@@ -54,8 +54,8 @@ function Picture({ picture }: { picture: PictureElements }) {
   const wb = useWorkbench();
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    place.current?.append(picture.canvas, picture.labels, picture.cuts, picture.gizmo);
-    place.current?.append(picture.triad, picture.scale, picture.cube);
+    place.current?.append(picture.canvas, picture.labels, picture.cuts, picture.tether, picture.gizmo);
+    place.current?.append(picture.triad, picture.scale, picture.legend, picture.cube, picture.arrow);
     wb.redraw();
   }, []);
   const { store } = wb;
