@@ -1,7 +1,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { GIZMO_RADIUS_PX, layGizmo, shifted } from "../src/input/gizmo";
-import { areaOf, distanceToHull, edgeArrow, hullOf, isInPicture, placeGizmo, pointsOf } from "../src/input/gizmo-place";
+import {
+  areaOf,
+  distanceToHull,
+  edgeArrow,
+  hullOf,
+  isInPicture,
+  placeGizmo,
+  pointsOf,
+  slices,
+} from "../src/input/gizmo-place";
 import { IDENTITY } from "../src/math/matrix";
 import { corners, type Vec3 } from "../src/math/vectors";
 import { CameraRig } from "../src/scene/camera";
@@ -101,6 +110,16 @@ test("a tool that reaches behind the eye covers the picture in its direction", (
   // From the middle to behind the eye, along the view and a little to the left.
   const area = areaOf(pointsOf(corners({ lower: [-0.2, -20, -0.1], upper: [0.1, 0, 0.1] }), camera));
   assert.ok(area && area.left < 0 && area.bottom > 600 && area.top < 0);
+});
+
+test("the slices of a box lie along its longest side, and make up all of it", () => {
+  const box = corners({ lower: [0, 0, 0], upper: [1, 2, 8] });
+  const found = slices(box);
+  assert.equal(found.length, 8);
+  found.forEach((slice, k) => {
+    assert.deepEqual(slice, corners({ lower: [0, 0, k], upper: [1, 2, k + 1] }));
+  });
+  assert.deepEqual(slices([]), []);
 });
 
 test("a tool out of the picture is known, and the arrow lies at the edge towards it", () => {

@@ -4,7 +4,7 @@
 import type { Workbench } from "../actions/workbench";
 import { type CutHandle, drawCuts } from "../input/cuts";
 import { drawGizmo, GIZMO_RADIUS_PX, type Handle } from "../input/gizmo";
-import { areaOf, edgeArrow, pointsOf } from "../input/gizmo-place";
+import { areaOf, edgeArrow, pointsOf, slices } from "../input/gizmo-place";
 import type { Pointer } from "../input/mouse";
 import type { Point } from "../math/vectors";
 import type { Area, Taken } from "../scene/labels";
@@ -74,8 +74,9 @@ export class Handles {
     const { pose } = this.wb.hand;
     const handles = this.pointer.handles();
     const gizmo = areaOfLines(handles.map(({ line }) => line));
-    const tool = pose && areaOf(pointsOf(this.wb.stage.heldCorners(pose), camera));
-    return { always: [...this.controls(), ...(gizmo ? [gizmo] : [])], better: tool ? [tool] : [] };
+    const tool = pose ? slices(this.wb.stage.heldCorners(pose)) : [];
+    const better = tool.flatMap((slice) => areaOf(pointsOf(slice, camera)) ?? []);
+    return { always: [...this.controls(), ...(gizmo ? [gizmo] : [])], better };
   }
 
   private paintGizmo(): void {

@@ -1,6 +1,6 @@
 // Where the gizmo stands in the picture: beside the tool that it would cover, and never cut by the frame. Pixels.
 
-import { add, type Point, scale, subtract, type Vec3 } from "../math/vectors";
+import { add, distance, type Point, scale, subtract, type Vec3 } from "../math/vectors";
 import type { CameraRig } from "../scene/camera";
 import type { Area } from "../scene/labels";
 import { distanceToLine, GIZMO_RADIUS_PX } from "./gizmo";
@@ -133,6 +133,21 @@ export function placeGizmo(
   const x = Math.min(Math.max(middle.x, GIZMO_RADIUS_PX), Math.max(width - GIZMO_RADIUS_PX, width / 2));
   const y = Math.min(Math.max(middle.y, GIZMO_RADIUS_PX), Math.max(height - GIZMO_RADIUS_PX, height / 2));
   return { dx: x - middle.x, dy: y - middle.y, way: null };
+}
+
+const SLICES = 8;
+
+/** A box in slices along its longest side, each by its corners: what lies aslant covers less than its rectangle. */
+export function slices(box: readonly Vec3[]): Vec3[][] {
+  const [first] = box;
+  if (!first || box.length !== 8) return [];
+  const along = [1, 2, 4].reduce((a, b) => (distance(first, box[b] as Vec3) > distance(first, box[a] as Vec3) ? b : a));
+  return Array.from({ length: SLICES }, (_, k) =>
+    box.map((corner, at) => {
+      const [from, to] = at & along ? [box[at - along] as Vec3, corner] : [corner, box[at + along] as Vec3];
+      return add(from, scale(subtract(to, from), (k + (at & along ? 1 : 0)) / SLICES));
+    }),
+  );
 }
 
 /** Where an arrow at the edge of the picture points to something out of it, and by which angle (radians, clockwise from right). */

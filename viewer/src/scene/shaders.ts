@@ -267,7 +267,7 @@ void main() {
     bool isHit = (state & 8u) != 0u, isSelected = (state & 16u) != 0u;
     float light = dot(colour, vec3(0.30, 0.59, 0.11));
     vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : vec3(1.0, 0.92, 0.55);
-    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.66 : 0.74);
+    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.44 : 0.74);
     // A hatch besides the colour, so that hit and selected differ without seeing red.
     if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
     if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
