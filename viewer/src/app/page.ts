@@ -80,6 +80,7 @@ export class Page {
     followOutlines(this.wb, this.loop);
     listenToKeys(this.wb);
     stage.onRestored(redraw);
+    stage.onStale = redraw;
     new ResizeObserver(redraw).observe(picture.canvas);
     document.addEventListener("visibilitychange", redraw);
     window.addEventListener("pagehide", () => keepCamera(store.manifest.peek()?.hash, stage.camera.toJSON()));

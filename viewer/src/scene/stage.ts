@@ -98,6 +98,8 @@ export class Stage {
     isPictured: false,
   };
 
+  /** Called when a frame is due that nobody asked for. */
+  onStale: (() => void) | null = null;
   /** What the figures keep clear of. */
   taken: () => Taken = () => NOTHING_TAKEN;
 
@@ -422,7 +424,7 @@ export class Stage {
     if (!mesh) return;
     this.#over.heat.setField(heatField(mesh.pieces, mesh.lower, mesh.upper));
     this.#touch();
-    for (const f of this.#restored) f();
+    this.onStale?.();
   }
 
   readonly #onLost = (event: Event): void => {
