@@ -5,6 +5,7 @@ import { draftSection, settleSection } from "../actions/sections";
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
+import type { Pose } from "../math/matrix";
 import { type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
 import type { Area } from "../scene/labels";
@@ -48,6 +49,9 @@ export class Pointer {
   taken: () => readonly Area[] = () => [];
   /** How far the gizmo stands from the point that it moves. */
   place_of_gizmo: GizmoPlace = { dx: 0, dy: 0, way: null };
+  private laid: readonly Handle[] = [];
+  private laid_for = "";
+  private laid_beside: readonly Area[] = [];
   private gesture: Gesture | null = null;
   private pressed: { at: Point; button: number; time_ms: number } | null = null;
   private readonly touches = new Map<number, Point>();
@@ -73,12 +77,27 @@ export class Pointer {
   }
 
   /** The handles of the held mesh, at their present places in the picture. */
-  handles(): Handle[] {
+  handles(): readonly Handle[] {
     const { hand, store, stage } = this.wb;
     const { pose, center } = hand;
     if (!pose || !center || hand.isLocked || !store.has_hand.peek()) return [];
     const { camera } = stage;
     const isDragged = this.gesture?.kind === "tool";
+    const { position, up, width, height, isParallel, target } = camera;
+    const { frame } = store.settings.peek();
+    const key = [...pose, ...position, ...target, ...up, width, height, isParallel, frame, isDragged].join();
+    // Asked for by the painter, the labels and the pointer: laid out once.
+    if (key !== this.laid_for || this.taken() !== this.laid_beside) {
+      this.laid_for = key;
+      this.laid_beside = this.taken();
+      this.laid = this.layHandles(pose, center, isDragged);
+    }
+    return this.laid;
+  }
+
+  private layHandles(pose: Pose, center: Vec3, isDragged: boolean): readonly Handle[] {
+    const { store, stage } = this.wb;
+    const { camera } = stage;
     const tool = pointsOf(stage.heldCorners(pose), camera);
     if (!isDragged && tool.length > 0 && !isInPicture(areaOf(tool), camera.width, camera.height)) return [];
     const handles = layGizmo(center, pose, store.settings.peek().frame, camera);

@@ -136,10 +136,12 @@ const float FILL_PIXELS = 0.125;
 #endif
 void main() {
   uint id = vPart + 1u;
+  // Before pixels are left out: a slope needs its neighbours.
+  vec3 n = normalOf(vView);
 #if SECTIONS > 0
+  float slope = fwidth(gl_FragCoord.z);
   if (isCut(vWorld)) discard;
 #endif
-  vec3 n = normalOf(vView);
 #ifdef GHOST
   float edge = 1.0 - abs(dot(n, towards(vView)));
   float alpha = 0.035 + 0.30 * edge * edge * edge;
@@ -147,7 +149,6 @@ void main() {
 #else
   outColour = vec4(lit(vColour, n, vView), 1.0);
   #if SECTIONS > 0
-  float slope = fwidth(gl_FragCoord.z);
   gl_FragDepth = gl_FragCoord.z;
   // The eye is in the part cut away: a back face is then the inside of something solid.
   if (!gl_FrontFacing && isEyeCut()) {

@@ -3,7 +3,6 @@
 import { useEffect, useRef } from "preact/hooks";
 import { hint } from "../actions/commands";
 import type { Workbench } from "../actions/workbench";
-import type { HandleElements } from "../app/handles";
 import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
 import { useWorkbench, WorkbenchContext } from "./context";
@@ -24,9 +23,17 @@ import { Tour } from "./tour";
 import { Tree } from "./tree";
 
 /** The elements that the page draws on: made before the components, which only place them. */
-export interface PictureElements extends HandleElements {
+export interface PictureElements {
   readonly canvas: HTMLCanvasElement;
   readonly labels: HTMLElement;
+  readonly cuts: HTMLElement;
+  readonly gizmo: HTMLCanvasElement;
+  readonly tether: HTMLElement;
+  readonly arrow: HTMLButtonElement;
+  readonly cube: HTMLButtonElement;
+  readonly triad: HTMLCanvasElement;
+  readonly scale: HTMLElement;
+  readonly legend: HTMLElement;
 }
 
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
