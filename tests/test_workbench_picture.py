@@ -176,7 +176,8 @@ def test_an_arrow_leads_to_a_tool_out_of_the_picture(context: Any, stand: Path, 
 def test_labels_name_parts_and_cover_neither_one_another_nor_the_gizmo(context: Any, stand: Path, cube: Path) -> None:
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
-        # Between the posts, over the pump: near to three parts.
+        # Between the posts, over the pump.
+        move(page, 0.0, 0.0, 0.3)
         move(page, 0.05, 0.0, 0.12)
         page.locator("#picture").focus()
         page.keyboard.press("Shift+F")
@@ -207,6 +208,7 @@ def test_labels_name_parts_and_cover_neither_one_another_nor_the_gizmo(context: 
 def test_contact_is_told_while_it_is_pushed_and_while_the_tool_rests(context: Any, stand: Path, cube: Path) -> None:
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
+        move(page, 0.0, 0.0, 0.3)
         move(page, 0.0, 0.0, 0.15)
         page.locator("#picture").focus()
         page.keyboard.press("1")
@@ -229,7 +231,7 @@ def test_contact_is_told_while_it_is_pushed_and_while_the_tool_rests(context: An
 
 
 def test_the_view_glides_and_ends_with_any_input(browser: Any, stand: Path, cube: Path) -> None:
-    context = browser.new_context(viewport={"width": 640, "height": 480}, reduced_motion="no-preference")
+    context = browser.new_context(viewport={"width": 1280, "height": 720}, reduced_motion="no-preference")
     context.set_default_timeout(60_000)
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
@@ -241,9 +243,10 @@ def test_the_view_glides_and_ends_with_any_input(browser: Any, stand: Path, cube
         settled(page)
         page.keyboard.press("4")
         left, top, right, bottom = area(page, "#picture")
-        page.mouse.move((left + right) / 2, (top + bottom) / 2)
+        x, y = left + 0.3 * (right - left), bottom - 0.2 * (bottom - top)
+        page.mouse.move(x, y)
         page.mouse.down()
-        page.mouse.move((left + right) / 2 + 30, (top + bottom) / 2, steps=4)
+        page.mouse.move(x + 30, y, steps=4)
         page.mouse.up()
         turned = forward(page)
         assert turned[0] < -0.9 and not np.allclose(turned, RIGHT), "turned from the right, wherever it had come to"

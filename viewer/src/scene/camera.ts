@@ -218,8 +218,8 @@ export class CameraRig {
   }
 
   /** The near and far planes for a scene in `box`: nothing of it is cut, and the depth buffer is used well. */
-  range(box: Box, isReversed: boolean): { near: number; far: number } {
-    if (this.isParallel) {
+  range(box: Box, isReversed: boolean, isParallel = this.isParallel): { near: number; far: number } {
+    if (isParallel) {
       // The eye may be amid the scene, or behind it. Far more than the box: things in hand are anywhere.
       const depth = isEmpty(box) ? this.reach : dot(subtract(centre(box), this.position), this.forward);
       const room = 10 * Math.max(diagonal(box), 1e-3) + 2 * this.reach;

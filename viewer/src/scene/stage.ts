@@ -612,7 +612,12 @@ export class Stage {
     this.rig.updateMatrixWorld();
     renderer.clear(true, true, false);
     this.#uniforms.hasKept.value = false;
-    this.#uniforms.parallel.value = 0;
+    if (eye.half !== null) {
+      // Eyes see in perspective, and planes behind them are not for a headset.
+      eye.half = null;
+      Object.assign(eye, this.camera.range(this.#model.bounds, renderer.capabilities.reversedDepthBuffer, false));
+      this.#uniforms.parallel.value = 0;
+    }
     this.#back.draw(renderer, target);
     const { solid, ghosts } = this.#model.pieces(null);
     this.#drawMeshes(solid, null);

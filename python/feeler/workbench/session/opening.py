@@ -85,14 +85,17 @@ def name_of(mockup: Mockup) -> str:
 
 
 def beside(scene: Scene, tool: Tool | None) -> Floats:
-    """Upright, to the right of the scene's box, at half its height: free, and seen whole in the page's first view.
+    """Upright, to the right of the scene's box, its middle at the box's top: free, and seen in the page's first view.
 
-    The page first looks from the front, the right and above: there, nothing of the scene is before this place.
+    The page first looks from the front, the right and above: there, nothing of the scene is before this place. From the
+    top, the straight way to a place above the scene is free.
     """
     low, high = scene_bounds(scene)
     bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
     offset = 0.5 * (low + high - bottom - top)
-    right = _RIGHT[scene.mockup.source.up or "z"]
+    up = scene.mockup.source.up or "z"
+    above, right = "xyz".index(up), _RIGHT[up]
+    offset[above] += 0.5 * (high[above] - low[above])
     offset[right] = high[right] - bottom[right] + _BESIDE_SHARE * float(np.linalg.norm(high - low))
     return motion.shifted(offset)
 
