@@ -136,4 +136,6 @@ test("a tool out of the picture is known, and the arrow lies at the edge towards
   const up = edgeArrow({ x: 400, y: -900 }, PICTURE, 30);
   assert.deepEqual([up.x, up.y], [400, 30]);
   assert.ok(Math.abs(up.angle + Math.PI / 2) < 1e-12);
+  const beside = edgeArrow({ x: -5000, y: 100 }, PICTURE, 30, [square(30, 120, 100)]);
+  assert.ok(beside.x === 30 && beside.y >= 250, "it slides along its edge, off a toolbar");
 });

@@ -21,7 +21,7 @@ export interface HandleElements extends CompassElements {
 }
 
 /** The page's controls over the picture. */
-const CONTROLS = ".toolbar, .view-cube, .triad, .scale-bar, .heat-legend, .tool-arrow";
+const CONTROLS = ".toolbar, .view-cube, .triad, .scale-bar, .heat-legend";
 const MEASURED_MS = 500;
 /** Room for the letters of the gizmo. */
 const LETTER_PX = 22;
@@ -108,7 +108,7 @@ export class Handles {
   private paintArrow(): void {
     const { camera } = this.wb.stage;
     const target = this.pointer.outOfSight();
-    const at = target && edgeArrow(target, camera, ARROW_MARGIN_PX);
+    const at = target && edgeArrow(target, camera, ARROW_MARGIN_PX, this.controls());
     const key = at ? `${at.x.toFixed(1)},${at.y.toFixed(1)},${at.angle.toFixed(3)}` : "";
     if (key === this.arrow_drawn) return;
     this.arrow_drawn = key;

@@ -150,17 +150,33 @@ export function slices(box: readonly Vec3[]): Vec3[][] {
   );
 }
 
-/** Where an arrow at the edge of the picture points to something out of it, and by which angle (radians, clockwise from right). */
+const SLIDE_PX = 12;
+const MOST_SLIDES = 60;
+
+/**
+ * Where an arrow at the edge of the picture points to something out of it, and by which angle (radians, clockwise from
+ * right). It slides along its edge where `taken` is in its way.
+ */
 export function edgeArrow(
   target: Point,
   picture: { readonly width: number; readonly height: number },
   margin: number,
+  taken: readonly Area[] = [],
 ): Point & { readonly angle: number } {
   const [halfX, halfY] = [picture.width / 2, picture.height / 2];
   const [dx, dy] = [target.x - halfX, target.y - halfY];
-  const share = Math.min(
-    Math.max(halfX - margin, 1) / Math.max(Math.abs(dx), 1e-9),
-    Math.max(halfY - margin, 1) / Math.max(Math.abs(dy), 1e-9),
-  );
-  return { x: halfX + dx * share, y: halfY + dy * share, angle: Math.atan2(dy, dx) };
+  const [mostX, mostY] = [Math.max(halfX - margin, 1), Math.max(halfY - margin, 1)];
+  const [shareX, shareY] = [mostX / Math.max(Math.abs(dx), 1e-9), mostY / Math.max(Math.abs(dy), 1e-9)];
+  const share = Math.min(shareX, shareY);
+  const isAtSide = shareX <= shareY;
+  const first = { x: halfX + dx * share, y: halfY + dy * share };
+  const angle = Math.atan2(dy, dx);
+  for (let k = 0; k < MOST_SLIDES; k++) {
+    const by = SLIDE_PX * Math.ceil(k / 2) * (k % 2 === 0 ? 1 : -1);
+    const at = isAtSide ? { x: first.x, y: first.y + by } : { x: first.x + by, y: first.y };
+    if (Math.abs(at.x - halfX) > mostX + 1e-6 || Math.abs(at.y - halfY) > mostY + 1e-6) continue;
+    const area = { left: at.x - margin, right: at.x + margin, top: at.y - margin, bottom: at.y + margin };
+    if (!taken.some((other) => doOverlap(area, other))) return { ...at, angle };
+  }
+  return { ...first, angle };
 }
