@@ -40,6 +40,7 @@ export class Composer {
       this.#tint.draw(renderer, lit);
     }
     this.isLitNew = false;
+    this.#over.prepare(renderer, this.#eye, width, height);
     // First the clear: a browser that has shown the canvas clears its colour as well, at the first clear or draw after.
     renderer.setRenderTarget(target);
     renderer.clear(false, true, false);

@@ -12,11 +12,11 @@ import {
   Vector3,
   type WebGLRenderer,
 } from "three";
-import { type Box, isEmpty, type Vec3 } from "../math/vectors";
+import type { Vec3 } from "../math/vectors";
 import type { Eye } from "./eye";
 import { HEAT_REACH_M, type HeatField } from "./heat-field";
 import type { Held } from "./held";
-import { RectPass, rectOf } from "./rect";
+import { BoxPass, grown } from "./rect";
 import { define } from "./screen";
 import { heatFragment } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
@@ -24,7 +24,7 @@ import type { SharedUniforms } from "./uniforms";
 export class Heat {
   /** Whether anything is near enough to be shown. */
   isOn = false;
-  readonly #pass: RectPass;
+  readonly #pass: BoxPass;
   readonly #uniforms = {
     field: { value: null as Data3DTexture | null },
     fieldFromView: { value: new Matrix4() },
@@ -35,7 +35,7 @@ export class Heat {
   #field: HeatField | null = null;
 
   constructor(uniforms: SharedUniforms) {
-    this.#pass = new RectPass(
+    this.#pass = new BoxPass(
       heatFragment,
       { ...uniforms, ...this.#uniforms },
       { defines: { SECTIONS: 0 }, depthTest: false, depthWrite: false, blending: NormalBlending },
@@ -69,19 +69,16 @@ export class Heat {
   }
 
   /** Draws it to the current target. */
-  draw(renderer: WebGLRenderer, held: Held, eye: Eye, middle: Vec3): void {
+  draw(renderer: WebGLRenderer, held: Held, eye: Eye): void {
     const field = this.#field;
     if (!this.isOn || !field) return;
-    const { width, height } = renderer.getRenderTarget() ?? renderer.domElement;
-    const rect = rectOf(grown(held.box(), HEAT_REACH_M), middle, eye, width, height, 0);
-    if (!rect) return;
     // From view coordinates into those of the texture, in which nodes are the middles of texels.
     const { size, origin, cell } = field;
     const toTexture = new Matrix4()
       .makeScale(1 / (cell * size[0]), 1 / (cell * size[1]), 1 / (cell * size[2]))
       .multiply(new Matrix4().makeTranslation(-origin[0] + cell / 2, -origin[1] + cell / 2, -origin[2] + cell / 2));
     this.#uniforms.fieldFromView.value.copy(toTexture).multiply(held.matrix.clone().invert()).multiply(eye.matrixWorld);
-    this.#pass.draw(renderer, rect, width, height);
+    this.#pass.draw(renderer, grown(held.pieceBox(), HEAT_REACH_M), held.matrix, eye);
   }
 
   dispose(): void {
@@ -89,8 +86,3 @@ export class Heat {
     this.#pass.dispose();
   }
 }
-
-const grown = (box: Box, by: number): Box =>
-  isEmpty(box)
-    ? box
-    : { lower: box.lower.map((value) => value - by) as Vec3, upper: box.upper.map((value) => value + by) as Vec3 };

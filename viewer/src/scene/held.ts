@@ -118,14 +118,15 @@ export class Held {
 
   /** The meshes for the heat map's field, and their box, in the frame of the pieces; null for an empty hand. */
   fieldMesh(): { pieces: FieldMesh[]; lower: Vec3; upper: Vec3 } | null {
+    return this.#manifest && { pieces: this.#pieces.map(({ arrays }) => arrays), ...this.pieceBox() };
+  }
+
+  /** The box of the mesh in the frame of the pieces; empty for an empty hand. */
+  pieceBox(): Box {
     const manifest = this.#manifest;
-    if (!manifest) return null;
+    if (!manifest) return emptyBox();
     const { lower, middle, upper } = manifest;
-    return {
-      pieces: this.#pieces.map(({ arrays }) => arrays),
-      lower: subtract(lower, middle),
-      upper: subtract(upper, middle),
-    };
+    return { lower: subtract(lower, middle), upper: subtract(upper, middle) };
   }
 
   /** The corners of the mesh's box at a pose, world metres; none for an empty hand. */

@@ -13,13 +13,10 @@ import { Hits } from "./hits";
 import { LabelLayer, type Taken } from "./labels";
 import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import type { Model } from "./model";
-import { rectOf } from "./rect";
 import { SectionLines } from "./sections";
 import type { SharedUniforms } from "./uniforms";
 
 const NONE = new Uint32Array(0);
-// Room for the outline around the held mesh, device pixels.
-const HELD_MARGIN = 4;
 
 export class Over {
   readonly held: Held;
@@ -110,8 +107,13 @@ export class Over {
     this.#labels?.update(this.#marks.anchors, camera, taken);
   }
 
+  /** What is drawn aside, for a picture of that size: before `draw`, and before the picture itself. */
+  prepare(renderer: WebGLRenderer, eye: Eye, width: number, height: number): void {
+    if (!this.held.isEmpty) this.#heldLayer.prepare(renderer, this.held, eye, this.#middle, width, height);
+  }
+
   draw(renderer: WebGLRenderer, eye: Eye): void {
-    if (this.uniforms.hasKept.value && !this.held.isEmpty) this.heat.draw(renderer, this.held, eye, this.#middle);
+    if (this.uniforms.hasKept.value && !this.held.isEmpty) this.heat.draw(renderer, this.held, eye);
     if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
     this.#drawHeld(renderer, eye);
     if (!this.#hits.isEmpty) {
@@ -130,9 +132,7 @@ export class Over {
       renderer.render(this.held.scene, eye);
       return;
     }
-    const { width, height } = renderer.getRenderTarget() ?? renderer.domElement;
-    const rect = rectOf(this.held.box(), this.#middle, eye, width, height, HELD_MARGIN);
-    if (rect) this.#heldLayer.draw(renderer, this.held, eye, rect);
+    this.#heldLayer.draw(renderer, this.held, eye);
   }
 
   dispose(): void {

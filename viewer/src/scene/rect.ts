@@ -1,21 +1,21 @@
-// Passes over a rectangle of the picture: what only concerns the surroundings of the hand costs no more than that.
+// Passes over a part of the picture: what only concerns the surroundings of the hand costs no more than that.
 
 import {
+  BackSide,
   BufferAttribute,
   BufferGeometry,
   GLSL3,
   type IUniform,
+  Matrix4,
   Mesh,
-  OrthographicCamera,
   RawShaderMaterial,
   Scene,
   type ShaderMaterialParameters,
-  Vector4,
   type WebGLRenderer,
 } from "three";
 import { type Box, corners, isEmpty, subtract, type Vec3 } from "../math/vectors";
 import type { Eye } from "./eye";
-import { rectVertex } from "./shaders";
+import { boxVertex } from "./shaders";
 
 /** Pixels of a target, from its lower left corner. */
 export interface Rect {
@@ -60,38 +60,51 @@ export function rectOf(box: Box, middle: Vec3, eye: Eye, width: number, height: 
   return { left: from[0], bottom: from[1], width: to[0] - from[0], height: to[1] - from[1] };
 }
 
-export class RectPass {
+// The corners of a unit cube and its faces, against the clock from outside.
+const CUBE = [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1];
+const FACES = [
+  [0, 2, 3, 1],
+  [4, 5, 7, 6],
+  [0, 1, 5, 4],
+  [2, 6, 7, 3],
+  [0, 4, 6, 2],
+  [1, 3, 7, 5],
+] as const;
+
+/** A pass over the pixels of a box in space, each once: by its far side, which is there from inside as well. */
+export class BoxPass {
   readonly material: RawShaderMaterial;
-  readonly #rect = { value: new Vector4() };
   readonly #scene = new Scene();
   readonly #geometry = new BufferGeometry();
-  readonly #camera = new OrthographicCamera();
+  readonly #mesh: Mesh;
 
   constructor(fragmentShader: string, uniforms: Record<string, IUniform>, parameters: ShaderMaterialParameters = {}) {
     this.material = new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader: rectVertex,
+      vertexShader: boxVertex,
       fragmentShader,
-      uniforms: { ...uniforms, rect: this.#rect },
+      uniforms,
       transparent: true,
+      side: BackSide,
       ...parameters,
     });
-    this.#geometry.setAttribute(
-      "position",
-      new BufferAttribute(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]), 3),
-    );
-    this.#geometry.setIndex([0, 1, 2, 2, 1, 3]);
-    const mesh = new Mesh(this.#geometry, this.material);
-    mesh.frustumCulled = false;
-    this.#scene.add(mesh);
+    this.#geometry.setAttribute("position", new BufferAttribute(new Float32Array(CUBE), 3));
+    this.#geometry.setIndex(FACES.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]));
+    this.#mesh = new Mesh(this.#geometry, this.material);
+    this.#mesh.frustumCulled = false;
+    this.#mesh.matrixAutoUpdate = false;
+    this.#scene.add(this.#mesh);
   }
 
-  /** Draws over `rect` of the current target, `width` x `height` pixels. */
-  draw(renderer: WebGLRenderer, rect: Rect, width: number, height: number): void {
-    const x = (at: number) => (2 * at) / width - 1;
-    const y = (at: number) => (2 * at) / height - 1;
-    this.#rect.value.set(x(rect.left), y(rect.bottom), x(rect.left + rect.width), y(rect.bottom + rect.height));
-    renderer.render(this.#scene, this.#camera);
+  /** Draws over `box`, which `matrix` takes to the scene, to the current target. */
+  draw(renderer: WebGLRenderer, box: Box, matrix: Matrix4, eye: Eye): void {
+    const size = subtract(box.upper, box.lower);
+    this.#mesh.matrix
+      .makeTranslation(...box.lower)
+      .multiply(new Matrix4().makeScale(...size))
+      .premultiply(matrix);
+    this.#mesh.matrixWorldNeedsUpdate = true;
+    renderer.render(this.#scene, eye);
   }
 
   dispose(): void {
@@ -99,3 +112,9 @@ export class RectPass {
     this.material.dispose();
   }
 }
+
+/** The box grown by `by` on all sides; an empty one stays empty. */
+export const grown = (box: Box, by: number): Box =>
+  isEmpty(box)
+    ? box
+    : { lower: box.lower.map((value) => value - by) as Vec3, upper: box.upper.map((value) => value + by) as Vec3 };

@@ -173,11 +173,12 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
-/** Over a rectangle: its lower left and upper right corner, -1 to 1. */
-export const rectVertex = `${PRECISION}/* glsl */
-uniform vec4 rect;
+// A box in space, for a pass over its pixels.
+export const boxVertex = `${PRECISION}/* glsl */
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
 in vec3 position;
-void main() { gl_Position = vec4(mix(rect.xy, rect.zw, position.xy), 0.0, 1.0); }
+void main() { gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0)); }
 `;
 
 // Makes the kept picture from the raw one: edges between parts and at creases, over the background.

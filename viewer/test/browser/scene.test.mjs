@@ -171,7 +171,7 @@ scene("a frame in which only the tool moves draws the tool alone", async () => {
   );
   for (const frame of stats) {
     assert.equal(frame.isKept, true);
-    assert.equal(frame.triangles, 12 + 2, "and the rectangle that it covers");
+    assert.equal(frame.triangles, 12 + 12, "and the box that it covers");
     assert.ok(frame.calls <= 3);
   }
 });
