@@ -85,7 +85,7 @@ def name_of(mockup: Mockup) -> str:
 
 
 def beside(scene: Scene, tool: Tool | None) -> Floats:
-    """Upright, to the right of the scene's box, its middle at the box's top: free, and seen in the page's first view.
+    """Upright, to the right of the scene's box, its lower end at the box's top: free, and in the page's first view.
 
     The page first looks from the front, the right and above: there, nothing of the scene is before this place. From the
     top, the straight way to a place above the scene is free.
@@ -95,7 +95,7 @@ def beside(scene: Scene, tool: Tool | None) -> Floats:
     offset = 0.5 * (low + high - bottom - top)
     up = scene.mockup.source.up or "z"
     above, right = "xyz".index(up), _RIGHT[up]
-    offset[above] += 0.5 * (high[above] - low[above])
+    offset[above] = high[above] - bottom[above]
     offset[right] = high[right] - bottom[right] + _BESIDE_SHARE * float(np.linalg.norm(high - low))
     return motion.shifted(offset)
 
