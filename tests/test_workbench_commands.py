@@ -78,7 +78,7 @@ def test_sections_measures_viewpoints_and_units(bench: Bench) -> None:
     bench.command("measure_add", type="angle", points=[[1, 0, 0], [0, 0, 0], [0, 2, 0]])
     assert bench.document["measures"][1]["value"] == pytest.approx(np.pi / 2)
     bench.command("measure_remove", id=number)
-    camera = {"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5}
+    camera = {"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5, "is_parallel": True}
     number = bench.command("viewpoint_add", name="front", camera=camera)["id"]
     assert bench.document["viewpoints"] == [{"id": number, "name": "front", "camera": camera}]
     bench.command("viewpoint_remove", id=number)
@@ -172,7 +172,7 @@ def test_the_samples_can_be_taken_and_a_tool_never_begins_in_the_mockup(bench: B
     wrench = feeler.sample_tool("wrench")
     assert bench.document["tool"] == {"name": "wrench", "triangles": wrench.triangle_count}
     assert not bench.scene.is_colliding(wrench, bench.pose)
-    assert bench.pose[2, 3] + wrench.bounds[0, 2] > 0.5, "above the sheet"
+    assert bench.pose[0, 3] + wrench.bounds[0, 0] > 0.5, "beside the sheet"
     bench.command("undo")
     assert bench.document["tool"]["name"] == "small"
     np.testing.assert_array_equal(bench.pose, on_plate)

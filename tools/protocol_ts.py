@@ -201,6 +201,8 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
         comment(ast.get_docstring(node) or "", ""),
         f"export interface {RENAMED.get(node.name, node.name)}{heir} {{\n",
     ]
+    # With total=False the fields may be absent.
+    mark = "?" if any(each.arg == "total" and not ast.literal_eval(each.value) for each in node.keywords) else ""
     packed: list[str] = []
     kind = ""
     for each, doc in documented(node.body):
@@ -214,7 +216,7 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
             for key, value in ast.literal_eval(each.value or ast.Constant(None)).items():
                 lines.append(f"  readonly {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
         else:
-            lines.append(f"{comment(doc, '  ')}  readonly {name}: {of(each.annotation)};\n")
+            lines.append(f"{comment(doc, '  ')}  readonly {name}{mark}: {of(each.annotation)};\n")
             if spec := array_spec(each.annotation):
                 packed.append(f"    {name}: {spec},\n")
     table = [f"  {kind}: {{\n", *packed, "  },\n"] if packed else []

@@ -120,7 +120,7 @@ class ViewCommands:
         return self.command("put_back", parts=plain_parts(parts))
 
     def take_tool(self, name: str | None) -> CommandAnswer:
-        """Takes another tool, or none; where it would collide, it starts above the mock-up."""
+        """Takes another tool, or none; where it would collide, it starts beside the mock-up."""
         return self.command("take_tool", name=name)
 
     def measure_add(

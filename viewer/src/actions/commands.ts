@@ -77,6 +77,7 @@ const typing = (
 ): PageCommand => ({ ...command("Tool", id, title, keys, run), while: "typing" });
 
 const VIEWS = ["front", "back", "left", "right", "top", "bottom", "corner"] as const;
+const HOME_VIEW = 7;
 const AXES = ["X", "Y", "Z"] as const;
 const STEPS: readonly [string, string, Vec3][] = [
   ["ArrowRight", "right", [1, 0, 0]],
@@ -220,6 +221,13 @@ export const COMMANDS: readonly PageCommand[] = [
   ]),
   command("Look", "zoom-in", "Zoom in", ["+", "="], (wb) => zoom(wb, 0.8), hasMockup),
   command("Look", "zoom-out", "Zoom out", "-", (wb) => zoom(wb, 1.25), hasMockup),
+  command("Look", "home", "Home view: all from a corner", "Home", (wb) => wb.view(HOME_VIEW), hasMockup),
+  command("Look", "projection", "Parallel projection, or perspective", "O", (wb) =>
+    wb.store.set({ is_parallel: !wb.store.settings.peek().is_parallel }),
+  ),
+  command("Page", "glide", "Gliding view on, or off", "", (wb) =>
+    wb.store.set({ has_glide: !wb.store.settings.peek().has_glide }),
+  ),
   command("Look", "snapshot", "Picture and viewpoint", "K", takeSnapshot, hasMockup),
   command(
     "Look",
@@ -282,20 +290,7 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Tool", "snapping", "Snapping on, or off", "T", (wb) =>
     wb.store.set({ is_snapping: !wb.store.settings.peek().is_snapping }),
   ),
-  command(
-    "Tool",
-    "look-at-tool",
-    "Look at the tool",
-    "Shift+F",
-    (wb) => {
-      const center = wb.hand.center;
-      if (!center) return;
-      const { camera } = wb.stage;
-      camera.translate([center[0] - camera.target[0], center[1] - camera.target[1], center[2] - camera.target[2]]);
-      wb.redraw();
-    },
-    hasHand,
-  ),
+  command("Tool", "look-at-tool", "Look at the tool", "Shift+F", (wb) => wb.lookAtTool(), hasHand),
   command(
     "Tool",
     "spacemouse",
@@ -313,8 +308,8 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => wb.store.is_xr_there.value,
   ),
 
-  command("Ask", "ask-removal", "Can it come out?", "O", (wb) => ask(wb, "removal"), hasTargets),
-  command("Ask", "ask-order", "What has to go first?", "Shift+O", (wb) => ask(wb, "order"), hasTargets),
+  command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), hasTargets),
+  command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), hasTargets),
   command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
   command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),
 

@@ -25,6 +25,10 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       loop.request();
     }),
     effect(() => {
+      stage.camera.setParallel(store.settings.value.is_parallel);
+      loop.request();
+    }),
+    effect(() => {
       const theme = store.theme.value;
       document.documentElement.dataset.theme = theme;
       stage.setTheme(theme);
@@ -32,7 +36,13 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
     }),
     // The figures of marks depend on the unit; measures and picks are marks themselves.
     effect(() => {
-      void [store.unit.value, store.document.value?.measures, store.measuring.value, store.snap.value];
+      void [
+        store.unit.value,
+        store.document.value?.measures,
+        store.measuring.value,
+        store.snap.value,
+        store.typed.value,
+      ];
       loop.remark();
     }),
     effect(() => {

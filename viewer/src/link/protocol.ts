@@ -29,10 +29,10 @@ export type Selection = readonly (number | string)[] | number | string;
 
 /** What a command answers. `id`: of what it added. `pose`: of the hand. */
 export interface CommandAnswer {
-  readonly id: number;
-  readonly pose: Pose;
-  readonly undo_depth: number;
-  readonly redo_depth: number;
+  readonly id?: number;
+  readonly pose?: Pose;
+  readonly undo_depth?: number;
+  readonly redo_depth?: number;
 }
 
 export type Unit = "mm" | "cm" | "m" | "in";
@@ -126,13 +126,19 @@ export interface Measure {
   readonly is_exact: boolean;
 }
 
-/** A camera pose. */
-export interface Camera {
+/** Where a camera is, and what it looks at. */
+export interface CameraPlace {
   readonly position: Vec3;
   readonly target: Vec3;
   readonly up: Vec3;
   /** Vertical field of view. */
   readonly fov_rad: number;
+}
+
+/** A camera. */
+export interface Camera extends CameraPlace {
+  /** Parallel projection, as high at the target as the perspective view; absent: perspective. */
+  readonly is_parallel?: boolean;
 }
 
 /** A stored camera. */
@@ -724,7 +730,7 @@ export interface CardAnswer {
   /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
   readonly room: HeldManifest | null;
   /** What else is to be said: a name and a figure. */
-  readonly facts: readonly ([string, string])[];
+  readonly facts: readonly [string, string][];
 }
 
 /** The arguments of commands. */
@@ -767,7 +773,7 @@ export interface Commands {
   readonly release: Record<string, never>;
   /** Puts parts back into their places. */
   readonly put_back: { readonly parts: Selection };
-  /** Takes another tool, or none; where it would collide, it starts above the mock-up. */
+  /** Takes another tool, or none; where it would collide, it starts beside the mock-up. */
   readonly take_tool: { readonly name: string | null };
   /** Adds a measure of points, parts or triangles. */
   readonly measure_add: {

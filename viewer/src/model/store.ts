@@ -104,6 +104,8 @@ export class Store {
   /** A headset is there. */
   readonly is_xr_there = signal(false);
   readonly is_system_dark = signal(true);
+  /** The system asks for reduced motion. */
+  readonly is_motion_reduced = signal(false);
 
   /** The parts that were left out of the scene: nobody sees them. */
   readonly absent = computed(() => {

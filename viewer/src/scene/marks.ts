@@ -23,6 +23,12 @@ export interface Marks {
   /** (c, 7): distance, point on the tool 3, point on the mock-up 3. One text a row. */
   clearances: { rows: Float32Array; texts: string[] } | null;
   distance: { from: Vec3; to: Vec3; text: string } | null;
+  /** What is touched, at a point of the contact. */
+  touches: { at: Vec3; text: string }[];
+  /** From the tool to the hand that contact holds back. */
+  band: { from: Vec3; to: Vec3; text: string } | null;
+  /** What is being typed, at the hand. */
+  typed: { at: Vec3; text: string } | null;
   measures: MeasureMark[];
   snap: { point: Vec3; type: "vertex" | "edge" | "face" } | null;
   /** A way: its path, where it is tightest now, and the free swing of a tool about a fastener. */
@@ -38,6 +44,9 @@ export const NO_MARKS: Marks = {
   force: null,
   clearances: null,
   distance: null,
+  touches: [],
+  band: null,
+  typed: null,
   measures: [],
   snap: null,
   way: null,
@@ -61,6 +70,9 @@ const SNAP_RADIUS = 7;
 // An arrow of this force is half of the longest: the eye tells 1 N from 5 N, and 50 N still fits.
 const HALF_FORCE_N = 8;
 const ARC_STEPS = 24;
+const DASH = 12;
+const MOST_DASHES = 80;
+const BAND_SHARES = [0.5, 0.25, 0.75, 0.1, 0.9, 0, 1];
 
 /** The length of a force's arrow, CSS pixels: grows with the force, and never beyond the longest. */
 export function arrowLength(force: number): number {
@@ -107,7 +119,7 @@ export class MarkLayer {
 
   /** Builds the strokes for the camera: sizes in pixels become metres at each mark's depth. */
   build(camera: CameraRig): void {
-    const { planes, force, clearances, distance: nearest, measures, snap, way } = this.#marks;
+    const { planes, force, clearances, distance: nearest, touches, band, typed, measures, snap, way } = this.#marks;
     this.#lines.clear();
     this.#discs.clear();
     this.anchors = [];
@@ -116,7 +128,7 @@ export class MarkLayer {
     if (clearances) {
       for (let row = 0; row < clearances.texts.length; row++) {
         const [from, to] = [vec(clearances.rows, 7 * row + 1), vec(clearances.rows, 7 * row + 4)];
-        this.#addSpan(from, to, NEAR, 1.4, clearances.texts[row] as string, `clearance ${row}`, "near", 1);
+        this.#addSpan(from, to, NEAR, 1.4, clearances.texts[row] as string, `clearance ${row}`, "near", 2 - row / 100);
       }
     }
     if (nearest) this.#addSpan(nearest.from, nearest.to, NEAR, 2.2, nearest.text, "distance", "near", 3);
@@ -126,6 +138,11 @@ export class MarkLayer {
       this.#lines.addArrow(force.at, tip, HEAD * pixel(force.at), HIT, 3);
       this.anchors.push({ key: "force", point: tip, text: force.text, kind: "hit", rank: 4 });
     }
+    touches.forEach(({ at, text }, k) => {
+      this.anchors.push({ key: `touch ${k}`, point: at, text, kind: "hit", rank: 5 });
+    });
+    if (band) this.#addBand(band, camera, pixel);
+    if (typed) this.anchors.push({ key: "typed", point: typed.at, text: typed.text, kind: "hand", rank: 8 });
     for (const measure of measures) this.#addMeasure(measure, pixel);
     if (way) this.#addWay(way, pixel);
     if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
@@ -171,6 +188,30 @@ export class MarkLayer {
     this.#lines.add(from, to, tint, width);
     for (const end of [from, to]) this.#lines.add(end, end, tint, 3.2 * width);
     this.anchors.push({ key, point: scale(add(from, to), 0.5), text, kind, rank });
+  }
+
+  /** A dashed band, taut in its middle. */
+  #addBand(
+    { from, to, text }: { from: Vec3; to: Vec3; text: string },
+    camera: CameraRig,
+    pixel: (at: Vec3) => number,
+  ): void {
+    const middle = scale(add(from, to), 0.5);
+    const dashes = Math.max(1, Math.min(MOST_DASHES, Math.round(distance(from, to) / pixel(middle) / DASH)));
+    const at = (share: number) => add(scale(from, 1 - share), scale(to, share));
+    const width = (share: number) => 4.5 - 3 * Math.sin(Math.PI * share);
+    for (let k = 0; k < dashes; k++) {
+      const [start, end] = [k / dashes, (k + 0.55) / dashes];
+      this.#lines.add(at(start), at(end), HIT, width(start), width(end));
+    }
+    for (const end of [from, to]) this.#lines.add(end, end, HIT, 9);
+    // Its figure is told as long as some of it is in the picture.
+    const isSeen = (point: Vec3) => {
+      const { x, y, isAhead } = camera.project(point);
+      return isAhead && x > 0 && y > 0 && x < camera.width && y < camera.height;
+    };
+    const point = BAND_SHARES.map(at).find(isSeen) ?? middle;
+    this.anchors.push({ key: "band", point, text, kind: "hit", rank: 6 });
   }
 
   #addMeasure(measure: MeasureMark, pixel: (at: Vec3) => number): void {

@@ -271,7 +271,7 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def take_tool(document: Document, given: Arguments, known: Known) -> Document:
-    """Takes another tool, or none; where it would collide, it starts above the mock-up."""
+    """Takes another tool, or none; where it would collide, it starts beside the mock-up."""
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     if not given.has("name"):
@@ -305,7 +305,11 @@ def camera_of(given: Arguments) -> CameraView:
     """The argument "camera"."""
     inner = given.inner("camera", Camera)
     return CameraView(
-        inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
+        inner.point("position"),
+        inner.point("target"),
+        inner.unit("up"),
+        inner.number("fov_rad", 0.01, 3),
+        inner.has("is_parallel") and inner.flag("is_parallel"),
     )
 
 

@@ -109,12 +109,13 @@ class Measure:
 
 @dataclass(frozen=True)
 class CameraView:
-    """A camera: its position, target, up direction, and vertical field of view."""
+    """A camera: its position, target, up direction, vertical field of view, and projection."""
 
     position: Point
     target: Point
     up: Point
     fov_rad: float
+    is_parallel: bool = False
 
 
 @dataclass(frozen=True)

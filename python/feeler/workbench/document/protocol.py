@@ -172,14 +172,21 @@ class Measure(TypedDict):
     """Computed by the engine on the triangles, not from the picture."""
 
 
-class Camera(TypedDict):
-    """A camera pose."""
+class CameraPlace(TypedDict):
+    """Where a camera is, and what it looks at."""
 
     position: Vec3
     target: Vec3
     up: Vec3
     fov_rad: float
     """Vertical field of view."""
+
+
+class Camera(CameraPlace, total=False):
+    """A camera."""
+
+    is_parallel: bool
+    """Parallel projection, as high at the target as the perspective view; absent: perspective."""
 
 
 class Viewpoint(TypedDict):

@@ -45,7 +45,7 @@ from feeler.workbench.session.asking import Place
 from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
-from feeler.workbench.session.opening import above, opening
+from feeler.workbench.session.opening import beside, opening
 from feeler.workbench.session.record import Recorder
 from feeler.workbench.session.requests import Requests
 from feeler.workbench.session.wanted import Wanted
@@ -114,7 +114,7 @@ class Session:
     ) -> None:
         """Opens a mock-up: a new document, with nothing to undo. Prepares the data that the first answers need.
 
-        tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default above the parts
+        tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default beside the parts
         of the scene. unit: default as before. name: of the mock-up, default that of its file. Raises `WorkbenchError`,
         `OptionError`.
         """
@@ -439,13 +439,13 @@ class Session:
         )
 
     def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
-        """The pose of a newly taken tool: at the hand, if it is free there; else above the mock-up."""
+        """The pose of a newly taken tool: at the hand, if it is free there; else beside the mock-up."""
         pose = self.engine.pose
         if name not in hands.names:
             return pose
         tool = hands.tool(str(name))
         is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
-        return pose if is_free else above(hands.scene, tool)
+        return pose if is_free else beside(hands.scene, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, {})
