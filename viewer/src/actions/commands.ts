@@ -1,7 +1,7 @@
 // All commands of the page: their titles, their keys, when they can run. Keys, palette, menus, help and the tooltips of
 // buttons read this table; no other code binds a key.
 
-import { UNITS } from "../math/units";
+import { UNIT_NAMES, UNITS } from "../math/units";
 import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
@@ -141,14 +141,28 @@ function toggleHidden(wb: Workbench): Promise<boolean> {
   });
 }
 
+/** Without a part to isolate, the isolation ends. */
+function isolate(wb: Workbench): Promise<boolean> {
+  const targets = wb.targets();
+  const parts = targets.length > 0 ? targets : wb.visible([...wb.store.paths.peek().keys()]);
+  return wb.run("isolate", { parts });
+}
+
 /** Esc: closes or ends the topmost activity. */
 function endNearest(wb: Workbench): void {
   const { store } = wb;
   if (store.dialog.peek()) store.dialog.value = null;
   else if (store.menu.peek()) store.menu.value = null;
+  else if (store.drawer.peek()) store.drawer.value = null;
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
+}
+
+/** Searches the parts for words that were typed elsewhere. */
+export function searchFor(wb: Workbench, words: string): void {
+  wb.store.search.value = words;
+  focusSearch(wb);
 }
 
 function focusSearch(wb: Workbench): void {
@@ -156,7 +170,7 @@ function focusSearch(wb: Workbench): void {
   // At once, so that the next keys go into it.
   if (field) field.select();
   else {
-    wb.store.set({ is_tree_open: true });
+    wb.store.showTree(true);
     // The components are drawn anew in a microtask of their own, which is before this one.
     queueMicrotask(() => document.querySelector<HTMLInputElement>("#search")?.select());
   }
@@ -232,8 +246,8 @@ export const COMMANDS: readonly PageCommand[] = [
     "isolate",
     "Isolate, or end isolation",
     "Shift+H",
-    (wb) => wb.run("isolate", { parts: wb.targets() }),
-    hasTargets,
+    isolate,
+    (wb) => hasTargets(wb) || (canLook(wb) && (wb.store.document.value?.isolated ?? false)),
   ),
   command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canLook),
   command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canLook),
@@ -357,7 +371,7 @@ export const COMMANDS: readonly PageCommand[] = [
   command(
     "Sections",
     "section-remove",
-    "Remove the last cut",
+    "Delete the last cut",
     "",
     (wb) =>
       wb.runOf(({ sections }) => {
@@ -386,7 +400,14 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
   ...UNITS.map((unit) =>
-    command("Measures", `unit-${unit}`, `Show lengths in ${unit}`, "", (wb) => wb.run("set_unit", { unit }), canLook),
+    command(
+      "Measures",
+      `unit-${unit}`,
+      `Show lengths in ${UNIT_NAMES[unit]}`,
+      "",
+      (wb) => wb.run("set_unit", { unit }),
+      canLook,
+    ),
   ),
 
   ...(Object.entries(EXPORTS) as [Export, string][]).map(([name, title]) =>
@@ -439,19 +460,22 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Page", "theme", "Dark, or light theme", "", toggleTheme),
   command("Page", "next-region", "Focus the next region", "F6", nextRegion),
   command("Page", "tree", "Part tree: open, close", "Ctrl+B", (wb) =>
-    wb.store.set({ is_tree_open: !wb.store.settings.peek().is_tree_open }),
+    wb.store.showTree(!wb.store.is_tree_shown.peek()),
   ),
   command("Page", "panels", "Panels: open, close", "Ctrl+J", (wb) =>
-    wb.store.set({ are_panels_open: !wb.store.settings.peek().are_panels_open }),
+    wb.store.showPanels(!wb.store.are_panels_shown.peek()),
   ),
   ...PANELS.map((panel, k) =>
     command("Page", `panel-${panel}`, `Panel: ${panelTitles[panel]}`, `Alt+${k + 1}`, (wb) => {
       wb.store.panel.value = panel;
-      wb.store.set({ are_panels_open: true });
+      wb.store.showPanels(true);
     }),
   ),
   command("Page", "mute", "Sound on, or off", "Shift+M", (wb) =>
     wb.store.set({ is_muted: !wb.store.settings.peek().is_muted }),
+  ),
+  command("Page", "figures", "Engine's rate in the status line", "", (wb) =>
+    wb.store.set({ has_figures: !wb.store.settings.peek().has_figures }),
   ),
   command("Page", "rumble", "Rumble on, or off", "", (wb) =>
     wb.store.set({ has_rumble: !wb.store.settings.peek().has_rumble }),
@@ -488,7 +512,7 @@ export const shownKey = (key: string | undefined): string =>
     .replace("PageUp", "Page up")
     .replace("PageDown", "Page down");
 
-/** A button's tooltip: its action, and the key. */
+/** A tooltip: what a command is for, and its key. `tipOf` has what it would do now. */
 export function hint(id: string): string {
   const { title, keys } = commandOf(id);
   return keys[0] ? `${title} (${shownKey(keys[0])})` : title;

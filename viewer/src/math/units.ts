@@ -6,6 +6,13 @@ export type { Unit };
 
 export const UNITS: readonly Unit[] = ["mm", "cm", "m", "in"];
 
+export const UNIT_NAMES: Readonly<Record<Unit, string>> = {
+  mm: "millimetres",
+  cm: "centimetres",
+  m: "metres",
+  in: "inches",
+};
+
 const METRES: Readonly<Record<string, number>> = {
   mm: 1e-3,
   cm: 1e-2,

@@ -25,6 +25,10 @@ export interface Settings {
   readonly dead_zone: number;
   readonly vr_size: VrSize;
   readonly has_seen_tour: boolean;
+  /** The name of the open panel. */
+  readonly panel: string;
+  /** The engine's rate in the status line. */
+  readonly has_figures: boolean;
   readonly is_tree_open: boolean;
   readonly are_panels_open: boolean;
 }
@@ -45,6 +49,8 @@ export const DEFAULTS: Settings = {
   dead_zone: 0.12,
   vr_size: "table",
   has_seen_tour: false,
+  panel: "pose",
+  has_figures: false,
   is_tree_open: true,
   are_panels_open: true,
 };

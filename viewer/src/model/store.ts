@@ -5,14 +5,22 @@ import type { Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { FindingOrder } from "./findings";
-import type { Connection, ContextMenu, Dialog, Notice, Panel } from "./page-state";
+import {
+  type Connection,
+  type ContextMenu,
+  type Dialog,
+  type Drawer,
+  knownPanel,
+  type Notice,
+  type Panel,
+} from "./page-state";
 import { PartTree } from "./part-tree";
 import { drawnSections } from "./sections";
 import { loadSettings, type Settings } from "./settings";
 import type { TypedMove } from "./typed-move";
 
-/** How many notices are kept in sight. */
-const MOST_NOTICES = 4;
+/** How many notices are kept in sight; of those that only inform, the newest. */
+const MOST_NOTICES = 3;
 /** Notices that need no answer vanish by themselves. */
 const INFO_MS = 10_000;
 
@@ -65,7 +73,6 @@ export class Store {
   /** The part under the pointer; -1: none. */
   readonly hover = signal(-1);
   readonly search = signal("");
-  readonly panel = signal<Panel>("pose");
   readonly dialog = signal<Dialog>(null);
   /** The step of the tour that is shown, from 0; null: none. */
   readonly tour_step = signal<number | null>(null);
@@ -81,11 +88,18 @@ export class Store {
   readonly finding_order = signal<FindingOrder>("depth");
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
+  /** The open panel: kept over reloads. */
+  readonly panel = signal<Panel>(knownPanel(this.settings.peek().panel));
   /** The text of the live region. */
   readonly spoken = signal("");
   /** A headset is there. */
   readonly is_xr_there = signal(false);
   readonly is_system_dark = signal(true);
+  /** The window is too narrow for tree and panels beside the picture: they are drawers over it. */
+  readonly is_narrow = signal(false);
+  /** It is worked by fingers: targets are larger. */
+  readonly is_coarse = signal(false);
+  readonly drawer = signal<Drawer>(null);
 
   /** The parts that were left out of the scene: nobody sees them. */
   readonly absent = computed(() => {
@@ -104,6 +118,12 @@ export class Store {
     if (chosen !== "system") return chosen;
     return this.is_system_dark.value ? "dark" : "light";
   });
+  readonly is_tree_shown = computed(() =>
+    this.is_narrow.value ? this.drawer.value === "tree" : this.settings.value.is_tree_open,
+  );
+  readonly are_panels_shown = computed(() =>
+    this.is_narrow.value ? this.drawer.value === "panels" : this.settings.value.are_panels_open,
+  );
   /** A record is being gone through. */
   readonly is_replaying = computed(() => this.document.value?.record?.is_playing ?? false);
   /** Nothing can be changed: one file without a server, the link is down, or a record is replayed. */
@@ -131,9 +151,26 @@ export class Store {
 
   notify(level: Notice["level"], text: string): void {
     const id = this.next_notice++;
-    const others = this.notices.peek().filter((notice) => notice.text !== text);
+    const others = this.notices
+      .peek()
+      .filter((notice) => notice.text !== text && !(level === "info" && notice.level === "info"));
     this.notices.value = [...others, { id, level, text }].slice(-MOST_NOTICES);
     if (level === "info") setTimeout(() => this.dismiss(id), INFO_MS);
+  }
+
+  /** Opens or closes the tree: beside the picture, or over it. */
+  showTree(is_shown: boolean): void {
+    if (this.is_narrow.peek()) this.showDrawer(is_shown ? "tree" : null);
+    else this.set({ is_tree_open: is_shown });
+  }
+
+  showPanels(is_shown: boolean): void {
+    if (this.is_narrow.peek()) this.showDrawer(is_shown ? "panels" : null);
+    else this.set({ are_panels_open: is_shown });
+  }
+
+  showDrawer(drawer: Drawer): void {
+    this.drawer.value = drawer;
   }
 
   dismiss(id: number): void {

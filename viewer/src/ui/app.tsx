@@ -6,7 +6,8 @@ import type { Workbench } from "../actions/workbench";
 import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
 import { useWorkbench, WorkbenchContext } from "./context";
-import { Banner, Covers, Notices, RecordBar } from "./covers";
+import { AllHidden, Banner, Covers, Notices, RecordBar } from "./covers";
+import { Side } from "./drawer";
 import { CommandButton } from "./fields";
 import { FindingPanel } from "./findings";
 import { Help } from "./help";
@@ -31,15 +32,24 @@ export interface PictureElements {
 }
 
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
-  const { settings, dialog } = workbench.store;
-  const { is_tree_open, are_panels_open } = settings.value;
+  const { dialog, is_narrow, is_tree_shown, are_panels_shown } = workbench.store;
+  const [hasTree, hasPanels] = [is_tree_shown.value, are_panels_shown.value];
+  const sides = is_narrow.value ? "narrow" : `${hasTree ? "" : "no-tree"} ${hasPanels ? "" : "no-panels"}`;
   return (
     <WorkbenchContext.Provider value={workbench}>
-      <div class={`page ${is_tree_open ? "" : "no-tree"} ${are_panels_open ? "" : "no-panels"}`}>
+      <div class={`page ${sides}`}>
         <Bar />
-        {is_tree_open && <Tree />}
+        {hasTree && (
+          <Side side="tree" title="Parts">
+            <Tree />
+          </Side>
+        )}
         <Picture picture={picture} />
-        {are_panels_open && <Panels />}
+        {hasPanels && (
+          <Side side="panels" title="Panels">
+            <Panels />
+          </Side>
+        )}
         <StatusLine />
       </div>
       <Tour />
@@ -72,6 +82,7 @@ function Picture({ picture }: { picture: PictureElements }) {
       </div>
       <Banner />
       <RecordBar />
+      <AllHidden />
       <Covers />
       <ContextMenu />
     </main>

@@ -1,6 +1,6 @@
 // Overlays on the picture: loading, failure, a broken link, notices.
 
-import { formatShare } from "../math/units";
+import { formatCount, formatShare } from "../math/units";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
@@ -105,6 +105,20 @@ export function Banner() {
   );
 }
 
+/** An empty picture says why, and how it ends. */
+export function AllHidden() {
+  const { store } = useWorkbench();
+  const count = store.part_count.value;
+  if (!store.manifest.value || count === 0 || store.hidden.value.size < count) return null;
+  return (
+    <div class="banner quiet" role="status">
+      <Icon name="eyeOff" size={16} />
+      <span>{count === 1 ? "The only part is hidden." : `All ${formatCount(count)} parts are hidden.`}</span>
+      <CommandButton id="show-all" icon="eye" text="Show all" />
+    </div>
+  );
+}
+
 /** A record that the workbench was opened with: replayed by a button, and what came of it. */
 export function RecordBar() {
   const { store } = useWorkbench();
@@ -128,7 +142,7 @@ export function Notices() {
     <div class="notices" aria-live="polite">
       {store.notices.value.map((notice) => (
         <div key={notice.id} class={`notice ${notice.level}`} role={notice.level === "error" ? "alert" : undefined}>
-          <Icon name={notice.level === "info" ? "help" : "alert"} size={16} />
+          <Icon name={notice.level === "info" ? "info" : "alert"} size={16} />
           <span>{notice.text}</span>
           <IconButton icon="close" label="Dismiss" run={() => store.dismiss(notice.id)} />
         </div>

@@ -5,6 +5,7 @@ import { length } from "../math/vectors";
 import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
+import { Name } from "./names";
 import { poseHint } from "./typing-hint";
 import { depthText, isTouching, touchedText } from "./words";
 
@@ -35,7 +36,7 @@ export function StatusLine() {
       )}
       <ContactFacts />
       <span class="status-path" title={wb.path(store.hover.value)}>
-        {store.hover.value >= 0 ? wb.path(store.hover.value) : poseHint(store)}
+        {store.hover.value >= 0 ? <Name text={wb.path(store.hover.value)} /> : poseHint(store)}
       </span>
       {store.jobs.value.map((job) => (
         <span class="job" key={job.id}>
@@ -91,7 +92,7 @@ const REST_MS = 1000;
 function Rates() {
   const { store } = useWorkbench();
   const state = store.state.value;
-  if (!state) return null;
+  if (!state || !store.settings.value.has_figures) return null;
   // The age counts from the hand's last wish: before the first, and while the hand rests, it says nothing.
   const is_at_rest = state.pose_seq === 0 || state.age_ms > REST_MS;
   const age = is_at_rest ? "" : ` · ${state.age_ms.toFixed(1)} ms old`;

@@ -48,3 +48,7 @@ export const measureText = (measure: Pick<Measure, "unit" | "value">, unit: Unit
 /** "1 part", "4 316 parts". */
 export const partsText = (count: number, format: (count: number) => string): string =>
   `${format(count)} ${count === 1 ? "part" : "parts"}`;
+
+/** "1 triangle", "50 124 triangles". */
+export const trianglesText = (count: number, format: (count: number) => string): string =>
+  `${format(count)} ${count === 1 ? "triangle" : "triangles"}`;
