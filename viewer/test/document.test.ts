@@ -40,6 +40,7 @@ const DOCUMENT: Document = {
   viewpoints: [],
   findings: null,
   material: null,
+  doubts: [],
 };
 
 const STATE: State = {

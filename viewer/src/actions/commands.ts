@@ -5,10 +5,11 @@ import { UNIT_NAMES, UNITS } from "../math/units";
 import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
-import { PANELS, type Panel } from "../model/page-state";
+import { type Dialog, PANELS, type Panel } from "../model/page-state";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
+import { chooseFiles } from "./opening";
 import { addSection, flipped, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
@@ -48,6 +49,8 @@ const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.docume
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
+const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
+const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -148,6 +151,19 @@ function isolate(wb: Workbench): Promise<boolean> {
   return wb.run("isolate", { parts });
 }
 
+/** The menu of a part without a pointer: at what has the focus. */
+function openMenu(wb: Workbench): void {
+  const [part = -1] = wb.targets();
+  const focused = document.activeElement ?? document.body;
+  const box = focused.getBoundingClientRect();
+  const isPicture = focused === wb.canvas || focused === document.body;
+  const at = {
+    x: box.left + (isPicture ? 0.5 * box.width : 24),
+    y: box.top + (isPicture ? 0.5 * box.height : box.height),
+  };
+  wb.store.menu.value = { ...at, part, point: null, at };
+}
+
 /** Esc: closes or ends the topmost activity. */
 function endNearest(wb: Workbench): void {
   const { store } = wb;
@@ -196,6 +212,12 @@ function replayRecord(wb: Workbench): void {
 
 const toggleTheme = (wb: Workbench): void =>
   wb.store.set({ theme: wb.store.theme.peek() === "dark" ? "light" : "dark" });
+
+const showDialog =
+  (dialog: Dialog) =>
+  (wb: Workbench): void => {
+    wb.store.dialog.value = dialog;
+  };
 
 const panelTitles: Readonly<Record<Panel, string>> = {
   pose: "Pose",
@@ -252,6 +274,7 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canLook),
   command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canLook),
   command("Parts", "ghost", "Ghost, or solid", "X", toggleGhost, hasTargets),
+  command("Parts", "menu", "Menu of the selection", ["Shift+F10", "ContextMenu"], openMenu, hasTargets),
   command("Parts", "search", "Search parts", ["Ctrl+F", "/"], focusSearch, hasMockup),
   command(
     "Parts",
@@ -445,6 +468,19 @@ export const COMMANDS: readonly PageCommand[] = [
   ),
   command("Edit", "escape", "Cancel, or clear the selection", "Escape", endNearest),
 
+  command("Page", "open-file", "Open a file", "Ctrl+O", chooseFiles, canOpen),
+  command("Page", "open-sample", "Open a sample", "", showDialog("open"), canOpen),
+  command("Page", "reopen-unit", "Correct the unit of the file", "", showDialog("doubts"), canOpen),
+  command("Page", "doubts", "Doubts about the files", "", showDialog("doubts"), hasDoubts),
+  command(
+    "Page",
+    "first-run",
+    "Three questions to begin with",
+    "",
+    (wb) => wb.store.set({ has_first_run: true }),
+    hasMockup,
+  ),
+
   command("Page", "palette", "All commands", "Ctrl+K", (wb) => {
     wb.store.dialog.value = "palette";
   }),
@@ -495,6 +531,9 @@ export function commandOf(id: string): PageCommand {
   if (!found) throw new RangeError(`there is no command ${id}`);
   return found;
 }
+
+/** Whether there is a command of an id. */
+export const hasCommand = (id: string): boolean => BY_ID.has(id);
 
 /** Runs a command where it can run now; whether it did. */
 export function runCommand(wb: Workbench, id: string): boolean {

@@ -55,7 +55,7 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   page: ["share", "send", "report", "save", "download", "offline"],
   "open-file": ["load", "load a file", "import a file", "drop", "new mock-up"],
   "open-sample": ["example", "demo", "load a sample"],
-  "reopen-unit": ["unit", "scale", "wrong size", "millimetres", "inches"],
+  "reopen-unit": ["unit of the file", "scale", "wrong size", "wrong unit", "too large", "too small"],
   doubts: ["report", "load report", "warnings", "problems", "defects"],
   "open-findings": ["load findings", "import findings", "clash", "clashes", "bcf", "report"],
   "next-finding": ["clash", "interference", "issue"],

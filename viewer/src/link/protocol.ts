@@ -10,6 +10,12 @@ export const NOT_ALLOWED = 1008;
 /** Closes a socket of another protocol version: the page must reload. */
 export const RELOAD = 4001;
 
+/** Closes a socket of a page beyond the limit: another one must be closed first. */
+export const TOO_MANY_PAGES = 4002;
+
+/** Bytes of a file in one message. */
+export const MOST_PIECE_BYTES = 524288;
+
 /** Colliding triangles listed in a state, of each side. */
 export const MOST_HITS = 20000;
 
@@ -208,6 +214,20 @@ export interface Document {
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
   readonly material: Material | null;
+  /** What puts answers about mock-up and tool in doubt, as their loaders found. */
+  readonly doubts: readonly string[];
+}
+
+/** What a page may open in place of the present mock-up. */
+export interface Opens {
+  /** Suffixes of files, such as ".stl". */
+  readonly formats: readonly string[];
+  /** Suffixes of files that others of them need. */
+  readonly companions: readonly string[];
+  readonly samples: readonly string[];
+  /** Of all files together. */
+  readonly most_bytes: number;
+  readonly most_files: number;
 }
 
 /** The parts of a mock-up by column. */
@@ -321,6 +341,12 @@ export interface PartFacts {
   /** Null: the part has no triangle that can be queried. */
   readonly lower: Vec3 | null;
   readonly upper: Vec3 | null;
+  /** Its triangles enclose a volume: each edge has two of them, in opposite directions. */
+  readonly is_closed: boolean;
+  /** Cubic metres; null: it is not closed. */
+  readonly volume: number | null;
+  /** Square metres. */
+  readonly area: number;
   readonly state: "gripped" | "moved" | "in place" | "left out";
   readonly is_hidden: boolean;
 }
@@ -436,6 +462,44 @@ export interface Benchmarked {
   readonly figures: Readonly<Record<string, unknown>>;
 }
 
+/** A file of the user's machine. */
+export interface FileToSend {
+  /** Without folders. */
+  readonly name: string;
+  readonly bytes: number;
+}
+
+/** Announces files to open. Answered by a reply with their number, "files". */
+export interface SendFiles {
+  readonly kind: "send_files";
+  readonly id: number;
+  readonly files: readonly FileToSend[];
+}
+
+/** The next bytes of an announced file. Answered by a reply, for which the page waits before the next one. */
+export interface FilePiece {
+  readonly kind: "file_piece";
+  readonly id: number;
+  readonly files: number;
+  /** Index in `SendFiles.files`. */
+  readonly file: number;
+  readonly data: Uint8Array;
+}
+
+/**
+ * Opens another mock-up: files that were sent, or a sample; or the present one with other options.
+ *
+ * Answered at once; the document then shows the progress.
+ */
+export interface OpenMockup {
+  readonly kind: "open_mockup";
+  readonly id: number;
+  readonly files: number | null;
+  readonly sample: string | null;
+  /** Of the files; null: as they say. */
+  readonly unit: string | null;
+}
+
 /** The answer to hello: the whole state. */
 export interface Welcome {
   readonly kind: "welcome";
@@ -451,6 +515,8 @@ export interface Welcome {
   readonly held: HeldManifest | null;
   /** Versions of the server's software, by name. */
   readonly versions: Readonly<Record<string, string>>;
+  /** Null: the mock-up cannot be replaced from a page. */
+  readonly opens: Opens | null;
 }
 
 /** The engine's results at the newest pose. A newer state replaces it. */
@@ -617,7 +683,9 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
+export type OpeningRequest = SendFiles | FilePiece | OpenMockup;
+
+export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
@@ -752,6 +820,9 @@ type Request<Name, Args> =
 export const ARRAYS = {
   pose: {
     pose: ["f8", [4, 4], null],
+  },
+  file_piece: {
+    data: ["u1", ["bytes"], MOST_PIECE_BYTES],
   },
   state: {
     pose: ["f8", [4, 4], null],

@@ -3,7 +3,7 @@
 import type { Point, Vec3 } from "../math/vectors";
 
 /** How the page stands with the server. */
-export type Connection = "connecting" | "open" | "lost" | "refused" | "outdated" | "offline";
+export type Connection = "connecting" | "open" | "lost" | "refused" | "full" | "outdated" | "offline";
 
 export interface Notice {
   readonly id: number;

@@ -1,7 +1,7 @@
 // The page's data as signals: the server's document, the newest state, and the page's own state.
 
 import { computed, signal } from "@preact/signals";
-import type { Document, Manifest, MeasureType, State } from "../link/protocol";
+import type { Document, Manifest, MeasureType, Opens, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { FindingOrder } from "./findings";
@@ -63,6 +63,14 @@ export class Store {
   /** Why the geometry did not come. */
   readonly geometry_failed = signal<string | null>(null);
   readonly connection = signal<Connection>("connecting");
+  /** The link has been down so long that the server is probably gone. */
+  readonly is_ended = signal(false);
+  /** What can be opened in place of the present mock-up; null: nothing. */
+  readonly opens = signal<Opens | null>(null);
+  /** Files that were dropped, until it is said that the present mock-up may go. */
+  readonly pending_files = signal<readonly File[]>([]);
+  /** Files are over the page. */
+  readonly is_dropping = signal(false);
   /** Steps that can be undone and redone; null until a change told. */
   readonly undo_depth = signal<number | null>(null);
   readonly redo_depth = signal<number | null>(null);

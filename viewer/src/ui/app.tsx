@@ -6,14 +6,16 @@ import type { Workbench } from "../actions/workbench";
 import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
 import { useWorkbench, WorkbenchContext } from "./context";
-import { AllHidden, Banner, Covers, Notices, RecordBar } from "./covers";
+import { AllHidden, Banner, Covers, DropCover, Notices, RecordBar } from "./covers";
 import { Side } from "./drawer";
 import { CommandButton } from "./fields";
 import { FindingPanel } from "./findings";
+import { FirstRun } from "./first-run";
 import { Help } from "./help";
 import { Icon, type IconName } from "./icons";
 import { MeasurePanel } from "./measures";
 import { ContextMenu } from "./menu";
+import { DoubtsDialog, OpenDialog } from "./opening";
 import { Palette } from "./palette";
 import { PosePanel } from "./poses";
 import { Preferences } from "./preferences";
@@ -55,8 +57,11 @@ export function App({ workbench, picture }: { workbench: Workbench; picture: Pic
       <Tour />
       {dialog.value === "palette" && <Palette />}
       {dialog.value === "help" && <Help />}
+      {dialog.value === "open" && <OpenDialog />}
+      {dialog.value === "doubts" && <DoubtsDialog />}
       {dialog.value === "settings" && <Preferences />}
       <Notices />
+      <DropCover />
     </WorkbenchContext.Provider>
   );
 }
@@ -83,6 +88,7 @@ function Picture({ picture }: { picture: PictureElements }) {
       <Banner />
       <RecordBar />
       <AllHidden />
+      <FirstRun />
       <Covers />
       <ContextMenu />
     </main>

@@ -1,13 +1,13 @@
 // The bar at the top: the open mock-up, contact mode, undo and redo, access to every command.
 
-import { hint } from "../actions/commands";
+import { hint, runCommand } from "../actions/commands";
 import { formatCount } from "../math/units";
 import { MODES } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { Icon } from "./icons";
 import { Name } from "./names";
-import { partsText, trianglesText } from "./words";
+import { counted, partsText, trianglesText } from "./words";
 
 export function Bar() {
   const wb = useWorkbench();
@@ -15,6 +15,7 @@ export function Bar() {
   const document = store.document.value;
   const mockup = document?.mockup;
   const settings = store.settings.value;
+  const doubts = document?.doubts.length ?? 0;
   return (
     <header id="bar" class="bar">
       {store.is_narrow.value && <CommandButton id="tree" icon="sidebar" pressed={store.is_tree_shown.value} />}
@@ -57,7 +58,19 @@ export function Bar() {
         <span>Search commands</span>
         <kbd>Ctrl+K</kbd>
       </button>
+      {doubts > 0 && (
+        <button
+          type="button"
+          class="button doubts-badge"
+          title="What the loaders found doubtful about the files"
+          onClick={() => runCommand(wb, "doubts")}
+        >
+          <Icon name="alert" size={14} />
+          <span>{counted(doubts, "doubt")}</span>
+        </button>
+      )}
       <div class="bar-group bar-rest">
+        {store.opens.value && <CommandButton id="open-file" icon="folder" />}
         <CommandButton id="mute" icon={settings.is_muted ? "soundOff" : "sound"} pressed={settings.is_muted} />
         <CommandButton id="theme" icon={store.theme.value === "dark" ? "sun" : "moon"} />
         <CommandButton id="settings" icon="settings" />
@@ -73,7 +86,7 @@ export function Bar() {
 }
 
 /** What has no room in a narrow bar. */
-const MORE = ["mode", "mute", "theme", "settings", "help", "tour"] as const;
+const MORE = ["open-file", "open-sample", "mode", "mute", "theme", "settings", "help", "tour"] as const;
 
 function More() {
   const { store } = useWorkbench();

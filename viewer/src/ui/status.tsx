@@ -14,6 +14,7 @@ const CONNECTIONS: Readonly<Record<Connection, string>> = {
   open: "Connected",
   lost: "Reconnecting",
   refused: "Not allowed",
+  full: "Too many pages",
   outdated: "Reload the page",
   offline: "Read only",
 };
@@ -26,7 +27,7 @@ export function StatusLine() {
     <footer class="status">
       <span class={`link-state ${connection}`}>
         <span class="dot" aria-hidden="true" />
-        {CONNECTIONS[connection]}
+        {store.is_ended.value ? "Ended" : CONNECTIONS[connection]}
       </span>
       {store.is_recording.value && (
         <span class="recording">

@@ -8,6 +8,7 @@ import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
 import { Name } from "./names";
+import { Properties } from "./properties";
 import { scrollTo, visibleRows } from "./virtual";
 import { partsText } from "./words";
 
@@ -238,6 +239,7 @@ export function Tree() {
           })}
         </div>
       </div>
+      <Properties />
     </nav>
   );
 }

@@ -162,7 +162,7 @@ class Document:
     absent: parts excluded when the mock-up was opened. hidden: invisible parts; they still collide. gripped: parts in
     the hand, and their places in it (`hand_from_part`). moved: places of parts put down elsewhere (`world_from_part`).
     out: those of them outside the box of the scene. tools: names for `take_tool`. pose: the last pose of the hand that
-    a command set (`world_from_tool`).
+    a command set (`world_from_tool`). doubts: of the loaders of mock-up and tool.
     """
 
     mockup: MockupFacts | None = None
@@ -191,6 +191,7 @@ class Document:
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None
     material: str | None = None
+    doubts: tuple[str, ...] = ()
     next_id: int = 1
 
     def with_id(self, **changes: Any) -> Document:

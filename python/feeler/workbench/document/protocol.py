@@ -30,9 +30,11 @@ __all__ = [
     "FROM_SERVER",
     "MOST_CLEARANCES",
     "MOST_HITS",
+    "MOST_PIECE_BYTES",
     "MOST_PLANES",
     "NOT_ALLOWED",
     "RELOAD",
+    "TOO_MANY_PAGES",
     "VERSION",
     "ProtocolError",
     "decode_from_page",
@@ -47,6 +49,12 @@ NOT_ALLOWED = 1008
 
 RELOAD = 4001
 """Closes a socket of another protocol version: the page must reload."""
+
+TOO_MANY_PAGES = 4002
+"""Closes a socket of a page beyond the limit: another one must be closed first."""
+
+MOST_PIECE_BYTES = 524_288
+"""Bytes of a file in one message."""
 
 MOST_HITS = 20_000
 """Colliding triangles listed in a state, of each side."""
@@ -262,6 +270,21 @@ class DocumentFields(TypedDict):
     viewpoints: list[Viewpoint]
     findings: Findings | None
     material: Material | None
+    doubts: list[str]
+    """What puts answers about mock-up and tool in doubt, as their loaders found."""
+
+
+class Opens(TypedDict):
+    """What a page may open in place of the present mock-up."""
+
+    formats: list[str]
+    """Suffixes of files, such as ".stl"."""
+    companions: list[str]
+    """Suffixes of files that others of them need."""
+    samples: list[str]
+    most_bytes: int
+    """Of all files together."""
+    most_files: int
 
 
 class ManifestParts(TypedDict):
@@ -386,6 +409,12 @@ class PartFacts(TypedDict):
     lower: Vec3 | None
     """Null: the part has no triangle that can be queried."""
     upper: Vec3 | None
+    is_closed: bool
+    """Its triangles enclose a volume: each edge has two of them, in opposite directions."""
+    volume: float | None
+    """Cubic metres; null: it is not closed."""
+    area: float
+    """Square metres."""
     state: Literal["gripped", "moved", "in place", "left out"]
     is_hidden: bool
 
@@ -527,6 +556,50 @@ class Benchmarked:
     """As `Figures` of `viewer/src/app/benchmark.ts`."""
 
 
+class FileToSend(TypedDict):
+    """A file of the user's machine."""
+
+    name: str
+    """Without folders."""
+    bytes: int
+
+
+@dataclass(frozen=True)
+class SendFiles:
+    """Announces files to open. Answered by a reply with their number, "files"."""
+
+    KIND: ClassVar[str] = "send_files"
+    id: int
+    files: list[FileToSend]
+
+
+@dataclass(frozen=True, eq=False)
+class FilePiece:
+    """The next bytes of an announced file. Answered by a reply, for which the page waits before the next one."""
+
+    KIND: ClassVar[str] = "file_piece"
+    id: int
+    files: int
+    file: int
+    """Index in `SendFiles.files`."""
+    data: Annotated[U1, Array("u1", ("bytes",), MOST_PIECE_BYTES)]
+
+
+@dataclass(frozen=True)
+class OpenMockup:
+    """Opens another mock-up: files that were sent, or a sample; or the present one with other options.
+
+    Answered at once; the document then shows the progress.
+    """
+
+    KIND: ClassVar[str] = "open_mockup"
+    id: int
+    files: int | None
+    sample: str | None
+    unit: str | None
+    """Of the files; null: as they say."""
+
+
 # ---- server -> page ----
 
 
@@ -547,6 +620,8 @@ class Welcome:
     """Of the mesh in hand; null: the hand is empty, or there is no mock-up yet."""
     versions: dict[str, str]
     """Versions of the server's software, by name."""
+    opens: Opens | None
+    """Null: the mock-up cannot be replaced from a page."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -734,11 +809,15 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+OpeningRequest = SendFiles | FilePiece | OpenMockup
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
-FROM_PAGE: tuple[type, ...] = (Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
+FROM_PAGE: tuple[type, ...] = (
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
+    *(SendFiles, FilePiece, OpenMockup),
+)
 FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
     *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),
