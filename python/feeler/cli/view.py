@@ -131,6 +131,7 @@ def view(
     from feeler.workbench.session.benchmark import FILE
     from feeler.workbench.session.session import Session
 
+    is_tool_given = tool is not None
     if tool is None:
         if tool_unit is not None:
             raise OptionError("--tool-unit is for --tool FILE")
@@ -154,7 +155,7 @@ def view(
         server.start()
         ends.callback(server.close)
         opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held, found)
-        opening.is_tool_kept = mockup is not None
+        opening.is_tool_kept = is_tool_given
         ends.callback(opening.close)
         if record is None:  # which is of one mock-up
             session.openings.offer(opening.again)

@@ -1,7 +1,7 @@
 // Opening another mock-up: files, samples, and what was doubtful about the files that are open.
 
 import { useSignal } from "@preact/signals";
-import { chooseFiles, openFiles, openSample, reopenIn } from "../actions/opening";
+import { chooseFiles, hasWork, openFiles, openSample, reopenIn } from "../actions/opening";
 import { UNIT_NAMES, UNITS, type Unit } from "../math/units";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
@@ -59,6 +59,12 @@ export function OpenDialog() {
   }
   return (
     <Dialog title="Open a mock-up" kind="opening">
+      {hasWork(wb) && (
+        <p class="note">
+          What was done on <Name text={name ?? "the present one"} /> ends with it: removals, measures, viewpoints and
+          findings. Export first what is to stay.
+        </p>
+      )}
       <div class="setting">
         <h3>Files</h3>
         <button type="button" class="button main" onClick={() => chooseFiles(wb)}>

@@ -7,7 +7,7 @@ import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { Name } from "./names";
 import { poseHint } from "./typing-hint";
-import { depthText, isTouching, touchedText } from "./words";
+import { depthText, isolated, isTouching, touchedText, trianglesText } from "./words";
 
 const CONNECTIONS: Readonly<Record<Connection, string>> = {
   connecting: "Connecting",
@@ -70,16 +70,14 @@ function ContactFacts() {
             <span class="swatch hit" aria-hidden="true" />
             {touchedText(state.parts.map((part) => store.nameOf(part)))}
           </span>
-          {state.hit_count > 0 && (
-            <span>{`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}</span>
-          )}
+          {state.hit_count > 0 && <span>{trianglesText(state.hit_count, formatCount)}</span>}
           {depth && <span>{depth}</span>}
           {length(state.force) > 0 && <span>{formatForce(length(state.force))}</span>}
         </>
       ) : (
         <span>
           {nearest && <span class="swatch near" aria-hidden="true" />}
-          {nearest ? `${formatLength(nearest.value, unit)} to ${store.nameOf(nearest.part)}` : "free"}
+          {nearest ? `${formatLength(nearest.value, unit)} to ${isolated(store.nameOf(nearest.part))}` : "free"}
         </span>
       )}
     </span>
