@@ -54,11 +54,11 @@ def test_narrow_windows_have_drawers(context: Any, stand: Path, cube: Path) -> N
                 assert box["x"] >= 0 and box["x"] + box["width"] <= width, (width, button.get_attribute("aria-label"))
             # One at a time, the focus goes in, and Esc brings it back.
             bar(page, "Open the part tree").click()
-            assert page.evaluate("() => document.activeElement.id") == "search"
+            wait(page, "() => document.activeElement.id === 'search'")
             bar(page, "Open the panels").click()
             assert page.locator("#tree").count() == 0
             assert page.locator("#panels").bounding_box()["width"] <= width
-            assert page.evaluate("() => document.activeElement.getAttribute('role')") == "tab"
+            wait(page, "() => document.activeElement.getAttribute('role') === 'tab'")
             keep(page.screenshot(), f"drawer_{width}.png")
             page.keyboard.press("Escape")
             assert page.locator(".drawer").count() == 0
@@ -69,8 +69,9 @@ def test_narrow_windows_have_drawers(context: Any, stand: Path, cube: Path) -> N
             page.locator(".drawer").get_by_role("button", name="Close: Panels").click()
             assert page.locator(".drawer").count() == 0
             command(page, "search parts")
-            assert page.evaluate("() => document.activeElement.id") == "search"
+            wait(page, "() => document.activeElement.id === 'search'")
             page.keyboard.press("Escape")
+            page.locator(".drawer").wait_for(state="detached")
         # As it was, when there is room again.
         page.set_viewport_size({"width": 1280, "height": 700})
         page.locator("#tree").wait_for()
@@ -174,12 +175,12 @@ def test_the_palette_runs_what_was_typed(context: Any, stand: Path, cube: Path) 
         wait(page, "() => window.feeler.document.ghost.length === 1")
         # Labels say what would be done now.
         page.keyboard.press("Control+k")
-        page.get_by_role("combobox").fill("solid")
-        assert page.get_by_role("option").first.locator(".row-name").inner_text() == "Solid"
+        page.get_by_role("combobox", name="Search commands").fill("solid")
+        assert page.locator(".palette-option .row-name").first.inner_text() == "Solid"
         page.keyboard.press("Enter")
         wait(page, "() => window.feeler.document.ghost.length === 0")
         page.keyboard.press("Control+k")
-        page.get_by_role("combobox").fill("pumpx 7")
+        page.get_by_role("combobox", name="Search commands").fill("pumpx 7")
         page.get_by_text("No command has these words").wait_for()
         page.get_by_role("button", name="Search the parts for").click()
         assert page.locator("#search").input_value() == "pumpx 7"
@@ -225,6 +226,7 @@ def test_labels_follow_the_state(context: Any, stand: Path, cube: Path) -> None:
 def test_what_is_selected(context: Any, stand: Path) -> None:
     with program(stand) as started:
         page = opened(context, started)
+        page.locator("#search").fill("p")
         page.get_by_role("treeitem", name="pump").click()
         facts = page.locator(".properties")
         facts.get_by_text("closed").wait_for()
@@ -414,7 +416,7 @@ def test_axe_finds_nothing_in_drawers_dialogs_and_menus(browser: Any, root: Path
                 page.keyboard.press("Escape")
             page.keyboard.press("Control+k")
             check("palette")
-            page.get_by_role("combobox").fill("nothing of this")
+            page.get_by_role("combobox", name="Search commands").fill("nothing of this")
             check("palette without a match")
             page.keyboard.press("Escape")
             command(page, "hide all")

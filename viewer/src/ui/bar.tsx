@@ -49,7 +49,6 @@ export function Bar() {
         type="button"
         class="command-box"
         title={hint("palette")}
-        aria-label="Search commands"
         onClick={() => {
           store.dialog.value = "palette";
         }}
