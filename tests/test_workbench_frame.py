@@ -72,9 +72,14 @@ def test_narrow_windows_have_drawers(context: Any, stand: Path, cube: Path) -> N
             wait(page, "() => document.activeElement.id === 'search'")
             page.keyboard.press("Escape")
             page.locator(".drawer").wait_for(state="detached")
-        # As it was, when there is room again.
-        page.set_viewport_size({"width": 1280, "height": 700})
-        page.locator("#tree").wait_for()
+        # As it was, when there is room again; nothing is cut off.
+        for width in (1280, 1000):
+            page.set_viewport_size({"width": width, "height": 700})
+            page.locator("#tree").wait_for()
+            edge = page.locator("#tree").bounding_box()["width"]
+            for inside in (page.locator("#search"), page.get_by_role("button", name="Show all")):
+                box = inside.bounding_box()
+                assert box["x"] + box["width"] <= edge
         page.locator("#panels").wait_for()
         assert page.locator(".drawer").count() == 0
         # The open panel is kept over a reload.

@@ -284,8 +284,8 @@ export class Page {
   private greet(): void {
     // The sample has a card of its own.
     const isSample = this.store.paths.peek().includes("gearbox/starter/body");
-    if (!isSample)
-      this.store.notify("info", "New here? The tour takes two minutes: Ctrl+K, tour. Press ? for all keys.");
+    const where = this.store.is_coarse.peek() ? "“More” in the bar has it." : "Ctrl+K, tour. Press ? for all keys.";
+    if (!isSample) this.store.notify("info", `New here? The tour takes two minutes: ${where}`);
     this.store.set({ has_seen_tour: true });
   }
 }

@@ -162,7 +162,7 @@ export function DropCover() {
 export function AllHidden() {
   const { store } = useWorkbench();
   const count = store.part_count.value;
-  if (!store.manifest.value || count === 0 || store.hidden.value.size < count) return null;
+  if (!store.manifest.value || count === 0 || store.hidden.value.size < count || !store.can_look.value) return null;
   return (
     <div class="banner quiet" role="status">
       <Icon name="eyeOff" size={16} />

@@ -128,7 +128,12 @@ export function DoubtsDialog() {
               ))}
             </select>
           </label>
-          <button type="button" class="button main" onClick={() => void reopenIn(wb, chosen.value)}>
+          <button
+            type="button"
+            class="button main"
+            disabled={chosen.value === read}
+            onClick={() => void reopenIn(wb, chosen.value)}
+          >
             Read again
           </button>
           <p class="note">Removals, measures and findings of this mock-up end with it.</p>

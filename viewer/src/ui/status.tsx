@@ -25,7 +25,7 @@ export function StatusLine() {
   const connection = store.connection.value;
   return (
     <footer class="status">
-      <span class={`link-state ${connection}`}>
+      <span class={`link-state ${store.is_ended.value ? "refused" : connection}`}>
         <span class="dot" aria-hidden="true" />
         {store.is_ended.value ? "Ended" : CONNECTIONS[connection]}
       </span>
