@@ -22,7 +22,7 @@ from feeler.cli.inputs import Choice
 from feeler.cli.view import _Opening
 from feeler.errors import WorkbenchError
 from feeler.workbench.document import protocol
-from feeler.workbench.document.protocol import FilePiece, OpenMockup, SendFiles
+from feeler.workbench.document.openings import FilePiece, FileToSend, OpenMockup, SendFiles
 from feeler.workbench.net.server import Server
 from feeler.workbench.net.serving import Limits
 from feeler.workbench.session.openings import OpeningLimits, Openings, Wanted
@@ -63,7 +63,7 @@ def openings(tmp_path: Path, opened: Opened) -> Iterator[Openings]:
 def send(openings: Openings, **files: bytes) -> int:
     """Announces and sends files; `a_stl` is a.stl. Their number."""
     named = {name.replace("_", "."): data for name, data in files.items()}
-    listed: list[protocol.FileToSend] = [{"name": name, "bytes": len(data)} for name, data in named.items()]
+    listed: list[FileToSend] = [{"name": name, "bytes": len(data)} for name, data in named.items()]
     number: int = openings.request(SendFiles(1, listed))["files"]
     for at, data in enumerate(named.values()):
         for k in range(0, len(data), 3):
@@ -138,7 +138,7 @@ def test_files_come_in_pieces_and_are_opened(openings: Openings, opened: Opened,
 def test_what_is_refused_before_a_byte_comes(
     openings: Openings, tmp_path: Path, files: list[tuple[str, int]], words: str
 ) -> None:
-    listed: list[protocol.FileToSend] = [{"name": name, "bytes": size} for name, size in files]
+    listed: list[FileToSend] = [{"name": name, "bytes": size} for name, size in files]
     with pytest.raises(WorkbenchError, match=words):
         openings.request(SendFiles(1, listed))
     assert list(tmp_path.iterdir()) == []
@@ -278,7 +278,7 @@ def loaded(session: Session, openings: Openings, files: dict[str, bytes], unit: 
     """The document after a page has opened files."""
     number = None
     if files:
-        listed: list[protocol.FileToSend] = [{"name": name, "bytes": len(data)} for name, data in files.items()]
+        listed: list[FileToSend] = [{"name": name, "bytes": len(data)} for name, data in files.items()]
         number = openings.request(SendFiles(1, listed))["files"]
         for at, data in enumerate(files.values()):
             openings.request(FilePiece(1, number, at, np.frombuffer(data, np.uint8)))

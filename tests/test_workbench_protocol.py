@@ -20,7 +20,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from feeler.workbench.document import protocol
+from feeler.workbench.document import openings, protocol
 from feeler.workbench.document.frames import MOST_DEEP, dumps
 from feeler.workbench.document.protocol import (
     ProtocolError,
@@ -89,7 +89,7 @@ NOTHING = {
 }
 MESSAGES = {
     "pose": protocol.Wish(seq=41, time_ms=1234.5, source="spacemouse", pose=turned()),
-    "file_piece": protocol.FilePiece(id=7, files=1, file=0, data=np.frombuffer(b"solid", np.uint8)),
+    "file_piece": openings.FilePiece(id=7, files=1, file=0, data=np.frombuffer(b"solid", np.uint8)),
     "state": state(),
     "state_free": state(**NOTHING, is_free=True, blocked=False, mode="glide"),
 }
@@ -121,7 +121,7 @@ DOCUMENT: protocol.DocumentFields = {
     "material": "steel",
     "doubts": ["mock-up: 743 m long"],
 }
-OPENS: protocol.Opens = {
+OPENS: openings.Opens = {
     "formats": [".stl"],
     "companions": [".bin"],
     "samples": ["gearbox"],
@@ -149,8 +149,8 @@ TEXT_FROM_PAGE = [
     protocol.Cancel(3),
     protocol.Shot(4, "view", "aGVsbG8=", False),
     protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
-    protocol.SendFiles(6, [{"name": "a <b>.stl", "bytes": 84}]),
-    protocol.OpenMockup(8, 1, None, "mm"),
+    openings.SendFiles(6, [{"name": "a <b>.stl", "bytes": 84}]),
+    openings.OpenMockup(8, 1, None, "mm"),
 ]
 
 

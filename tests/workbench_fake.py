@@ -19,6 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from feeler.errors import WorkbenchError
 from feeler.workbench.document import protocol
+from feeler.workbench.document.openings import Opens
 from feeler.workbench.document.protocol import decode_from_server, encode
 from feeler.workbench.files import File
 
@@ -50,7 +51,7 @@ class FakeOpenings:
         self.go_on = threading.Event()
         self.go_on.set()
 
-    def facts(self) -> protocol.Opens | None:
+    def facts(self) -> Opens | None:
         return None
 
     def request(self, message: Any) -> dict[str, Any]:

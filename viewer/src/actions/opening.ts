@@ -1,6 +1,7 @@
 // Opening another mock-up: files of the user's machine, which the page sends to the server, or a sample.
 
-import type { Opens, Unit } from "../link/protocol";
+import type { Opens } from "../link/openings";
+import type { Unit } from "../link/protocol";
 import { takeFindings } from "./findings";
 import type { Workbench } from "./workbench";
 

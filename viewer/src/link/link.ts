@@ -5,14 +5,13 @@
 // whether they were done; the next welcome has the present state.
 
 import { decodeFrame, encodeFrame } from "./frames";
+import type { FileToSend, OpenMockup } from "./openings";
 import {
   type CommandRequest,
-  type FileToSend,
   type FromPage,
   type FromServer,
   type Jobs,
   NOT_ALLOWED,
-  type OpenMockup,
   type Pose,
   PROTOCOL_VERSION,
   type Questions,

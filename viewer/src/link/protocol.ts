@@ -1,6 +1,8 @@
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks binary data.
 
+import { MOST_PIECE_BYTES, type OpeningRequest, type Opens } from "./openings";
+
 /** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;
 
@@ -12,9 +14,6 @@ export const RELOAD = 4001;
 
 /** Closes a socket of a page beyond the limit: another one must be closed first. */
 export const TOO_MANY_PAGES = 4002;
-
-/** Bytes of a file in one message. */
-export const MOST_PIECE_BYTES = 524288;
 
 /** Colliding triangles listed in a state, of each side. */
 export const MOST_HITS = 20000;
@@ -218,18 +217,6 @@ export interface Document {
   readonly doubts: readonly string[];
 }
 
-/** What a page may open in place of the present mock-up. */
-export interface Opens {
-  /** Suffixes of files, such as ".stl". */
-  readonly formats: readonly string[];
-  /** Suffixes of files that others of them need. */
-  readonly companions: readonly string[];
-  readonly samples: readonly string[];
-  /** Of all files together. */
-  readonly most_bytes: number;
-  readonly most_files: number;
-}
-
 /** The parts of a mock-up by column. */
 export interface ManifestParts {
   /** Empty for excluded parts. */
@@ -341,7 +328,7 @@ export interface PartFacts {
   /** Null: the part has no triangle that can be queried. */
   readonly lower: Vec3 | null;
   readonly upper: Vec3 | null;
-  /** Its triangles enclose a volume: each edge has two of them, in opposite directions. */
+  /** Each edge has as many triangles on one side as on the other. */
   readonly is_closed: boolean;
   /** Cubic metres; null: it is not closed. */
   readonly volume: number | null;
@@ -460,44 +447,6 @@ export interface Benchmarked {
   readonly id: number;
   /** As `Figures` of `viewer/src/app/benchmark.ts`. */
   readonly figures: Readonly<Record<string, unknown>>;
-}
-
-/** A file of the user's machine. */
-export interface FileToSend {
-  /** Without folders. */
-  readonly name: string;
-  readonly bytes: number;
-}
-
-/** Announces files to open. Answered by a reply with their number, "files". */
-export interface SendFiles {
-  readonly kind: "send_files";
-  readonly id: number;
-  readonly files: readonly FileToSend[];
-}
-
-/** The next bytes of an announced file. Answered by a reply, for which the page waits before the next one. */
-export interface FilePiece {
-  readonly kind: "file_piece";
-  readonly id: number;
-  readonly files: number;
-  /** Index in `SendFiles.files`. */
-  readonly file: number;
-  readonly data: Uint8Array;
-}
-
-/**
- * Opens another mock-up: files that were sent, or a sample; or the present one with other options.
- *
- * Answered at once; the document then shows the progress.
- */
-export interface OpenMockup {
-  readonly kind: "open_mockup";
-  readonly id: number;
-  readonly files: number | null;
-  readonly sample: string | null;
-  /** Of the files; null: as they say. */
-  readonly unit: string | null;
 }
 
 /** The answer to hello: the whole state. */
@@ -683,8 +632,6 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type OpeningRequest = SendFiles | FilePiece | OpenMockup;
-
 export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
@@ -818,11 +765,11 @@ type Request<Name, Args> =
 
 /** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */
 export const ARRAYS = {
-  pose: {
-    pose: ["f8", [4, 4], null],
-  },
   file_piece: {
     data: ["u1", ["bytes"], MOST_PIECE_BYTES],
+  },
+  pose: {
+    pose: ["f8", [4, 4], null],
   },
   state: {
     pose: ["f8", [4, 4], null],

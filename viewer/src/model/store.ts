@@ -1,7 +1,8 @@
 // The page's data as signals: the server's document, the newest state, and the page's own state.
 
 import { computed, signal } from "@preact/signals";
-import type { Document, Manifest, MeasureType, Opens, State } from "../link/protocol";
+import type { Opens } from "../link/openings";
+import type { Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { FindingOrder } from "./findings";

@@ -24,13 +24,13 @@ from feeler.workbench.document.frames import (
     unpack,
     version_of,
 )
+from feeler.workbench.document.openings import FilePiece, OpeningRequest, OpenMockup, Opens, SendFiles
 
 __all__ = [
     "FROM_PAGE",
     "FROM_SERVER",
     "MOST_CLEARANCES",
     "MOST_HITS",
-    "MOST_PIECE_BYTES",
     "MOST_PLANES",
     "NOT_ALLOWED",
     "RELOAD",
@@ -52,9 +52,6 @@ RELOAD = 4001
 
 TOO_MANY_PAGES = 4002
 """Closes a socket of a page beyond the limit: another one must be closed first."""
-
-MOST_PIECE_BYTES = 524_288
-"""Bytes of a file in one message."""
 
 MOST_HITS = 20_000
 """Colliding triangles listed in a state, of each side."""
@@ -274,19 +271,6 @@ class DocumentFields(TypedDict):
     """What puts answers about mock-up and tool in doubt, as their loaders found."""
 
 
-class Opens(TypedDict):
-    """What a page may open in place of the present mock-up."""
-
-    formats: list[str]
-    """Suffixes of files, such as ".stl"."""
-    companions: list[str]
-    """Suffixes of files that others of them need."""
-    samples: list[str]
-    most_bytes: int
-    """Of all files together."""
-    most_files: int
-
-
 class ManifestParts(TypedDict):
     """The parts of a mock-up by column."""
 
@@ -410,7 +394,7 @@ class PartFacts(TypedDict):
     """Null: the part has no triangle that can be queried."""
     upper: Vec3 | None
     is_closed: bool
-    """Its triangles enclose a volume: each edge has two of them, in opposite directions."""
+    """Each edge has as many triangles on one side as on the other."""
     volume: float | None
     """Cubic metres; null: it is not closed."""
     area: float
@@ -554,50 +538,6 @@ class Benchmarked:
     id: int
     figures: dict[str, Any]
     """As `Figures` of `viewer/src/app/benchmark.ts`."""
-
-
-class FileToSend(TypedDict):
-    """A file of the user's machine."""
-
-    name: str
-    """Without folders."""
-    bytes: int
-
-
-@dataclass(frozen=True)
-class SendFiles:
-    """Announces files to open. Answered by a reply with their number, "files"."""
-
-    KIND: ClassVar[str] = "send_files"
-    id: int
-    files: list[FileToSend]
-
-
-@dataclass(frozen=True, eq=False)
-class FilePiece:
-    """The next bytes of an announced file. Answered by a reply, for which the page waits before the next one."""
-
-    KIND: ClassVar[str] = "file_piece"
-    id: int
-    files: int
-    file: int
-    """Index in `SendFiles.files`."""
-    data: Annotated[U1, Array("u1", ("bytes",), MOST_PIECE_BYTES)]
-
-
-@dataclass(frozen=True)
-class OpenMockup:
-    """Opens another mock-up: files that were sent, or a sample; or the present one with other options.
-
-    Answered at once; the document then shows the progress.
-    """
-
-    KIND: ClassVar[str] = "open_mockup"
-    id: int
-    files: int | None
-    sample: str | None
-    unit: str | None
-    """Of the files; null: as they say."""
 
 
 # ---- server -> page ----
@@ -809,7 +749,6 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-OpeningRequest = SendFiles | FilePiece | OpenMockup
 FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal

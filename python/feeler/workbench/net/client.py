@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.workbench.document import protocol
 from feeler.workbench.document.frames import dumps
+from feeler.workbench.document.openings import FilePiece, OpeningRequest, OpenMockup, SendFiles
 from feeler.workbench.net.guard import RateLimit
 from feeler.workbench.net.outbox import Outbox
 from feeler.workbench.net.serving import JobLike, Limits, SessionLike
@@ -28,7 +29,7 @@ log = logging.getLogger("feeler.workbench")
 
 _NO_SHOT: tuple[None, list[str]] = (None, [])
 
-Request = protocol.Command | protocol.Ask | protocol.Job | protocol.OpeningRequest
+Request = protocol.Command | protocol.Ask | protocol.Job | OpeningRequest
 
 
 class Client:
@@ -185,7 +186,7 @@ class Client:
             raise WorkbenchError(
                 f"{self._requests} requests wait already", _name(request), "wait for their answers before the next"
             )
-        if isinstance(request, protocol.FilePiece):
+        if isinstance(request, FilePiece):
             if self._pieces >= self._limits.pieces:
                 raise WorkbenchError(f"{self._pieces} pieces wait already", "open", "wait for their answers")
             self._pieces += 1
@@ -216,7 +217,7 @@ class Client:
             else:
                 self._put(answer)
             self._requests -= 1
-            self._pieces -= isinstance(request, protocol.FilePiece)
+            self._pieces -= isinstance(request, FilePiece)
 
     async def _start(self, request: protocol.Job) -> None:
         def progressed(share: float, stage: str) -> None:
@@ -286,7 +287,7 @@ def _answer(session: SessionLike, request: Request) -> str:
             answer = session.command(request.name, request.args)
         case protocol.Ask():
             answer = session.ask(request.name, request.args)
-        case protocol.SendFiles() | protocol.FilePiece() | protocol.OpenMockup():
+        case FilePiece() | OpenMockup() | SendFiles():
             answer = session.openings.request(request)
         case protocol.Job():
             raise AssertionError("jobs are started elsewhere")

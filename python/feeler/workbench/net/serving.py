@@ -10,14 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.progress import Progress
-from feeler.workbench.document.protocol import (
-    DocumentFields,
-    HeldManifest,
-    Manifest,
-    OpeningRequest,
-    Opens,
-    State,
-)
+from feeler.workbench.document.openings import OpeningRequest, Opens
+from feeler.workbench.document.protocol import DocumentFields, HeldManifest, Manifest, State
 
 
 class SnapshotLike(Protocol):

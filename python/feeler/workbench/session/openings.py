@@ -21,7 +21,7 @@ from feeler.arguments import near
 from feeler.choices import SAMPLE_NAMES
 from feeler.errors import WorkbenchError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS
-from feeler.workbench.document.protocol import FilePiece, OpeningRequest, OpenMockup, Opens, SendFiles
+from feeler.workbench.document.openings import FilePiece, OpeningRequest, OpenMockup, Opens, SendFiles
 
 SAVED = ".feeler"
 """Suffix of saved scenes, which may have any."""
