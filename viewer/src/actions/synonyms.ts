@@ -80,6 +80,8 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   "unit-m": ["m", "metric"],
   "unit-in": ["in", "imperial", '"'],
   "ask-clash": ["clash", "clashes", "interfere", "interference", "collision check", "what clashes", "overlap"],
+  "check-clashes": ["clash", "clashes", "interfere", "interference", "collision check", "what clashes", "overlap"],
+  "clashes-of": ["clash", "interfere", "interference", "overlap"],
   "ask-removal": ["way out", "remove", "take out", "removal", "disassemble", "come out", "extract", "out"],
   "ask-order": ["order", "what first", "removal order", "disassembly order"],
   "ask-access": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],

@@ -8,8 +8,8 @@ import { Icon } from "./icons";
 
 interface Question {
   readonly text: string;
-  /** The command that answers it. */
-  readonly ask: string;
+  /** The command that answers it: the first of these that is there. */
+  readonly ask: readonly string[];
   /** The parts that it is about; empty: all. */
   readonly parts: readonly string[];
   /** How to find out by hand. */
@@ -19,13 +19,13 @@ interface Question {
 const QUESTIONS: readonly Question[] = [
   {
     text: "What clashes?",
-    ask: "ask-clash",
+    ask: ["ask-clash", "check-clashes"],
     parts: [],
     how: "A clash check classifies every pair of parts. Open one with Ctrl+K, “findings”, and step through it with N.",
   },
   {
     text: "Does the starter come out?",
-    ask: "ask-removal",
+    ask: ["ask-removal"],
     parts: ["body", "drive_shaft", "o_ring", "terminal_stud", "terminal_nut", "terminal_washer"].map(
       (name) => `gearbox/starter/${name}`,
     ),
@@ -33,7 +33,7 @@ const QUESTIONS: readonly Question[] = [
   },
   {
     text: "Which tool undoes this bolt?",
-    ask: "ask-access",
+    ask: ["ask-access"],
     parts: ["gearbox/oil_filter/bolt_1"],
     how: "The bolt is selected. Bring the wrench to it: drag it, or press G, an axis, a length and Enter.",
   },
@@ -54,7 +54,7 @@ export function FirstRun() {
       </header>
       <ol>
         {QUESTIONS.map((question, k) => (
-          <li key={question.ask}>
+          <li key={question.text}>
             <button
               type="button"
               class="part-line"
@@ -88,7 +88,8 @@ export function FirstRun() {
 
 function Answer({ question }: { question: Question }) {
   const wb = useWorkbench();
-  const command = hasCommand(question.ask) ? commandOf(question.ask) : null;
+  const id = question.ask.find(hasCommand);
+  const command = id === undefined ? null : commandOf(id);
   if (!command) return <p class="note step-text">{question.how}</p>;
   return (
     <div class="step-text">

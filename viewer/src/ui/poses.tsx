@@ -208,6 +208,14 @@ function ToolChoice() {
 }
 
 function EmptyHand() {
+  const { store } = useWorkbench();
+  if (store.connection.value === "offline") {
+    return (
+      <div class="panel-body empty">
+        <p>This file can be looked at: turn, hide, cut and measure. Nothing can be moved in it.</p>
+      </div>
+    );
+  }
   return (
     <div class="panel-body empty">
       <p>The hand is empty.</p>

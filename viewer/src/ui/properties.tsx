@@ -23,6 +23,8 @@ export function Properties() {
   const parts = [...store.selection.value];
   const [first, second] = parts;
   if (first === undefined || !store.manifest.value) return null;
+  // The engine measures: a file without a server has boxes only.
+  const hasDistance = parts.length === 2 && wb.link !== null;
   return (
     <section class="properties" aria-label="Selection">
       <header>
@@ -37,8 +39,8 @@ export function Properties() {
         <IconButton icon="close" label="Clear the selection" run={() => wb.select([])} />
       </header>
       {parts.length === 1 && <PartProperties part={first} />}
-      {parts.length === 2 && second !== undefined && <Distance one={first} other={second} />}
-      {parts.length > 2 && <Box parts={parts} />}
+      {hasDistance && second !== undefined && <Distance one={first} other={second} />}
+      {parts.length > 1 && !hasDistance && <Box parts={parts} />}
     </section>
   );
 }
