@@ -46,6 +46,7 @@ export class Page {
   private first_picture_ms: number | null = null;
   private whole_picture_ms: number | null = null;
   private loaded_hash: string | null = null;
+  private last_hash: string | null = null;
   private held_version = NO_VERSION;
   private end_watch: ReturnType<typeof setTimeout> | null = null;
 
@@ -228,6 +229,13 @@ export class Page {
         const camera = recallCamera(manifest.hash);
         if (camera) wb.stage.camera.fromJSON(camera);
         store.selection.value = new Set();
+        // What was looked for and measured was in another one.
+        if (this.last_hash !== null && this.last_hash !== manifest.hash) {
+          store.search.value = "";
+          store.finding.value = null;
+          store.measuring.value = null;
+        }
+        this.last_hash = manifest.hash;
         store.manifest.value = manifest;
         this.loop.request();
       },
