@@ -188,7 +188,7 @@ def test_the_palette_runs_what_was_typed(context: Any, stand: Path, cube: Path) 
         page.get_by_role("combobox", name="Search commands").fill("pumpx 7")
         page.get_by_text("No command has these words").wait_for()
         page.get_by_role("button", name="Search the parts for").click()
-        assert page.locator("#search").input_value() == "pumpx 7"
+        wait(page, "() => document.querySelector('#search').value === 'pumpx 7'")
         page.locator("#search").fill("")
         assert troubles(page) == []
 
