@@ -246,7 +246,7 @@ def test_findings_are_opened_in_the_page(context: Any, stand: Path, tmp_path: Pa
         page.keyboard.press("Alt+5")
         for file in (broken, good):
             with page.expect_file_chooser() as chooser:
-                page.get_by_role("button", name="Open a file").click()
+                page.locator("#panel").get_by_role("button", name="Open a file").click()
             chooser.value.set_files(file)
             if file == broken:
                 page.get_by_role("alert").get_by_text("holds no list").wait_for()

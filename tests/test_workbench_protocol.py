@@ -20,7 +20,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from feeler.workbench.document import protocol
+from feeler.workbench.document import openings, protocol
 from feeler.workbench.document.frames import MOST_DEEP, dumps
 from feeler.workbench.document.protocol import (
     ProtocolError,
@@ -89,6 +89,7 @@ NOTHING = {
 }
 MESSAGES = {
     "pose": protocol.Wish(seq=41, time_ms=1234.5, source="spacemouse", pose=turned()),
+    "file_piece": openings.FilePiece(id=7, files=1, file=0, data=np.frombuffer(b"solid", np.uint8)),
     "state": state(),
     "state_free": state(**NOTHING, is_free=True, blocked=False, mode="glide"),
 }
@@ -132,9 +133,17 @@ DOCUMENT: protocol.DocumentFields = {
         }
     ],
     "material": "steel",
+    "doubts": ["mock-up: 743 m long"],
+}
+OPENS: openings.Opens = {
+    "formats": [".stl"],
+    "companions": [".bin"],
+    "samples": ["gearbox"],
+    "most_bytes": 1000,
+    "most_files": 2,
 }
 TEXT_FROM_SERVER = [
-    protocol.Welcome(1, "s", DOCUMENT, 5, False, True, None, {"feeler": "0.1.0"}),
+    protocol.Welcome(1, "s", DOCUMENT, 5, False, True, None, {"feeler": "0.1.0"}, OPENS),
     protocol.Patch(6, {"hidden": [1, 2], "explode": 0.25}, "hide", 3, 0),
     protocol.Impact(7, 3, 0.25, 0.125, (1.0, 2.0, 3.0), None, 4.5),
     protocol.Progress(2, 0.5, "cutting"),
@@ -161,6 +170,8 @@ TEXT_FROM_PAGE = [
     protocol.Cancel(3),
     protocol.Shot(4, "view", "aGVsbG8=", False),
     protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
+    openings.SendFiles(6, [{"name": "a <b>.stl", "bytes": 84}]),
+    openings.OpenMockup(8, 1, None, "mm"),
 ]
 
 
@@ -180,7 +191,9 @@ def same(one: Any, other: Any) -> bool:
 def test_binary_messages_are_as_the_golden_files(name: str) -> None:
     frame = (GOLDEN / f"{name}.bin").read_bytes()
     assert encode(MESSAGES[name]) == frame
-    assert same(decode_from_page(frame) if name == "pose" else decode_from_server(frame), MESSAGES[name])
+    assert same(
+        decode_from_page(frame) if name in ("pose", "file_piece") else decode_from_server(frame), MESSAGES[name]
+    )
 
 
 def test_arrays_begin_at_multiples_of_eight() -> None:
@@ -203,7 +216,7 @@ def test_text_from_the_page_comes_back(message: Any) -> None:
 
 
 def test_every_message_is_tried_here() -> None:
-    assert {type(each) for each in [*TEXT_FROM_PAGE, MESSAGES["pose"]]} == {*protocol.FROM_PAGE}
+    assert {type(each) for each in [*TEXT_FROM_PAGE, MESSAGES["pose"], MESSAGES["file_piece"]]} == {*protocol.FROM_PAGE}
     assert {type(each) for each in [*TEXT_FROM_SERVER, MESSAGES["state"]]} == {*protocol.FROM_SERVER}
 
 
@@ -333,7 +346,7 @@ def test_a_document_is_checked_to_its_leaves() -> None:
     def refused(words: str, **changes: Any) -> None:
         document = {**DOCUMENT, **changes}
         with pytest.raises(ProtocolError, match=words):
-            decode_from_server(encode(protocol.Welcome(1, "s", document, 5, False, True, None, {})))  # type: ignore[arg-type]
+            decode_from_server(encode(protocol.Welcome(1, "s", document, 5, False, True, None, {}, None)))  # type: ignore[arg-type]
 
     refused(r"Welcome.document.sections\[0\]: without is_on", sections=[{"id": 1, "normal": [], "offset": 0}])
     refused("Welcome.document.unit: is 'ft'", unit="ft")

@@ -275,7 +275,7 @@ def test_four_pages_and_no_more(server: Server, session: FakeSession) -> None:
         page.next(protocol.Welcome)
     assert session.pages == 4
     with Page(server.url) as fifth:
-        assert fifth.code() == protocol.NOT_ALLOWED
+        assert fifth.code() == protocol.TOO_MANY_PAGES
     pages.pop().close()
     # The server has seen it go once a page comes in again.
     while True:

@@ -19,6 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from feeler.errors import WorkbenchError
 from feeler.workbench.document import protocol
+from feeler.workbench.document.openings import Opens
 from feeler.workbench.document.protocol import decode_from_server, encode
 from feeler.workbench.files import File
 
@@ -42,12 +43,30 @@ class FakeSnapshot:
         return state(seq=self.number, **self._changes)
 
 
+class FakeOpenings:
+    """Keeps the messages; while `go_on` is not set, an answer waits."""
+
+    def __init__(self) -> None:
+        self.came: list[Any] = []
+        self.go_on = threading.Event()
+        self.go_on.set()
+
+    def facts(self) -> Opens | None:
+        return None
+
+    def request(self, message: Any) -> dict[str, Any]:
+        assert self.go_on.wait(WAIT_S)
+        self.came.append(message)
+        return {}
+
+
 class FakeSession:
     """Keeps what it is told, and answers as a session would."""
 
     def __init__(self) -> None:
         self.pages = 0
         self.is_recording = True
+        self.openings = FakeOpenings()
         self.events: list[dict[str, Any]] = []
         self.wishes: queue.Queue[tuple[np.ndarray, int, str]] = queue.Queue()
         self.done: list[tuple[str, dict[str, Any]]] = []

@@ -1,8 +1,8 @@
-"""Writes viewer/src/link/protocol.ts: the types of the messages for the page.
+"""Writes viewer/src/link/protocol.ts, and openings.ts beside it: the types of the messages for the page.
 
-The messages and the objects in them are those of protocol.py and answers.py in python/feeler/workbench/document; the
-names, arguments and answers of commands, questions and jobs are the tables of commands.py there and of
-session/asking.py.
+The messages and the objects in them are those of protocol.py, answers.py and openings.py in
+python/feeler/workbench/document; the names, arguments and answers of commands, questions and jobs are the tables of
+commands.py there and of session/asking.py.
 
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if the written text differs
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 WORKBENCH = ROOT / "python" / "feeler" / "workbench"
 WRITTEN = ROOT / "viewer" / "src" / "link" / "protocol.ts"
+OPENINGS = WRITTEN.with_name("openings.ts")
 
 HEAD = """\
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
@@ -48,20 +50,16 @@ class ShapeError(Exception):
     """Something in the sources that this tool has no TypeScript for."""
 
 
-def document(protocol: str, frames: str, commands: str, asking: str) -> str:
-    """The whole of protocol.ts."""
-    blocks = [HEAD]
-    arrays: list[str] = []
+def document(protocol: str, frames: str, commands: str, asking: str, openings: str = "") -> str:
+    """The whole of protocol.ts. openings: the source of openings.ts."""
+    blocks: list[str] = []
+    arrays: list[str] = messages(openings)[1]
     for node, doc in documented(ast.parse(frames).body):
         if isinstance(node, ast.Assign) and target(node) == "VERSION":
             blocks.append(constant("PROTOCOL_VERSION", node.value, doc))
-    for node, doc in documented(ast.parse(protocol).body):
-        if isinstance(node, ast.Assign) and not target(node).startswith("_") and target(node) not in ARRAYS:
-            blocks += assignment(target(node), node.value, doc)
-        elif isinstance(node, ast.ClassDef):
-            text, packed = interface(node)
-            blocks.append(text)
-            arrays += packed
+    texts, packed = messages(protocol)
+    blocks += texts
+    arrays += packed
     tables = Tables(ast.parse(commands).body, ast.parse(asking).body)
     blocks += [
         tables.interface("Commands", "COMMANDS", "The arguments of commands.", has_answers=False),
@@ -73,7 +71,35 @@ def document(protocol: str, frames: str, commands: str, asking: str) -> str:
         "/** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */\n"
         "export const ARRAYS = {\n" + "".join(arrays) + "} as const;\n"
     )
-    return "\n".join(blocks)
+    text = "\n".join(blocks)
+    return "\n".join([HEAD, *imported(openings, text), text])
+
+
+def imported(openings: str, text: str) -> list[str]:
+    """The import of what a text uses of openings.ts."""
+    named = {
+        (target(node) if isinstance(node, ast.Assign) else node.name): isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Constant)
+        for node in ast.parse(openings).body
+        if isinstance(node, ast.Assign | ast.ClassDef)
+    }
+    used = sorted((name for name in named if re.search(rf"\b{name}\b", text) and name not in ARRAYS), key=str.lower)
+    listed = ", ".join(name if named[name] else f"type {name}" for name in used)
+    return [f'import {{ {listed} }} from "./openings";\n'] if used else []
+
+
+def messages(source: str) -> tuple[list[str], list[str]]:
+    """The constants, types and messages of a source, and the lines of their arrays."""
+    blocks: list[str] = []
+    arrays: list[str] = []
+    for node, doc in documented(ast.parse(source).body):
+        if isinstance(node, ast.Assign) and not target(node).startswith("_") and target(node) not in ARRAYS:
+            blocks += assignment(target(node), node.value, doc)
+        elif isinstance(node, ast.ClassDef):
+            text, packed = interface(node)
+            blocks.append(text)
+            arrays += packed
+    return blocks, arrays
 
 
 class Tables:
@@ -292,7 +318,7 @@ def source(name: str) -> str:
     return (WORKBENCH / f"{name}.py").read_text(encoding="utf-8")
 
 
-def messages() -> str:
+def protocol() -> str:
     """The messages, and the objects in them."""
     return "\n".join(source(f"document/{name}") for name in ("protocol", "answers"))
 
@@ -303,18 +329,21 @@ def commands() -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts.")
+    parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts and openings.ts.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    text = document(messages(), source("document/frames"), commands(), source("session/asking"))
+    openings = source("document/openings")
+    sources = [protocol(), source("document/frames"), commands(), source("session/asking"), openings]
+    texts = {WRITTEN: document(*sources), OPENINGS: "\n".join([HEAD, *messages(openings)[0]])}
     if not is_check:
-        WRITTEN.write_text(text, encoding="utf-8", newline="\n")
+        for path, text in texts.items():
+            path.write_text(text, encoding="utf-8", newline="\n")
         return 0
-    there = WRITTEN.read_text(encoding="utf-8") if WRITTEN.is_file() else ""
-    if there == text:
-        return 0
-    print("viewer/src/link/protocol.ts is not what python/feeler/workbench says: run python tools/protocol_ts.py")
-    return 1
+    stale = [path for path, text in texts.items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
+    for path in stale:
+        where = path.relative_to(ROOT).as_posix()
+        print(f"{where} is not what python/feeler/workbench says: run python tools/protocol_ts.py")
+    return int(bool(stale))
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ import chromium
 
 SIZE = (1280, 800)
 SHARP_MS = 6000  # in which a view that stands is drawn again and again, and averaged
-SETTINGS = '{"has_seen_tour": true, "is_muted": true}'
+SETTINGS = '{"has_seen_tour": true, "has_first_run": false, "is_muted": true}'
 
 PUMP, STARTER = "gearbox/fuel_pump", "gearbox/starter"
 UNION_NUT = "gearbox/lines/vent_hose/union_nut_1"

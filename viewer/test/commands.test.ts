@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { COMMANDS, commandOf, hint } from "../src/actions/commands";
+import { SYNONYMS } from "../src/actions/synonyms";
 import { commandOfKey, isForCommands, keyOf } from "../src/input/keys";
-import { matchingCommands } from "../src/ui/palette";
+import { pieces } from "../src/ui/names";
+import { matchingCommands } from "../src/ui/ranking";
 import { TOUR } from "../src/ui/tour";
 
 test("no key has two meanings", () => {
@@ -105,6 +107,83 @@ test("the palette finds by words and by letters, beginnings first", () => {
   assert.ok(matchingCommands("glb").some((command) => command.id === "export_glb"));
   assert.deepEqual(matchingCommands("qqqq"), []);
   assert.ok(matchingCommands("").length > 50);
+});
+
+test("a title that is typed in full, or its beginning, is the first", () => {
+  for (const command of COMMANDS.filter((each) => each.while !== "typing")) {
+    assert.equal(matchingCommands(command.title)[0], command, command.title);
+    assert.equal(matchingCommands(command.title.toUpperCase())[0], command, "capitals count for nothing");
+  }
+  assert.equal(matchingCommands("contact: pass")[0]?.id, "mode-pass");
+  assert.equal(matchingCommands("contact pass")[0]?.id, "mode-pass");
+  assert.equal(matchingCommands("Contact: glide")[0]?.id, "mode-glide");
+  assert.equal(matchingCommands("stop")[0]?.id, "mode-stop");
+  assert.equal(matchingCommands("pass")[0]?.id, "mode-pass");
+  assert.equal(matchingCommands("measure point")[0]?.id, "measure");
+  // What a command is called at present counts like its title.
+  const labelled = matchingCommands("solid", COMMANDS, (each) => (each.id === "ghost" ? "Solid" : each.title));
+  assert.equal(labelled[0]?.id, "ghost");
+});
+
+test("other words find the command, before letters in order do", () => {
+  const first = (words: string): string | undefined => matchingCommands(words)[0]?.id;
+  const wanted: Record<string, string> = {
+    home: "home",
+    transparent: "ghost",
+    "see-through": "ghost",
+    zoom: "zoom-in",
+    "take out": "ask-removal",
+    clip: "sections",
+    screenshot: "snapshot",
+    rotate: "turn",
+    distance: "measure",
+    revert: "undo",
+    preferences: "settings",
+    tutorial: "tour",
+    inches: "unit-in",
+  };
+  for (const [words, id] of Object.entries(wanted)) assert.equal(first(words), id, words);
+  const all = (words: string): string[] => matchingCommands(words).map((command) => command.id);
+  assert.ok(all("report").slice(0, 3).includes("export_csv"), all("report").join());
+  assert.ok(all("save").includes("snapshot") && all("save").includes("page"));
+  assert.ok(all("clash").includes("open-findings") && all("interfere").includes("panel-findings"));
+  assert.ok(all("way out").includes("ask-removal") && all("way out").includes("grip"));
+  assert.ok(all("access").includes("ask-access") && all("load").includes("open-findings"));
+});
+
+test("letters in order come last, and one letter is not enough", () => {
+  const found = matchingCommands("dr");
+  const word = found.findIndex((command) => command.title.toLowerCase().includes("dr"));
+  const letters = found.findIndex((command) => !command.title.toLowerCase().includes("dr"));
+  assert.ok(letters === -1 || word <= letters);
+  const table = [
+    { id: "a", title: "Load report", keys: [], group: "Page", run: () => null },
+    { id: "b", title: "Look around", keys: [], group: "Look", run: () => null },
+  ] as const;
+  assert.deepEqual(
+    matchingCommands("lod", table).map(({ id }) => id),
+    ["a", "b"],
+  );
+  assert.deepEqual(
+    matchingCommands("loa", table).map(({ id }) => id),
+    ["a", "b"],
+    "a beginning before letters in order",
+  );
+  assert.deepEqual(matchingCommands("z", table), []);
+});
+
+test("every other word belongs to a command; those of questions may come later", () => {
+  const later = /^(?:ask-|check-clashes|clashes-of)/;
+  for (const id of Object.keys(SYNONYMS)) assert.ok(later.test(id) || commandOf(id), id);
+});
+
+test("names are cut in the middle, by letters", () => {
+  assert.deepEqual(pieces("bolt_012"), ["bolt_012", ""]);
+  const long = "engine/externals/accessory_gearbox/bolt_012";
+  assert.equal(pieces(long).join(""), long);
+  assert.equal(pieces(long)[1], "/bolt_012");
+  const wide = "\u{1f527}".repeat(30);
+  assert.equal(pieces(wide)[1], "\u{1f527}".repeat(9));
 });
 
 test("hints and the tour name keys that exist", () => {

@@ -44,6 +44,7 @@ const DOCUMENT: Document = {
   findings: null,
   cards: [],
   material: null,
+  doubts: [],
 };
 
 const STATE: State = {
@@ -114,15 +115,26 @@ test("the store follows the document", () => {
   assert.equal(store.is_read_only.value, false);
 });
 
-test("notices of the same text stand once, and not more than four", () => {
+test("notices of the same text stand once, and not more than three", () => {
   const store = new Store();
   for (const text of ["a", "b", "c", "d", "e", "a"]) store.notify("warning", text);
   assert.deepEqual(
     store.notices.value.map((notice) => notice.text),
-    ["c", "d", "e", "a"],
+    ["d", "e", "a"],
   );
   store.dismiss(store.notices.value[0]?.id ?? -1);
-  assert.equal(store.notices.value.length, 3);
+  assert.equal(store.notices.value.length, 2);
+});
+
+test("of notices that only inform the newest stands", () => {
+  const store = new Store();
+  store.notify("error", "a");
+  for (const text of ["b", "c"]) store.notify("info", text);
+  assert.deepEqual(
+    store.notices.value.map((notice) => notice.text),
+    ["a", "c"],
+  );
+  for (const { id } of store.notices.value) store.dismiss(id);
 });
 
 test("each part's byte says how it is drawn", () => {

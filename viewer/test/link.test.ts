@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { decodeBinary } from "../src/link/frames";
 import { Link, type LinkError, type Socket, takeToken } from "../src/link/link";
 import type { ServerEvent, State, Welcome } from "../src/link/protocol";
 
@@ -204,6 +205,36 @@ test("what waits when the link breaks fails, and so does what is asked meanwhile
   socket().drop();
   await assert.rejects(waiting, /broke before the answer/);
   await assert.rejects(link.command("release"), /no connection/);
+});
+
+test("a page too many says so, and tries again when it is asked to", () => {
+  const { link, sockets, socket, told } = setUp();
+  socket().open();
+  socket().drop(4002);
+  assert.deepEqual(told.status, ["full"]);
+  assert.equal(sockets.length, 1, "not by itself");
+  link.retryNow();
+  assert.equal(sockets.length, 2);
+});
+
+test("files go out in pieces, each answered before it counts as sent", async () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const number = link.sendFiles([{ name: "a.stl", bytes: 3 }]);
+  const asked = socket().last() as { id: number };
+  assert.deepEqual(asked, { kind: "send_files", id: asked.id, files: [{ name: "a.stl", bytes: 3 }] });
+  socket().say({ kind: "reply", id: asked.id, ok: true, result: { files: 7 } });
+  assert.equal(await number, 7);
+  const sent = link.sendPiece(7, 0, Uint8Array.of(1, 2, 3));
+  const piece = decodeBinary(socket().binary[0] ?? new ArrayBuffer(8)) as { id: number; data: Uint8Array };
+  assert.deepEqual([...piece.data], [1, 2, 3]);
+  socket().say({
+    kind: "reply",
+    id: piece.id,
+    ok: false,
+    error: { what: "the disk is full", where: "open", do: "free some" },
+  });
+  await assert.rejects(sent, /the disk is full/);
 });
 
 test("a job tells how far it is, and can be given up", async () => {

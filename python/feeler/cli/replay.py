@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from feeler.workbench.session.record import Record
     from feeler.workbench.session.replaying import Replayed
 
-_SAMPLE = "sample:engine"
+_SAMPLE = "sample:gearbox"
 
 
 @command(
@@ -44,7 +44,7 @@ def replay(
     record: Annotated[Path, typer.Argument(metavar="FILE", help="A record of feeler view --record.")],
     mockup: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MOCKUP]...", help="The mock-up of the record; default: sample:engine."),
+        typer.Argument(metavar="[MOCKUP]...", help="The mock-up of the record; default: sample:gearbox."),
     ] = None,
     *,
     tool: Annotated[

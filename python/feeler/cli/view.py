@@ -19,7 +19,6 @@ from feeler.cli.app import BAD_INPUT, command, fail
 from feeler.cli.inputs import (
     AsJson,
     Choice,
-    MockupFilesOrSample,
     MockupUnit,
     Only,
     Threads,
@@ -38,9 +37,10 @@ from feeler.progress import Progress
 if TYPE_CHECKING:
     from feeler.workbench.net.server import Server
     from feeler.workbench.session.benchmark import Opened
+    from feeler.workbench.session.openings import Wanted
     from feeler.workbench.session.session import Session
 
-_SAMPLE, _SAMPLE_TOOL = "sample:engine", "sample:wrench"
+_SAMPLE, _SAMPLE_TOOL = "sample:gearbox", "sample:wrench"
 _SHOWN = ("mm", "cm", "m", "in")
 _STEP = 0.01  # of progress, between reports
 _READ, _INDEXED = 0.6, 0.95  # shares at which the mock-up is read, and indexed
@@ -61,7 +61,14 @@ feeler view engine.step --findings clashes.json
 """,
 )
 def view(
-    mockup: MockupFilesOrSample = None,
+    mockup: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[MOCKUP]...",
+            help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]] "
+            "(sample:gearbox).",
+        ),
+    ] = None,
     *,
     tool: Annotated[
         str | None,
@@ -124,6 +131,7 @@ def view(
     from feeler.workbench.session.benchmark import FILE
     from feeler.workbench.session.session import Session
 
+    is_tool_given = tool is not None
     if tool is None:
         if tool_unit is not None:
             raise OptionError("--tool-unit is for --tool FILE")
@@ -147,7 +155,10 @@ def view(
         server.start()
         ends.callback(server.close)
         opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held, found)
+        opening.is_tool_kept = is_tool_given
         ends.callback(opening.close)
+        if record is None:  # which is of one mock-up
+            session.openings.offer(opening.again)
         opening.begin(unit, tool_unit, up, threads)
         say_where(server, place.is_remote, as_json)
         if browser:
@@ -181,21 +192,42 @@ class _Opening:
     ) -> None:
         """findings: as read by `read_findings`."""
         self.is_failed = False
+        self.is_tool_kept = True
+        """Whether the tool is in the hand of mock-ups that are opened later, too; else they have it for `take_tool`."""
         self.opened: Opened | None = None
         """Set when the mock-up is read and indexed."""
         self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
+        self._up: str | None = None
+        self._threads: int | None = None
+        self._probe: feeler.Tool | None = None
         self._hand: Any = None
         self._is_over = False
         self._told = ("", 0.0)
 
     def begin(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
         """Starts; the page shows the progress."""
+        self._up, self._threads = up, threads
         # A daemon thread, so that Ctrl-C does not wait for a large file.
         threading.Thread(
             target=self._run, args=(unit, tool_unit, up, threads), name="feeler opening", daemon=True
         ).start()
+
+    def again(self, wanted: Wanted) -> bool:
+        """Opens another mock-up, or the present one again; returns whether it is open. In the thread of a page."""
+        if self._is_over:
+            return False
+        kept = (self._sources, self._choice, self._findings)
+        if wanted.sources is not None:
+            self._sources, self._choice = [*wanted.sources], Choice(None, None, None)
+            self._up = None
+        self._findings = None
+        self._session.loading("opening", 0.0)
+        is_open = self._run(wanted.unit, None, self._up, self._threads)
+        if not is_open:
+            self._sources, self._choice, self._findings = kept
+        return is_open
 
     def close(self) -> None:
         """Closes the device."""
@@ -203,7 +235,8 @@ class _Opening:
         if self._hand is not None:
             self._hand.close()
 
-    def _run(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
+    def _run(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> bool:
+        """Whether it is open."""
         try:
             self._open(unit, tool_unit, up, threads)
         except FeelerError as error:
@@ -213,10 +246,17 @@ class _Opening:
         except Exception as error:
             # Report every error: a page that waits for ever says nothing.
             self._fail(f"the mock-up cannot be opened ({type(error).__name__}: {error})")
+        else:
+            self.is_failed = False
+            return True
+        return False
 
     def _fail(self, text: str) -> None:
-        self.is_failed = True
         fail(text)
+        if self._session.current.mockup is not None:
+            self._session.not_opened(self._for_pages(text))
+            return
+        self.is_failed = True
         self._session.failed(self._for_pages(text))
 
     def _for_pages(self, text: str) -> str:
@@ -247,22 +287,27 @@ class _Opening:
         session = self._session
         begun = time.perf_counter()
         world = read_mockup(self._sources, unit, up, also=self._telling(0.0, _READ))
-        probe = None if self._tool is None else read_tool(self._tool, tool_unit, up)
+        is_first = session.current.mockup is None
+        if self._tool is not None and self._probe is None:
+            self._probe = read_tool(self._tool, tool_unit, up)
+        probe = self._probe
+        in_hand = probe if self.is_tool_kept or self._sources[0].startswith("sample:") else None
         doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
         doubts += [f"tool: {doubt}" for doubt in probe.source.doubts] if probe is not None else []
         for doubt in doubts:
             warn(doubt)
-            session.tell({"type": "notice", "level": "warning", "text": self._for_pages(doubt)})
         read = time.perf_counter()
         with telling("indexing", self._telling(_READ, _INDEXED)) as progress:
-            scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+            scene = feeler.Scene(world, tool=in_hand, threads=threads, progress=progress)
         self.opened = Opened(read - begun, time.perf_counter() - read, time.time())
         scene = self._choice.scene_of(scene)
         self._telling(_INDEXED, 1.0)(0.0, "packing the picture")
-        session.open(world, scene, probe, name=name_of(self._sources))
+        shown = [self._for_pages(doubt) for doubt in doubts]
+        tools = [] if probe is None else [probe]
+        session.open(world, scene, in_hand, tools=tools, name=name_of(self._sources), doubts=shown)
         if self._findings is not None:
             session.load_findings(self._findings)
-        if self._held is not None and probe is not None and not self._is_over:
+        if is_first and self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.engine.device import DeviceHand
 
             self._hand = DeviceHand(session, self._held)

@@ -1,15 +1,16 @@
 // All commands of the page: their titles, their keys, when they can run. Keys, palette, menus, help and the tooltips of
 // buttons read this table; no other code binds a key.
 
-import { UNITS } from "../math/units";
+import { UNIT_NAMES, UNITS } from "../math/units";
 import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
-import { PANELS, type Panel } from "../model/page-state";
+import { type Dialog, PANELS, type Panel } from "../model/page-state";
 import { ask } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
+import { chooseFiles } from "./opening";
 import { addSection, flipped, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
@@ -51,6 +52,8 @@ const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.docume
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
+const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
+const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -145,14 +148,41 @@ function toggleHidden(wb: Workbench): Promise<boolean> {
   });
 }
 
+/** Without a part to isolate, the isolation ends. */
+function isolate(wb: Workbench): Promise<boolean> {
+  const targets = wb.targets();
+  const parts = targets.length > 0 ? targets : wb.visible([...wb.store.paths.peek().keys()]);
+  return wb.run("isolate", { parts });
+}
+
+/** The menu of a part without a pointer: at what has the focus. */
+function openMenu(wb: Workbench): void {
+  const [part = -1] = wb.targets();
+  const focused = document.activeElement ?? document.body;
+  const box = focused.getBoundingClientRect();
+  const isPicture = focused === wb.canvas || focused === document.body;
+  const at = {
+    x: box.left + (isPicture ? 0.5 * box.width : 24),
+    y: box.top + (isPicture ? 0.5 * box.height : box.height),
+  };
+  wb.store.menu.value = { ...at, part, point: null, at };
+}
+
 /** Esc: closes or ends the topmost activity. */
 function endNearest(wb: Workbench): void {
   const { store } = wb;
   if (store.dialog.peek()) store.dialog.value = null;
   else if (store.menu.peek()) store.menu.value = null;
+  else if (store.drawer.peek()) store.drawer.value = null;
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
+}
+
+/** Searches the parts for words that were typed elsewhere. */
+export function searchFor(wb: Workbench, words: string): void {
+  wb.store.search.value = words;
+  focusSearch(wb);
 }
 
 function focusSearch(wb: Workbench): void {
@@ -160,7 +190,7 @@ function focusSearch(wb: Workbench): void {
   // At once, so that the next keys go into it.
   if (field) field.select();
   else {
-    wb.store.set({ is_tree_open: true });
+    wb.store.showTree(true);
     // The components are drawn anew in a microtask of their own, which is before this one.
     queueMicrotask(() => document.querySelector<HTMLInputElement>("#search")?.select());
   }
@@ -186,6 +216,12 @@ function replayRecord(wb: Workbench): void {
 
 const toggleTheme = (wb: Workbench): void =>
   wb.store.set({ theme: wb.store.theme.peek() === "dark" ? "light" : "dark" });
+
+const showDialog =
+  (dialog: Dialog) =>
+  (wb: Workbench): void => {
+    wb.store.dialog.value = dialog;
+  };
 
 const panelTitles: Readonly<Record<Panel, string>> = {
   pose: "Pose",
@@ -244,12 +280,13 @@ export const COMMANDS: readonly PageCommand[] = [
     "isolate",
     "Isolate, or end isolation",
     "Shift+H",
-    (wb) => wb.run("isolate", { parts: wb.targets() }),
-    hasTargets,
+    isolate,
+    (wb) => hasTargets(wb) || (canLook(wb) && (wb.store.document.value?.isolated ?? false)),
   ),
   command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canLook),
   command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canLook),
   command("Parts", "ghost", "Ghost, or solid", "X", toggleGhost, hasTargets),
+  command("Parts", "menu", "Menu of the selection", ["Shift+F10", "ContextMenu"], openMenu, hasTargets),
   command("Parts", "search", "Search parts", ["Ctrl+F", "/"], focusSearch, hasMockup),
   command(
     "Parts",
@@ -361,7 +398,7 @@ export const COMMANDS: readonly PageCommand[] = [
   command(
     "Sections",
     "section-remove",
-    "Remove the last cut",
+    "Delete the last cut",
     "",
     (wb) =>
       wb.runOf(({ sections }) => {
@@ -390,7 +427,14 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
   ...UNITS.map((unit) =>
-    command("Measures", `unit-${unit}`, `Show lengths in ${unit}`, "", (wb) => wb.run("set_unit", { unit }), canLook),
+    command(
+      "Measures",
+      `unit-${unit}`,
+      `Show lengths in ${UNIT_NAMES[unit]}`,
+      "",
+      (wb) => wb.run("set_unit", { unit }),
+      canLook,
+    ),
   ),
 
   ...(Object.entries(EXPORTS) as [Export, string][]).map(([name, title]) =>
@@ -428,6 +472,19 @@ export const COMMANDS: readonly PageCommand[] = [
   ),
   command("Edit", "escape", "Cancel, or clear the selection", "Escape", endNearest),
 
+  command("Page", "open-file", "Open a file", "Ctrl+O", chooseFiles, canOpen),
+  command("Page", "open-sample", "Open a sample", "", showDialog("open"), canOpen),
+  command("Page", "reopen-unit", "Correct the unit of the file", "", showDialog("doubts"), canOpen),
+  command("Page", "doubts", "Doubts about the files", "", showDialog("doubts"), hasDoubts),
+  command(
+    "Page",
+    "first-run",
+    "Three questions to begin with",
+    "",
+    (wb) => wb.store.set({ has_first_run: true }),
+    hasMockup,
+  ),
+
   command("Page", "palette", "All commands", "Ctrl+K", (wb) => {
     wb.store.dialog.value = "palette";
   }),
@@ -443,19 +500,22 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Page", "theme", "Dark, or light theme", "", toggleTheme),
   command("Page", "next-region", "Focus the next region", "F6", nextRegion),
   command("Page", "tree", "Part tree: open, close", "Ctrl+B", (wb) =>
-    wb.store.set({ is_tree_open: !wb.store.settings.peek().is_tree_open }),
+    wb.store.showTree(!wb.store.is_tree_shown.peek()),
   ),
   command("Page", "panels", "Panels: open, close", "Ctrl+J", (wb) =>
-    wb.store.set({ are_panels_open: !wb.store.settings.peek().are_panels_open }),
+    wb.store.showPanels(!wb.store.are_panels_shown.peek()),
   ),
   ...PANELS.map((panel, k) =>
     command("Page", `panel-${panel}`, `Panel: ${panelTitles[panel]}`, `Alt+${k + 1}`, (wb) => {
       wb.store.panel.value = panel;
-      wb.store.set({ are_panels_open: true });
+      wb.store.showPanels(true);
     }),
   ),
   command("Page", "mute", "Sound on, or off", "Shift+M", (wb) =>
     wb.store.set({ is_muted: !wb.store.settings.peek().is_muted }),
+  ),
+  command("Page", "figures", "Engine's rate in the status line", "", (wb) =>
+    wb.store.set({ has_figures: !wb.store.settings.peek().has_figures }),
   ),
   command("Page", "rumble", "Rumble on, or off", "", (wb) =>
     wb.store.set({ has_rumble: !wb.store.settings.peek().has_rumble }),
@@ -476,6 +536,9 @@ export function commandOf(id: string): PageCommand {
   return found;
 }
 
+/** Whether there is a command of an id. */
+export const hasCommand = (id: string): boolean => BY_ID.has(id);
+
 /** Runs a command where it can run now; whether it did. */
 export function runCommand(wb: Workbench, id: string): boolean {
   const found = commandOf(id);
@@ -492,7 +555,7 @@ export const shownKey = (key: string | undefined): string =>
     .replace("PageUp", "Page up")
     .replace("PageDown", "Page down");
 
-/** A button's tooltip: its action, and the key. */
+/** A tooltip: what a command is for, and its key. `tipOf` has what it would do now. */
 export function hint(id: string): string {
   const { title, keys } = commandOf(id);
   return keys[0] ? `${title} (${shownKey(keys[0])})` : title;

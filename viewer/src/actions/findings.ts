@@ -20,7 +20,8 @@ export function openFindings(wb: Workbench): void {
   input.click();
 }
 
-async function takeFindings(wb: Workbench, file: File): Promise<void> {
+/** Opens a file of findings. */
+export async function takeFindings(wb: Workbench, file: File): Promise<void> {
   try {
     if (file.size > MOST_BYTES) {
       throw new RangeError(`${file.name} is too large to open here: start by feeler view MOCKUP --findings FILE`);

@@ -17,6 +17,13 @@ const GLIDE_MS = 250;
 /** How a click changes the selection. */
 export type SelectHow = "only" | "toggle" | "add";
 
+/** Work of the page that takes a while. */
+export interface LocalJob {
+  is_cancelled: boolean;
+  tell(share: number): void;
+  end(): void;
+}
+
 export interface WorkbenchParts {
   readonly store: Store;
   readonly stage: Stage;
@@ -131,6 +138,27 @@ export class Workbench {
       jobs.value = jobs.peek().filter((each) => each.id !== job.id);
     };
     job.result.then(end, end);
+    return job;
+  }
+
+  /** Shows work of the page itself among the jobs, until `end`. */
+  local(title: string): LocalJob {
+    const { jobs } = this.store;
+    // Numbers of the server's jobs are positive.
+    const id = Math.min(0, ...jobs.peek().map((each) => each.id)) - 1;
+    const job: LocalJob = {
+      is_cancelled: false,
+      tell: (share) => {
+        jobs.value = jobs.peek().map((each) => (each.id === id ? { ...each, share } : each));
+      },
+      end: () => {
+        jobs.value = jobs.peek().filter((each) => each.id !== id);
+      },
+    };
+    const cancel = (): void => {
+      job.is_cancelled = true;
+    };
+    jobs.value = [...jobs.peek(), { id, title, share: 0, cancel }];
     return job;
   }
 

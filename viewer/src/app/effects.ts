@@ -51,6 +51,10 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       loop.request();
     }),
     effect(() => {
+      const panel = store.panel.value;
+      if (panel !== store.settings.peek().panel) store.set({ panel });
+    }),
+    effect(() => {
       const settings = store.settings.value;
       saveSettings(settings);
       hand.step_m = settings.is_snapping ? settings.step_m : null;

@@ -47,18 +47,30 @@ function makePicture(): PictureElements {
   return { canvas, gizmo, labels, tether, arrow, cuts, ...makeCompass() };
 }
 
+/** Tells now, and whenever it changes, whether the window is as a media query says. */
+function follow(query: string, tell: (matches: boolean) => void): void {
+  const media = matchMedia(query);
+  tell(media.matches);
+  media.addEventListener("change", () => tell(media.matches));
+}
+
 async function start(root: HTMLElement): Promise<void> {
   const offline = await readOffline();
   const picture = makePicture();
   const page = new Page(picture, offline ? null : takeToken(location, history, sessionStorage));
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  const still = matchMedia("(prefers-reduced-motion: reduce)");
-  const follow = (): void => {
-    page.store.is_system_dark.value = dark.matches;
-    page.store.is_motion_reduced.value = still.matches;
-  };
-  follow();
-  for (const query of [dark, still]) query.addEventListener("change", follow);
+  const { store } = page;
+  follow("(prefers-color-scheme: dark)", (matches) => {
+    store.is_system_dark.value = matches;
+  });
+  follow("(max-width: 999.98px)", (matches) => {
+    store.is_narrow.value = matches;
+  });
+  follow("(pointer: coarse)", (matches) => {
+    store.is_coarse.value = matches;
+  });
+  follow("(prefers-reduced-motion: reduce)", (matches) => {
+    store.is_motion_reduced.value = matches;
+  });
   window.feeler = page.api();
   render(h(App, { workbench: page.wb, picture }), root);
   if (offline) page.showOffline(offline);

@@ -2,6 +2,7 @@
 
 import { pictureFor } from "../actions/exports";
 import { Workbench } from "../actions/workbench";
+import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
 import { Pointer } from "../input/mouse";
 import { Geometry } from "../link/geometry";
@@ -28,6 +29,9 @@ import { followOutlines } from "./outlines";
 /** The state of the hand before the first message. */
 const NO_VERSION = -1;
 
+/** A link that is down for longer is not coming back. */
+const ENDED_MS = 8000;
+
 /** The page of a running server. */
 export class Page {
   readonly store = new Store();
@@ -44,10 +48,12 @@ export class Page {
   private first_picture_ms: number | null = null;
   private whole_picture_ms: number | null = null;
   private loaded_hash: string | null = null;
+  private last_hash: string | null = null;
   private held_version = NO_VERSION;
   private held_facts: HeldManifest | null = null;
   /** The view that the page chose; null: none yet. */
   private start_camera: Camera | null = null;
+  private end_watch: ReturnType<typeof setTimeout> | null = null;
 
   constructor(picture: PictureElements, token: string | null) {
     const { store } = this;
@@ -89,6 +95,7 @@ export class Page {
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
     listenToKeys(this.wb);
+    listenToDrops(this.wb);
     stage.onRestored(redraw);
     stage.onStale = redraw;
     new ResizeObserver(redraw).observe(picture.canvas);
@@ -139,16 +146,32 @@ export class Page {
 
   private onStatus(status: Link["status"]): void {
     this.store.connection.value = status;
+    this.watchEnd(status);
     if (status === "open") return;
     this.devices.reset();
     this.wb.hand.drop();
     this.store.jobs.value = [];
   }
 
+  /** A link that stays down for some seconds has no server any more: a new start has another address. */
+  private watchEnd(status: Link["status"]): void {
+    const { is_ended } = this.store;
+    if (status !== "lost") {
+      if (this.end_watch !== null) clearTimeout(this.end_watch);
+      this.end_watch = null;
+      is_ended.value = false;
+    }
+    if (status !== "lost" || this.end_watch !== null) return;
+    this.end_watch = setTimeout(() => {
+      is_ended.value = true;
+    }, ENDED_MS);
+  }
+
   private onWelcome(welcome: Welcome): void {
     const { store } = this;
     store.is_recording.value = welcome.recording;
     store.has_device.value = welcome.device;
+    store.opens.value = welcome.opens;
     store.undo_depth.value = null;
     store.redo_depth.value = null;
     this.loop.forget();
@@ -226,6 +249,13 @@ export class Page {
         if (camera) wb.stage.camera.fromJSON(camera);
         else if (!isSame(before, wb.stage.camera.toJSON())) this.start_camera = wb.stage.camera.toJSON();
         store.selection.value = new Set();
+        // What was looked for and measured was in another one.
+        if (this.last_hash !== null && this.last_hash !== manifest.hash) {
+          store.search.value = "";
+          store.finding.value = null;
+          store.measuring.value = null;
+        }
+        this.last_hash = manifest.hash;
         store.manifest.value = manifest;
         this.frameStart();
         this.loop.request();
@@ -296,7 +326,10 @@ export class Page {
   }
 
   private greet(): void {
-    this.store.notify("info", "New here? The tour takes two minutes: Ctrl+K, tour. Press ? for all keys.");
+    // The sample has a card of its own.
+    const isSample = this.store.paths.peek().includes("gearbox/starter/body");
+    const where = this.store.is_coarse.peek() ? "“More” in the bar has it." : "Ctrl+K, tour. Press ? for all keys.";
+    if (!isSample) this.store.notify("info", `New here? The tour takes two minutes: ${where}`);
     this.store.set({ has_seen_tour: true });
   }
 }

@@ -41,7 +41,7 @@ export type Focus = "text" | "control" | "picture";
 /** Whether a key is a command's rather than the focused element's own. */
 export function isForCommands(key: string, focus: Focus, has_single_keys: boolean): boolean {
   if (key === "Escape" || /^F\d+$/.test(key)) return true;
-  if (focus === "text") return /^(?:Ctrl\+[KFBJ,]|Alt\+)/.test(key);
+  if (focus === "text") return /^(?:Ctrl\+[KFBJO,]|Alt\+)/.test(key);
   if (/^(?:Ctrl|Alt)\+/.test(key)) return true;
   if (focus === "control" && /^(?:Shift\+)?(?:Space|Enter|Arrow.*|Page.*|Home|End)$/.test(key)) return false;
   return has_single_keys || (key.length > 1 && !key.startsWith("Shift+"));
@@ -83,7 +83,7 @@ export function listenToKeys(wb: Workbench): () => void {
     const id = commandOfKey(key, is_typing);
     if (id && runCommand(wb, id)) event.preventDefault();
     // The browser's own search and bookmarks would cover the page's, even while they cannot run.
-    else if (id && /^Ctrl\+[FBJK]$/.test(key)) event.preventDefault();
+    else if (id && /^Ctrl\+[FBJKO]$/.test(key)) event.preventDefault();
   };
   window.addEventListener("keydown", onKey);
   return () => window.removeEventListener("keydown", onKey);

@@ -25,6 +25,8 @@ const WHEEL_PX = [1, 32, 400] as const;
 /** While the wheel turns and the pointer rests, it zooms to the same point. */
 const WHEEL_REST_MS = 300;
 const FINE = 0.1;
+/** A finger that rests so long opens the menu. */
+const LONG_PRESS_MS = 500;
 
 type Gesture =
   | { readonly kind: "camera"; buttons: number; action: CameraAction | null; pivot: Vec3; last: Point }
@@ -58,6 +60,7 @@ export class Pointer {
   private typed_from: Point | null = null;
   private wheel: { at: Point; time_ms: number; point: Vec3 } | null = null;
   private is_hover_due = false;
+  private long_press: ReturnType<typeof setTimeout> | null = null;
 
   constructor(
     private readonly wb: Workbench,
@@ -154,6 +157,7 @@ export class Pointer {
     this.canvas.setPointerCapture(event.pointerId);
     if (event.pointerType === "touch") {
       this.touches.set(event.pointerId, at);
+      this.awaitLongPress(event, at);
       if (this.touches.size > 1) {
         this.gesture = null;
         this.pressed = null;
@@ -291,6 +295,7 @@ export class Pointer {
   private up(event: PointerEvent): void {
     const at = this.place(event);
     const { gesture, pressed } = this;
+    this.forgetLongPress();
     if (event.pointerType === "touch") this.touches.delete(event.pointerId);
     if (pressed && this.isClick(at)) this.click(event, at, pressed.button);
     else this.settle(gesture);
@@ -304,6 +309,7 @@ export class Pointer {
   }
 
   private end(event: PointerEvent): void {
+    this.forgetLongPress();
     this.touches.delete(event.pointerId);
     if (event.type === "pointercancel") this.settle(this.gesture);
     this.gesture = null;
@@ -319,14 +325,39 @@ export class Pointer {
     this.wb.redraw();
   }
 
+  /** One finger that stays where it is opens the menu, as the right button does. */
+  private awaitLongPress(event: PointerEvent, at: Point): void {
+    this.forgetLongPress();
+    if (this.touches.size > 1) return;
+    const { clientX, clientY } = event;
+    this.long_press = setTimeout(() => {
+      this.long_press = null;
+      if (this.touches.size !== 1 || !this.pressed || !this.isClick(this.at ?? at)) return;
+      // Neither a click nor a drag any more.
+      this.pressed = null;
+      this.gesture = null;
+      this.openMenu({ clientX, clientY }, at);
+    }, LONG_PRESS_MS);
+  }
+
+  private forgetLongPress(): void {
+    if (this.long_press !== null) clearTimeout(this.long_press);
+    this.long_press = null;
+  }
+
+  private openMenu({ clientX, clientY }: Pick<PointerEvent, "clientX" | "clientY">, at: Point): void {
+    const { store, stage } = this.wb;
+    const picked = stage.pick(at.x, at.y);
+    const part = picked && !picked.held ? picked.part : -1;
+    if (part >= 0 && !store.selection.peek().has(part)) this.wb.select([part]);
+    store.menu.value = { x: clientX, y: clientY, part, point: picked?.point ?? null, at };
+  }
+
   private click(event: PointerEvent, at: Point, button: number): void {
     const { wb } = this;
     const picked = wb.stage.pick(at.x, at.y);
-    if (button === 2) {
-      const part = picked && !picked.held ? picked.part : -1;
-      if (part >= 0 && !wb.store.selection.peek().has(part)) wb.select([part]);
-      wb.store.menu.value = { x: event.clientX, y: event.clientY, part, point: picked?.point ?? null, at };
-    } else if (button === 0 && wb.store.measuring.peek()) clickMeasure(wb, at);
+    if (button === 2) this.openMenu(event, at);
+    else if (button === 0 && wb.store.measuring.peek()) clickMeasure(wb, at);
     else if (button === 0 && !this.handle && this.cut === null) {
       const isAdding = event.ctrlKey || event.metaKey || event.shiftKey;
       if (picked?.held === false) wb.select([picked.part], isAdding ? "toggle" : "only");

@@ -5,6 +5,7 @@
 // whether they were done; the next welcome has the present state.
 
 import { decodeFrame, encodeFrame } from "./frames";
+import type { FileToSend, OpenMockup } from "./openings";
 import {
   type CommandRequest,
   type FromPage,
@@ -18,6 +19,7 @@ import {
   type ServerEvent,
   type Source,
   type State,
+  TOO_MANY_PAGES,
   type Welcome,
 } from "./protocol";
 import { BROWSER_TIMERS } from "./turns";
@@ -34,7 +36,7 @@ export class LinkError extends Error {
   }
 }
 
-export type LinkStatus = "connecting" | "open" | "lost" | "refused" | "outdated";
+export type LinkStatus = "connecting" | "open" | "lost" | "refused" | "full" | "outdated";
 
 export interface LinkListener {
   onStatus(status: LinkStatus): void;
@@ -141,8 +143,8 @@ export class Link {
 
   /** Tries at once instead of after the delay. */
   retryNow(): void {
-    if (this.retry === null) return;
-    this.options.stopWaiting(this.retry);
+    if (this.retry === null && this.status !== "full") return;
+    if (this.retry !== null) this.options.stopWaiting(this.retry);
     this.connect();
   }
 
@@ -187,6 +189,22 @@ export class Link {
     return { id, result, cancel };
   }
 
+  /** Announces files to open; resolves with their number. */
+  async sendFiles(files: readonly FileToSend[]): Promise<number> {
+    const { result } = this.expect<{ files: number }>((id) => ({ kind: "send_files", id, files }), "open");
+    return (await result).files;
+  }
+
+  /** Sends the next bytes of an announced file; resolves once they are kept. */
+  async sendPiece(files: number, file: number, data: Uint8Array): Promise<void> {
+    await this.expect((id) => ({ kind: "file_piece", id, files, file, data }), "open").result;
+  }
+
+  /** Opens another mock-up. Its progress is in the document. */
+  async openMockup(what: Omit<OpenMockup, "kind" | "id">): Promise<void> {
+    await this.expect((id) => ({ kind: "open_mockup", id, ...what }), "open").result;
+  }
+
   /** Answers the server's wish for a picture, in pieces that a message may have. */
   shot(id: number, name: string, png_base64: string): void {
     const socket = this.open;
@@ -228,6 +246,15 @@ export class Link {
     args: object = {},
     onProgress?: (share: number, stage: string) => void,
   ): { id: number; result: Promise<Answer> } {
+    return this.expect((id) => ({ kind, id, name, args: { ...args } }), name, onProgress);
+  }
+
+  /** Sends a message that a reply with its number answers. */
+  private expect<Answer>(
+    message: (id: number) => FromPage,
+    name: string,
+    onProgress?: (share: number, stage: string) => void,
+  ): { id: number; result: Promise<Answer> } {
     const id = this.next_id++;
     const socket = this.open;
     if (!socket) {
@@ -237,7 +264,7 @@ export class Link {
     const result = new Promise<Answer>((resolve, reject) => {
       this.waiting.set(id, { resolve: resolve as Waiting["resolve"], reject, onProgress });
     });
-    this.send(socket, { kind, id, name, args: { ...args } });
+    this.send(socket, message(id));
     return { id, result };
   }
 
@@ -303,6 +330,7 @@ export class Link {
     this.socket = null;
     this.failAll();
     if (code === RELOAD) this.setStatus("outdated");
+    else if (code === TOO_MANY_PAGES) this.setStatus("full");
     else if (code === NOT_ALLOWED && !this.isLate) this.setStatus("refused");
     else {
       this.setStatus("lost");

@@ -1,6 +1,8 @@
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks binary data.
 
+import { MOST_PIECE_BYTES, type OpeningRequest, type Opens } from "./openings";
+
 /** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;
 
@@ -9,6 +11,9 @@ export const NOT_ALLOWED = 1008;
 
 /** Closes a socket of another protocol version: the page must reload. */
 export const RELOAD = 4001;
+
+/** Closes a socket of a page beyond the limit: another one must be closed first. */
+export const TOO_MANY_PAGES = 4002;
 
 /** Colliding triangles listed in a state, of each side. */
 export const MOST_HITS = 20000;
@@ -252,6 +257,8 @@ export interface Document {
   readonly findings: Findings | null;
   readonly cards: readonly Card[];
   readonly material: Material | null;
+  /** What puts answers about mock-up and tool in doubt, as their loaders found. */
+  readonly doubts: readonly string[];
 }
 
 /** The parts of a mock-up by column. */
@@ -428,6 +435,8 @@ export interface Welcome {
   readonly held: HeldManifest | null;
   /** Versions of the server's software, by name. */
   readonly versions: Readonly<Record<string, string>>;
+  /** Null: the mock-up cannot be replaced from a page. */
+  readonly opens: Opens | null;
 }
 
 /** The engine's results at the newest pose. A newer state replaces it. */
@@ -594,7 +603,7 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
+export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
@@ -636,6 +645,12 @@ export interface PartFacts {
   /** Null: the part has no triangle that can be queried. */
   readonly lower: Vec3 | null;
   readonly upper: Vec3 | null;
+  /** Each edge has as many triangles on one side as on the other. */
+  readonly is_closed: boolean;
+  /** Cubic metres; null: it is not closed. */
+  readonly volume: number | null;
+  /** Square metres. */
+  readonly area: number;
   readonly state: "gripped" | "moved" | "in place" | "left out";
   readonly is_hidden: boolean;
 }
@@ -720,6 +735,12 @@ export interface ReachFacts {
   readonly blockers: readonly number[];
 }
 
+/** A figure with its name, in words. */
+export interface Fact {
+  readonly name: string;
+  readonly figure: string;
+}
+
 /** The whole answer of a card. */
 export interface CardAnswer {
   readonly id: number;
@@ -729,8 +750,8 @@ export interface CardAnswer {
   readonly reaches: readonly ReachFacts[];
   /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
   readonly room: HeldManifest | null;
-  /** What else is to be said: a name and a figure. */
-  readonly facts: readonly [string, string][];
+  /** What else is to be said. */
+  readonly facts: readonly Fact[];
 }
 
 /** The arguments of commands. */
@@ -883,6 +904,9 @@ type Request<Name, Args> =
 
 /** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */
 export const ARRAYS = {
+  file_piece: {
+    data: ["u1", ["bytes"], MOST_PIECE_BYTES],
+  },
   pose: {
     pose: ["f8", [4, 4], null],
   },

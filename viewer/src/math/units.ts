@@ -6,6 +6,13 @@ export type { Unit };
 
 export const UNITS: readonly Unit[] = ["mm", "cm", "m", "in"];
 
+export const UNIT_NAMES: Readonly<Record<Unit, string>> = {
+  mm: "millimetres",
+  cm: "centimetres",
+  m: "metres",
+  in: "inches",
+};
+
 const METRES: Readonly<Record<string, number>> = {
   mm: 1e-3,
   cm: 1e-2,
@@ -76,3 +83,18 @@ function parse(text: string, units: Readonly<Record<string, number>>, otherwise:
   const value = (Number((over ?? "").replace(",", ".")) / divisor) * factor;
   return sign === "-" ? -value : value;
 }
+
+/** The unit of areas and volumes: square millimetres of a part are too many. */
+const WIDE: Readonly<Record<Unit, Unit>> = { mm: "cm", cm: "cm", m: "m", in: "in" };
+
+/** "12.3 cm²". */
+export const areaText = (area_m2: number, unit: Unit): string =>
+  `${fewDigits(area_m2 / metresOf(WIDE[unit]) ** 2)} ${WIDE[unit]}²`;
+
+/** "4.9 cm³". */
+export const volumeText = (volume_m3: number, unit: Unit): string =>
+  `${fewDigits(volume_m3 / metresOf(WIDE[unit]) ** 3)} ${WIDE[unit]}³`;
+
+/** Four digits that count, or all before the point. */
+const fewDigits = (value: number): string =>
+  value >= 1000 ? formatCount(Math.round(value)) : String(Number(value.toPrecision(4)));

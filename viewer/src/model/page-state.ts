@@ -3,7 +3,7 @@
 import type { Point, Vec3 } from "../math/vectors";
 
 /** How the page stands with the server. */
-export type Connection = "connecting" | "open" | "lost" | "refused" | "outdated" | "offline";
+export type Connection = "connecting" | "open" | "lost" | "refused" | "full" | "outdated" | "offline";
 
 export interface Notice {
   readonly id: number;
@@ -15,8 +15,14 @@ export interface Notice {
 export type Panel = "pose" | "ask" | "sections" | "measures" | "sequence" | "findings";
 export const PANELS: readonly Panel[] = ["pose", "ask", "sections", "measures", "sequence", "findings"];
 
+/** A panel by its name; the first for a name of another version. */
+export const knownPanel = (name: string): Panel => PANELS.find((panel) => panel === name) ?? "pose";
+
 /** The cover of the page. */
-export type Dialog = "palette" | "help" | "settings" | null;
+export type Dialog = "palette" | "help" | "settings" | "open" | "doubts" | null;
+
+/** In a narrow window, what lies over the picture. */
+export type Drawer = "tree" | "panels" | null;
 
 export interface ContextMenu {
   readonly x: number;
@@ -25,4 +31,6 @@ export interface ContextMenu {
   readonly point: Vec3 | null;
   /** The pixel of the picture. */
   readonly at: Point;
+  /** The ids of its commands; absent: those of a part, or of the background. */
+  readonly items?: readonly string[];
 }

@@ -29,6 +29,14 @@ export interface Settings {
   readonly dead_zone: number;
   readonly vr_size: VrSize;
   readonly has_seen_tour: boolean;
+  /** The card with the first three questions is open. */
+  readonly has_first_run: boolean;
+  /** The question that is open in it, from 0; -1: none. */
+  readonly first_run_step: number;
+  /** The name of the open panel. */
+  readonly panel: string;
+  /** The engine's rate in the status line. */
+  readonly has_figures: boolean;
   readonly is_tree_open: boolean;
   readonly are_panels_open: boolean;
 }
@@ -51,6 +59,10 @@ export const DEFAULTS: Settings = {
   dead_zone: 0.12,
   vr_size: "table",
   has_seen_tour: false,
+  has_first_run: true,
+  first_run_step: -1,
+  panel: "pose",
+  has_figures: false,
   is_tree_open: true,
   are_panels_open: true,
 };

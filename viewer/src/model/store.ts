@@ -1,19 +1,28 @@
 // The page's data as signals: the server's document, the newest state, and the page's own state.
 
 import { computed, signal } from "@preact/signals";
+import type { Opens } from "../link/openings";
 import type { CardAnswer, Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { Film } from "./film";
 import type { FindingOrder } from "./findings";
-import type { Connection, ContextMenu, Dialog, Notice, Panel } from "./page-state";
+import {
+  type Connection,
+  type ContextMenu,
+  type Dialog,
+  type Drawer,
+  knownPanel,
+  type Notice,
+  type Panel,
+} from "./page-state";
 import { PartTree } from "./part-tree";
 import { drawnSections } from "./sections";
 import { loadSettings, type Settings } from "./settings";
 import type { TypedMove } from "./typed-move";
 
-/** How many notices are kept in sight. */
-const MOST_NOTICES = 4;
+/** How many notices are kept in sight; of those that only inform, the newest. */
+const MOST_NOTICES = 3;
 /** Notices that need no answer vanish by themselves. */
 const INFO_MS = 10_000;
 
@@ -65,6 +74,14 @@ export class Store {
   /** Why the geometry did not come. */
   readonly geometry_failed = signal<string | null>(null);
   readonly connection = signal<Connection>("connecting");
+  /** The link has been down so long that the server is probably gone. */
+  readonly is_ended = signal(false);
+  /** What can be opened in place of the present mock-up; null: nothing. */
+  readonly opens = signal<Opens | null>(null);
+  /** Files that were dropped, until it is said that the present mock-up may go. */
+  readonly pending_files = signal<readonly File[]>([]);
+  /** Files are over the page. */
+  readonly is_dropping = signal(false);
   /** Steps that can be undone and redone; null until a change told. */
   readonly undo_depth = signal<number | null>(null);
   readonly redo_depth = signal<number | null>(null);
@@ -75,7 +92,6 @@ export class Store {
   /** The part under the pointer; -1: none. */
   readonly hover = signal(-1);
   readonly search = signal("");
-  readonly panel = signal<Panel>("pose");
   readonly dialog = signal<Dialog>(null);
   /** The step of the tour that is shown, from 0; null: none. */
   readonly tour_step = signal<number | null>(null);
@@ -99,6 +115,8 @@ export class Store {
   readonly way_marks = signal<WayMarks>(NO_WAY);
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
+  /** The open panel: kept over reloads. */
+  readonly panel = signal<Panel>(knownPanel(this.settings.peek().panel));
   /** The text of the live region. */
   readonly spoken = signal("");
   /** A headset is there. */
@@ -106,6 +124,11 @@ export class Store {
   readonly is_system_dark = signal(true);
   /** The system asks for reduced motion. */
   readonly is_motion_reduced = signal(false);
+  /** The window is too narrow for tree and panels beside the picture: they are drawers over it. */
+  readonly is_narrow = signal(false);
+  /** It is worked by fingers: targets are larger. */
+  readonly is_coarse = signal(false);
+  readonly drawer = signal<Drawer>(null);
 
   /** The parts that were left out of the scene: nobody sees them. */
   readonly absent = computed(() => {
@@ -124,6 +147,12 @@ export class Store {
     if (chosen !== "system") return chosen;
     return this.is_system_dark.value ? "dark" : "light";
   });
+  readonly is_tree_shown = computed(() =>
+    this.is_narrow.value ? this.drawer.value === "tree" : this.settings.value.is_tree_open,
+  );
+  readonly are_panels_shown = computed(() =>
+    this.is_narrow.value ? this.drawer.value === "panels" : this.settings.value.are_panels_open,
+  );
   /** A record is being gone through. */
   readonly is_replaying = computed(() => this.document.value?.record?.is_playing ?? false);
   /** Nothing can be changed: one file without a server, the link is down, or a record is replayed. */
@@ -151,9 +180,26 @@ export class Store {
 
   notify(level: Notice["level"], text: string): void {
     const id = this.next_notice++;
-    const others = this.notices.peek().filter((notice) => notice.text !== text);
+    const others = this.notices
+      .peek()
+      .filter((notice) => notice.text !== text && !(level === "info" && notice.level === "info"));
     this.notices.value = [...others, { id, level, text }].slice(-MOST_NOTICES);
     if (level === "info") setTimeout(() => this.dismiss(id), INFO_MS);
+  }
+
+  /** Opens or closes the tree: beside the picture, or over it. */
+  showTree(is_shown: boolean): void {
+    if (this.is_narrow.peek()) this.showDrawer(is_shown ? "tree" : null);
+    else this.set({ is_tree_open: is_shown });
+  }
+
+  showPanels(is_shown: boolean): void {
+    if (this.is_narrow.peek()) this.showDrawer(is_shown ? "panels" : null);
+    else this.set({ are_panels_open: is_shown });
+  }
+
+  showDrawer(drawer: Drawer): void {
+    this.drawer.value = drawer;
   }
 
   dismiss(id: number): void {

@@ -7,13 +7,16 @@ import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
 import { AskPanel } from "./cards";
 import { useWorkbench, WorkbenchContext } from "./context";
-import { Banner, Covers, Notices, RecordBar } from "./covers";
+import { AllHidden, Banner, Covers, DropCover, Notices, RecordBar } from "./covers";
+import { Side } from "./drawer";
 import { CommandButton } from "./fields";
 import { FindingPanel } from "./findings";
+import { FirstRun } from "./first-run";
 import { Help } from "./help";
 import { Icon, type IconName } from "./icons";
 import { MeasurePanel } from "./measures";
 import { ContextMenu } from "./menu";
+import { DoubtsDialog, OpenDialog } from "./opening";
 import { Palette } from "./palette";
 import { PosePanel } from "./poses";
 import { Preferences } from "./preferences";
@@ -38,22 +41,34 @@ export interface PictureElements {
 }
 
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
-  const { settings, dialog } = workbench.store;
-  const { is_tree_open, are_panels_open } = settings.value;
+  const { dialog, is_narrow, is_tree_shown, are_panels_shown } = workbench.store;
+  const [hasTree, hasPanels] = [is_tree_shown.value, are_panels_shown.value];
+  const sides = is_narrow.value ? "narrow" : `${hasTree ? "" : "no-tree"} ${hasPanels ? "" : "no-panels"}`;
   return (
     <WorkbenchContext.Provider value={workbench}>
-      <div class={`page ${is_tree_open ? "" : "no-tree"} ${are_panels_open ? "" : "no-panels"}`}>
+      <div class={`page ${sides}`}>
         <Bar />
-        {is_tree_open && <Tree />}
+        {hasTree && (
+          <Side side="tree" title="Parts">
+            <Tree />
+          </Side>
+        )}
         <Picture picture={picture} />
-        {are_panels_open && <Panels />}
+        {hasPanels && (
+          <Side side="panels" title="Panels">
+            <Panels />
+          </Side>
+        )}
         <StatusLine />
       </div>
       <Tour />
       {dialog.value === "palette" && <Palette />}
       {dialog.value === "help" && <Help />}
+      {dialog.value === "open" && <OpenDialog />}
+      {dialog.value === "doubts" && <DoubtsDialog />}
       {dialog.value === "settings" && <Preferences />}
       <Notices />
+      <DropCover />
     </WorkbenchContext.Provider>
   );
 }
@@ -84,6 +99,8 @@ function Picture({ picture }: { picture: PictureElements }) {
       </div>
       <Banner />
       <RecordBar />
+      <AllHidden />
+      <FirstRun />
       <Covers />
       <ContextMenu />
     </main>

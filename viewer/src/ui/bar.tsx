@@ -1,12 +1,13 @@
 // The bar at the top: the open mock-up, contact mode, undo and redo, access to every command.
 
-import { hint } from "../actions/commands";
+import { hint, runCommand } from "../actions/commands";
 import { formatCount } from "../math/units";
 import { MODES } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { Icon } from "./icons";
-import { partsText } from "./words";
+import { Name } from "./names";
+import { counted, partsText, trianglesText } from "./words";
 
 export function Bar() {
   const wb = useWorkbench();
@@ -14,8 +15,10 @@ export function Bar() {
   const document = store.document.value;
   const mockup = document?.mockup;
   const settings = store.settings.value;
+  const doubts = document?.doubts.length ?? 0;
   return (
     <header id="bar" class="bar">
+      {store.is_narrow.value && <CommandButton id="tree" icon="sidebar" pressed={store.is_tree_shown.value} />}
       <div class="brand">
         <svg viewBox="0 0 32 32" width="24" height="24" aria-hidden="true">
           <rect class="brand-back" width="32" height="32" rx="7" />
@@ -23,9 +26,9 @@ export function Bar() {
           <path class="brand-tip" d="M9 8l7 12 7-12z" />
         </svg>
         <div class="brand-text">
-          <h1>{mockup?.name ?? "feeler"}</h1>
+          <h1>{mockup ? <Name text={mockup.name} /> : "feeler"}</h1>
           {mockup && (
-            <p>{`${formatCount(mockup.triangles)} triangles, ${partsText(mockup.parts - (document?.absent.length ?? 0), formatCount)}${document?.tool ? ` · ${document.tool.name}` : ""}`}</p>
+            <p>{`${trianglesText(mockup.triangles, formatCount)}, ${partsText(mockup.parts - (document?.absent.length ?? 0), formatCount)}${document?.tool ? ` · ${document.tool.name}` : ""}`}</p>
           )}
         </div>
       </div>
@@ -54,15 +57,53 @@ export function Bar() {
         <span>Search commands</span>
         <kbd>Ctrl+K</kbd>
       </button>
-      <div class="bar-group">
+      {doubts > 0 && (
+        <button
+          type="button"
+          class="button doubts-badge"
+          title="What the loaders found doubtful about the files"
+          onClick={() => runCommand(wb, "doubts")}
+        >
+          <Icon name="alert" size={14} />
+          <span>{counted(doubts, "doubt")}</span>
+        </button>
+      )}
+      <div class="bar-group bar-rest">
+        {store.opens.value && <CommandButton id="open-file" icon="folder" />}
         <CommandButton id="mute" icon={settings.is_muted ? "soundOff" : "sound"} pressed={settings.is_muted} />
         <CommandButton id="theme" icon={store.theme.value === "dark" ? "sun" : "moon"} />
         <CommandButton id="settings" icon="settings" />
         <CommandButton id="help" icon="help" />
-        <CommandButton id="tree" icon="sidebar" pressed={settings.is_tree_open} />
-        <CommandButton id="panels" icon="panels" pressed={settings.are_panels_open} />
+      </div>
+      <div class="bar-group">
+        <More />
+        {!store.is_narrow.value && <CommandButton id="tree" icon="sidebar" pressed={store.is_tree_shown.value} />}
+        <CommandButton id="panels" icon="panels" pressed={store.are_panels_shown.value} />
       </div>
     </header>
+  );
+}
+
+/** What has no room in a narrow bar. */
+const MORE = ["open-file", "open-sample", "mode", "mute", "theme", "settings", "help", "tour"] as const;
+
+function More() {
+  const { store } = useWorkbench();
+  return (
+    <button
+      type="button"
+      class="button square more"
+      title="More"
+      aria-label="More"
+      aria-haspopup="menu"
+      aria-expanded={store.menu.value?.items !== undefined}
+      onClick={(event) => {
+        const { right, bottom } = event.currentTarget.getBoundingClientRect();
+        store.menu.value = { x: right, y: bottom, part: -1, point: null, at: { x: 0, y: 0 }, items: MORE };
+      }}
+    >
+      <Icon name="more" />
+    </button>
   );
 }
 

@@ -130,7 +130,7 @@ function Answer({ card, answer }: { card: Card; answer: CardAnswer }) {
     <>
       {answer.facts.length > 0 && (
         <dl class="facts">
-          {answer.facts.map(([name, figure]) => (
+          {answer.facts.map(({ name, figure }) => (
             <div key={name}>
               <dt>{name}</dt>
               <dd>{figure}</dd>

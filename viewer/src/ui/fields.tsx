@@ -1,24 +1,25 @@
 // Buttons that run commands, and fields that take lengths and angles as people type them.
 
 import { useRef, useState } from "preact/hooks";
-import { commandOf, hint, runCommand } from "../actions/commands";
+import { commandOf, runCommand } from "../actions/commands";
+import { hasLabel, labelOf, tipOf } from "../actions/labels";
 import { angleFigure, lengthFigure, parseAngle, parseLength, type Unit } from "../math/units";
 import { useWorkbench } from "./context";
 import { Icon, type IconName } from "./icons";
 
-/** A button that runs a command of the table. */
+/** A button that runs a command of the table. Its name follows the state; one that stays has `pressed` instead. */
 export function CommandButton(props: { id: string; icon: IconName; text?: string; pressed?: boolean }) {
   const wb = useWorkbench();
   const { id, icon, text, pressed } = props;
-  const { when, title } = commandOf(id);
+  const command = commandOf(id);
   return (
     <button
       type="button"
-      class={text ? "button" : "button square"}
-      title={hint(id)}
-      aria-label={text ? undefined : title}
-      aria-pressed={pressed}
-      disabled={when ? !when(wb) : false}
+      class={`button ${text ? "" : "square"} ${pressed ? "on" : ""}`}
+      title={tipOf(wb, command)}
+      aria-label={text ? undefined : labelOf(wb, command)}
+      aria-pressed={hasLabel(id) ? undefined : pressed}
+      disabled={command.when ? !command.when(wb) : false}
       onClick={() => runCommand(wb, id)}
     >
       <Icon name={icon} />

@@ -45,7 +45,8 @@ export function Help() {
             <Line what="Move or turn along one axis" keys={["Arrows, rings"]} />
             <Line what="Finer; in steps" keys={["Shift", "Ctrl"]} />
             <Line what="Centre there" keys={["Double click"]} />
-            <Line what="Menu" keys={["Right click"]} />
+            <Line what="Menu" keys={["Right click", "Long press"]} />
+            <Line what="Open files" keys={["Drop them"]} />
           </dl>
         </section>
         <section class="help-group">

@@ -2,9 +2,11 @@
 
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { commandOf, runCommand, shownKey } from "../actions/commands";
+import { labelOf } from "../actions/labels";
 import { measureFrom } from "../actions/measures";
 import { addSection } from "../actions/sections";
 import { useWorkbench } from "./context";
+import { Name } from "./names";
 
 const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit"] as const;
 const ASK_ITEMS = ["ask-removal", "ask-order", "ask-access", "ask-swept"] as const;
@@ -15,12 +17,15 @@ export function ContextMenu() {
   const { store } = wb;
   const menu = store.menu.value;
   const element = useRef<HTMLDivElement>(null);
+  const opener = useRef<HTMLElement | null>(null);
 
   useLayoutEffect(() => {
     const box = element.current;
     if (!menu || !box) return;
     box.style.left = `${Math.max(4, Math.min(menu.x, window.innerWidth - box.offsetWidth - 4))}px`;
     box.style.top = `${Math.max(4, Math.min(menu.y, window.innerHeight - box.offsetHeight - 4))}px`;
+    const before = document.activeElement instanceof HTMLElement ? document.activeElement : null;
+    if (!box.contains(before)) opener.current = before;
     box.querySelector<HTMLElement>("[role=menuitem]:not([disabled])")?.focus();
     const onPress = (event: PointerEvent): void => {
       if (!box.contains(event.target as Node)) store.menu.value = null;
@@ -32,7 +37,8 @@ export function ContextMenu() {
   if (!menu) return null;
   const close = (): void => {
     store.menu.value = null;
-    wb.canvas?.focus();
+    if (opener.current?.isConnected && opener.current !== document.body) opener.current.focus();
+    else wb.canvas?.focus();
   };
   const { point } = menu;
   const isLocked = store.is_read_only.value;
@@ -59,15 +65,19 @@ export function ContextMenu() {
       class="menu"
       role="menu"
       tabIndex={-1}
-      aria-label={menu.part >= 0 ? wb.path(menu.part) : "Picture"}
+      aria-label={menu.items ? "More" : menu.part >= 0 ? wb.path(menu.part) : "Picture"}
       onKeyDown={onKey}
     >
       {menu.part >= 0 && (
         <div class="menu-title" role="presentation" title={wb.path(menu.part)}>
-          {store.selection.value.size > 1 ? `${store.selection.value.size} parts` : store.nameOf(menu.part)}
+          {store.selection.value.size > 1 ? (
+            `${store.selection.value.size} parts`
+          ) : (
+            <Name text={store.nameOf(menu.part)} title={wb.path(menu.part)} />
+          )}
         </div>
       )}
-      {(menu.part >= 0 ? [...PART_ITEMS, ...ASK_ITEMS] : EMPTY_ITEMS).map((id) => {
+      {(menu.items ?? (menu.part >= 0 ? [...PART_ITEMS, ...ASK_ITEMS] : EMPTY_ITEMS)).map((id) => {
         const command = commandOf(id);
         const canRun = command.when?.(wb) ?? true;
         return (
@@ -81,7 +91,7 @@ export function ContextMenu() {
               runCommand(wb, id);
             }}
           >
-            <span class="row-name">{command.title}</span>
+            <span class="row-name">{labelOf(wb, command)}</span>
             {command.keys[0] && <kbd>{shownKey(command.keys[0])}</kbd>}
           </button>
         );

@@ -2,47 +2,22 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { COMMANDS, type PageCommand, runCommand, shownKey } from "../actions/commands";
+import { COMMANDS, type PageCommand, runCommand, searchFor, shownKey } from "../actions/commands";
+import { labelOf } from "../actions/labels";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
+import { Icon } from "./icons";
+import { matchingCommands } from "./ranking";
 
 const MOST = 60;
-
-/**
- * The commands whose title or group has the letters of every word, in order; the nearer to a word's start, the earlier.
- */
-export function matchingCommands(query: string, commands: readonly PageCommand[] = COMMANDS): PageCommand[] {
-  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
-  const ranked = commands
-    .filter((command) => command.while !== "typing")
-    .map((command) => {
-      const text = `${command.title} ${command.group}`.toLowerCase();
-      const ranks = words.map((word) => rankOf(text, word));
-      return { command, rank: ranks.some((rank) => rank < 0) ? -1 : ranks.reduce((sum, rank) => sum + rank, 0) };
-    })
-    .filter(({ rank }) => rank >= 0);
-  return ranked.sort((a, b) => a.rank - b.rank).map(({ command }) => command);
-}
-
-/** 0: begins the text; 1: begins a word; 2: within a word; 3: its letters occur in order; -1: does not match. */
-function rankOf(text: string, word: string): number {
-  const at = text.indexOf(word);
-  if (at === 0) return 0;
-  if (at > 0) return /\W/.test(text[at - 1] ?? "") || text.includes(` ${word}`) ? 1 : 2;
-  let from = 0;
-  for (const letter of word) {
-    from = text.indexOf(letter, from) + 1;
-    if (from === 0) return -1;
-  }
-  return 3;
-}
 
 export function Palette() {
   const wb = useWorkbench();
   const query = useSignal("");
   const active = useSignal(0);
   const list = useRef<HTMLDivElement>(null);
-  const found = matchingCommands(query.value).slice(0, MOST);
+  const found = matchingCommands(query.value, COMMANDS, (command) => labelOf(wb, command)).slice(0, MOST);
+  const words = query.value.trim();
   const canRun = (command: PageCommand): boolean => command.when?.(wb) ?? true;
   const current = Math.min(active.value, Math.max(0, found.length - 1));
   const choose = (command: PageCommand | undefined): void => {
@@ -75,7 +50,7 @@ export function Palette() {
         onKeyDown={(event) => {
           if (event.key === "ArrowDown") active.value = (current + 1) % Math.max(1, found.length);
           else if (event.key === "ArrowUp") active.value = (current - 1 + found.length) % Math.max(1, found.length);
-          else if (event.key === "Enter") choose(found[current]);
+          else if (event.key === "Enter" && !event.isComposing) choose(found[current]);
           else return;
           event.preventDefault();
         }}
@@ -97,12 +72,27 @@ export function Palette() {
             onClick={() => choose(command)}
           >
             <span class="palette-group">{command.group}</span>
-            <span class="row-name">{command.title}</span>
+            <span class="row-name">{labelOf(wb, command)}</span>
             {command.keys[0] && <kbd>{shownKey(command.keys[0])}</kbd>}
           </div>
         ))}
       </div>
-      {found.length === 0 && <p class="note palette-none">No command matches.</p>}
+      {found.length === 0 && (
+        <div class="palette-none" role="status">
+          <p class="note">No command has these words. Try hide, cut, measure, take out, clash, or undo.</p>
+          <button
+            type="button"
+            class="button"
+            onClick={() => {
+              wb.store.dialog.value = null;
+              setTimeout(() => searchFor(wb, words));
+            }}
+          >
+            <Icon name="search" size={14} />
+            <span class="row-name">{`Search the parts for “${words}”`}</span>
+          </button>
+        </div>
+      )}
     </Dialog>
   );
 }

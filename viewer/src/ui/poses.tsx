@@ -1,5 +1,7 @@
 // The pose of the hand: numbers to read and type, steps, contact mode, and the present contacts.
 
+import { commandOf } from "../actions/commands";
+import { labelOf } from "../actions/labels";
 import { anglesOf, fromAngles, type Pose, position } from "../math/matrix";
 import { angleFigure, formatAngle, formatForce, formatLength, lengthFigure } from "../math/units";
 import { length, type Vec3 } from "../math/vectors";
@@ -7,6 +9,7 @@ import { touchedParts } from "../model/contact";
 import { MODES } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, Figure, IconButton } from "./fields";
+import { Name } from "./names";
 import { depthText } from "./words";
 
 const AXES = ["X", "Y", "Z"] as const;
@@ -59,7 +62,7 @@ export function PosePanel() {
         <div class="button-row">
           <CommandButton id="move" icon="move" text="Move" pressed={store.typed.value?.kind === "move"} />
           <CommandButton id="turn" icon="turn" text="Turn" pressed={store.typed.value?.kind === "turn"} />
-          <CommandButton id="grip" icon="grip" text={held.length > 0 ? "Release" : "Grip"} />
+          <CommandButton id="grip" icon="grip" text={labelOf(wb, commandOf("grip"))} />
         </div>
       </section>
       <section>
@@ -73,6 +76,7 @@ export function PosePanel() {
         />
         <p class="note">{MODE_TITLES[document.mode]}</p>
       </section>
+      <ContactReport />
       <section>
         <h2>Position</h2>
         <div class="figures">
@@ -167,7 +171,6 @@ export function PosePanel() {
           Drag in steps (Ctrl: the other way)
         </label>
       </section>
-      <ContactReport />
     </div>
   );
 }
@@ -206,6 +209,14 @@ function ToolChoice() {
 }
 
 function EmptyHand() {
+  const { store } = useWorkbench();
+  if (store.connection.value === "offline") {
+    return (
+      <div class="panel-body empty">
+        <p>This file can be looked at: turn, hide, cut and measure. Nothing can be moved in it.</p>
+      </div>
+    );
+  }
   return (
     <div class="panel-body empty">
       <p>The hand is empty.</p>
@@ -259,7 +270,9 @@ function PartLine({ part, kind, text }: { part: number; kind: "hit" | "near"; te
     <li>
       <button type="button" class="part-line" title={wb.path(part)} onClick={() => wb.select([part])}>
         <span class={`swatch ${kind}`} aria-hidden="true" />
-        <span class="row-name">{wb.store.nameOf(part)}</span>
+        <span class="row-name">
+          <Name text={wb.store.nameOf(part)} title={wb.path(part)} />
+        </span>
         <span class="row-count">{text}</span>
       </button>
     </li>

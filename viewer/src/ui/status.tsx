@@ -6,14 +6,16 @@ import { touchedParts } from "../model/contact";
 import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
+import { Name } from "./names";
 import { poseHint } from "./typing-hint";
-import { depthText, isTouching, touchedText } from "./words";
+import { depthText, isolated, isTouching, touchedText, trianglesText } from "./words";
 
 const CONNECTIONS: Readonly<Record<Connection, string>> = {
   connecting: "Connecting",
   open: "Connected",
   lost: "Reconnecting",
   refused: "Not allowed",
+  full: "Too many pages",
   outdated: "Reload the page",
   offline: "Read only",
 };
@@ -24,9 +26,9 @@ export function StatusLine() {
   const connection = store.connection.value;
   return (
     <footer class="status">
-      <span class={`link-state ${connection}`}>
+      <span class={`link-state ${store.is_ended.value ? "refused" : connection}`}>
         <span class="dot" aria-hidden="true" />
-        {CONNECTIONS[connection]}
+        {store.is_ended.value ? "Ended" : CONNECTIONS[connection]}
       </span>
       {store.is_recording.value && (
         <span class="recording">
@@ -36,7 +38,7 @@ export function StatusLine() {
       )}
       <ContactFacts />
       <span class="status-path" title={wb.path(store.hover.value)}>
-        {store.hover.value >= 0 ? wb.path(store.hover.value) : poseHint(store)}
+        {store.hover.value >= 0 ? <Name text={wb.path(store.hover.value)} /> : poseHint(store)}
       </span>
       {store.jobs.value.map((job) => (
         <span class="job" key={job.id}>
@@ -69,16 +71,14 @@ function ContactFacts() {
             <span class="swatch hit" aria-hidden="true" />
             {touchedText(touchedParts(state).map((part) => store.nameOf(part)))}
           </span>
-          {state.hit_count > 0 && (
-            <span>{`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}</span>
-          )}
+          {state.hit_count > 0 && <span>{trianglesText(state.hit_count, formatCount)}</span>}
           {depth && <span>{depth}</span>}
           {length(state.force) > 0 && <span>{formatForce(length(state.force))}</span>}
         </>
       ) : (
         <span>
           {nearest && <span class="swatch near" aria-hidden="true" />}
-          {nearest ? `${formatLength(nearest.value, unit)} to ${store.nameOf(nearest.part)}` : "free"}
+          {nearest ? `${formatLength(nearest.value, unit)} to ${isolated(store.nameOf(nearest.part))}` : "free"}
         </span>
       )}
     </span>
@@ -92,7 +92,7 @@ const REST_MS = 1000;
 function Rates() {
   const { store } = useWorkbench();
   const state = store.state.value;
-  if (!state) return null;
+  if (!state || !store.settings.value.has_figures) return null;
   // The age counts from the hand's last wish: before the first, and while the hand rests, it says nothing.
   const is_at_rest = state.pose_seq === 0 || state.age_ms > REST_MS;
   const age = is_at_rest ? "" : ` · ${state.age_ms.toFixed(1)} ms old`;

@@ -23,7 +23,7 @@ export const TOUR: readonly Step[] = [
   {
     at: "#tree",
     title: "Find a part",
-    text: "Search by any words of a part's path. Selected parts are highlighted in the tree and in the picture. H hides, X makes a ghost, Shift+H isolates, and Shift+H again ends the isolation.",
+    text: "Search by any words of a part's path. Selected parts are highlighted in the tree and in the picture. H hides, X makes a ghost, Shift+H isolates, and Shift+H again shows the others. Below the tree are the facts of the selection; of two parts their distance.",
     keys: ["Ctrl+F", "H", "X", "Shift+H"],
   },
   {
@@ -47,7 +47,7 @@ export const TOUR: readonly Step[] = [
   {
     at: "#panels",
     title: "Take a part out",
-    text: "Select a part, grip it with E, move it away, release it with E. Each removal becomes a line of the sequence: its smallest clearance and the touched parts. Ctrl+Z undoes everything.",
+    text: "Select a part, grip it with E, move it away, put it down with E. Each removal becomes a line of the sequence: its smallest clearance and the touched parts. Ctrl+Z undoes everything.",
     keys: ["E", "Ctrl+Z"],
   },
   {
@@ -59,7 +59,7 @@ export const TOUR: readonly Step[] = [
   {
     at: "#bar",
     title: "Everything else",
-    text: "Ctrl+K finds every command by its name, ? shows all keys.",
+    text: "Ctrl+K finds every command by its name or another word for it, ? shows all keys. Drop a file on the page to open it.",
     keys: ["Ctrl+K", "?"],
   },
 ];
@@ -76,7 +76,9 @@ export function Tour() {
 
   useLayoutEffect(() => {
     const place = (): void => {
-      const target = step && document.querySelector(step.at)?.getBoundingClientRect();
+      // Tree and panels are not there while their drawers are closed.
+      const subject = step && (document.querySelector(step.at) ?? document.querySelector("#picture"));
+      const target = subject?.getBoundingClientRect();
       const box = card.current;
       const ring = frame.current;
       if (!target || !box || !ring) return;

@@ -7,9 +7,14 @@ import type { TreeRow } from "../model/part-tree";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
+import { Name } from "./names";
+import { Properties } from "./properties";
 import { scrollTo, visibleRows } from "./virtual";
+import { partsText } from "./words";
 
+/** For a mouse, and for a finger. */
 const ROW_PX = 26;
+const COARSE_ROW_PX = 44;
 const INDENT_PX = 14;
 
 type Share = "none" | "some" | "all";
@@ -32,6 +37,7 @@ export function Tree() {
   const height = useSignal(600);
   const list = useRef<HTMLDivElement>(null);
   const is_focus_due = useRef(false);
+  const row_px = store.is_coarse.value ? COARSE_ROW_PX : ROW_PX;
 
   const rows = useComputed(() => store.tree.value.rows(open.value, store.search.value, shut.value));
   const found = useComputed(() =>
@@ -61,7 +67,7 @@ export function Tree() {
   const show = (at: number): void => {
     active.value = at;
     const element = list.current;
-    if (element) element.scrollTop = scrollTo(at, element.scrollTop, element.clientHeight, ROW_PX);
+    if (element) element.scrollTop = scrollTo(at, element.scrollTop, element.clientHeight, row_px);
   };
 
   useEffect(() => {
@@ -125,7 +131,7 @@ export function Tree() {
     const at = active.peek();
     const row = rows.peek()[at];
     if (!row) return;
-    const page = Math.max(1, Math.floor(height.peek() / ROW_PX) - 1);
+    const page = Math.max(1, Math.floor(height.peek() / row_px) - 1);
     const moves: Record<string, () => void> = {
       ArrowDown: () => go(at + 1, event),
       ArrowUp: () => go(at - 1, event),
@@ -155,7 +161,7 @@ export function Tree() {
 
   const count = rows.value.length;
   const current = Math.min(active.value, Math.max(0, count - 1));
-  const { first, end } = visibleRows(scroll_top.value, height.value, ROW_PX, count);
+  const { first, end } = visibleRows(scroll_top.value, height.value, row_px, count);
   const shown: number[] = [];
   for (let k = first; k < end; k++) shown.push(k);
   // The row with the focus stays in the page, so that scrolling does not lose it.
@@ -201,7 +207,7 @@ export function Tree() {
         <p class="tree-count" aria-live="polite">
           {found.value
             ? `${formatCount(found.value.length)} of ${formatCount(store.part_count.value)} found`
-            : `${formatCount(store.part_count.value)} parts${store.hidden.value.size > 0 ? `, ${formatCount(store.hidden.value.size)} hidden` : ""}`}
+            : `${partsText(store.part_count.value, formatCount)}${store.hidden.value.size > 0 ? `, ${formatCount(store.hidden.value.size)} hidden` : ""}`}
         </p>
       </div>
       <div
@@ -215,7 +221,7 @@ export function Tree() {
         }}
         onKeyDown={onKey}
       >
-        <div class="tree-space" role="none" style={{ height: `${count * ROW_PX}px` }}>
+        <div class="tree-space" role="none" style={{ height: `${count * row_px}px` }}>
           {shown.map((at) => {
             const row = rows.value[at];
             return (
@@ -233,6 +239,7 @@ export function Tree() {
           })}
         </div>
       </div>
+      <Properties />
     </nav>
   );
 }
@@ -281,9 +288,18 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
       aria-expanded={row.isGroup ? row.isOpen : undefined}
       aria-label={label}
       title={node.path}
-      style={{ transform: `translateY(${at * ROW_PX}px)`, paddingLeft: `${6 + row.depth * INDENT_PX}px` }}
+      style={{
+        transform: `translateY(${at * (store.is_coarse.value ? COARSE_ROW_PX : ROW_PX)}px)`,
+        paddingLeft: `${6 + row.depth * INDENT_PX}px`,
+      }}
       onClick={choose}
       onDblClick={() => wb.fit(parts)}
+      onContextMenu={(event) => {
+        event.preventDefault();
+        if (selected !== "all") wb.select(parts);
+        const at = { x: event.clientX, y: event.clientY };
+        store.menu.value = { ...at, part: parts[0] ?? -1, point: null, at };
+      }}
     >
       <span
         class={`twist ${row.isGroup ? (row.isOpen ? "open" : "") : "leaf"}`}
@@ -295,7 +311,9 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
       >
         {row.isGroup && <Icon name="chevron" size={12} />}
       </span>
-      <span class="row-name">{node.name}</span>
+      <span class="row-name">
+        <Name text={node.name} title={node.path} />
+      </span>
       {isHeld && <span class="tag held"> held</span>}
       {isOut && <span class="tag"> out</span>}
       {row.isGroup && <span class="row-count"> {formatCount(parts.length)}</span>}

@@ -7,6 +7,12 @@ import { touchedParts } from "../model/contact";
 /** The most part names that are read out. */
 const MOST_NAMES = 3;
 
+/** Letters and signs that turn the direction of a line. */
+const TURNING = /[\u0590-\u08ff\u200e\u200f\u202a-\u202e\u2066-\u2069\ufb1d-\ufdff\ufe70-\ufeff]/;
+
+/** A name inside a sentence: one of another direction does not turn the rest. */
+export const isolated = (name: string): string => (TURNING.test(name) ? `\u2068${name}\u2069` : name);
+
 /** "1 contact", "4 contacts". */
 export const counted = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
@@ -24,7 +30,7 @@ export const isTouching = (state: State): boolean => !state.is_free || touchedPa
 export function spokenState(state: State, unit: Unit, nameOf: (part: number) => string): string {
   const contacts = state.planes.length / 8 + state.contact_more;
   const touched = touchedParts(state);
-  const names = touched.slice(0, MOST_NAMES).map(nameOf);
+  const names = touched.slice(0, MOST_NAMES).map((part) => isolated(nameOf(part)));
   const more = touched.length - names.length;
   if (more > 0) names.push(`${more} more`);
   if (isTouching(state) || contacts > 0) {
@@ -33,14 +39,14 @@ export function spokenState(state: State, unit: Unit, nameOf: (part: number) => 
     return [how, ...names, ...(depth ? [depth] : [])].join(", ");
   }
   if (!state.distance) return "free";
-  return `free, ${formatLength(state.distance.value, unit)} to ${nameOf(state.distance.part)}`;
+  return `free, ${formatLength(state.distance.value, unit)} to ${isolated(nameOf(state.distance.part))}`;
 }
 
 /** "touches cone, shell and 3 more". */
 export function touchedText(names: readonly string[]): string {
   if (names.length === 0) return "inside";
   const more = names.length - MOST_NAMES;
-  return `touches ${names.slice(0, MOST_NAMES).join(", ")}${more > 0 ? ` and ${more} more` : ""}`;
+  return `touches ${names.slice(0, MOST_NAMES).map(isolated).join(", ")}${more > 0 ? ` and ${more} more` : ""}`;
 }
 
 /** A name of at most `most` letters, cut in its middle: the ends tell names apart. */
@@ -58,3 +64,7 @@ export const measureText = (measure: Pick<Measure, "unit" | "value">, unit: Unit
 /** "1 part", "4 316 parts". */
 export const partsText = (count: number, format: (count: number) => string): string =>
   `${format(count)} ${count === 1 ? "part" : "parts"}`;
+
+/** "1 triangle", "50 124 triangles". */
+export const trianglesText = (count: number, format: (count: number) => string): string =>
+  `${format(count)} ${count === 1 ? "triangle" : "triangles"}`;

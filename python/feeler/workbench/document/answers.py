@@ -47,6 +47,12 @@ class PartFacts(TypedDict):
     lower: Vec3 | None
     """Null: the part has no triangle that can be queried."""
     upper: Vec3 | None
+    is_closed: bool
+    """Each edge has as many triangles on one side as on the other."""
+    volume: float | None
+    """Cubic metres; null: it is not closed."""
+    area: float
+    """Square metres."""
     state: Literal["gripped", "moved", "in place", "left out"]
     is_hidden: bool
 
@@ -139,6 +145,13 @@ class ReachFacts(TypedDict):
     blockers: list[int]
 
 
+class Fact(TypedDict):
+    """A figure with its name, in words."""
+
+    name: str
+    figure: str
+
+
 class CardAnswer(TypedDict):
     """The whole answer of a card."""
 
@@ -149,5 +162,5 @@ class CardAnswer(TypedDict):
     reaches: list[ReachFacts]
     room: HeldManifest | None
     """The swept volume, in the world's frame: its pieces are `GET /cards/ID`."""
-    facts: list[tuple[str, str]]
-    """What else is to be said: a name and a figure."""
+    facts: list[Fact]
+    """What else is to be said."""

@@ -191,7 +191,7 @@ class Document:
     absent: parts excluded when the mock-up was opened. hidden: invisible parts; they still collide. gripped: parts in
     the hand, and their places in it (`hand_from_part`). moved: places of parts put down elsewhere (`world_from_part`).
     out: those of them outside the box of the scene. tools: names for `take_tool`. pose: the last pose of the hand that
-    a command set (`world_from_tool`).
+    a command set (`world_from_tool`). doubts: of the loaders of mock-up and tool.
     """
 
     mockup: MockupFacts | None = None
@@ -221,6 +221,7 @@ class Document:
     findings: Findings | None = None
     cards: tuple[Card, ...] = ()
     material: str | None = None
+    doubts: tuple[str, ...] = ()
     next_id: int = 1
     next_card: int = 1
 

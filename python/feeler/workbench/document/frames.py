@@ -141,6 +141,12 @@ def unpack(frame: str | bytes, messages: Iterable[type]) -> Any:
     """The message of a frame, one of the given classes. Raises `ProtocolError`, and nothing else."""
     if isinstance(frame, str):
         return _build(_json_object(frame), messages, None)
+    text, rest = _header(frame)
+    return _build(_json_object(text), messages, rest)
+
+
+def _header(frame: bytes) -> tuple[str, bytes]:
+    """The JSON header of a binary frame, and the bytes behind it."""
     if len(frame) < _PREFIX.size:
         raise ProtocolError(f"a binary frame of {len(frame)} bytes is shorter than its prefix of {_PREFIX.size}")
     version, size = _PREFIX.unpack_from(frame)
@@ -153,7 +159,7 @@ def unpack(frame: str | bytes, messages: Iterable[type]) -> Any:
         text = frame[_PREFIX.size : start].decode()
     except UnicodeDecodeError as error:
         raise ProtocolError(f"the header is not UTF-8: {error.reason} at byte {error.start}") from None
-    return _build(_json_object(text), messages, frame[start:])
+    return text, frame[start:]
 
 
 def version_of(frame: str | bytes) -> int | None:
@@ -169,7 +175,7 @@ def version_of(frame: str | bytes) -> int | None:
 def id_of(frame: str | bytes) -> int | None:
     """The id in a frame that is otherwise wrong, so that its error can be matched to the request; None if missing."""
     try:
-        value = _json_object(frame) if isinstance(frame, str) else {}
+        value = _json_object(frame if isinstance(frame, str) else _header(frame)[0])
     except ProtocolError:
         return None
     found = value.get("id")

@@ -24,6 +24,7 @@ from feeler.workbench.document.frames import (
     unpack,
     version_of,
 )
+from feeler.workbench.document.openings import FilePiece, OpeningRequest, OpenMockup, Opens, SendFiles
 
 __all__ = [
     "FROM_PAGE",
@@ -33,6 +34,7 @@ __all__ = [
     "MOST_PLANES",
     "NOT_ALLOWED",
     "RELOAD",
+    "TOO_MANY_PAGES",
     "VERSION",
     "ProtocolError",
     "decode_from_page",
@@ -47,6 +49,9 @@ NOT_ALLOWED = 1008
 
 RELOAD = 4001
 """Closes a socket of another protocol version: the page must reload."""
+
+TOO_MANY_PAGES = 4002
+"""Closes a socket of a page beyond the limit: another one must be closed first."""
 
 MOST_HITS = 20_000
 """Colliding triangles listed in a state, of each side."""
@@ -307,6 +312,8 @@ class DocumentFields(TypedDict):
     findings: Findings | None
     cards: list[Card]
     material: Material | None
+    doubts: list[str]
+    """What puts answers about mock-up and tool in doubt, as their loaders found."""
 
 
 class ManifestParts(TypedDict):
@@ -514,6 +521,8 @@ class Welcome:
     """Of the mesh in hand; null: the hand is empty, or there is no mock-up yet."""
     versions: dict[str, str]
     """Versions of the server's software, by name."""
+    opens: Opens | None
+    """Null: the mock-up cannot be replaced from a page."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -701,11 +710,14 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
-FROM_PAGE: tuple[type, ...] = (Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
+FROM_PAGE: tuple[type, ...] = (
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
+    *(SendFiles, FilePiece, OpenMockup),
+)
 FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
     *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),

@@ -20,6 +20,7 @@ from feeler.workbench.document.document import MEASURES, Document, Point
 from feeler.workbench.document.known import Measured
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.sizes import sizes_of
 from feeler.workbench.engine.world import World
 
 _PARALLEL = 1e-9
@@ -281,6 +282,7 @@ def part_facts(part: int, document: Document, scene: Scene) -> dict[str, Any]:
         state = "moved"
     else:
         state = "in place" if scene.part_mask[part] else "left out"
+    sizes = sizes_of(scene.mockup, part)
     return {
         "part": part,
         "name": found.name,
@@ -288,6 +290,9 @@ def part_facts(part: int, document: Document, scene: Scene) -> dict[str, Any]:
         "triangles": found.triangles,
         "lower": list(found.lower) if has_box else None,
         "upper": list(found.upper) if has_box else None,
+        "is_closed": sizes.volume is not None,
+        "volume": sizes.volume,
+        "area": sizes.area,
         "state": state,
         "is_hidden": part in document.hidden,
     }

@@ -1,7 +1,7 @@
 """One page's connection: hello, its messages, and the replies. Lives in the net thread.
 
-Commands run one after the other, and so do questions, each in a thread of a pool. The net thread never waits for them,
-and a long question delays neither the page's commands nor other pages.
+Commands run one after the other, and so do questions and the pieces of files, each in a thread of a pool. The net
+thread never waits for them, and a long question delays neither the page's commands nor other pages.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.workbench.document import protocol
 from feeler.workbench.document.frames import dumps
+from feeler.workbench.document.openings import FilePiece, OpeningRequest, OpenMockup, SendFiles
 from feeler.workbench.net.guard import RateLimit
 from feeler.workbench.net.outbox import Outbox
 from feeler.workbench.net.serving import JobLike, Limits, SessionLike
@@ -28,7 +29,7 @@ log = logging.getLogger("feeler.workbench")
 
 _NO_SHOT: tuple[None, list[str]] = (None, [])
 
-Request = protocol.Command | protocol.Ask | protocol.Job
+Request = protocol.Command | protocol.Ask | protocol.Job | OpeningRequest
 
 
 class Client:
@@ -56,7 +57,9 @@ class Client:
         self._loop = asyncio.get_running_loop()
         self._commands: asyncio.Queue[Request] = asyncio.Queue()
         self._asks: asyncio.Queue[Request] = asyncio.Queue()
+        self._openings: asyncio.Queue[Request] = asyncio.Queue()
         self._requests = 0
+        self._pieces = 0
         self._jobs: dict[int, JobLike] = {}
         self._shot: tuple[int | None, list[str]] = _NO_SHOT
         self._early: list[tuple[int, str]] | None = []  # events from before the welcome was ready
@@ -75,7 +78,7 @@ class Client:
             for number, text in early:
                 if number > greeting.event:
                     self._put(text)
-            tasks += [asyncio.create_task(self._do(queue)) for queue in (self._commands, self._asks)]
+            tasks += [asyncio.create_task(self._do(queue)) for queue in (self._commands, self._asks, self._openings)]
             await self._receive()
         except ConnectionClosed:
             pass  # the usual end
@@ -181,12 +184,24 @@ class Client:
     def _queue(self, request: Request) -> None:
         if self._requests >= self._limits.requests:
             raise WorkbenchError(
-                f"{self._requests} requests wait already", request.name, "wait for their answers before the next"
+                f"{self._requests} requests wait already", _name(request), "wait for their answers before the next"
             )
+        if isinstance(request, FilePiece):
+            if self._pieces >= self._limits.pieces:
+                raise WorkbenchError(f"{self._pieces} pieces wait already", "open", "wait for their answers")
+            self._pieces += 1
         if isinstance(request, protocol.Job) and request.id in self._jobs:
             raise WorkbenchError(f"job {request.id} runs already", request.name, "give every request another id")
         self._requests += 1
-        (self._commands if isinstance(request, protocol.Command) else self._asks).put_nowait(request)
+        self._queue_of(request).put_nowait(request)
+
+    def _queue_of(self, request: Request) -> asyncio.Queue[Request]:
+        match request:
+            case protocol.Command():
+                return self._commands
+            case protocol.Ask() | protocol.Job():
+                return self._asks
+        return self._openings
 
     async def _do(self, queue: asyncio.Queue[Request]) -> None:
         """Answers one request after the other."""
@@ -195,14 +210,14 @@ class Client:
             if isinstance(request, protocol.Job):
                 await self._start(request)
                 continue
-            work = self._session.command if isinstance(request, protocol.Command) else self._session.ask
             try:
-                answer = await self._run(_answer, work, request)
+                answer = await self._run(_answer, self._session, request)
             except Exception as error:
-                self._refuse(request.id, error, request.name)
+                self._refuse(request.id, error, _name(request))
             else:
                 self._put(answer)
             self._requests -= 1
+            self._pieces -= isinstance(request, FilePiece)
 
     async def _start(self, request: protocol.Job) -> None:
         def progressed(share: float, stage: str) -> None:
@@ -265,9 +280,22 @@ def trouble(error: Exception, where: str) -> protocol.Trouble:
     return {"what": what, "where": where, "do": "see the terminal, and report the error"}
 
 
-def _answer(work: Callable[[str, dict[str, Any]], Any], request: protocol.Command | protocol.Ask) -> str:
+def _answer(session: SessionLike, request: Request) -> str:
     """Runs in a thread of the pool, encoding included: an answer may be long."""
-    return _text(protocol.Answer(request.id, work(request.name, request.args)))
+    match request:
+        case protocol.Command():
+            answer = session.command(request.name, request.args)
+        case protocol.Ask():
+            answer = session.ask(request.name, request.args)
+        case FilePiece() | OpenMockup() | SendFiles():
+            answer = session.openings.request(request)
+        case protocol.Job():
+            raise AssertionError("jobs are started elsewhere")
+    return _text(protocol.Answer(request.id, answer))
+
+
+def _name(request: Request) -> str:
+    return request.name if isinstance(request, (protocol.Command, protocol.Ask, protocol.Job)) else "open"
 
 
 def _text(message: protocol.Answer | protocol.Refusal) -> str:

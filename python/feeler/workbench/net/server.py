@@ -283,7 +283,7 @@ class Server:
             await socket.close(protocol.NOT_ALLOWED, refused)
             return None
         if len(self._clients) >= self._limits.pages:
-            await socket.close(protocol.NOT_ALLOWED, f"{len(self._clients)} pages are open: close one")
+            await socket.close(protocol.TOO_MANY_PAGES, f"{len(self._clients)} pages are open: close one")
             return None
         return message
 
@@ -315,6 +315,7 @@ class Server:
             recording=self._session.is_recording,
             held=self._session.held_manifest(document["held_version"]),
             versions=_versions(),
+            opens=self._session.openings.facts(),
         )
 
     # ---- messages of the session, in any thread ----

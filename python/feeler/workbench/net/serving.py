@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.progress import Progress
+from feeler.workbench.document.openings import OpeningRequest, Opens
 from feeler.workbench.document.protocol import DocumentFields, HeldManifest, Manifest, State
 
 
@@ -37,11 +38,25 @@ class JobLike(Protocol):
         """Calls back when it is done, in any thread."""
 
 
+class OpeningsLike(Protocol):
+    """What opens other mock-ups for pages."""
+
+    def facts(self) -> Opens | None:
+        """What they may open; None: nothing."""
+
+    def request(self, message: OpeningRequest, /) -> Any:
+        """Carries out a page's message."""
+
+
 class SessionLike(Protocol):
     """The session of a workbench. All methods may be called from any thread."""
 
     pages: int
     """Number of open pages, kept by the server."""
+
+    @property
+    def openings(self) -> OpeningsLike:
+        """Opens other mock-ups."""
 
     @property
     def is_recording(self) -> bool:
@@ -107,8 +122,8 @@ class Limits:
     """Limits for a page.
 
     hello_s: time until the first message; message_bytes: of one message; pages: at once; waiting: sockets before their
-    hello; messages_per_s; requests: unanswered commands, questions and jobs of a page; shot_bytes: of a picture in
-    base64, all pieces together.
+    hello; messages_per_s; requests: unanswered commands, questions and jobs of a page; pieces: unanswered ones of
+    files; shot_bytes: of a picture in base64, all pieces together.
     """
 
     hello_s: float = 2.0
@@ -117,4 +132,5 @@ class Limits:
     waiting: int = 16
     messages_per_s: int = 1000
     requests: int = 256
+    pieces: int = 4
     shot_bytes: int = 32 << 20

@@ -85,7 +85,7 @@ class Answered:
             "blockers": list(self.blockers),
             "reaches": list(self.reaches),
             "room": None if self.room is None else self.room.manifest(),
-            "facts": list(self.facts),
+            "facts": [{"name": name, "figure": figure} for name, figure in self.facts],
         }
 
 

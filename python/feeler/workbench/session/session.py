@@ -46,6 +46,7 @@ from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
 from feeler.workbench.session.opening import beside, opening
+from feeler.workbench.session.openings import Openings
 from feeler.workbench.session.record import Recorder
 from feeler.workbench.session.requests import Requests
 from feeler.workbench.session.wanted import Wanted
@@ -76,6 +77,8 @@ class Session:
         self._wanted = Wanted(self._events.tell)
         self._requests = Requests()
         self._cards = Cards(self._card_told)
+        self.openings = Openings()
+        """Opens other mock-ups for pages, if somebody offers it."""
         self._clock, self._seed = clock, seed
         self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
         self._recorder = None if record is None else Recorder(Path(record))
@@ -100,6 +103,11 @@ class Session:
         """Reports why there is no mock-up."""
         self._show(replace(self._document, loading=None, failed=str(text)), None)
 
+    def not_opened(self, text: str) -> None:
+        """Reports why another mock-up could not be opened: the present one stays."""
+        self._show(replace(self._document, loading=None), None)
+        self._events.tell({"type": "notice", "level": "error", "text": str(text)})
+
     def open(
         self,
         mockup: Mockup,
@@ -111,12 +119,13 @@ class Session:
         unit: str | None = None,
         tools: Iterable[Tool] = (),
         name: str | None = None,
+        doubts: Iterable[str] = (),
     ) -> None:
         """Opens a mock-up: a new document, with nothing to undo. Prepares the data that the first answers need.
 
         tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default beside the parts
-        of the scene. unit: default as before. name: of the mock-up, default that of its file. Raises `WorkbenchError`,
-        `OptionError`.
+        of the scene. unit: default as before. name: of the mock-up, default that of its file. doubts: of the loaders.
+        Raises `WorkbenchError`, `OptionError`.
         """
         unit = self._document.unit if unit is None else _checked_unit(unit)
         if scene.mockup is not mockup:
@@ -125,6 +134,7 @@ class Session:
         begun = opening(
             self._document, scene, tool, tools, pose=start, mode=mode, unit=unit, name=name, seed=self._seed
         )
+        begun = replace(begun, document=replace(begun.document, doubts=tuple(doubts)))
         with self.engine.paused(), self._lock:
             self._hands, self._geometry = begun.hands, begun.geometry
             self._history = History()
@@ -379,6 +389,7 @@ class Session:
             self._thread.join(timeout=_CLOSE_S)
         self._requests.close()
         self._cards.close()
+        self.openings.close()
         if self._recorder is not None:
             if is_engine_free:
                 self.engine.flush()

@@ -1,0 +1,51 @@
+// In a narrow window tree and panels are drawers: over the picture, one at a time. The focus goes in and comes back.
+
+import type { ComponentChildren } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
+import { useWorkbench } from "./context";
+import { IconButton } from "./fields";
+
+const FIRST = "input:not([type=radio]), [role=tab][tabindex='0'], button:not([disabled])";
+
+interface SideProps {
+  side: "tree" | "panels";
+  title: string;
+  children: ComponentChildren;
+}
+
+/** Tree or panels: beside the picture, or in a drawer over it. */
+export function Side(props: SideProps) {
+  const { store } = useWorkbench();
+  return store.is_narrow.value ? <Drawer {...props} /> : props.children;
+}
+
+function Drawer({ side, title, children }: SideProps) {
+  const wb = useWorkbench();
+  const element = useRef<HTMLDivElement>(null);
+  const body = useRef<HTMLDivElement>(null);
+  useLayoutEffect(() => {
+    const drawer = element.current;
+    const before = document.activeElement;
+    // A field that asked for the focus has it already.
+    if (!drawer?.contains(before)) body.current?.querySelector<HTMLElement>(FIRST)?.focus({ preventScroll: true });
+    return () => {
+      const isInside = drawer?.contains(document.activeElement) ?? false;
+      if (!isInside && document.activeElement !== document.body) return;
+      if (before instanceof HTMLElement && before.isConnected && before !== document.body) before.focus();
+      else wb.canvas?.focus();
+    };
+  }, []);
+  return (
+    <div ref={element} class={`drawer drawer-${side}`}>
+      <div class="drawer-head">
+        <p class="drawer-title" aria-hidden="true">
+          {title}
+        </p>
+        <IconButton icon="close" label={`Close: ${title}`} run={() => wb.store.showDrawer(null)} />
+      </div>
+      <div ref={body} class="drawer-body">
+        {children}
+      </div>
+    </div>
+  );
+}
