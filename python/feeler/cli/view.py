@@ -7,7 +7,10 @@ import json
 import sys
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -30,6 +33,7 @@ from feeler.cli.inputs import (
     read_tool,
     telling,
 )
+from feeler.cli.projects import ProjectFile, Work, files_of, keep_work, named_project, open_named, tool_of, work_of
 from feeler.cli.values import Whole, Word
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
@@ -58,6 +62,9 @@ feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
 feeler view sample:engine:10000000 --benchmark
 feeler view engine.step --findings clashes.json
+feeler view engine.step --project engine.feelproj
+feeler view engine.feelproj
+feeler view engine-2.step --project engine.feelproj
 """,
 )
 def view(
@@ -93,6 +100,11 @@ def view(
     findings: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Findings of feeler clash --json, to step through.")
     ] = None,
+    project: ProjectFile = None,
+    read_only: Annotated[
+        bool,
+        typer.Option("--read-only", help="Open the project without saving, for one that another process has open."),
+    ] = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -112,7 +124,8 @@ def view(
     """Opens the workbench in the browser: look around in a mock-up, move a tool, take parts out, measure.
 
     Prints the address, which contains the key for access. The page opens at once and shows loading progress. Ctrl-C
-    ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
+    ends it. With --project, everything is saved as you work; a project alone opens the mock-up that it names.
+    Exit status: 0; 2 bad input, or a mock-up that could not be read.
 
     --benchmark moves camera and tool in the page and reports the frames per second; keep the page visible, because
     browsers do not draw hidden ones.
@@ -124,11 +137,16 @@ def view(
     from feeler.workbench.session.benchmark import FILE
     from feeler.workbench.session.session import Session
 
-    if tool is None:
+    named = named_project(mockup, project, read_only)
+    if named is not None and record is not None:
+        raise OptionError("--record begins with an empty document, and a project has its own: give one of the two")
+    files = files_of(mockup)
+    is_sample = not files and (named is None or not named.exists())
+    if tool is None and (named is None or is_sample):
         if tool_unit is not None:
             raise OptionError("--tool-unit is for --tool FILE")
-        tool = None if mockup else _SAMPLE_TOOL
-    if device is not None and tool is None:
+        tool = _SAMPLE_TOOL if is_sample else None
+    if device is not None and tool is None and named is None:
         raise OptionError("--device moves a tool: give --tool too")
     place = Place(host, port, allow_remote, tls_cert, tls_key)
     place.check()
@@ -141,14 +159,27 @@ def view(
     held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
     with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as ends:
-        session = Session(unit=show_unit, record=record)
+        work = Work(files or [_SAMPLE], tool, tool_unit, unit, up, without or [], only or [])
+        opened = None
+        if named is not None:
+            opened = open_named(named, read_only)
+            ends.callback(opened.close)
+            if not files and not is_sample:
+                work = work_of(opened, work)
+            elif tool is None:
+                kept, its_unit = tool_of(opened)
+                work = replace(work, tool=kept, tool_unit=tool_unit or its_unit)
+        session = Session(unit=show_unit, record=record, project=opened)
         ends.callback(session.close)
         server = Server(session, place=place, has_device=held is not None)
         server.start()
         ends.callback(server.close)
-        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held, found)
+        choice = Choice(None, work.without, work.only)
+        opening = _Opening(session, work.sources, work.tool, choice, held, found)
+        if opened is not None and not read_only:
+            opening.on_opened = partial(keep_work, opened, work)
         ends.callback(opening.close)
-        opening.begin(unit, tool_unit, up, threads)
+        opening.begin(work.unit, work.tool_unit, work.up, threads)
         say_where(server, place.is_remote, as_json)
         if browser:
             open_browser(server.url)
@@ -183,6 +214,8 @@ class _Opening:
         self.is_failed = False
         self.opened: Opened | None = None
         """Set when the mock-up is read and indexed."""
+        self.on_opened: Callable[[], object] = lambda: None
+        """Called when the mock-up is in the session."""
         self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
@@ -260,6 +293,7 @@ class _Opening:
         scene = self._choice.scene_of(scene)
         self._telling(_INDEXED, 1.0)(0.0, "packing the picture")
         session.open(world, scene, probe, name=name_of(self._sources))
+        self.on_opened()
         if self._findings is not None:
             session.load_findings(self._findings)
         if self._held is not None and probe is not None and not self._is_over:
