@@ -110,7 +110,8 @@ class Book:
             for row in rows
             if row["status"] != "new" or row.get("note")
         }
-        changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks)]
+        ended = {row.id: {"status": "resolved"} for row in clashes.earlier() if row.status == "resolved"}
+        changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
         self.write(changes)
 
     # ---- the mock-up ----
@@ -169,14 +170,20 @@ class Book:
             found[key] = value
         return found
 
-    def marks_changes(self, marks: Mapping[str, Mapping[str, Any]], at: str | None = None) -> Iterator[Change]:
-        """Makes these the marks of the findings, and adds a line to the history for each change."""
-        at = at or now()
+    def marks_changes(
+        self, marks: Mapping[str, Mapping[str, Any]], ended: Mapping[str, Mapping[str, Any]] | None = None
+    ) -> Iterator[Change]:
+        """Makes these the marks of the findings, and adds a line to the history for each change.
+
+        ended: the marks of findings that are gone, for the history; None: a finding without a mark is new again.
+        """
+        at = now()
         before = self.marks()
         number = self.history_length()
         for key in [*marks, *(key for key in before if key not in marks)]:
-            mark = marks.get(key, {"status": "new"})
-            if before.get(key, {"status": "new"}) != mark and number < _MOST_HISTORY:
+            known = before.get(key, {"status": "new"})
+            mark = marks.get(key, {"status": "new"} if ended is None else ended.get(key, known))
+            if known != mark and number < _MOST_HISTORY:
                 yield put("history", str(number), number, dumps({"id": key, "at": at, **mark}))
                 number += 1
         yield from self.list_changes("marks", {key: dumps({"id": key, **mark}) for key, mark in marks.items()})

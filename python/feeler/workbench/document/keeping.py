@@ -27,7 +27,7 @@ from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Document
 from feeler.workbench.document.findings import STATUS, VERSION, grouped
 
 NOT_KEPT = frozenset(
-    ("mockup", "loading", "failed", "tools", "record", "absent", "held_version", "project"),
+    ("mockup", "loading", "failed", "tools", "record", "absent", "project"),
 )
 """Fields of one run of the program."""
 
@@ -179,10 +179,11 @@ def restored(
     aside: list[tuple[str, str]] = []
     if renumber is not None:
         values, aside = _renumbered(values, renumber)
-    if (rest := loads(texts.get(_FINDINGS, "null"), _FINDINGS)) is not None:
-        values[_FINDINGS] = _findings(
-            rest, [loads(row.value, _FINDINGS) for row in rows(_FINDINGS)], marks, base, parts
-        )
+    values = _without(values, frozenset(base.absent))
+    rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
+    if rest is not None or there:  # a clash check of the command line writes rows alone
+        found = [loads(row.value, _FINDINGS) for row in there]
+        values[_FINDINGS] = _findings(rest, found, marks, base, parts)
     document = replace(base, **values)
     _check(document, len(parts), aside)
     return Kept(document, tuple(aside))
@@ -315,6 +316,18 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
     return found, aside
 
 
+def _without(values: dict[str, Any], absent: frozenset[int]) -> dict[str, Any]:
+    """The values without the places of parts that are left out now, and were not before."""
+    found = dict(values)
+    for name in ("gripped", "moved"):
+        by_part = values.get(name, {})
+        if absent.intersection(by_part):
+            found[name] = MappingProxyType({part: at for part, at in by_part.items() if part not in absent})
+    if values.get("gripped") and not found["gripped"]:
+        found["trip"] = found["replaying"] = None
+    return found
+
+
 # ---- checks ----
 
 
@@ -350,6 +363,8 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
         check.rising(list(by_part), name)
         check.poses(by_part.values(), name)
     check.poses([document.pose], "pose")
+    if not 0 <= document.held_version < 2**50:
+        raise _damaged("held_version", str(document.held_version))
     if set(document.gripped) & ({*document.moved} | {*document.absent}):
         raise _damaged("gripped", "a part is at two places")
     if document.unit not in UNITS or document.mode not in MODES or document.material not in (None, *MATERIALS):

@@ -68,9 +68,15 @@ class Hands:
         key = held_key(document)
         if key == (None, ()):
             return 0
-        version = self._versions.setdefault(key, len(self._versions) + 1)
+        version = self._versions.setdefault(key, max(self._versions.values(), default=0) + 1)
         self._keys[version] = key
         return version
+
+    def begin(self, document: Document) -> None:
+        """Goes on with the version of a saved document; the earlier ones are forgotten."""
+        self._versions, self._keys, key = {}, {}, held_key(document)
+        if key != (None, ()) and document.held_version > 0:
+            self._versions[key] = document.held_version
 
     def held(self, document: Document) -> Tool | None:
         """The content of the hand; None if it is empty."""

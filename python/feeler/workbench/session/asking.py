@@ -11,6 +11,7 @@ import numpy as np
 
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
+from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
@@ -33,7 +34,7 @@ from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
-from feeler.workbench.session import export, page
+from feeler.workbench.session import export, page, saving
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
@@ -129,6 +130,15 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
 
 
+def project_file(place: Place, given: Arguments, progress: Progress) -> Written:
+    """A project of the document, to download. It names the mock-up by its content, and no folder of this machine."""
+    progress(0.0, "project")
+    name = f"{place.document.mockup.name if place.document.mockup else 'mock-up'}{SUFFIX}"
+    data = saving.project_of(place.document, place.scene.mockup)
+    place.exports[name] = data
+    return {"name": name, "bytes": len(data)}
+
+
 def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
     """Replays the record that the workbench was opened with."""
     if place.replay is None:
@@ -162,6 +172,7 @@ JOBS: dict[str, Work[Any]] = {
     "export_csv": _writing("sequence.csv", export.sequence_csv),
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
+    "export_project": Work(project_file),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay),
 }

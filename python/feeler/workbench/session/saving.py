@@ -6,6 +6,7 @@ transaction, on the disk before the page says so. A write that fails is tried ag
 
 from __future__ import annotations
 
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,9 +16,9 @@ from types import MappingProxyType
 from typing import Any
 
 from feeler.errors import FeelerError, LoadError
-from feeler.mockup import Tool
-from feeler.project.book import CHECK, Book, dumps, loads, now
-from feeler.project.layout import MOST_ROWS
+from feeler.mockup import Mockup, Tool
+from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make
+from feeler.project.layout import MOST_ROWS, SUFFIX
 from feeler.project.parts import PartContent, Revision, contents_of, rows_of
 from feeler.project.store import Change, drop, put
 from feeler.scene import Scene
@@ -79,7 +80,7 @@ class Saver:
             revision = project.revision(scene.mockup)
             facts = replace(facts, stale=_bounded(revision.stale), gone=_keys(revision.gone))
         is_known = bool(project.rows("document"))
-        if is_known:
+        if is_known or project.rows("findings"):
             kept = keeping.restored(
                 opened,
                 project.rows,
@@ -91,8 +92,8 @@ class Saver:
             document, aside = kept.document, kept.aside
             document = _with_tool(document, opened, hands, tool_facts != project.fact("tool"))
         facts = replace(facts, aside=len(project.rows("aside")) + len(aside))
-        document = replace(document, project=facts, held_version=0)
-        document = replace(document, held_version=hands.version(document))
+        hands.begin(document)
+        document = replace(document, project=facts, held_version=hands.version(document))
         with self._guard:
             # A project that is opened again with the same mock-up has nothing to write.
             self._written = document if is_known and revision is None else None
@@ -225,6 +226,28 @@ class Saver:
         for place, (kind, text) in enumerate(aside, start=number):
             thing = f'{{"kind":{dumps(kind)},"at":{dumps(now())},"thing":{text}}}'
             yield put("aside", str(place), place, thing)
+
+
+def project_of(document: Document, mockup: Mockup) -> bytes:
+    """A new project of a document, as the bytes of its file."""
+    with tempfile.TemporaryDirectory() as folder:
+        book = open_or_make(Path(folder) / f"new{SUFFIX}")
+        try:
+            facts = document.mockup
+            assert facts is not None, "of a mock-up that is open"
+            about = {"name": facts.name, "hash": facts.hash, "triangles": mockup.triangle_count, "parts": facts.parts}
+            found = document.findings
+            changes = [
+                put("facts", "mockup", 0, dumps(about)),
+                *rows_of(contents_of(mockup)),
+                *keeping.changes(None, document),
+                *book.findings_changes(keeping.finding_rows(found)),
+                *book.marks_changes(keeping.finding_marks(found)),
+            ]
+            book.write(changes)
+            return book.copied()
+        finally:
+            book.close()
 
 
 def _merged(known: Mapping[str, Any] | None, mark: Mapping[str, Any]) -> dict[str, Any]:
