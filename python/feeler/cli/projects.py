@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import feeler
 from feeler.errors import LoadError, MissingFileError, OptionError, ProjectError
 
 if TYPE_CHECKING:
@@ -80,7 +81,9 @@ def work_of(project: Book, given: Work) -> Work:
     """
     known = project.fact("opened")
     if known is None:
-        raise OptionError(f"{project.path} names no mock-up yet: give one, as in feeler view MOCKUP --project FILE")
+        raise OptionError(
+            f"{project.path} does not say where its mock-up is: give the mock-up, too, and --project FILE"
+        )
     try:
         if not isinstance(known, dict) or not 0 < len(known["sources"]) < _MOST_SOURCES:
             raise ValueError
@@ -92,6 +95,8 @@ def work_of(project: Book, given: Work) -> Work:
             raise ValueError
         if not all(isinstance(each, str) for value in patterns.values() for each in value):
             raise ValueError
+    except MissingFileError:
+        raise
     except (ValueError, TypeError, KeyError):
         raise LoadError(f"{project.path} is damaged: its mock-up is not as written; give the mock-up, too") from None
     if given.tool is not None:
@@ -121,6 +126,18 @@ def keep_work(project: Book, work: Work) -> None:
     facts |= {"without": work.without or [], "only": work.only or []}
     if project.fact("opened") != facts:
         project.write([put("facts", "opened", 0, dumps(facts))])
+
+
+def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
+    """Makes a new project one of a mock-up. Raises `LoadError` for a project of another one."""
+    from feeler.project.parts import contents_of, rows_of
+
+    if project.parts():
+        project.revision(mockup)
+    else:
+        project.write(rows_of(contents_of(mockup)))
+    if project.fact("opened") is None:
+        keep_work(project, work)
 
 
 def _place(project: Book, source: str) -> list[str]:

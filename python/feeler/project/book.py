@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from feeler.atomic import check_target
+from feeler.choices import GroupBy
 from feeler.clashes import saving
 from feeler.clashes.result import Clashes
 from feeler.errors import LoadError
@@ -96,14 +97,14 @@ class Book:
         rows = (self.value(row, "history") for row in self._store.rows("history"))
         return [row for row in rows if isinstance(row, dict) and finding in (None, row.get("id"))]
 
-    def write_clashes(self, clashes: Clashes) -> None:
+    def write_clashes(self, clashes: Clashes, by: GroupBy = "part") -> None:
         """Writes the findings of a clash check in place of the previous ones, and each change of a status or note.
 
         To keep statuses, compare first: `clashes.diff(project.clashes())`.
         """
         earlier = list(saving.rows(clashes.earlier()))
         head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
-        groups = {int(row): group.name for group in clashes.groups() for row in group.rows}
+        groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
         rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
         marks = {
             row["id"]: {name: row[name] for name in _MARKED if name in row}

@@ -9,6 +9,7 @@ import { PANELS, type Panel } from "../model/page-state";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
+import { isStale, project, saveProject, selectStale } from "./project";
 import { addSection, flipped, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
@@ -48,6 +49,7 @@ const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.docume
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
+const hasStale = (wb: Workbench): boolean => isStale(project(wb));
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -396,7 +398,7 @@ export const COMMANDS: readonly PageCommand[] = [
       `Export: ${title}`,
       "",
       (wb) => exportFile(wb, name),
-      name === "page" ? canChange : hasSequence,
+      name === "page" || name === "export_project" ? canChange : hasSequence,
     ),
   ),
 
@@ -423,6 +425,17 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => canChange(wb) && (wb.store.redo_depth.value !== 0 || wb.isBusy),
   ),
   command("Edit", "escape", "Cancel, or clear the selection", "Escape", endNearest),
+
+  command("Edit", "save-project", "Save project", "Ctrl+S", saveProject, canChange),
+  command("Edit", "select-stale", "Select the parts that a revision changed", "", selectStale, hasStale),
+  command(
+    "Edit",
+    "accept-revision",
+    "Accept this revision of the mock-up",
+    "",
+    (wb) => wb.run("accept_revision"),
+    (wb) => canChange(wb) && hasStale(wb),
+  ),
 
   command("Page", "palette", "All commands", "Ctrl+K", (wb) => {
     wb.store.dialog.value = "palette";

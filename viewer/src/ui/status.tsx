@@ -5,6 +5,7 @@ import { length } from "../math/vectors";
 import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
+import { ProjectStatus } from "./project";
 import { poseHint } from "./typing-hint";
 import { depthText, isTouching, touchedText } from "./words";
 
@@ -33,6 +34,7 @@ export function StatusLine() {
           Recording
         </span>
       )}
+      <ProjectStatus />
       <ContactFacts />
       <span class="status-path" title={wb.path(store.hover.value)}>
         {store.hover.value >= 0 ? wb.path(store.hover.value) : poseHint(store)}

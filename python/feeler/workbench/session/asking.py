@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar, cast
@@ -133,7 +134,8 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
 def project_file(place: Place, given: Arguments, progress: Progress) -> Written:
     """A project of the document, to download. It names the mock-up by its content, and no folder of this machine."""
     progress(0.0, "project")
-    name = f"{place.document.mockup.name if place.document.mockup else 'mock-up'}{SUFFIX}"
+    named = place.document.mockup.name if place.document.mockup else "mock-up"
+    name = (re.sub(r"[^A-Za-z0-9_.-]+", "-", named).strip("-.")[:80] or "mock-up") + SUFFIX
     data = saving.project_of(place.document, place.scene.mockup)
     place.exports[name] = data
     return {"name": name, "bytes": len(data)}
