@@ -171,8 +171,27 @@ def test_another_tool_than_last_time_replaces_the_one_of_the_project(tmp_path: P
     saved(session)
     session.close()
     session = opened(path, tool=None)
-    assert session.current.tool is None, "the tool of the project is not there"
+    assert session.current.tool is not None and session.current.tool.name == "large", "its triangles are in the project"
+    held = session.held_tool()
+    assert held is not None and np.array_equal(held.vertices, cube(0.125).vertices)
+    assert "large" in session.document()["tools"]
     session.close()
+    whole = path.read_bytes()
+    for value, data in (("null", b""), ('{"name": "large"}', b"x"), (None, b"short"), (None, None)):
+        path.write_bytes(whole)
+        book = open_or_make(path)
+        row = next(each for each in book.rows("tools") if each.id == "large")
+        book.write([put("tools", "large", 0, value or row.value, data)])
+        book.close()
+        session = Session(has_threads=False, project=open_or_make(path))
+        with pytest.raises(LoadError, match="its tool is not as written"):
+            open_in(session)
+        session.close()
+
+
+def open_in(session: Session) -> None:
+    mockup = stand()
+    session.open(mockup, feeler.Scene(mockup), None)
 
 
 # ---- saving ----

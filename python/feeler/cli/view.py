@@ -176,6 +176,7 @@ def view(
         ends.callback(server.close)
         choice = Choice(None, work.without, work.only)
         opening = _Opening(session, work.sources, work.tool, choice, held, found)
+        opening.project = None if opened is None else opened.path
         if opened is not None and not read_only:
             opening.on_opened = partial(keep_work, opened, work)
         ends.callback(opening.close)
@@ -214,6 +215,8 @@ class _Opening:
         self.is_failed = False
         self.opened: Opened | None = None
         """Set when the mock-up is read and indexed."""
+        self.project: str | None = None
+        """The path of the project, if there is one."""
         self.on_opened: Callable[[], object] = lambda: None
         """Called when the mock-up is in the session."""
         self._findings = findings
@@ -254,7 +257,7 @@ class _Opening:
 
     def _for_pages(self, text: str) -> str:
         """A text with files by their names: the page must not show paths of the disk."""
-        for source in filter(None, (*self._sources, self._tool)):
+        for source in filter(None, (*self._sources, self._tool, self.project)):
             for path in (str(Path(source).resolve()), source):
                 if len(Path(path).parts) > 1:  # a bare name stays
                     text = text.replace(path, Path(source).resolve().name)

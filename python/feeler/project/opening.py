@@ -167,7 +167,7 @@ def _authorize(action: int, one: str | None, two: str | None, _base: str | None,
 
 def leave_wal(connection: sqlite3.Connection) -> None:
     """Makes a project one file without others beside it, unless somebody reads it; then the last reader does."""
-    connection.set_authorizer(None)
+    connection.set_authorizer(lambda *_: sqlite3.SQLITE_OK)  # Python 3.10 takes no None
     connection.execute("PRAGMA busy_timeout = 0")
     with contextlib.suppress(sqlite3.Error):
         connection.execute("PRAGMA journal_mode = DELETE")

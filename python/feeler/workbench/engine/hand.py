@@ -59,6 +59,11 @@ class Hands:
             self._tools[name] = sample_tool(check_word("name", name, SAMPLE_TOOL_NAMES))
         return self._tools[name]
 
+    def add(self, tool: Tool) -> None:
+        """Makes a tool available by its name."""
+        self._tools[tool.name] = tool
+        self.names = (tool.name, *(name for name in self.names if name != tool.name))
+
     def counts(self) -> dict[str, int]:
         """Triangles of all tools by name; 0 for those not taken yet."""
         return {name: self._tools[name].triangle_count if name in self._tools else 0 for name in self.names}

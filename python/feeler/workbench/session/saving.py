@@ -17,10 +17,11 @@ from typing import Any
 
 from feeler.errors import FeelerError, LoadError
 from feeler.mockup import Mockup, Tool
-from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make
+from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make, row_id
 from feeler.project.layout import MOST_ROWS, SUFFIX
 from feeler.project.parts import PartContent, Revision, contents_of, rows_of
 from feeler.project.store import Change, drop, put
+from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
 from feeler.workbench.document import keeping
 from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts
@@ -44,6 +45,7 @@ class Saver:
         self._guard = threading.Condition()
         self._newest: Document | None = None
         self._written: Document | None = None
+        self._shown: Document | None = None
         self._first: Callable[[], Iterator[Change]] | None = None
         """The changes that the first write makes besides: what is new in the mock-up."""
         self._is_begun = self._is_closed = self._has_trouble = False
@@ -79,7 +81,7 @@ class Saver:
         elif project.parts():
             revision = project.revision(scene.mockup)
             facts = replace(facts, stale=_bounded(revision.stale), gone=_keys(revision.gone))
-        is_known = bool(project.rows("document"))
+        is_known, there = bool(project.rows("document")), None
         if is_known or project.rows("findings"):
             kept = keeping.restored(
                 opened,
@@ -90,14 +92,19 @@ class Saver:
                 None if revision is None else _renumbering(revision),
             )
             document, aside = kept.document, kept.aside
+            # With the same mock-up, only what differs from the file is written.
+            there = document if is_known and revision is None else None
+            if document.tool is not None and document.tool.name not in hands.names:
+                row = next((each for each in project.rows("tools") if each.id == row_id(document.tool.name)), None)
+                if row is not None:
+                    hands.add(tool_of(row, project.path))
             document = _with_tool(document, opened, hands, tool_facts != project.fact("tool"))
         facts = replace(facts, aside=len(project.rows("aside")) + len(aside))
         hands.begin(document)
-        document = replace(document, project=facts, held_version=hands.version(document))
+        document = replace(document, project=facts, tools=hands.names, held_version=hands.version(document))
         with self._guard:
-            # A project that is opened again with the same mock-up has nothing to write.
-            self._written = document if is_known and revision is None else None
-            self._first = lambda: self._opening(scene, opened, tool_facts, revision, aside)
+            self._written = there
+            self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, aside)
             self._is_begun = True
             if self._thread is None and not self._project.is_read_only:
                 self._thread = threading.Thread(target=self._loop, name="feeler project", daemon=True)
@@ -116,9 +123,9 @@ class Saver:
             return self._newest
 
     def wait(self, seconds: float) -> bool:
-        """Waits until all is saved; whether it is, in time."""
+        """Waits until all is saved and told; whether it is, in time."""
         with self._guard:
-            return self._guard.wait_for(lambda: self._newest is self._written and self._first is None, seconds)
+            return self._guard.wait_for(lambda: self._newest is self._shown and self._first is None, seconds)
 
     def close(self) -> None:
         """Writes what is not written yet, if that is possible, and closes the project."""
@@ -164,8 +171,10 @@ class Saver:
             self._written, self._has_trouble = target, False
             if self._first is first:
                 self._first = None
-            self._guard.notify_all()
         self._told(target, "saved", None)
+        with self._guard:
+            self._shown = target
+            self._guard.notify_all()
 
     def _changes(self, target: Document) -> Iterator[Change]:
         before = self._written
@@ -204,7 +213,8 @@ class Saver:
         self,
         scene: Scene,
         opened: Document,
-        tool: dict[str, Any] | None,
+        tool: Tool | None,
+        tool_facts: dict[str, Any] | None,
         revision: Revision | None,
         aside: tuple[tuple[str, str], ...],
     ) -> Iterator[Change]:
@@ -215,9 +225,13 @@ class Saver:
             **_object(project.fact("mockup")),
             **{"name": facts.name, "hash": facts.hash, "triangles": scene.mockup.triangle_count, "parts": facts.parts},
         }
-        for name, value in (("mockup", mockup), ("tool", tool)):
+        for name, value in (("mockup", mockup), ("tool", tool_facts)):
             if project.fact(name) != value:
                 yield put("facts", name, 0, dumps(value))
+                if name == "tool" and tool is not None and tool_facts is not None:
+                    change = tool_change(tool, tool_facts["hash"])
+                    if change is not None:
+                        yield change
         if revision is not None:
             yield from project.revision_changes(revision)
         elif not project.parts():
