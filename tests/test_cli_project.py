@@ -82,6 +82,20 @@ def test_a_killed_program_loses_nothing_that_was_shown_as_saved(tmp_path: Path) 
         assert document_when(page, is_saved)["hidden"] == [1]
 
 
+@POSIX
+def test_what_could_not_be_saved_is_told_at_the_end(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    with viewed(tmp_path, "sample:differential:10000", "--project", path, code=2) as (url, said), Page(url) as page:
+        document_when(page, is_saved)
+        path.rename(tmp_path / "b.feelproj")
+        page.send(protocol.Command(1, "hide", {"parts": [1]}))
+        while (page.next(protocol.Patch).fields.get("project") or {}).get("state") != "failed":
+            pass
+    assert said == ["feeler: not saved: cannot write a.feelproj: the file was moved or deleted; put it back\n"]
+    # A file with that name that came meanwhile is another one, and stays as it is.
+    assert feeler.open_project(tmp_path / "b.feelproj").document()["hidden"] == []
+
+
 def test_words_that_cannot_be(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     feeler.open_project(path, stand()).close()
@@ -119,6 +133,18 @@ def test_findings_of_a_check_go_into_the_project_with_their_history(tmp_path: Pa
     assert "about another mock-up" in other
     with feeler.open_project(path, read_only=False):
         assert "is open in process" in error_of("clash", path)
+
+
+def test_names_of_other_machines_are_not_opened(tmp_path: Path) -> None:
+    """Windows would tell that machine who asks."""
+    from feeler.cli.projects import _found
+
+    write_glb(tmp_path / "stand.glb", stand())
+    with feeler.open_project(tmp_path / "a.feelproj", stand()) as project:
+        assert _found(project._book, ["no.glb", str(tmp_path / "stand.glb")]) == str(tmp_path / "stand.glb")
+        for name in (f"/{tmp_path}/stand.glb", "\\\\host\\share\\a.step"):
+            with pytest.raises(feeler.MissingFileError, match="which is not there"):
+                _found(project._book, [name])
 
 
 def test_a_new_project_of_a_mock_up_that_cannot_be_read_is_deleted(tmp_path: Path) -> None:

@@ -394,6 +394,11 @@ def revision(names: list[str] | None = None, **moves: Any) -> feeler.Mockup:
 def test_a_revision_is_told_part_by_part(filled: Path) -> None:
     with feeler.open_project(filled) as project:
         assert not project.changes(stand()) and str(project.changes(stand())) == "no part changed"
+        there = revision(p1=("move", 0.7), p3=("turn", 1.0))
+        rounded = feeler.Mockup(
+            there.vertices.astype(np.float32), there.faces, there.part_of_face, there.part_names, part_paths=PATHS
+        )
+        assert project.changes(rounded).moved == (PATHS[1], PATHS[3])
         changes = project.changes(revision(p1=("move", 0.125), p3=("scale", 1.0001), p2=("turn", 0.3)))
         assert (changes.moved, changes.changed) == ((PATHS[1], PATHS[2]), (PATHS[3],))
         assert str(changes) == "parts: 1 changed, 2 moved"
@@ -403,6 +408,10 @@ def test_a_revision_is_told_part_by_part(filled: Path) -> None:
         names[3] = "stand/pin"
         changes = project.changes(revision(names, p3=("scale", 2.0)))
         assert changes.gone == ("stand/peg",) and changes.new == ("stand/pin",)
+        names = [f"stand v2/{each.removeprefix('stand/')}" for each in PATHS]
+        changes = project.changes(revision(names, p3=("scale", 2.0), p1=("move", 0.25)))
+        assert changes.changed == ("stand v2/peg",) and changes.moved == ("stand v2/posts/left",)
+        assert not changes.gone and not changes.new and len(changes.renamed) == 5, "another name of the root"
         with pytest.raises(LoadError, match="about another mock-up: none of its 5 parts"):
             project.changes(feeler.sample("differential", 10_000))
 

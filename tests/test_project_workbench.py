@@ -365,6 +365,29 @@ def test_a_newer_revision_says_what_is_stale_and_keeps_what_still_has_parts(tmp_
     session.close()
 
 
+def test_places_of_parts_that_were_moved_before_follow_their_parts(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("set_mode", {"mode": "pass"})
+    for x in (0.2, -0.3):
+        session.command("grip", {"parts": [PEG]})
+        session.command("place", {"pose": at(x, 0.1, 0.9).ravel().tolist()})
+        session.command("release", {})
+    starts = session.current.sequence[1].starts
+    assert [part for part, _ in starts] == [PEG]
+    saved(session)
+    session.close()
+    names = [PATHS[PEG], *PATHS[1:3], PATHS[PLATE], PATHS[4]]  # peg and plate have changed places in the file
+    there = stand()
+    swap = np.array([3, 1, 2, 0, 4])[there.part_of_face]
+    order = np.argsort(swap, kind="stable")
+    newer = feeler.Mockup(there.vertices, there.faces[order], swap[order], names, part_paths=names)
+    session = opened(path, newer)
+    assert session.current.sequence[1].starts == ((0, starts[0][1]),) and session.current.sequence[1].parts == (0,)
+    assert saved(session)["project"]["stale"] == {}, "other numbers, the same parts"
+    session.close()
+
+
 def test_another_mock_up_is_refused_and_nothing_is_written(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     session = opened(path)
@@ -432,6 +455,40 @@ def test_hostile_documents_are_refused_or_opened(tmp_path: Path, table: str) -> 
                 session.close()
             tried += 1
     assert tried > 7
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "message"),
+    [
+        ("document", "hidden", "[7]", "there is no part 7"),
+        ("document", "hidden", "[3,1]", "not in order"),
+        ("document", "ghost", "[-1]", "there is no part -1"),
+        ("document", "moved", '{"2":[1,2,3]}', "not a pose"),
+        ("document", "gripped", '{"x":[]}', "'x'"),
+        ("document", "mode", '"fly"', "a word that does not exist"),
+        ("document", "explode", "1e9", "out of range"),
+        ("document", "next_id", "1", "two things have one id"),
+        ("document", "replaying", "99", "there is no such line"),
+        ("document", "pose", "[1e300]", "1e\\+300"),
+        ("document", "sections", '[{"id":1,"normal":[0,0],"offset":0.0,"is_on":true}]', "sections"),
+        ("document", "trip", '{"way":[],"touched":[],"seated":[]}', "it has no pose"),
+        ("sequence", "10", '{"id":3}', "a value is missing"),
+        ("marks", "one", '{"id":"one","status":"eaten"}', "a status that does not exist"),
+    ],
+)
+def test_documents_that_nobody_could_have_made(tmp_path: Path, table: str, key: str, value: str, message: str) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path, tool=cube())
+    worked(session)
+    saved(session)
+    session.close()
+    book = open_or_make(path)
+    book.write([put(table, key, 0, value)])
+    book.close()
+    session = Session(has_threads=False, project=open_or_make(path))
+    with pytest.raises(LoadError, match=message):
+        open_in(session)
+    session.close()
 
 
 def hostile(value: Any, chance: random.Random) -> list[Any]:

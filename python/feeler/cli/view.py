@@ -125,7 +125,7 @@ def view(
 
     Prints the address, which contains the key for access. The page opens at once and shows loading progress. Ctrl-C
     ends it. With --project, everything is saved as you work; a project alone opens the mock-up that it names.
-    Exit status: 0; 2 bad input, or a mock-up that could not be read.
+    Exit status: 0; 2 bad input, a mock-up that could not be read, or changes that could not be saved.
 
     --benchmark moves camera and tool in the page and reports the frames per second; keep the page visible, because
     browsers do not draw hidden ones.
@@ -189,7 +189,11 @@ def view(
         measured = _Measured(session, opening, as_json)
         while not (measured.is_done() or opening.is_failed):
             time.sleep(_LOOK_S)
-    if opening is not None and opening.is_failed:
+    if opening is None:
+        return
+    if (trouble := opening.unsaved()) is not None:
+        fail(f"not saved: {trouble}")
+    if opening.is_failed or trouble is not None:
         raise typer.Exit(BAD_INPUT)
 
 
@@ -232,6 +236,11 @@ class _Opening:
         threading.Thread(
             target=self._run, args=(unit, tool_unit, up, threads), name="feeler opening", daemon=True
         ).start()
+
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are, or there is no project."""
+        facts = self._session.current.project
+        return facts.trouble if facts is not None and facts.state == "failed" else None
 
     def close(self) -> None:
         """Closes the device."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -26,16 +27,24 @@ Change = Literal["changed", "moved", "new"]
 CHANGES: tuple[Change, ...] = ("changed", "moved", "new")
 
 _EQUAL = 1e-6
-"""How much figures of a moved part may differ, as a share: coordinates in files are float32, and motions round them."""
+"""How much figures of a moved part may differ, as a share, besides the rounding of its coordinates."""
+_FLOAT32 = 2.0**-24
+"""Rounding of a coordinate in most formats, as a share."""
+_ROUNDINGS = 16.0
+"""Roundings of a coordinate in the fourth power of a distance, in its radius."""
+_MOST_SHARE = 0.01
+"""Where rounding may change more than this, a part is called changed."""
 _AT_ONCE = 65_536  # triangles
+_MOST_FOLDERS = 32  # with another name
 
 
 @dataclass(frozen=True)
 class PartContent:
     """The content of one part.
 
-    key: its path, with `#2` for the second part of a path. content: of its triangles, where they are. base: the content
-    that the project's answers are about; the same as `content` for a part that is not stale. change: how it differs.
+    key: its path, with `#2` for the second part of a path. content: of its triangles, where they are. reach: its
+    largest coordinate. base: the content that the project's answers are about; the same as `content` for a part that
+    is not stale. change: how it differs.
     """
 
     key: str
@@ -44,13 +53,19 @@ class PartContent:
     area: float
     second: float
     fourth: float
+    reach: float
     base: str = ""
     change: Change | None = None
 
     def is_moved(self, before: PartContent) -> bool:
-        """Whether this may be the other part after a rigid motion."""
-        return self.triangles == before.triangles and all(
-            math.isclose(getattr(self, name), getattr(before, name), rel_tol=_EQUAL, abs_tol=1e-18)
+        """Whether this may be the other part after a rigid motion, and after rounding to float32."""
+        if self.triangles != before.triangles or not self.area:
+            return self.triangles == before.triangles and self.area == before.area
+        radius = math.sqrt(self.second / (6.0 * self.area))  # the mean of the three corners, weighted by area
+        rounding = _FLOAT32 * max(self.reach, before.reach)
+        share = _EQUAL + _ROUNDINGS * rounding / max(radius, 1e-300)
+        return share < _MOST_SHARE and all(
+            math.isclose(getattr(self, name), getattr(before, name), rel_tol=share)
             for name in ("area", "second", "fourth")
         )
 
@@ -135,13 +150,14 @@ def contents_of(mockup: Mockup, progress: Callable[[float, str], object] | None 
             for total, values in ((second, square.sum(axis=1)), (fourth, (square * square).sum(axis=1))):
                 total += np.bincount(part, np.nan_to_num(weight * values, posinf=0.0, neginf=0.0), count)
     area = np.nan_to_num(shapes.area)
-    figures = np.stack([area, second, fourth], axis=1).tolist()
+    reach = np.nan_to_num(np.abs(shapes.box).max(axis=(1, 2), initial=0.0))
+    figures = np.stack([area, second, fourth, reach], axis=1).tolist()
     found = []
-    for key, hashed, number, (one, two, four) in zip(
+    for key, hashed, number, (one, two, four, most) in zip(
         shapes.keys, shapes.content.tolist(), triangles.tolist(), figures, strict=True
     ):
         content = f"{hashed:016x}"
-        found.append(PartContent(key, content, number, one, two, four, content))
+        found.append(PartContent(key, content, number, one, two, four, most, content))
     return tuple(found)
 
 
@@ -158,7 +174,18 @@ def revised(before: Sequence[PartContent], gone: Sequence[PartContent], now: Seq
     for old, part in enumerate(before):
         if row_of[old] is None and free.get(part.content):
             row_of[old] = new = free[part.content].pop()
+            taken.add(new)
             renamed[part.key] = now[new].key
+    # A root or a sub-assembly with another name: its changed parts are known by the rest of their paths.
+    for old_folder, new_folder in _renamed_folders(renamed):
+        for old, part in enumerate(before):
+            if row_of[old] is not None or not part.key.startswith(old_folder):
+                continue
+            new = row_of_key.get(new_folder + part.key[len(old_folder) :], -1)
+            if new >= 0 and new not in taken:
+                row_of[old] = new
+                taken.add(new)
+                renamed[part.key] = now[new].key
     parts = [_with(each, None, "new") for each in now]
     for old, row in enumerate(row_of):
         if row is not None:
@@ -172,6 +199,19 @@ def revised(before: Sequence[PartContent], gone: Sequence[PartContent], now: Seq
         if row is not None:  # it is back
             parts[row] = _followed(missing.pop(key), now[row])
     return Revision(tuple(parts), tuple(missing.values()), tuple(row_of), renamed)
+
+
+def _renamed_folders(renamed: Mapping[str, str]) -> list[tuple[str, str]]:
+    """The folders that were renamed, by the parts in them, those with most parts first. With their last `/`."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for old, new in renamed.items():
+        before, after = old.split("/"), new.split("/")
+        while before and after and before[-1] == after[-1]:
+            before.pop()
+            after.pop()
+        if len(before) < len(old.split("/")):
+            counts["/".join([*before, ""]), "/".join([*after, ""])] += 1
+    return [pair for pair, _ in counts.most_common(_MOST_FOLDERS)]
 
 
 def _followed(before: PartContent, now: PartContent) -> PartContent:
@@ -204,7 +244,17 @@ def rows_of(parts: Sequence[PartContent]) -> Iterator[RowChange]:
 
 def text_of(part: PartContent) -> str:
     """A part as JSON."""
-    value = [part.key, part.content, part.triangles, part.area, part.second, part.fourth, part.base, part.change]
+    value = [
+        part.key,
+        part.content,
+        part.triangles,
+        part.area,
+        part.second,
+        part.fourth,
+        part.reach,
+        part.base,
+        part.change,
+    ]
     return json.dumps(value, allow_nan=False)
 
 
@@ -213,16 +263,16 @@ def parts_of(rows: Sequence[Row], where: str) -> tuple[PartContent, ...]:
     found = []
     for number, row in enumerate(rows):
         try:
-            key, content, triangles, area, second, fourth, base, change = json.loads(row.value)
+            key, content, triangles, area, second, fourth, reach, base, change = json.loads(row.value)
             if (
                 not all(isinstance(each, str) and len(each) < MOST_TEXT for each in (key, content, base))
                 or not isinstance(triangles, int)
                 or not 0 <= triangles < 2**32
-                or not all(isinstance(each, float) and math.isfinite(each) for each in (area, second, fourth))
+                or not all(isinstance(each, float) and math.isfinite(each) for each in (area, second, fourth, reach))
                 or change not in (None, *CHANGES)
             ):
                 raise ValueError
         except (ValueError, TypeError, RecursionError):
             raise LoadError(f"{where} is damaged: part {number} of its mock-up is not as written; use a copy") from None
-        found.append(PartContent(key, content, triangles, area, second, fourth, base, change))
+        found.append(PartContent(key, content, triangles, area, second, fourth, reach, base, change))
     return tuple(found)
