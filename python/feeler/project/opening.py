@@ -101,7 +101,7 @@ def _connect(path: Path, size: int, mode: str, read_only: bool) -> sqlite3.Conne
             if mode != "wal":
                 found.execute("PRAGMA journal_mode = DELETE")  # a disk that cannot share memory
         found.set_authorizer(_authorize)
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeError) as error:  # names in a damaged schema are decoded, too
         found.close()
         if "unable to open" in str(error) or "readonly" in str(error):
             raise _CannotOpenError from None
@@ -192,7 +192,7 @@ def create(path: Path) -> None:
             os.unlink(temporary)
 
 
-def refusal(path: Path, error: sqlite3.Error) -> LoadError:
+def refusal(path: Path, error: Exception) -> LoadError:
     """The error for a file that SQLite cannot read."""
     text = str(error)
     if "not a database" in text:

@@ -131,8 +131,8 @@ class Store:
             finally:
                 if connection.in_transaction:
                     connection.execute("ROLLBACK")
-        except (sqlite3.Error, OverflowError, MemoryError) as error:
-            if isinstance(error, sqlite3.Error):
+        except (sqlite3.Error, UnicodeError, OverflowError, MemoryError) as error:
+            if isinstance(error, (sqlite3.Error, UnicodeError)):
                 raise refusal(self.path, error) from None
             raise LoadError(f"{self.path} is damaged: a value is too large; use a copy") from None
 
@@ -173,7 +173,7 @@ class Store:
                     with contextlib.suppress(sqlite3.Error):
                         connection.execute("ROLLBACK")
                     raise
-            except sqlite3.Error as error:
+            except (sqlite3.Error, UnicodeError) as error:
                 raise not_written(self.path, error) from None
             self._sums = sums
 

@@ -125,7 +125,7 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     document, geometry = place.document, place.geometry
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
     data, left_out = page.page(
-        document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
+        {**document.to_json(), "project": None}, camera, geometry.manifest(), geometry.piece, static_files(), progress
     )
     place.exports[PAGE] = data
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
