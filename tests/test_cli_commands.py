@@ -387,6 +387,32 @@ def test_output_that_cannot_be_written(tmp_path: Path, stand: Path, slider: Path
     assert _with_output(words, None, closed) == (usual, "")
 
 
+@pytest.mark.parametrize("method", ["write", "flush"])
+def test_ctrl_c_while_output_is_written_repeats_nothing(tmp_path: Path, method: str) -> None:
+    """It comes as a method of the output returns: what it wrote is out, and is not written again at the end."""
+    program = f"""
+import sys
+import feeler.cli
+program = sys.modules["feeler.cli.app"]
+
+def say():
+    def press(frame, event, _):
+        if event == "return" and frame.f_code.co_name == "{method}" and "self" in frame.f_locals:
+            sys.setprofile(None)
+            raise KeyboardInterrupt
+    print("once", flush="{method}" == "flush")
+    sys.setprofile(press)
+    print("twice", flush=True)
+
+program.app = lambda **_: say()
+program.main()
+"""
+    with (tmp_path / "out").open("wb") as out:
+        done = subprocess.run([sys.executable, "-c", program], stdout=out, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (130, "feeler: interrupted\n")
+    assert (tmp_path / "out").read_text() == "once\ntwice\n"
+
+
 @pytest.mark.parametrize("words", [("clash",), ("remove", "--part", "*", "--each", "--seconds", "1"), ("index",)])
 def test_doubts_about_a_mock_up_are_told(
     words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

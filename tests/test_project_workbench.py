@@ -194,6 +194,28 @@ def open_in(session: Session) -> None:
     session.open(mockup, feeler.Scene(mockup), None)
 
 
+def test_cards_are_kept_and_open_questions_are_interrupted(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    asked(session)
+    saved(session)
+    before = session.current.cards
+    session.close()
+    session = opened(path)
+    cards = session.current.cards
+    assert [(card.id, card.title, card.parts, card.world) for card in cards] == [
+        (card.id, card.title, card.parts, card.world) for card in before
+    ]
+    assert {card.state for card in cards} <= {"done", "failed", "cancelled"}
+    asked(session)
+    assert session.current.cards[-1].id == before[-1].id + 1
+    session.close()
+
+
+def asked(session: Session) -> None:
+    session.command("ask", {"question": "removal", "parts": [PEG]})
+
+
 # ---- saving ----
 
 

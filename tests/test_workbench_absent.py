@@ -60,9 +60,11 @@ def test_the_pages_get_neither_triangles_nor_names_of_them() -> None:
     np.testing.assert_array_equal(parts[places[there]], made.mockup.part_of_face[there])
 
 
-def test_the_hand_begins_above_what_is_there_and_meets_nothing_else() -> None:
+def test_the_hand_begins_beside_what_is_there_and_meets_nothing_else() -> None:
     made = bench()
-    assert made.pose[2, 3] == pytest.approx(0.25 + 0.03125 + 0.005)
+    size = np.linalg.norm([0.75, 0.375, 0.25])
+    assert made.pose[:3, 3] == pytest.approx([0.375 + 0.03125 + 0.06 * size, 0.125, 0.25 + 0.03125])
+    made.drag(at(0.0, 0.0, 0.4), 1.0)
     made.drag(at(0.0, 0.0, -0.3), 1.0)
     assert made.pose[2, 3] == -0.3, "there is no plate"
     made.drag(at(0.0, 0.0, 0.1), 1.0)

@@ -215,7 +215,8 @@ def test_the_job_writes_it_for_download(monkeypatch: pytest.MonkeyPatch, tmp_pat
     bench = Bench()
     try:
         stages: list[str] = []
-        job = bench.session.job("page", {"camera": CAMERA}, lambda share, stage: stages.append(stage))
+        camera = {**CAMERA, "is_parallel": True}
+        job = bench.session.job("page", {"camera": camera}, lambda share, stage: stages.append(stage))
         result = job.result(60)
         data = bench.session.export(result["name"])
         assert result == {"name": "mock-up.html", "bytes": len(data), "left_out": 0}

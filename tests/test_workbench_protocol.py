@@ -118,6 +118,20 @@ DOCUMENT: protocol.DocumentFields = {
     "measures": [],
     "viewpoints": [],
     "findings": None,
+    "cards": [
+        {
+            **{
+                "id": 1,
+                "question": "removal",
+                "parts": [3],
+                "without": [],
+                "options": {},
+                "title": "Can pump come out?",
+            },
+            **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
+            **{"is_good": None, "is_stale": False},
+        }
+    ],
     "material": "steel",
 }
 TEXT_FROM_SERVER = [
@@ -127,6 +141,13 @@ TEXT_FROM_SERVER = [
     protocol.Progress(2, 0.5, "cutting"),
     protocol.Notice(9, "warning", "the device is gone <b>"),
     protocol.ShotWanted(10, 1, 640, 360, {"position": (0, 0, 1), "target": (0, 0, 0), "up": (0, 1, 0), "fov_rad": 0.8}),
+    protocol.ShotWanted(
+        10,
+        1,
+        640,
+        360,
+        {"position": (0, 0, 1), "target": (0, 0, 0), "up": (0, 1, 0), "fov_rad": 0.8, "is_parallel": True},
+    ),
     protocol.HeldChanged(11, 2, None),
     protocol.BenchmarkWanted(12, 5),
     protocol.Answer(4, {"distance": 1.5}),

@@ -309,7 +309,7 @@ ROOMS: dict[str, set[str]] = {
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
-    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "project", "samples", "feeler"},
+    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "plan", "project", "samples", "feeler"},
     # The mock-up for agents: a server of the Model Context Protocol.
     "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
     "cli": {

@@ -1,7 +1,8 @@
 """Writes viewer/src/link/protocol.ts: the types of the messages for the page.
 
-The messages and the objects in them are those of python/feeler/workbench/document/protocol.py; the names, arguments and
-answers of commands, questions and jobs are the tables of document/commands.py and session/asking.py there.
+The messages and the objects in them are those of protocol.py and answers.py in python/feeler/workbench/document; the
+names, arguments and answers of commands, questions and jobs are the tables of commands.py there and of
+session/asking.py.
 
     python tools/protocol_ts.py              write it
     python tools/protocol_ts.py --check      fail if the written text differs
@@ -144,7 +145,7 @@ class Tables:
 
     def _doc(self, row: ast.expr) -> str:
         match row:
-            case ast.Call(args=[ast.Name(id=work), *_]):
+            case ast.Call(args=[ast.Name(id=work) | ast.Attribute(attr=work), *_]):
                 return (ast.get_docstring(self._functions[work]) or "").split("\n\n")[0]
         return ""
 
@@ -200,6 +201,8 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
         comment(ast.get_docstring(node) or "", ""),
         f"export interface {RENAMED.get(node.name, node.name)}{heir} {{\n",
     ]
+    # With total=False the fields may be absent.
+    mark = "?" if any(each.arg == "total" and not ast.literal_eval(each.value) for each in node.keywords) else ""
     packed: list[str] = []
     kind = ""
     for each, doc in documented(node.body):
@@ -213,7 +216,7 @@ def interface(node: ast.ClassDef) -> tuple[str, list[str]]:
             for key, value in ast.literal_eval(each.value or ast.Constant(None)).items():
                 lines.append(f"  readonly {key}: {str(value).lower() if isinstance(value, bool) else quoted(value)};\n")
         else:
-            lines.append(f"{comment(doc, '  ')}  readonly {name}: {of(each.annotation)};\n")
+            lines.append(f"{comment(doc, '  ')}  readonly {name}{mark}: {of(each.annotation)};\n")
             if spec := array_spec(each.annotation):
                 packed.append(f"    {name}: {spec},\n")
     table = [f"  {kind}: {{\n", *packed, "  },\n"] if packed else []
@@ -284,12 +287,26 @@ def comment(doc: str, indent: str) -> str:
     return "".join([f"{indent}/**\n", *(f"{indent} * {line}".rstrip() + "\n" for line in lines), f"{indent} */\n"])
 
 
+def source(name: str) -> str:
+    """The text of a module of the workbench."""
+    return (WORKBENCH / f"{name}.py").read_text(encoding="utf-8")
+
+
+def messages() -> str:
+    """The messages, and the objects in them."""
+    return "\n".join(source(f"document/{name}") for name in ("protocol", "answers"))
+
+
+def commands() -> str:
+    """The table of commands, and all modules that have their functions."""
+    return "\n".join(source(f"document/{name}") for name in ("commands", "cards"))
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    names = ("document/protocol", "document/frames", "document/commands", "session/asking")
-    text = document(*((WORKBENCH / f"{name}.py").read_text(encoding="utf-8") for name in names))
+    text = document(messages(), source("document/frames"), commands(), source("session/asking"))
     if not is_check:
         WRITTEN.write_text(text, encoding="utf-8", newline="\n")
         return 0

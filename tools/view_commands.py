@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from protocol_ts import WORKBENCH, Tables
+from protocol_ts import WORKBENCH, Tables, commands
 
 WRITTEN = WORKBENCH / "view_commands.py"
 HEAD = '''"""The page's commands as methods.
@@ -56,11 +56,11 @@ STEPS = {"undo": "Undoes the last command.", "redo": "Does again what was undone
 BUILTIN = {"int", "float", "str", "bool", "None", "list", "tuple", "dict", "Any"}
 
 
-def written(commands: str) -> str:
+def written(text_of_commands: str) -> str:
     """The whole of view_commands.py."""
     methods: list[str] = []
     names = {"CommandAnswer"}
-    tables = Tables(ast.parse(commands).body)
+    tables = Tables(ast.parse(text_of_commands).body)
     for name, row, text in tables.rows("COMMANDS"):
         arguments = sorted(tables.arguments(row), key=lambda argument: argument[2])
         for _, kind, _ in arguments:
@@ -96,7 +96,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Writes python/feeler/workbench/view_commands.py.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    text = formatted(written((WORKBENCH / "document" / "commands.py").read_text(encoding="utf-8")))
+    text = formatted(written(commands()))
     if not is_check:
         WRITTEN.write_text(text, encoding="utf-8", newline="\n")
         return 0

@@ -10,8 +10,8 @@ import { poseAt, replayed, secondsOf, startsOf } from "../src/model/offline-repl
 const BOX: Box = { lower: [0, 0, 0], upper: [2, 2, 2] };
 /** Looks along +y from far away: a metre is 100 pixels, z is up. */
 const VIEW: GizmoView = {
-  position: [0, -100, 0],
-  project: ([x, y, z]: Vec3) => ({ x: 100 * x, y: -100 * z, depth: y + 100 }),
+  towards: () => [0, -1, 0],
+  project: ([x, y, z]: Vec3) => ({ x: 100 * x, y: -100 * z, isAhead: y > -100, depth: y + 100 }),
   metresPerPixel: () => 0.01,
 };
 

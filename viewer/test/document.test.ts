@@ -3,16 +3,19 @@ import { test } from "node:test";
 import { base64 } from "../src/actions/exports";
 import { measureArgs, nearestEdge } from "../src/actions/measures";
 import { marksOf } from "../src/app/marks";
-import { partStates } from "../src/app/part-states";
+import { partStates, withLit } from "../src/app/part-states";
 import type { Document, Findings, Manifest, State } from "../src/link/protocol";
 import { IDENTITY } from "../src/math/matrix";
+import type { Vec3 } from "../src/math/vectors";
+import { touchedParts } from "../src/model/contact";
 import { patched } from "../src/model/document";
 import { neighbour, shownGroups } from "../src/model/findings";
 import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/model/sections";
 import { DEFAULTS, loadSettings } from "../src/model/settings";
 import { Store } from "../src/model/store";
+import { startTyped, withAxis, withKey } from "../src/model/typed-move";
 import { PartState } from "../src/scene/stage";
-import { depthText, spokenState, touchedText } from "../src/ui/words";
+import { depthText, shortened, spokenState, touchedText } from "../src/ui/words";
 
 const DOCUMENT: Document = {
   mockup: { name: "engine", hash: "ab", triangles: 10, parts: 4 },
@@ -40,6 +43,7 @@ const DOCUMENT: Document = {
   measures: [],
   viewpoints: [],
   findings: null,
+  cards: [],
   material: null,
 };
 
@@ -243,7 +247,9 @@ test("a measure asks for what its type needs", () => {
   );
 });
 
-test("figures of marks are in the unit chosen; what touches has none", () => {
+const IDLE = { pivot: [0, 0, 0] as Vec3, center: [0, 0, 0] as Vec3, wish: null };
+
+test("figures of marks are in the unit chosen and name the part; what touches has no figure", () => {
   const store = new Store();
   store.document.value = patched(DOCUMENT, { unit: "in" });
   const state: State = {
@@ -254,12 +260,63 @@ test("figures of marks are in the unit chosen; what touches has none", () => {
     force: [0, 0, 2],
     planes: Float32Array.from([1, 0, 0, 0, 0, 1, -0.001, 1.5, 3, 0, 0, 0, 0, 1, -0.001, 0.5]),
   };
-  const marks = marksOf(store, state);
-  assert.deepEqual(marks.clearances?.texts, ["1 in", ""]);
+  const marks = marksOf(store, state, IDLE);
+  assert.deepEqual(marks.clearances?.texts, ["1 in part 4", ""]);
+  assert.deepEqual(marks.touches, [{ at: [0, 0, 0], text: "touches part 5" }], "it rests there, hand or no hand");
   assert.equal(marks.distance, null, "it is one of the rows");
   assert.deepEqual(marks.force, { at: [1.5, 0, 0], vector: [0, 0, 2], text: "2 N" });
-  assert.equal(marksOf(store, { ...state, clearance_parts: Uint32Array.from([5, 6]) }).distance?.text, "1 in");
-  assert.equal(marksOf(store, null).force, null);
+  assert.equal(
+    marksOf(store, { ...state, clearance_parts: Uint32Array.from([5, 6]) }, IDLE).distance?.text,
+    "1 in part 4",
+  );
+  assert.equal(marksOf(store, null, IDLE).force, null);
+});
+
+test("a band leads from the tool to a hand that contact holds back, and from nowhere else", () => {
+  const store = new Store();
+  store.document.value = DOCUMENT;
+  const [pose, wish] = [Float64Array.from(IDENTITY), Float64Array.from(IDENTITY)];
+  wish[11] = -0.0125;
+  const state: State = { ...STATE, pose, wish, blocked: true };
+  const held = { pivot: [0, 0, 1] as Vec3, center: [0, 0, 0.9875] as Vec3, wish: [...wish] };
+  assert.deepEqual(marksOf(store, state, held).band, {
+    from: [0, 0, 1],
+    to: [0, 0, 0.9875],
+    text: "12.5 mm held back",
+  });
+  assert.equal(marksOf(store, { ...state, blocked: false }, held).band, null);
+  assert.equal(marksOf(store, state, { ...held, wish: null }).band, null, "nobody moves the hand");
+});
+
+test("what is typed stands at the tool", () => {
+  const store = new Store();
+  store.document.value = DOCUMENT;
+  assert.equal(marksOf(store, STATE, IDLE).typed, null);
+  const begun = startTyped("move", IDENTITY, [0, 0, 0], "world");
+  store.typed.value = withKey(withKey(withAxis(begun, 0), "5"), "0");
+  assert.deepEqual(marksOf(store, STATE, IDLE).typed, { at: [0, 0, 0], text: "Move X 50 mm" });
+});
+
+test("the tool touches what it rests on, after the hand has let go as well", () => {
+  const resting = (value: number, mode: State["mode"]): State => ({
+    ...STATE,
+    mode,
+    distance: { value, tool_point: [0, 0, 0], mockup_point: [0, 0, 0], part: 3 },
+  });
+  assert.deepEqual(touchedParts(resting(1e-6, "stop")), [3]);
+  assert.deepEqual(touchedParts(resting(1e-5, "stop")), []);
+  assert.deepEqual(touchedParts(resting(2e-5, "glide")), [3], "it keeps a skin");
+  assert.equal(
+    spokenState(resting(1e-6, "stop"), "mm", () => "lid"),
+    "touching, lid",
+  );
+  assert.deepEqual([...withLit(new Uint8Array(4), resting(1e-6, "stop"))], [0, 0, 0, PartState.hit]);
+});
+
+test("long names are cut in their middle", () => {
+  assert.equal(shortened("cover", 22), "cover");
+  assert.equal(shortened("cover_screw_outer_left_002", 22), "cover_screw…r_left_002");
+  assert.equal([...shortened("x".repeat(400), 22)].length, 22);
 });
 
 test("what is spoken names the contacts, the parts and the depth", () => {

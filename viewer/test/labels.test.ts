@@ -44,5 +44,39 @@ test("a figure whose point is out of the picture is left out, as is one without 
     400,
     300,
   );
-  assert.equal(crowd.filter((place) => place !== null).length, 8);
+  assert.ok(crowd.filter((place) => place !== null).length >= 12);
+  const tight = layOut(
+    Array.from({ length: 20 }, () => ({ x: 60, y: 30, ...SIZE })),
+    140,
+    60,
+  );
+  assert.ok(tight.filter((place) => place !== null).length < 6);
+});
+
+test("labels keep clear of what lies over the picture, and of the tool where there is room", () => {
+  const gizmo = { left: 40, top: 40, right: 200, bottom: 160 };
+  const overlaps = (place: { left: number; top: number } | null, area: typeof gizmo) =>
+    place !== null &&
+    place.left < area.right &&
+    place.left + SIZE.width > area.left &&
+    place.top < area.bottom &&
+    place.top + SIZE.height > area.top;
+  const figures = Array.from({ length: 6 }, (_, k) => ({ x: 100 + 4 * k, y: 100, ...SIZE }));
+  for (const place of layOut(figures, 400, 300, { always: [gizmo], better: [] })) {
+    assert.ok(place && !overlaps(place, gizmo));
+  }
+  for (const place of layOut(figures, 400, 300, { always: [], better: [gizmo] })) {
+    assert.ok(place && !overlaps(place, gizmo));
+  }
+  const all = { left: 0, top: 0, right: 400, bottom: 300 };
+  assert.ok(layOut(figures, 400, 300, { always: [], better: [all] }).every((place) => place !== null));
+  assert.ok(layOut(figures, 400, 300, { always: [all], better: [] }).every((place) => place === null));
+});
+
+test("a label stays where it was to its point while that place is free", () => {
+  const [first] = layOut([{ x: 100, y: 100, ...SIZE }], 400, 300);
+  assert.ok(first);
+  const before = { dx: 40, dy: 30 };
+  const [again] = layOut([{ x: 110, y: 104, ...SIZE, before }], 400, 300);
+  assert.deepEqual(again, { left: 150, top: 134 });
 });

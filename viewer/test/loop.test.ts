@@ -43,6 +43,7 @@ function setUp() {
     setPartStates: (states: Uint8Array) => lit.push(states),
     setHits() {},
     setMarks() {},
+    setHeat() {},
     frame: () => {
       frames.count++;
       return stats;
@@ -109,6 +110,7 @@ const state = (pose: readonly number[], pose_seq: number, parts: number[] = []):
     hits: new Uint32Array(0),
     tool_hits: new Uint32Array(0),
     planes: new Float32Array(0),
+    plane_parts: new Uint32Array(0),
     clearance: new Float32Array(0),
     clearance_parts: new Uint32Array(0),
   }) as unknown as State;

@@ -100,7 +100,7 @@ test("only what is hidden or ghost asks for a redraw; lighting does not", () => 
     table.setStates(Uint8Array.from(states));
     return table.shapeVersion !== before;
   };
-  assert.equal(set(PartState.near, PartState.hit, PartState.selected), false);
+  assert.equal(set(PartState.hit, PartState.hit, PartState.selected), false);
   assert.equal(table.isAnyLit, true);
   assert.equal(set(0, 0, 0), false);
   assert.equal(table.isAnyLit, false);

@@ -130,7 +130,7 @@ test("the gizmo is as large in the picture whatever the distance", () => {
       (each) => each.kind === "move" && each.axis === 0,
     );
     const tip = arrow?.line[1];
-    assert.ok(tip && Math.abs(tip.x - 400 - 84) < 1, `${tip?.x}`);
+    assert.ok(tip && Math.abs(tip.x - 400 - 62) < 1, `${tip?.x}`);
   }
 });
 

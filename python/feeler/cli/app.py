@@ -6,6 +6,7 @@ be written, 130 interrupted. A reader that closes the pipe (head, less) changes 
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
 import io
@@ -13,7 +14,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Annotated, Any, TypeVar
 
 import typer
@@ -117,14 +118,16 @@ def main() -> None:
         raise
 
 
-class _Output(io.FileIO):
+class _Output(io.BufferedWriter):
     """stdout or stderr that never fails: after the first error nothing more is written, and `trouble` has the reason.
 
     So the command ends as it would have, with its files and its exit status. A closed pipe is no trouble.
     """
 
     def __init__(self, descriptor: int) -> None:
-        super().__init__(descriptor, "w", closefd=False)
+        # The file below has no method in Python, where Ctrl-C could come between writing and saying how much was
+        # written: what the buffer believes to be still there would be written again.
+        super().__init__(io.FileIO(descriptor, "w", closefd=False))
         self.trouble: str | None = None
         self._is_open = True
 
@@ -144,19 +147,28 @@ class _Output(io.FileIO):
             return None
         # What is told on stderr is told at once.
         encoding, errors, by_lines = stream.encoding, stream.errors, stream.line_buffering or name == "stderr"
-        buffered = io.BufferedWriter(output)
-        setattr(sys, name, io.TextIOWrapper(buffered, encoding, errors, line_buffering=by_lines))
+        setattr(sys, name, io.TextIOWrapper(output, encoding, errors, line_buffering=by_lines))
         return output
 
     def write(self, data: Any, /) -> int:
         if self._is_open:
-            try:
-                return super().write(data) or 0
-            except OSError as error:
-                self._is_open = False
-                if not isinstance(error, BrokenPipeError):
-                    self.trouble = error.strerror or str(error)
+            with self._noting_trouble():
+                return super().write(data)
         return memoryview(data).nbytes
+
+    def flush(self) -> None:
+        if self._is_open:
+            with self._noting_trouble():
+                super().flush()
+
+    @contextlib.contextmanager
+    def _noting_trouble(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self._is_open = False
+            if not isinstance(error, BrokenPipeError):
+                self.trouble = error.strerror or str(error)
 
 
 def _show_version(value: bool) -> None:

@@ -53,7 +53,7 @@ def view(
 
     - `port`: of 127.0.0.1; 0: any free one.
     - `browser`: opens the page; otherwise see `.url`.
-    - `pose`: `(4, 4)` world_from_tool of the hand at the start; default above the mock-up.
+    - `pose`: `(4, 4)` world_from_tool of the hand at the start; default beside the mock-up.
     - `mode`: the effect of contact on the hand: `"stop"`, `"glide"` or `"pass"`.
     - `unit`: of displayed lengths: `"mm"`, `"cm"`, `"m"` or `"in"`.
     - `project`: a project file (`.feelproj`), in which everything is saved; made if it is missing. What it has already

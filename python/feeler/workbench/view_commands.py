@@ -12,8 +12,10 @@ from feeler.poses import PoseLike
 from feeler.workbench.document.arguments import VectorLike, plain_parts, plain_pose
 from feeler.workbench.document.protocol import (
     Camera,
+    CardQuestion,
     CommandAnswer,
     FindingStatus,
+    GivenWay,
     Material,
     MeasureType,
     Mode,
@@ -118,7 +120,7 @@ class ViewCommands:
         return self.command("put_back", parts=plain_parts(parts))
 
     def take_tool(self, name: str | None) -> CommandAnswer:
-        """Takes another tool, or none; where it would collide, it starts above the mock-up."""
+        """Takes another tool, or none; where it would collide, it starts beside the mock-up."""
         return self.command("take_tool", name=name)
 
     def measure_add(
@@ -191,6 +193,52 @@ class ViewCommands:
     def finding_filter(self, is_touching_hidden: bool) -> CommandAnswer:
         """Hides or shows findings that only touch."""
         return self.command("finding_filter", is_touching_hidden=is_touching_hidden)
+
+    def ask(
+        self,
+        question: CardQuestion,
+        parts: PartsLike | None = None,
+        without: PartsLike | None = None,
+        tool: str | None = None,
+        grip: str | None = None,
+        swing_deg: float | None = None,
+        clearance: float | None = None,
+        seconds: float | None = None,
+    ) -> CommandAnswer:
+        """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need."""
+        return self._command(
+            "ask",
+            question=question,
+            parts=plain_parts(parts),
+            without=plain_parts(without),
+            tool=tool,
+            grip=grip,
+            swing_deg=swing_deg,
+            clearance=clearance,
+            seconds=seconds,
+        )
+
+    def card_again(self, id: int) -> CommandAnswer:
+        """Asks the question of a card again, of the mock-up as it is now."""
+        return self.command("card_again", id=id)
+
+    def card_cancel(self, id: int) -> CommandAnswer:
+        """Gives up a question that is not answered yet."""
+        return self.command("card_cancel", id=id)
+
+    def card_remove(self, id: int) -> CommandAnswer:
+        """Removes a card, with its answer."""
+        return self.command("card_remove", id=id)
+
+    def way_take(
+        self, id: int | None = None, steps: int | None = None, ways: list[GivenWay] | None = None
+    ) -> CommandAnswer:
+        """Takes parts out along the ways of a card, and adds them to the sequence."""
+        return self._command("way_take", id=id, steps=steps, ways=ways)
+
+    def seat(self, pose: Pose | PoseLike) -> CommandAnswer:
+        """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""
+        return self.command("seat", pose=plain_pose(pose))
 
     def undo(self) -> CommandAnswer:
         """Undoes the last command."""

@@ -6,6 +6,7 @@ import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
 import { PANELS, type Panel } from "../model/page-state";
+import { ask } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
@@ -18,6 +19,7 @@ export type CommandGroup =
   | "Look"
   | "Parts"
   | "Tool"
+  | "Ask"
   | "Sections"
   | "Measures"
   | "Sequence"
@@ -45,6 +47,7 @@ const hasTargets = (wb: Workbench): boolean =>
   canLook(wb) && (wb.store.selection.value.size > 0 || wb.store.hover.value >= 0);
 const canGrip = (wb: Workbench): boolean => canChange(wb) && (hasTargets(wb) || isGripping(wb));
 const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.value;
+const canAskAccess = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.tool != null;
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
@@ -76,6 +79,7 @@ const typing = (
 ): PageCommand => ({ ...command("Tool", id, title, keys, run), while: "typing" });
 
 const VIEWS = ["front", "back", "left", "right", "top", "bottom", "corner"] as const;
+const HOME_VIEW = 7;
 const AXES = ["X", "Y", "Z"] as const;
 const STEPS: readonly [string, string, Vec3][] = [
   ["ArrowRight", "right", [1, 0, 0]],
@@ -187,6 +191,7 @@ const toggleTheme = (wb: Workbench): void =>
 
 const panelTitles: Readonly<Record<Panel, string>> = {
   pose: "Pose",
+  ask: "Ask",
   sections: "Sections",
   measures: "Measures",
   sequence: "Sequence",
@@ -218,6 +223,13 @@ export const COMMANDS: readonly PageCommand[] = [
   ]),
   command("Look", "zoom-in", "Zoom in", ["+", "="], (wb) => zoom(wb, 0.8), hasMockup),
   command("Look", "zoom-out", "Zoom out", "-", (wb) => zoom(wb, 1.25), hasMockup),
+  command("Look", "home", "Home view: all from a corner", "Home", (wb) => wb.view(HOME_VIEW), hasMockup),
+  command("Look", "projection", "Parallel projection, or perspective", "O", (wb) =>
+    wb.store.set({ is_parallel: !wb.store.settings.peek().is_parallel }),
+  ),
+  command("Page", "glide", "Gliding view on, or off", "", (wb) =>
+    wb.store.set({ has_glide: !wb.store.settings.peek().has_glide }),
+  ),
   command("Look", "snapshot", "Picture and viewpoint", "K", takeSnapshot, hasMockup),
   command(
     "Look",
@@ -280,20 +292,7 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Tool", "snapping", "Snapping on, or off", "T", (wb) =>
     wb.store.set({ is_snapping: !wb.store.settings.peek().is_snapping }),
   ),
-  command(
-    "Tool",
-    "look-at-tool",
-    "Look at the tool",
-    "Shift+F",
-    (wb) => {
-      const center = wb.hand.center;
-      if (!center) return;
-      const { camera } = wb.stage;
-      camera.translate([center[0] - camera.target[0], center[1] - camera.target[1], center[2] - camera.target[2]]);
-      wb.redraw();
-    },
-    hasHand,
-  ),
+  command("Tool", "look-at-tool", "Look at the tool", "Shift+F", (wb) => wb.lookAtTool(), hasHand),
   command(
     "Tool",
     "spacemouse",
@@ -310,6 +309,11 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => wb.toggleXr?.(),
     (wb) => wb.store.is_xr_there.value,
   ),
+
+  command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), hasTargets),
+  command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), hasTargets),
+  command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
+  command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),
 
   ...AXES.map((name, k) =>
     typing(`axis-${name}`, `Along or about ${name}; again: other frame`, name, (wb) => chooseAxis(wb, k as 0 | 1 | 2)),

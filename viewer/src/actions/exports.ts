@@ -47,8 +47,8 @@ export async function takeSnapshot(wb: Workbench): Promise<void> {
 
 /** Puts the camera where a viewpoint has it. */
 export function lookFrom(wb: Workbench, camera: Camera): void {
-  wb.stage.camera.fromJSON(camera);
-  wb.redraw();
+  wb.look((each) => each.fromJSON(camera));
+  wb.store.set({ is_parallel: camera.is_parallel ?? false });
 }
 
 /** A picture at a size, from a camera if one is given, as base64 of a PNG. */

@@ -57,11 +57,13 @@ export async function lookAtFinding(wb: Workbench, finding: Finding): Promise<vo
   wb.select(parts);
   const point = placeOf(wb, finding);
   if (point) {
-    const { camera } = wb.stage;
-    const away = scale(camera.forward, -reachOf(wb, parts, depthOf(finding)));
-    camera.target = point;
-    camera.position = add(point, away);
-    camera.moved = true;
+    const reach = reachOf(wb, parts, depthOf(finding));
+    wb.look((camera) => {
+      const away = scale(camera.forward, -reach);
+      camera.target = point;
+      camera.position = add(point, away);
+      camera.moved = true;
+    });
   } else wb.fit(parts);
   wb.redraw();
   wb.say(finding.sentence);

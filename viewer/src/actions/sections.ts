@@ -14,7 +14,7 @@ function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): CommandRequ
   const box = wb.boxOf([...wb.store.selection.peek()]);
   const whole = wb.store.manifest.peek();
   const middle = through ?? (isEmpty(box) ? (whole ? centre(whole) : ([0, 0, 0] as Vec3)) : centre(box));
-  const { forward } = wb.stage.camera;
+  const { forward } = wb.stage.camera.arrived;
   const across = normal ? towards(normal, forward) : axisAlong(forward);
   wb.store.panel.value = "sections";
   return ["section_add", { normal: across, offset: dot(across, middle) }];

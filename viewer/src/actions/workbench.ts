@@ -1,14 +1,18 @@
 // The workbench, on which commands, pointers and panels act: it joins the store, the stage, the hand and the link.
 
 import { type Job, type Link, LinkError } from "../link/link";
-import type { CommandRequest, Document, Jobs, Questions } from "../link/protocol";
+import type { CommandRequest, Document, Jobs, Questions, UpAxis } from "../link/protocol";
 import { Turns } from "../link/turns";
 import { carry, type Pose } from "../math/matrix";
-import { type Box, corners, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
+import { type Box, corners, emptyBox, include, isEmpty, subtract, type Vec3 } from "../math/vectors";
 import type { Hand } from "../model/hand";
 import { OfflineCommands } from "../model/offline-commands";
 import type { Store } from "../model/store";
+import type { CameraRig } from "../scene/camera";
 import type { Stage } from "../scene/stage";
+
+/** How long the view glides. */
+const GLIDE_MS = 250;
 
 /** How a click changes the selection. */
 export type SelectHow = "only" | "toggle" | "add";
@@ -32,6 +36,8 @@ export class Workbench {
   readonly link: Link | null;
   readonly redraw: () => void;
   readonly fetchFile: (name: string) => Promise<Blob>;
+  /** Fetches the swept volume of a card; null without a server. */
+  fetchRoom: ((card: number) => Promise<ArrayBuffer>) | null = null;
   private readonly offline = new OfflineCommands();
   private readonly turns: Turns;
   /** The canvas, to which the focus goes back; null in tests. */
@@ -170,14 +176,37 @@ export class Workbench {
   /** Frames the parts, or everything visible if there are none. */
   fit(parts: readonly number[] = this.visible([...this.store.selection.peek()])): void {
     const box = this.boxOf(parts);
-    this.stage.camera.fit(isEmpty(box) ? this.stage.visibleBox() : box);
-    this.redraw();
+    this.look((camera) => camera.fit(isEmpty(box) ? this.stage.visibleBox() : box));
   }
 
   /** One of the seven views. */
   view(n: number): void {
-    this.stage.camera.view(n, this.stage.visibleBox(), this.store.manifest.peek()?.up ?? "z");
+    this.look((camera) => camera.view(n, this.stage.visibleBox(), this.up));
+  }
+
+  /** Looks at everything from a side: its parts to the right, to the back and up. */
+  viewFrom(side: Vec3): void {
+    this.look((camera) => camera.viewFrom(side, this.stage.visibleBox(), this.up));
+  }
+
+  /** Changes the camera: it glides there, where the user and the system let it. */
+  look(change: (camera: CameraRig) => void): void {
+    const { store } = this;
+    const isStill = store.is_motion_reduced.peek() || !store.settings.peek().has_glide || globalThis.document?.hidden;
+    this.stage.camera.glide(change, isStill ? 0 : GLIDE_MS);
     this.redraw();
+  }
+
+  /** The tool comes into the middle of the picture, which keeps its scale. */
+  lookAtTool(): void {
+    const { pivot, pose, tool } = this.hand;
+    const at = tool ?? pose;
+    if (at) this.look((camera) => camera.translate(subtract(carry(at, pivot), camera.target)));
+  }
+
+  /** The vertical of the mock-up. */
+  get up(): UpAxis {
+    return this.store.manifest.peek()?.up ?? "z";
   }
 
   /** Those of the parts that are in sight. */
@@ -208,7 +237,7 @@ export class Workbench {
     if (picked) return picked.point;
     const { camera } = this.stage;
     const { origin, direction } = camera.ray(x, y);
-    const far = Math.hypot(...camera.position.map((value, k) => value - (camera.target[k] ?? 0)));
+    const far = camera.reach;
     return [origin[0] + direction[0] * far, origin[1] + direction[1] * far, origin[2] + direction[2] * far];
   }
 }

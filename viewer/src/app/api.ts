@@ -36,7 +36,7 @@ export interface FeelerApi {
   readonly document: Document | null;
   readonly state: State | null;
   readonly stats: PageStats;
-  /** The camera of the picture. */
+  /** The camera of the picture; where it glides, that of the end. */
   readonly camera: Camera;
   /** Where a world point lies in the picture: CSS pixels from its upper left corner; null: behind the eye. */
   pixel(point: Vec3): [number, number] | null;
@@ -108,8 +108,8 @@ export function createApi(source: ApiSource): FeelerApi {
       return wb.stage.camera.toJSON();
     },
     pixel: (point) => {
-      const { x, y, depth } = wb.stage.camera.project(point);
-      return depth > 0 ? [x, y] : null;
+      const { x, y, isAhead } = wb.stage.camera.arrived.project(point);
+      return isAhead ? [x, y] : null;
     },
     shot: (width = SHOT_WIDTH, height = SHOT_HEIGHT) => wb.stage.shot(width, height),
     benchmark: async (seconds = BENCHMARK_S) => {

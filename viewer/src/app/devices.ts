@@ -102,7 +102,10 @@ function cameraTarget(wb: Workbench): RateTarget {
       const { camera } = wb.stage;
       const [right, up, near] = increment.translation;
       // The device moves the scene, so the eye goes the other way.
-      camera.translate(addAll(scale(camera.right, -right), scale(camera.top, -up), scale(camera.forward, near)));
+      // Nearer is larger: in parallel projection only zooming makes it so.
+      if (camera.isParallel) camera.dolly(Math.exp(-near / camera.reach));
+      const ahead = camera.isParallel ? 0 : near;
+      camera.translate(addAll(scale(camera.right, -right), scale(camera.top, -up), scale(camera.forward, ahead)));
       const [over, about] = increment.rotation;
       camera.orbit(about, over, camera.target);
       wb.redraw();

@@ -16,19 +16,16 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       if (document) loop.setPartStates(partStates(count, document, store.selection.value));
     }),
     effect(() => {
-      // Another mock-up in the stage has its parts at home.
-      void store.manifest.value;
-      const moved = store.document.value?.moved ?? {};
-      stage.setMoved(new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]])));
-      loop.request();
-    }),
-    effect(() => {
       void store.manifest.value;
       stage.setExplode(store.document.value?.explode ?? 0);
       loop.request();
     }),
     effect(() => {
       stage.setSections(store.drawn_sections.value.map(({ normal, offset }) => ({ normal, offset })));
+      loop.request();
+    }),
+    effect(() => {
+      stage.camera.setParallel(store.settings.value.is_parallel);
       loop.request();
     }),
     effect(() => {
@@ -39,7 +36,13 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
     }),
     // The figures of marks depend on the unit; measures and picks are marks themselves.
     effect(() => {
-      void [store.unit.value, store.document.value?.measures, store.measuring.value, store.snap.value];
+      void [
+        store.unit.value,
+        store.document.value?.measures,
+        store.measuring.value,
+        store.snap.value,
+        store.typed.value,
+      ];
       loop.remark();
     }),
     effect(() => {

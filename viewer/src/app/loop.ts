@@ -49,7 +49,7 @@ export class Loop {
   ) {
     this.wishes = new Wishes(wb);
     this.view = new StateView(wb);
-    this.handles = pointer && over && new Handles(pointer, over);
+    this.handles = pointer && over && new Handles(wb, pointer, over);
   }
 
   /** The engine's newest answer; null: nothing is known of it. */

@@ -5,6 +5,7 @@ import { takeToken } from "../link/link";
 import { OfflineError, readOffline } from "../link/offline-file";
 import { App, type PictureElements } from "../ui/app";
 import type { FeelerApi } from "./api";
+import { makeCompass } from "./compass";
 import { Page } from "./page";
 
 declare global {
@@ -26,11 +27,24 @@ function makePicture(): PictureElements {
   const labels = document.createElement("div");
   labels.className = "labels";
   labels.setAttribute("aria-hidden", "true");
+  const tether = document.createElement("div");
+  tether.className = "tether";
+  tether.hidden = true;
+  const arrow = document.createElement("button");
+  arrow.type = "button";
+  arrow.className = "tool-arrow";
+  arrow.hidden = true;
+  arrow.title = "The tool is out of the picture: look at it (Shift+F)";
+  arrow.setAttribute("aria-label", "Look at the tool, which is out of the picture");
+  const head = document.createElement("span");
+  head.textContent = "➤";
+  head.setAttribute("aria-hidden", "true");
+  arrow.append(head);
   const cuts = document.createElement("div");
   cuts.className = "cuts";
   // The panel of the cuts has the same by keys.
   cuts.setAttribute("aria-hidden", "true");
-  return { canvas, gizmo, labels, cuts };
+  return { canvas, gizmo, labels, tether, arrow, cuts, ...makeCompass() };
 }
 
 async function start(root: HTMLElement): Promise<void> {
@@ -38,11 +52,13 @@ async function start(root: HTMLElement): Promise<void> {
   const picture = makePicture();
   const page = new Page(picture, offline ? null : takeToken(location, history, sessionStorage));
   const dark = matchMedia("(prefers-color-scheme: dark)");
+  const still = matchMedia("(prefers-reduced-motion: reduce)");
   const follow = (): void => {
     page.store.is_system_dark.value = dark.matches;
+    page.store.is_motion_reduced.value = still.matches;
   };
   follow();
-  dark.addEventListener("change", follow);
+  for (const query of [dark, still]) query.addEventListener("change", follow);
   window.feeler = page.api();
   render(h(App, { workbench: page.wb, picture }), root);
   if (offline) page.showOffline(offline);

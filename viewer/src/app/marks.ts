@@ -1,17 +1,30 @@
 // The marks of the picture: contact planes, force, clearance lines and measures, with their values in the chosen unit.
 
 import type { State } from "../link/protocol";
-import { position } from "../math/matrix";
+import { carry, position } from "../math/matrix";
 import { formatForce, formatLength, type Unit } from "../math/units";
-import { length, type Vec3 } from "../math/vectors";
+import { distance, length, type Vec3 } from "../math/vectors";
+import { touchedParts } from "../model/contact";
+import type { Hand } from "../model/hand";
 import type { Store } from "../model/store";
 import type { Marks } from "../scene/marks";
-import { measureText } from "../ui/words";
+import { typedText } from "../ui/typing-hint";
+import { measureText, shortened } from "../ui/words";
 
 /** Weaker forces are rounding. */
 const LEAST_FORCE_N = 1e-3;
 
-export function marksOf(store: Store, state: State | null): Marks {
+/** Figures at this many of the nearest parts: more would hide what they are about. */
+const MOST_FIGURES = 6;
+const MOST_TOUCHES = 3;
+/** A hand nearer to its tool is not held back by anything worth telling, metres. */
+const LEAST_BAND_M = 2e-5;
+const MOST_LETTERS = 22;
+
+/** The part of the hand that marks need. */
+export type HandPlace = Pick<Hand, "pivot" | "center" | "wish">;
+
+export function marksOf(store: Store, state: State | null, hand: HandPlace): Marks {
   const unit = store.unit.peek();
   const picks = store.measuring.peek()?.picks ?? [];
   const measures = (store.document.peek()?.measures ?? []).map((measure) => ({
@@ -22,20 +35,44 @@ export function marksOf(store: Store, state: State | null): Marks {
   }));
   const first = picks[0];
   const pending = first ? [{ id: "pending", points: [first.point], text: "", isSelected: true }] : [];
-  return { ...contactMarks(state, unit), measures: [...measures, ...pending], snap: store.snap.peek() };
+  return {
+    ...contactMarks(store, state, unit),
+    band: state && bandOf(state, hand, unit),
+    typed: typedMark(store, hand),
+    measures: [...measures, ...pending],
+    snap: store.snap.peek(),
+    way: wayOf(store, unit),
+  };
 }
 
-function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "force" | "clearances" | "distance"> {
-  if (!state) return { planes: null, force: null, clearances: null, distance: null };
+function wayOf(store: Store, unit: Unit): Marks["way"] {
+  const { path, gap, fan } = store.way_marks.peek();
+  if (path.length === 0 && !fan) return null;
+  return {
+    path: [...path],
+    gap: gap && { point: gap.point, text: `${formatLength(gap.value, unit)} to ${store.nameOf(gap.part)}` },
+    fan: fan && { centre: fan.centre, rim: [...fan.rim], isGood: fan.isGood },
+  };
+}
+
+type ContactMarks = Pick<Marks, "planes" | "force" | "clearances" | "distance" | "touches">;
+
+function contactMarks(store: Store, state: State | null, unit: Unit): ContactMarks {
+  if (!state) return { planes: null, force: null, clearances: null, distance: null, touches: [] };
+  const named = (part: number) => shortened(store.nameOf(part), MOST_LETTERS);
+  const touched = touchedParts(state);
+  const nearest = [...state.clearance_parts.keys()].sort(
+    (a, b) => (state.clearance[7 * a] ?? 0) - (state.clearance[7 * b] ?? 0),
+  );
+  const figured = new Set(
+    nearest.filter((k) => !touched.includes(state.clearance_parts[k] ?? -1)).slice(0, MOST_FIGURES),
+  );
   const strength = length(state.force);
-  const texts: string[] = [];
-  for (let k = 0; k < state.clearance.length; k += 7) {
-    const value = state.clearance[k] ?? 0;
-    // Touched parts are highlighted: a label would only cover the contact.
-    texts.push(value > 0 ? formatLength(value, unit) : "");
-  }
-  const { distance } = state;
-  const isListed = distance !== null && state.clearance_parts.includes(distance.part);
+  const texts = [...state.clearance_parts].map((part, k) =>
+    figured.has(k) ? `${formatLength(state.clearance[7 * k] ?? 0, unit)} ${named(part)}` : "",
+  );
+  const { distance: near } = state;
+  const isListed = near !== null && state.clearance_parts.includes(near.part);
   return {
     planes: state.planes,
     force:
@@ -44,14 +81,47 @@ function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "
         : null,
     clearances: { rows: state.clearance, texts },
     distance:
-      distance && distance.value > 0 && !isListed
+      near && near.value > 0 && !isListed && !touched.includes(near.part)
         ? {
-            from: [...distance.tool_point],
-            to: [...distance.mockup_point],
-            text: formatLength(distance.value, unit),
+            from: [...near.tool_point],
+            to: [...near.mockup_point],
+            text: `${formatLength(near.value, unit)} ${named(near.part)}`,
           }
         : null,
+    touches: touched.slice(0, MOST_TOUCHES).flatMap((part) => {
+      const at = touchPoint(state, part);
+      return at ? [{ at, text: `touches ${named(part)}` }] : [];
+    }),
   };
+}
+
+/** A point of the contact with a part: the middle of its contact planes, else where it is nearest. */
+function touchPoint(state: State, part: number): Vec3 | null {
+  const middle: Vec3 = [0, 0, 0];
+  let count = 0;
+  state.plane_parts.forEach((each, k) => {
+    if (each !== part) return;
+    count++;
+    for (const axis of [0, 1, 2] as const) middle[axis] += state.planes[8 * k + axis] ?? 0;
+  });
+  if (count > 0) return [middle[0] / count, middle[1] / count, middle[2] / count];
+  const row = state.clearance_parts.indexOf(part);
+  if (row >= 0) return [4, 5, 6].map((k) => state.clearance[7 * row + k] ?? 0) as Vec3;
+  return state.distance?.part === part ? [...state.distance.mockup_point] : null;
+}
+
+/** From the tool to the hand that moves on without it; null: they are together, or nobody moves the hand. */
+function bandOf(state: State, hand: HandPlace, unit: Unit): Marks["band"] {
+  if (!state.blocked || !hand.wish) return null;
+  const [from, to] = [carry(state.pose, hand.pivot), carry(state.wish, hand.pivot)];
+  const gap = distance(from, to);
+  return gap > LEAST_BAND_M ? { from, to, text: `${formatLength(gap, unit)} held back` } : null;
+}
+
+/** What is typed, beside the tool. */
+function typedMark(store: Store, { center }: HandPlace): Marks["typed"] {
+  const text = typedText(store);
+  return text && center ? { at: center, text } : null;
 }
 
 /** The middle of the contact planes by their shares of the force: where the hand feels it. */

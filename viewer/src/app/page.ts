@@ -9,8 +9,9 @@ import { Link, LinkError } from "../link/link";
 import type { OfflinePage } from "../link/offline-file";
 import type { Camera, Document, HeldManifest, ServerEvent, State, Welcome } from "../link/protocol";
 import { fromAxes } from "../math/matrix";
+import { isSame } from "../math/same";
 import { formatCount } from "../math/units";
-import { scale, type Vec3 } from "../math/vectors";
+import { corners, emptyBox, include, scale, transform, union, type Vec3 } from "../math/vectors";
 import { patched } from "../model/document";
 import { Hand } from "../model/hand";
 import { OfflineReplay } from "../model/offline-replay";
@@ -20,6 +21,7 @@ import type { PictureElements } from "../ui/app";
 import { createApi, type FeelerApi } from "./api";
 import { createDevices, type Devices } from "./devices";
 import { followStore } from "./effects";
+import { followFilm } from "./film";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 
@@ -43,6 +45,9 @@ export class Page {
   private whole_picture_ms: number | null = null;
   private loaded_hash: string | null = null;
   private held_version = NO_VERSION;
+  private held_facts: HeldManifest | null = null;
+  /** The view that the page chose; null: none yet. */
+  private start_camera: Camera | null = null;
 
   constructor(picture: PictureElements, token: string | null) {
     const { store } = this;
@@ -67,15 +72,25 @@ export class Page {
       return fromAxes(right, top, scale(forward, -1), [0, 0, 0]);
     };
     const redraw = (): void => this.loop.request();
-    this.wb = new Workbench({ store, stage, hand, link, redraw, fetchFile: (name) => fetchFile(base, token, name) });
+    this.wb = new Workbench({
+      store,
+      stage,
+      hand,
+      link,
+      redraw,
+      fetchFile: (name) => fetchSecret(base, token, `exports/${encodeURIComponent(name)}`),
+    });
+    if (token) this.wb.fetchRoom = async (card) => (await fetchSecret(base, token, `cards/${card}`)).arrayBuffer();
     this.wb.canvas = picture.canvas;
     const pointer = new Pointer(this.wb, picture.canvas);
     this.loop = new Loop(this.wb, pointer, picture);
     this.devices = createDevices(this.wb, this.loop);
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
+    followFilm(this.wb, this.loop);
     listenToKeys(this.wb);
     stage.onRestored(redraw);
+    stage.onStale = redraw;
     new ResizeObserver(redraw).observe(picture.canvas);
     document.addEventListener("visibilitychange", redraw);
     window.addEventListener("pagehide", () => keepCamera(store.manifest.peek()?.hash, stage.camera.toJSON()));
@@ -94,7 +109,10 @@ export class Page {
     store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
     wb.stage.setManifest(manifest);
     store.manifest.value = manifest;
-    if (camera) wb.stage.camera.fromJSON(camera);
+    if (camera) {
+      wb.stage.camera.fromJSON(camera);
+      store.set({ is_parallel: camera.is_parallel ?? false });
+    }
     for (const [k, piece] of pieces.entries()) wb.stage.addPiece(k, piece);
     this.come_triangles = manifest.triangles;
     this.is_whole = true;
@@ -201,12 +219,15 @@ export class Page {
     store.geometry_share.value = 0;
     this.geometry?.load({
       onManifest: (manifest) => {
+        const before = wb.stage.camera.toJSON();
         wb.stage.setManifest(manifest);
         this.come_triangles = 0;
         const camera = recallCamera(manifest.hash);
         if (camera) wb.stage.camera.fromJSON(camera);
+        else if (!isSame(before, wb.stage.camera.toJSON())) this.start_camera = wb.stage.camera.toJSON();
         store.selection.value = new Set();
         store.manifest.value = manifest;
+        this.frameStart();
         this.loop.request();
       },
       onPiece: (k, data, share) => {
@@ -231,6 +252,8 @@ export class Page {
     const { wb } = this;
     if (version === this.held_version) return;
     this.held_version = version;
+    this.held_facts = manifest;
+    this.frameStart();
     try {
       const piece = manifest && this.geometry ? await this.geometry.loadHeld(version) : null;
       if (version !== this.held_version) return;
@@ -241,6 +264,19 @@ export class Page {
       this.held_version = NO_VERSION;
       wb.tell(error);
     }
+  }
+
+  /** The page's first view holds the mock-up and the hand; one that somebody changed stays. */
+  private frameStart(): void {
+    const { store, wb } = this;
+    const { camera } = wb.stage;
+    const manifest = store.manifest.peek();
+    const pose = store.document.peek()?.pose;
+    if (!manifest || !pose || !this.held_facts || !isSame(this.start_camera, camera.toJSON())) return;
+    const held = emptyBox();
+    for (const corner of corners(this.held_facts)) include(held, transform(pose, corner));
+    camera.view(7, union({ lower: manifest.lower, upper: manifest.upper }, held), manifest.up);
+    this.start_camera = camera.toJSON();
   }
 
   /** Ready once the first picture with every piece in it is drawn, by the device as well. */
@@ -288,9 +324,9 @@ function recallCamera(hash: string): Camera | null {
   return kept?.hash === hash ? kept.camera : null;
 }
 
-async function fetchFile(base: URL, token: string | null, name: string): Promise<Blob> {
-  const url = new URL(`exports/${encodeURIComponent(name)}`, base);
+async function fetchSecret(base: URL, token: string | null, name: string): Promise<Blob> {
+  const url = new URL(name, base);
   const response = await fetch(url, { headers: { Authorization: `Bearer ${token ?? ""}` } });
-  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Export it again");
+  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Ask for it again");
   return response.blob();
 }

@@ -1,6 +1,7 @@
 // One byte per part: how it is drawn, by the document and the engine's contacts. Pure.
 
 import type { Document, State } from "../link/protocol";
+import { touchedParts } from "../model/contact";
 import { PartState } from "../scene/stage";
 
 /** The states of `count` parts, as `PartState` bits. */
@@ -17,12 +18,11 @@ export function partStates(
   return states;
 }
 
-/** The same with touched and near parts. */
+/** The same with touched parts. What is near is shown where it is near, by the heat map. */
 export function withLit(base: Uint8Array, state: State | null): Uint8Array {
   const states = base.slice();
   if (state) {
-    mark(states, state.clearance_parts, PartState.near);
-    mark(states, state.parts, PartState.hit);
+    mark(states, touchedParts(state), PartState.hit);
   }
   return states;
 }

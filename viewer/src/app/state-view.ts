@@ -1,9 +1,10 @@
-// Shows the engine's state: the tool and its ghost, highlights and marks; at a lower rate the numbers in panels, and at a
+// Shows the engine's state: the tool and its ghost, highlights, the heat map and marks; at a lower rate the numbers in panels, and at a
 // still lower one the words of the live region.
 
 import type { Workbench } from "../actions/workbench";
 import type { State } from "../link/protocol";
 import { isSamePose, type Pose } from "../math/matrix";
+import { touchedParts } from "../model/contact";
 import { spokenState } from "../ui/words";
 import { marksOf } from "./marks";
 import { withLit } from "./part-states";
@@ -68,8 +69,9 @@ export class StateView {
     const { state } = this;
     const { stage, store } = this.wb;
     stage.setHits(state?.hits ?? NONE, state?.tool_hits ?? NONE);
-    stage.setMarks(marksOf(store, state));
-    const lit = state ? `${state.parts.join()}|${state.clearance_parts.join()}` : "";
+    stage.setMarks(marksOf(store, state, this.wb.hand));
+    stage.setHeat(state !== null && (state.clearance_parts.length > 0 || state.parts.length > 0));
+    const lit = state ? touchedParts(state).join() : "";
     if (lit !== this.lit) {
       this.lit = lit;
       stage.setPartStates(withLit(this.base_states, state));

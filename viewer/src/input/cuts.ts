@@ -38,7 +38,7 @@ export function layCuts(cuts: readonly CutPlane[], box: Box, view: GizmoView): C
     const others = cuts.filter((each) => each.id !== id);
     const center = cutCenter({ normal, offset }, others, box);
     const middle = view.project(center);
-    if (!(middle.depth > 0)) return [];
+    if (!middle.isAhead) return [];
     const tip = view.project(add(center, scale(normal, ARROW_PX * view.metresPerPixel(middle.depth))));
     let [dx, dy] = [tip.x - middle.x, tip.y - middle.y];
     if (Math.hypot(dx, dy) < LEAST_PX) [dx, dy] = [0, -ARROW_PX];

@@ -1,12 +1,12 @@
 // Dragging the hand by the pointer: in the view plane, along an axis, or about one. Pixels in, poses out.
 
 import { movedBy, type Pose, turnedAbout } from "../math/matrix";
-import { add, dot, normalize, type Point, scale, subtract, type Vec3 } from "../math/vectors";
+import { add, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
 import { directionOf, type TypedMove } from "../model/typed-move";
 import type { CameraRig } from "../scene/camera";
 
 /** The part of the camera that dragging needs. */
-export type View = Pick<CameraRig, "ray" | "project" | "forward" | "position">;
+export type View = Pick<CameraRig, "ray" | "project" | "forward" | "towards">;
 
 /** The drag: of a pose, about or through a world point, along a unit world direction or (null) in the view plane. */
 export interface Drag {
@@ -64,7 +64,7 @@ function inViewPlane(center: Vec3, view: View, from: Point, to: Point): Vec3 {
 
 /** How far along an axis through `center` the pointer went, metres. */
 export function alongAxis(center: Vec3, direction: Vec3, view: View, from: Point, to: Point): number {
-  const towards = normalize(subtract(center, view.position));
+  const towards = scale(view.towards(center), -1);
   // An axis that points at the eye is a dot in the picture: the way up the picture then moves along it.
   if (Math.abs(dot(towards, direction)) > 0.995) {
     const moved = inViewPlane(center, view, from, { x: from.x, y: to.y });
@@ -90,6 +90,6 @@ function angleBetween(drag: Drag, view: View, from: Point, to: Point): number {
   if (turned > Math.PI) turned -= 2 * Math.PI;
   if (turned < -Math.PI) turned += 2 * Math.PI;
   if (!drag.direction) return turned;
-  const towards = dot(drag.direction, normalize(subtract(view.position, drag.center)));
+  const towards = dot(drag.direction, view.towards(drag.center));
   return towards < 0 ? -turned : turned;
 }

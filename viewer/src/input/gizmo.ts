@@ -15,25 +15,25 @@ export interface Handle {
   readonly line: readonly Point[];
 }
 
-export type GizmoView = Pick<CameraRig, "project" | "metresPerPixel" | "position">;
+export type GizmoView = Pick<CameraRig, "project" | "metresPerPixel" | "towards">;
 
-const ARROW_PX = 84;
-const RING_PX = 62;
+const ARROW_PX = 62;
+const RING_PX = 46;
 const KNOB_PX = 9;
 /** How far from a line it is still hit. */
 const REACH_PX = 8;
 const RING_STEPS = 48;
 /** Half the side of the square that holds all of it. */
-export const GIZMO_RADIUS_PX = 104;
+export const GIZMO_RADIUS_PX = 84;
 // An arrow that points at the eye, or a ring seen from its edge, can be neither told apart nor dragged well.
 const LEAST_ARROW_PX = 18;
 
 /** The handles about a world point, along the axes of the tool or of the world; none if the point is behind the eye. */
 export function layGizmo(center: Vec3, pose: Pose, frame: "world" | "tool", view: GizmoView): Handle[] {
   const middle = view.project(center);
-  if (!(middle.depth > 0)) return [];
+  if (!middle.isAhead) return [];
   const metres = view.metresPerPixel(middle.depth);
-  const towards = normalize(subtract(view.position, center));
+  const towards = view.towards(center);
   const handles: Handle[] = [{ kind: "move", axis: null, direction: null, line: [middle] }];
   for (const index of [0, 1, 2] as const) {
     const direction = axis(frame === "tool" ? pose : IDENTITY, index);
@@ -51,6 +51,10 @@ export function layGizmo(center: Vec3, pose: Pose, frame: "world" | "tool", view
   }
   return handles;
 }
+
+/** The same handles elsewhere in the picture. */
+export const shifted = (handles: readonly Handle[], dx: number, dy: number): Handle[] =>
+  handles.map((handle) => ({ ...handle, line: handle.line.map(({ x, y }) => ({ x: x + dx, y: y + dy })) }));
 
 /** The half of a ring that faces the eye. */
 function ring(center: Vec3, about: Vec3, radius: number, towards: Vec3, view: GizmoView): Point[] {

@@ -5,11 +5,14 @@ import { draftSection, settleSection } from "../actions/sections";
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
-import { distance, type Point, subtract, type Vec3 } from "../math/vectors";
+import type { Pose } from "../math/matrix";
+import { type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
+import type { Area } from "../scene/labels";
 import { type CutHandle, hitCut, layCuts } from "./cuts";
 import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
-import { type Handle, hitGizmo, layGizmo } from "./gizmo";
+import { type Handle, hitGizmo, layGizmo, shifted } from "./gizmo";
+import { areaOf, type GizmoPlace, hullOf, isInPicture, placeGizmo, pointsOf } from "./gizmo-place";
 
 /** A press that moves less is a click. */
 const CLICK_PX = 4;
@@ -42,6 +45,13 @@ export class Pointer {
   handle: Handle | null = null;
   /** The cut whose arrow is under it, or being dragged; null: none. */
   cut: number | null = null;
+  /** What lies over the picture: the gizmo stands elsewhere. */
+  taken: () => readonly Area[] = () => [];
+  /** How far the gizmo stands from the point that it moves. */
+  place_of_gizmo: GizmoPlace = { dx: 0, dy: 0, way: null };
+  private laid: readonly Handle[] = [];
+  private laid_for = "";
+  private laid_beside: readonly Area[] = [];
   private gesture: Gesture | null = null;
   private pressed: { at: Point; button: number; time_ms: number } | null = null;
   private readonly touches = new Map<number, Point>();
@@ -67,11 +77,48 @@ export class Pointer {
   }
 
   /** The handles of the held mesh, at their present places in the picture. */
-  handles(): Handle[] {
+  handles(): readonly Handle[] {
     const { hand, store, stage } = this.wb;
     const { pose, center } = hand;
     if (!pose || !center || hand.isLocked || !store.has_hand.peek()) return [];
-    return layGizmo(center, pose, store.settings.peek().frame, stage.camera);
+    const { camera } = stage;
+    const isDragged = this.gesture?.kind === "tool";
+    const { position, up, width, height, isParallel, target } = camera;
+    const { frame } = store.settings.peek();
+    const key = [...pose, ...position, ...target, ...up, width, height, isParallel, frame, isDragged].join();
+    // Asked for by the painter, the labels and the pointer: laid out once.
+    if (key !== this.laid_for || this.taken() !== this.laid_beside) {
+      this.laid_for = key;
+      this.laid_beside = this.taken();
+      this.laid = this.layHandles(pose, center, isDragged);
+    }
+    return this.laid;
+  }
+
+  private layHandles(pose: Pose, center: Vec3, isDragged: boolean): readonly Handle[] {
+    const { store, stage } = this.wb;
+    const { camera } = stage;
+    const tool = pointsOf(stage.heldCorners(pose), camera);
+    if (!isDragged && tool.length > 0 && !isInPicture(areaOf(tool), camera.width, camera.height)) return [];
+    const handles = layGizmo(center, pose, store.settings.peek().frame, camera);
+    const middle = handles[0]?.line[0];
+    if (!middle) return [];
+    // What is dragged goes with the hand, wherever that is.
+    if (!isDragged)
+      this.place_of_gizmo = placeGizmo(middle, hullOf(tool), camera, this.taken(), this.place_of_gizmo.way);
+    return shifted(handles, this.place_of_gizmo.dx, this.place_of_gizmo.dy);
+  }
+
+  /** Where the tool lies in the picture, if it is out of it; null: it is in sight, or the hand is empty. */
+  outOfSight(): Point | null {
+    const { hand, store, stage } = this.wb;
+    const { pose, center } = hand;
+    if (!pose || !center || !store.has_hand.peek() || !store.manifest.peek()) return null;
+    const { camera } = stage;
+    if (isInPicture(areaOf(pointsOf(stage.heldCorners(pose), camera)), camera.width, camera.height)) return null;
+    const { x, y, isAhead } = camera.project(center);
+    // Behind the eye: the shorter turn is to the other side.
+    return isAhead ? { x, y } : { x: camera.width - x, y: camera.height - y };
   }
 
   /** The arrows of the cuts, as they lie in the picture now. */
@@ -84,7 +131,7 @@ export class Pointer {
 
   /** The pick under the pointer, at most once a frame and only while the view rests. */
   frame(): void {
-    if (!this.is_hover_due || this.gesture || !this.at) return;
+    if (!this.is_hover_due || this.gesture || !this.at || this.wb.stage.camera.isGliding) return;
     this.is_hover_due = false;
     const { store, stage } = this.wb;
     const picked = stage.pick(this.at.x, this.at.y);
@@ -95,6 +142,7 @@ export class Pointer {
   private down(event: PointerEvent): void {
     const { wb } = this;
     const at = this.place(event);
+    this.wb.stage.camera.finish();
     this.canvas.focus({ preventScroll: true });
     wb.store.menu.value = null;
     if (wb.store.typed.peek()) {
@@ -129,12 +177,15 @@ export class Pointer {
     if (!pose || !center || hand.isLocked) return null;
     if (this.handle) {
       const { kind, direction } = this.handle;
+      const { dx, dy } = this.place_of_gizmo;
+      // As if the gizmo were where it moves the tool.
+      const from = { x: at.x - dx, y: at.y - dy };
       return {
         kind: "tool",
         drag: { kind, start: pose, center, direction },
         source: "gizmo",
-        from: at,
-        to: at,
+        from,
+        to: from,
         last: at,
       };
     }
@@ -287,9 +338,7 @@ export class Pointer {
     const at = this.place(event);
     const picked = this.wb.stage.pick(at.x, at.y);
     if (!picked || this.wb.store.measuring.peek()) return;
-    const { camera } = this.wb.stage;
-    camera.translate(subtract(picked.point, camera.target));
-    this.wb.redraw();
+    this.wb.look((camera) => camera.translate(subtract(picked.point, camera.target)));
   }
 
   private turnWheel(event: WheelEvent): void {
@@ -325,7 +374,7 @@ export class Pointer {
     if (!other || !before) return;
     const { camera } = this.wb.stage;
     const spread = (a: Point): number => Math.max(Math.hypot(a.x - other.x, a.y - other.y), 1);
-    camera.pan((at.x - before.x) / 2, (at.y - before.y) / 2, distance(camera.position, camera.target));
+    camera.pan((at.x - before.x) / 2, (at.y - before.y) / 2, camera.reach);
     camera.dolly(spread(before) / spread(at), this.wb.pointAt((at.x + other.x) / 2, (at.y + other.y) / 2));
     this.wb.redraw();
   }

@@ -29,10 +29,10 @@ export type Selection = readonly (number | string)[] | number | string;
 
 /** What a command answers. `id`: of what it added. `pose`: of the hand. */
 export interface CommandAnswer {
-  readonly id: number;
-  readonly pose: Pose;
-  readonly undo_depth: number;
-  readonly redo_depth: number;
+  readonly id?: number;
+  readonly pose?: Pose;
+  readonly undo_depth?: number;
+  readonly redo_depth?: number;
 }
 
 export type Unit = "mm" | "cm" | "m" | "in";
@@ -44,6 +44,10 @@ export type UpAxis = "x" | "y" | "z";
 export type MeasureType = "point" | "edge" | "angle" | "parts";
 
 export type Material = "steel" | "aluminium" | "plastic" | "rubber";
+
+export type CardQuestion = "removal" | "order" | "access" | "swept";
+
+export type CardState = "waiting" | "running" | "done" | "failed" | "cancelled";
 
 export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
 
@@ -136,13 +140,19 @@ export interface Measure {
   readonly is_exact: boolean;
 }
 
-/** A camera pose. */
-export interface Camera {
+/** Where a camera is, and what it looks at. */
+export interface CameraPlace {
   readonly position: Vec3;
   readonly target: Vec3;
   readonly up: Vec3;
   /** Vertical field of view. */
   readonly fov_rad: number;
+}
+
+/** A camera. */
+export interface Camera extends CameraPlace {
+  /** Parallel projection, as high at the target as the perspective view; absent: perspective. */
+  readonly is_parallel?: boolean;
 }
 
 /** A stored camera. */
@@ -185,6 +195,39 @@ export interface Findings {
   readonly is_touching_hidden: boolean;
 }
 
+/** A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest. */
+export interface Card {
+  readonly id: number;
+  readonly question: CardQuestion;
+  /** Empty: all fasteners. */
+  readonly parts: readonly number[];
+  /** Parts left out for this question. */
+  readonly without: readonly number[];
+  /** Tool, grip, swing_deg, clearance, seconds, as far as given. */
+  readonly options: Readonly<Record<string, unknown>>;
+  readonly title: string;
+  /** The mock-up that it is about: what is out of it, or moved. */
+  readonly setting: string;
+  readonly state: CardState;
+  /** 0 to 1. */
+  readonly share: number;
+  readonly stage: string;
+  /** The answer; empty before it. */
+  readonly sentence: string;
+  /** Whether the answer is what one hopes for; null before it, and if it is neither. */
+  readonly is_good: boolean | null;
+  /** Parts were moved since it was asked. */
+  readonly is_stale: boolean;
+}
+
+/** A way of parts: poses of their motion in the world, the first the identity. */
+export interface GivenWay {
+  readonly parts: readonly number[];
+  readonly poses: readonly Pose[];
+  /** Metres; null: nothing near, or not known. */
+  readonly clearance: number | null;
+}
+
 /** The state that a page shows and that commands may change; a reload restores it. */
 export interface Document {
   readonly mockup: MockupFacts | null;
@@ -222,6 +265,7 @@ export interface Document {
   readonly measures: readonly Measure[];
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
+  readonly cards: readonly Card[];
   readonly material: Material | null;
 }
 
@@ -298,73 +342,6 @@ export interface NearestPoints {
   readonly tool_point: Vec3;
   readonly mockup_point: Vec3;
   readonly part: number;
-}
-
-/** The first visible hit of a ray. */
-export interface RayHit {
-  readonly distance: number;
-  readonly point: Vec3;
-  readonly normal: Vec3;
-  readonly part: number;
-  /** Of the mock-up; -1: the fill of a section. */
-  readonly triangle: number;
-}
-
-/** The same, with the point snapped to a near corner or edge. */
-export interface Snapped extends RayHit {
-  readonly type: "vertex" | "edge" | "face";
-  /** Of the triangle, at its present place. */
-  readonly corners: [Vec3, Vec3, Vec3];
-}
-
-/** The value of a measure. */
-export interface Measured {
-  readonly type: MeasureType;
-  readonly points: readonly Vec3[];
-  readonly value: number;
-  readonly unit: "m" | "rad";
-  readonly is_exact: boolean;
-  readonly parts: readonly number[];
-}
-
-/** Facts about a part. */
-export interface PartFacts {
-  readonly part: number;
-  readonly name: string;
-  readonly path: string;
-  readonly triangles: number;
-  /** Null: the part has no triangle that can be queried. */
-  readonly lower: Vec3 | null;
-  readonly upper: Vec3 | null;
-  readonly state: "gripped" | "moved" | "in place" | "left out";
-  readonly is_hidden: boolean;
-}
-
-/** The cuts of the mock-up by planes. */
-export interface Outline {
-  readonly count: number;
-  /** Base64 of little-endian float32 `(count, 2, 3)`: metres, world. */
-  readonly segments: string;
-  /** Base64 of little-endian uint32 `(count,)`. */
-  readonly parts: string;
-}
-
-/** A file to fetch: `GET /exports/NAME`. */
-export interface Written {
-  readonly name: string;
-  readonly bytes: number;
-}
-
-/** One HTML file with the mock-up inside. */
-export interface WrittenPage extends Written {
-  /** Triangles that did not fit. */
-  readonly left_out: number;
-}
-
-/** The result of a replay. */
-export interface Replayed {
-  readonly is_same: boolean;
-  readonly verdict: string;
 }
 
 /** An error, its place and a remedy; "where" and "do" may be empty. */
@@ -638,6 +615,139 @@ export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted
 
 export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal;
 
+/** The first visible hit of a ray. */
+export interface RayHit {
+  readonly distance: number;
+  readonly point: Vec3;
+  readonly normal: Vec3;
+  readonly part: number;
+  /** Of the mock-up; -1: the fill of a section. */
+  readonly triangle: number;
+}
+
+/** The same, with the point snapped to a near corner or edge. */
+export interface Snapped extends RayHit {
+  readonly type: "vertex" | "edge" | "face";
+  /** Of the triangle, at its present place. */
+  readonly corners: [Vec3, Vec3, Vec3];
+}
+
+/** The value of a measure. */
+export interface Measured {
+  readonly type: MeasureType;
+  readonly points: readonly Vec3[];
+  readonly value: number;
+  readonly unit: "m" | "rad";
+  readonly is_exact: boolean;
+  readonly parts: readonly number[];
+}
+
+/** Facts about a part. */
+export interface PartFacts {
+  readonly part: number;
+  readonly name: string;
+  readonly path: string;
+  readonly triangles: number;
+  /** Null: the part has no triangle that can be queried. */
+  readonly lower: Vec3 | null;
+  readonly upper: Vec3 | null;
+  readonly state: "gripped" | "moved" | "in place" | "left out";
+  readonly is_hidden: boolean;
+}
+
+/** The cuts of the mock-up by planes. */
+export interface Outline {
+  readonly count: number;
+  /** Base64 of little-endian float32 `(count, 2, 3)`: metres, world. */
+  readonly segments: string;
+  /** Base64 of little-endian uint32 `(count,)`. */
+  readonly parts: string;
+}
+
+/** A file to fetch: `GET /exports/NAME`. */
+export interface Written {
+  readonly name: string;
+  readonly bytes: number;
+}
+
+/** One HTML file with the mock-up inside. */
+export interface WrittenPage extends Written {
+  /** Triangles that did not fit. */
+  readonly left_out: number;
+}
+
+/** The result of a replay. */
+export interface Replayed {
+  readonly is_same: boolean;
+  readonly verdict: string;
+}
+
+/** The nearest neighbour at one pose of a way, without parts in contact since the start. */
+export interface Gap {
+  /** Of the length of the way, 0 to 1. */
+  readonly share: number;
+  /** Metres; null: none within the distance looked at. */
+  readonly gap: number | null;
+  readonly part: number | null;
+  /** On the part, world. */
+  readonly point: Vec3 | null;
+}
+
+/** A way that was found, with what it passes. */
+export interface WayFacts extends GivenWay {
+  readonly legs: readonly string[];
+  /** The travel of the middle of the parts, metres. */
+  readonly length: number;
+  /** Radians in total. */
+  readonly rotation: number;
+  /** At some poses of it, in order: between them the gap may be smaller, but never below `clearance`. */
+  readonly gaps: readonly Gap[];
+}
+
+/** A part that stops others. */
+export interface BlockerFacts {
+  readonly part: number;
+  /** How many attempts it stopped; 0 for one that holds them by proof. */
+  readonly attempts: number;
+  /** No path exists while it stays. */
+  readonly is_proof: boolean;
+  /** The motion of the moving parts where it stopped the best attempt. */
+  readonly pose: Pose;
+}
+
+/** Whether a tool reaches a fastener. */
+export interface ReachFacts {
+  readonly part: number | null;
+  readonly name: string;
+  readonly kind: string;
+  readonly is_reachable: boolean;
+  readonly swing_deg: number;
+  readonly because: string;
+  /** world_from_tool of the tool in its seat, in the middle of the swing. */
+  readonly pose: Pose;
+  /** The way in; empty: none was found. */
+  readonly way: readonly Pose[];
+  readonly point: Vec3;
+  /** Out of the joint. */
+  readonly axis: Vec3;
+  /** The path of the tool's far end over its free swing; empty without one. */
+  readonly fan: readonly Vec3[];
+  readonly blockers: readonly number[];
+}
+
+/** The whole answer of a card. */
+export interface CardAnswer {
+  readonly id: number;
+  /** One after the other; for an order, the last one is of the parts asked for. */
+  readonly ways: readonly WayFacts[];
+  readonly blockers: readonly BlockerFacts[];
+  readonly reaches: readonly ReachFacts[];
+  /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
+  readonly room: HeldManifest | null;
+  /** What else is to be said: a name and a figure. */
+  readonly facts: readonly [string, string][];
+}
+
 /** The arguments of commands. */
 export interface Commands {
   /** Hides parts; they still collide. */
@@ -678,7 +788,7 @@ export interface Commands {
   readonly release: Record<string, never>;
   /** Puts parts back into their places. */
   readonly put_back: { readonly parts: Selection };
-  /** Takes another tool, or none; where it would collide, it starts above the mock-up. */
+  /** Takes another tool, or none; where it would collide, it starts beside the mock-up. */
   readonly take_tool: { readonly name: string | null };
   /** Adds a measure of points, parts or triangles. */
   readonly measure_add: {
@@ -719,6 +829,27 @@ export interface Commands {
   readonly accept_revision: Record<string, never>;
   /** Hides or shows findings that only touch. */
   readonly finding_filter: { readonly is_touching_hidden: boolean };
+  /** Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need. */
+  readonly ask: {
+    readonly question: CardQuestion;
+    readonly parts?: Selection;
+    readonly without?: Selection;
+    readonly tool?: string;
+    readonly grip?: string;
+    readonly swing_deg?: number;
+    readonly clearance?: number;
+    readonly seconds?: number;
+  };
+  /** Asks the question of a card again, of the mock-up as it is now. */
+  readonly card_again: { readonly id: number };
+  /** Gives up a question that is not answered yet. */
+  readonly card_cancel: { readonly id: number };
+  /** Removes a card, with its answer. */
+  readonly card_remove: { readonly id: number };
+  /** Takes parts out along the ways of a card, and adds them to the sequence. */
+  readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
+  /** Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found. */
+  readonly seat: { readonly pose: Pose };
   readonly undo: Record<string, never>;
   readonly redo: Record<string, never>;
 }
@@ -744,6 +875,8 @@ export interface Questions {
   };
   /** Facts about a part. */
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
+  /** The whole answer of a card. */
+  readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
 }
 
 /** The arguments of jobs, and their results. */

@@ -68,6 +68,12 @@ export function include(box: Box, p: Vec3): void {
   }
 }
 
+/** The box that holds both. */
+export const union = (a: Box, b: Box): Box => ({
+  lower: [Math.min(a.lower[0], b.lower[0]), Math.min(a.lower[1], b.lower[1]), Math.min(a.lower[2], b.lower[2])],
+  upper: [Math.max(a.upper[0], b.upper[0]), Math.max(a.upper[1], b.upper[1]), Math.max(a.upper[2], b.upper[2])],
+});
+
 /** The eight corners of `box`. */
 export function corners(box: Box): Vec3[] {
   const found: Vec3[] = [];

@@ -80,6 +80,11 @@ export class Hand {
     return this.current ?? this.solid;
   }
 
+  /** Where the engine has the tool; null before it told. */
+  get tool(): Pose | null {
+    return this.solid;
+  }
+
   /** The pivot in the world, at the hand's pose. */
   get center(): Vec3 | null {
     const pose = this.pose;

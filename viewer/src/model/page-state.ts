@@ -12,8 +12,8 @@ export interface Notice {
 }
 
 /** The panels on the right. */
-export type Panel = "pose" | "sections" | "measures" | "sequence" | "findings";
-export const PANELS: readonly Panel[] = ["pose", "sections", "measures", "sequence", "findings"];
+export type Panel = "pose" | "ask" | "sections" | "measures" | "sequence" | "findings";
+export const PANELS: readonly Panel[] = ["pose", "ask", "sections", "measures", "sequence", "findings"];
 
 /** The cover of the page. */
 export type Dialog = "palette" | "help" | "settings" | null;

@@ -14,6 +14,10 @@ export interface Settings {
   readonly step_m: number;
   readonly step_rad: number;
   readonly is_snapping: boolean;
+  /** Parallel projection instead of perspective. */
+  readonly is_parallel: boolean;
+  /** The view glides to where commands send it; never where the system asks for reduced motion. */
+  readonly has_glide: boolean;
   readonly frame: Exclude<Frame, "view">;
   readonly volume: number;
   readonly is_muted: boolean;
@@ -36,6 +40,8 @@ export const DEFAULTS: Settings = {
   step_m: 1e-3,
   step_rad: (5 * Math.PI) / 180,
   is_snapping: false,
+  is_parallel: false,
+  has_glide: true,
   frame: "world",
   volume: 0.6,
   is_muted: false,

@@ -1,9 +1,10 @@
 // The page's data as signals: the server's document, the newest state, and the page's own state.
 
 import { computed, signal } from "@preact/signals";
-import type { Document, Manifest, MeasureType, State } from "../link/protocol";
+import type { CardAnswer, Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
+import type { Film } from "./film";
 import type { FindingOrder } from "./findings";
 import type { Connection, ContextMenu, Dialog, Notice, Panel } from "./page-state";
 import { PartTree } from "./part-tree";
@@ -45,6 +46,15 @@ export interface SectionDraft {
   readonly offset: number;
 }
 
+/** What the picture shows of a way: its path, the nearest neighbour on it, and the free swing of a tool. World. */
+export interface WayMarks {
+  readonly path: readonly Vec3[];
+  readonly gap: { readonly point: Vec3; readonly value: number; readonly part: number } | null;
+  readonly fan: { readonly centre: Vec3; readonly rim: readonly Vec3[]; readonly isGood: boolean } | null;
+}
+
+export const NO_WAY: WayMarks = { path: [], gap: null, fan: null };
+
 export class Store {
   readonly document = signal<Document | null>(null);
   /** The newest state, and only in frames that draw it: panels that show figures follow `shown_state`. */
@@ -79,6 +89,14 @@ export class Store {
   /** Which findings are shown and stepped through, and in which order. */
   readonly finding_query = signal("");
   readonly finding_order = signal<FindingOrder>("depth");
+  /** The card whose answer is open. */
+  readonly card = signal<number | null>(null);
+  /** The answers that were fetched, by card. */
+  readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
+  readonly film = signal<Film | null>(null);
+  /** The fastener at which the tool is seated. */
+  readonly reach = signal<CardAnswer["reaches"][number] | null>(null);
+  readonly way_marks = signal<WayMarks>(NO_WAY);
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
   /** The text of the live region. */
@@ -86,6 +104,8 @@ export class Store {
   /** A headset is there. */
   readonly is_xr_there = signal(false);
   readonly is_system_dark = signal(true);
+  /** The system asks for reduced motion. */
+  readonly is_motion_reduced = signal(false);
 
   /** The parts that were left out of the scene: nobody sees them. */
   readonly absent = computed(() => {

@@ -1,8 +1,9 @@
 // From the kept layer to a whole picture: highlights, and everything drawn over the mock-up.
 
-import type { PerspectiveCamera, WebGLRenderer, WebGLRenderTarget } from "three";
+import type { WebGLRenderer, WebGLRenderTarget } from "three";
 import type { Average } from "./average";
 import { copyPicture } from "./copy";
+import type { Eye } from "./eye";
 import { JITTER, type Kept } from "./kept";
 import type { Over } from "./over";
 import { define, ScreenPass } from "./screen";
@@ -13,11 +14,11 @@ export class Composer {
   /** The highlights must be tinted anew. */
   isLitNew = true;
   readonly #renderer: WebGLRenderer;
-  readonly #eye: PerspectiveCamera;
+  readonly #eye: Eye;
   readonly #over: Over;
   readonly #tint: ScreenPass;
 
-  constructor(renderer: WebGLRenderer, uniforms: SharedUniforms, eye: PerspectiveCamera, over: Over) {
+  constructor(renderer: WebGLRenderer, uniforms: SharedUniforms, eye: Eye, over: Over) {
     this.#renderer = renderer;
     this.#eye = eye;
     this.#over = over;
@@ -39,6 +40,7 @@ export class Composer {
       this.#tint.draw(renderer, lit);
     }
     this.isLitNew = false;
+    this.#over.prepare(renderer, this.#eye, width, height);
     // First the clear: a browser that has shown the canvas clears its colour as well, at the first clear or draw after.
     renderer.setRenderTarget(target);
     renderer.clear(false, true, false);

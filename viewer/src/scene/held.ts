@@ -3,8 +3,9 @@
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
 import type { HeldManifest } from "../link/protocol";
 import { isSame } from "../math/same";
-import { type Box, corners, emptyBox, include, transform, type Vec3 } from "../math/vectors";
+import { type Box, corners, emptyBox, include, subtract, transform, type Vec3 } from "../math/vectors";
 import { geometryOf, type PieceArrays, readPiece, standingMesh, writeCorners } from "./chunks";
+import type { FieldMesh } from "./heat-field";
 import { define } from "./screen";
 import { heldFragment, heldVertex } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
@@ -113,6 +114,24 @@ export class Held {
     this.#wish = nextWish;
     this.#placeBoth();
     return true;
+  }
+
+  /** The meshes for the heat map's field, and their box, in the frame of the pieces; null for an empty hand. */
+  fieldMesh(): { pieces: FieldMesh[]; lower: Vec3; upper: Vec3 } | null {
+    return this.#manifest && { pieces: this.#pieces.map(({ arrays }) => arrays), ...this.pieceBox() };
+  }
+
+  /** The box of the mesh in the frame of the pieces; empty for an empty hand. */
+  pieceBox(): Box {
+    const manifest = this.#manifest;
+    if (!manifest) return emptyBox();
+    const { lower, middle, upper } = manifest;
+    return { lower: subtract(lower, middle), upper: subtract(upper, middle) };
+  }
+
+  /** The corners of the mesh's box at a pose, world metres; none for an empty hand. */
+  boxCorners(pose: ArrayLike<number>): Vec3[] {
+    return this.#manifest ? corners(this.#manifest).map((corner) => transform(pose, corner)) : [];
   }
 
   /** The box of the solid, world metres. */

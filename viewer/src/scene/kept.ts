@@ -15,7 +15,6 @@ import {
   NormalBlending,
   OneFactor,
   OneMinusSrcAlphaFactor,
-  type PerspectiveCamera,
   RawShaderMaterial,
   RedIntegerFormat,
   RGBAFormat,
@@ -29,6 +28,7 @@ import {
   WebGLRenderTarget,
 } from "three";
 import type { Piece } from "./chunks";
+import type { Eye } from "./eye";
 import { define, ScreenPass } from "./screen";
 import { pieceFragment, pieceVertex, resolveFragment } from "./shaders";
 import type { Colours } from "./theme";
@@ -150,6 +150,7 @@ export class Kept {
         depthLine: uniforms.depthLine,
         drawn: { value: new Vector2() },
         focal: { value: 1 },
+        parallel: uniforms.parallel,
         share: { value: 1 },
         above: { value: new Vector3() },
         below: { value: new Vector3() },
@@ -236,7 +237,7 @@ export class Kept {
   }
 
   /** Draws missing pieces, at most `budget` triangles but at least a piece, and resolves. Returns the triangles drawn. */
-  draw(eye: PerspectiveCamera, budget: number): number {
+  draw(eye: Eye, budget: number): number {
     const batch = take(this.#missing, budget);
     const before = this.triangles;
     this.#drawPieces(eye, this.#raw, batch);
@@ -250,7 +251,7 @@ export class Kept {
   }
 
   /** A part of a redraw aside, at most `budget` triangles but at least a piece. True once a redraw was averaged in. */
-  refine(eye: PerspectiveCamera, budget: number): boolean {
+  refine(eye: Eye, budget: number): boolean {
     const [x, y] = JITTER[this.samples] as [number, number];
     const [width, height] = [this.width, this.height];
     eye.setViewOffset(width, height, x, y, width, height);
@@ -300,7 +301,7 @@ export class Kept {
     gl.clearBufferfv(gl.DEPTH, 0, [renderer.capabilities.reversedDepthBuffer ? 0 : 1]);
   }
 
-  #drawPieces(eye: PerspectiveCamera, target: WebGLRenderTarget, pieces: Piece[]): void {
+  #drawPieces(eye: Eye, target: WebGLRenderTarget, pieces: Piece[]): void {
     if (pieces.length === 0) return;
     const renderer = this.#renderer;
     // An array, not add(): three would look for each mesh in the list of its siblings.
@@ -310,7 +311,7 @@ export class Kept {
     for (const piece of pieces) this.triangles += piece.triangles;
   }
 
-  #drawGhosts(eye: PerspectiveCamera, target: WebGLRenderTarget, budget: number): void {
+  #drawGhosts(eye: Eye, target: WebGLRenderTarget, budget: number): void {
     const ghosts = take([...this.#ghosts], budget);
     if (ghosts.length === 0) return;
     const renderer = this.#renderer;

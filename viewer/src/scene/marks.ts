@@ -23,8 +23,20 @@ export interface Marks {
   /** (c, 7): distance, point on the tool 3, point on the mock-up 3. One text a row. */
   clearances: { rows: Float32Array; texts: string[] } | null;
   distance: { from: Vec3; to: Vec3; text: string } | null;
+  /** What is touched, at a point of the contact. */
+  touches: { at: Vec3; text: string }[];
+  /** From the tool to the hand that contact holds back. */
+  band: { from: Vec3; to: Vec3; text: string } | null;
+  /** What is being typed, at the hand. */
+  typed: { at: Vec3; text: string } | null;
   measures: MeasureMark[];
   snap: { point: Vec3; type: "vertex" | "edge" | "face" } | null;
+  /** A way: its path, where it is tightest now, and the free swing of a tool about a fastener. */
+  way: {
+    path: Vec3[];
+    gap: { point: Vec3; text: string } | null;
+    fan: { centre: Vec3; rim: Vec3[]; isGood: boolean } | null;
+  } | null;
 }
 
 export const NO_MARKS: Marks = {
@@ -32,8 +44,12 @@ export const NO_MARKS: Marks = {
   force: null,
   clearances: null,
   distance: null,
+  touches: [],
+  band: null,
+  typed: null,
   measures: [],
   snap: null,
+  way: null,
 };
 
 // Orange for contacts, blue for near parts, yellow for measures: distinct without seeing red.
@@ -41,6 +57,8 @@ const HIT: Tint = [1.0, 0.58, 0.12, 0.95];
 const NEAR: Tint = [0.33, 0.66, 1.0, 0.95];
 const MEASURE: Tint = [0.98, 0.86, 0.35, 0.95];
 const CHOSEN: Tint = [1.0, 1.0, 1.0, 1.0];
+const WAY: Tint = [0.25, 0.85, 0.8, 0.9];
+const SWING: Tint = [0.45, 0.85, 0.4, 0.9];
 const SNAP: Tint = [1.0, 1.0, 1.0, 0.95];
 
 // Sizes in CSS pixels: marks are as large from afar as from near.
@@ -52,6 +70,9 @@ const SNAP_RADIUS = 7;
 // An arrow of this force is half of the longest: the eye tells 1 N from 5 N, and 50 N still fits.
 const HALF_FORCE_N = 8;
 const ARC_STEPS = 24;
+const DASH = 12;
+const MOST_DASHES = 80;
+const BAND_SHARES = [0.5, 0.25, 0.75, 0.1, 0.9, 0, 1];
 
 /** The length of a force's arrow, CSS pixels: grows with the force, and never beyond the longest. */
 export function arrowLength(force: number): number {
@@ -98,7 +119,7 @@ export class MarkLayer {
 
   /** Builds the strokes for the camera: sizes in pixels become metres at each mark's depth. */
   build(camera: CameraRig): void {
-    const { planes, force, clearances, distance: nearest, measures, snap } = this.#marks;
+    const { planes, force, clearances, distance: nearest, touches, band, typed, measures, snap, way } = this.#marks;
     this.#lines.clear();
     this.#discs.clear();
     this.anchors = [];
@@ -107,7 +128,7 @@ export class MarkLayer {
     if (clearances) {
       for (let row = 0; row < clearances.texts.length; row++) {
         const [from, to] = [vec(clearances.rows, 7 * row + 1), vec(clearances.rows, 7 * row + 4)];
-        this.#addSpan(from, to, NEAR, 1.4, clearances.texts[row] as string, `clearance ${row}`, "near", 1);
+        this.#addSpan(from, to, NEAR, 1.4, clearances.texts[row] as string, `clearance ${row}`, "near", 2 - row / 100);
       }
     }
     if (nearest) this.#addSpan(nearest.from, nearest.to, NEAR, 2.2, nearest.text, "distance", "near", 3);
@@ -117,7 +138,13 @@ export class MarkLayer {
       this.#lines.addArrow(force.at, tip, HEAD * pixel(force.at), HIT, 3);
       this.anchors.push({ key: "force", point: tip, text: force.text, kind: "hit", rank: 4 });
     }
+    touches.forEach(({ at, text }, k) => {
+      this.anchors.push({ key: `touch ${k}`, point: at, text, kind: "hit", rank: 5 });
+    });
+    if (band) this.#addBand(band, camera, pixel);
+    if (typed) this.anchors.push({ key: "typed", point: typed.at, text: typed.text, kind: "hand", rank: 8 });
     for (const measure of measures) this.#addMeasure(measure, pixel);
+    if (way) this.#addWay(way, pixel);
     if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
     this.#lines.commit();
     this.#discs.commit();
@@ -163,6 +190,30 @@ export class MarkLayer {
     this.anchors.push({ key, point: scale(add(from, to), 0.5), text, kind, rank });
   }
 
+  /** A dashed band, taut in its middle. */
+  #addBand(
+    { from, to, text }: { from: Vec3; to: Vec3; text: string },
+    camera: CameraRig,
+    pixel: (at: Vec3) => number,
+  ): void {
+    const middle = scale(add(from, to), 0.5);
+    const dashes = Math.max(1, Math.min(MOST_DASHES, Math.round(distance(from, to) / pixel(middle) / DASH)));
+    const at = (share: number) => add(scale(from, 1 - share), scale(to, share));
+    const width = (share: number) => 4.5 - 3 * Math.sin(Math.PI * share);
+    for (let k = 0; k < dashes; k++) {
+      const [start, end] = [k / dashes, (k + 0.55) / dashes];
+      this.#lines.add(at(start), at(end), HIT, width(start), width(end));
+    }
+    for (const end of [from, to]) this.#lines.add(end, end, HIT, 9);
+    // Its figure is told as long as some of it is in the picture.
+    const isSeen = (point: Vec3) => {
+      const { x, y, isAhead } = camera.project(point);
+      return isAhead && x > 0 && y > 0 && x < camera.width && y < camera.height;
+    };
+    const point = BAND_SHARES.map(at).find(isSeen) ?? middle;
+    this.anchors.push({ key: "band", point, text, kind: "hit", rank: 6 });
+  }
+
   #addMeasure(measure: MeasureMark, pixel: (at: Vec3) => number): void {
     const tint = measure.isSelected ? CHOSEN : MEASURE;
     const { points } = measure;
@@ -182,6 +233,20 @@ export class MarkLayer {
     const rank = measure.isSelected ? 5 : 2;
     if (points.length > 0)
       this.anchors.push({ key: `measure ${measure.id}`, point: label, text: measure.text, kind: "measure", rank });
+  }
+
+  #addWay({ path, gap, fan }: NonNullable<Marks["way"]>, pixel: (at: Vec3) => number): void {
+    for (let k = 1; k < path.length; k++) this.#lines.add(path[k - 1] as Vec3, path[k] as Vec3, WAY, 2);
+    const [before, end] = [path.at(-2), path.at(-1)];
+    if (before && end && distance(before, end) > 0) this.#lines.addArrow(before, end, HEAD * pixel(end), WAY, 2);
+    if (gap) {
+      this.#lines.add(gap.point, gap.point, NEAR, 7);
+      this.anchors.push({ key: "way gap", point: gap.point, text: gap.text, kind: "near", rank: 5 });
+    }
+    if (!fan) return;
+    const tint = fan.isGood ? SWING : HIT;
+    for (let k = 1; k < fan.rim.length; k++) this.#lines.add(fan.rim[k - 1] as Vec3, fan.rim[k] as Vec3, tint, 3);
+    for (const end of [fan.rim[0], fan.rim.at(-1)]) if (end) this.#lines.add(fan.centre, end, tint, 1.5);
   }
 
   /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */

@@ -1,11 +1,12 @@
 // The drawn mock-up: its pieces, the states and places of its parts, the planes that cut it.
 
-import type { Material, PerspectiveCamera } from "three";
+import type { Material } from "three";
 import type { Manifest } from "../link/protocol";
 import { type Box, emptyBox, include, isEmpty, type Vec3 } from "../math/vectors";
 import { eyePlanes } from "./aim";
 import { type Piece, Pieces } from "./chunks";
 import { isCutAway, mayBeSeen } from "./culling";
+import type { Eye } from "./eye";
 import { PartTable } from "./parts";
 import { clipBox, type SectionPlane } from "./sections";
 import type { SharedUniforms } from "./uniforms";
@@ -75,12 +76,12 @@ export class Model {
   }
 
   /** Whether some of the piece may be in the picture of `eye`. */
-  isSeen(piece: Piece, eye: PerspectiveCamera): boolean {
+  isSeen(piece: Piece, eye: Eye): boolean {
     return this.#isWithin(piece, eyePlanes(eye, this.middle));
   }
 
   /** The pieces with surfaces and with ghosts, in their order: all, or those that may be in the picture of `eye`. */
-  pieces(eye: PerspectiveCamera | null): { solid: Piece[]; ghosts: Piece[] } {
+  pieces(eye: Eye | null): { solid: Piece[]; ghosts: Piece[] } {
     const table = this.#table;
     if (!this.#pieces || !table) return { solid: [], ghosts: [] };
     this.uniforms.states.value = table.statesTexture;

@@ -1,12 +1,16 @@
 // Everything drawn over the mock-up: lines of sections, the hand, colliding triangles, marks with their labels, and the
 // drawings of other modules.
 
-import { type Group, type PerspectiveCamera, Scene, type WebGLRenderer } from "three";
+import { type Group, Scene, type WebGLRenderer } from "three";
 import { isSame } from "../math/same";
+import type { Vec3 } from "../math/vectors";
 import type { CameraRig } from "./camera";
+import type { Eye } from "./eye";
+import { Heat } from "./heat";
 import { Held } from "./held";
+import { HeldLayer } from "./held-layer";
 import { Hits } from "./hits";
-import { LabelLayer } from "./labels";
+import { LabelLayer, type Taken } from "./labels";
 import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import type { Model } from "./model";
 import { SectionLines } from "./sections";
@@ -16,7 +20,12 @@ const NONE = new Uint32Array(0);
 
 export class Over {
   readonly held: Held;
+  /** A swept volume, drawn as a ghost. */
+  readonly room: Held;
+  readonly heat: Heat;
   readonly #hits: Hits;
+  readonly #heldLayer: HeldLayer;
+  #middle: Vec3 = [0, 0, 0];
   readonly #scene = new Scene();
   readonly #labels: LabelLayer | null;
   #marks: MarkLayer;
@@ -32,7 +41,10 @@ export class Over {
     labels: HTMLElement | null,
   ) {
     this.held = new Held(uniforms);
+    this.room = new Held(uniforms);
+    this.heat = new Heat(uniforms);
     this.#hits = new Hits(uniforms);
+    this.#heldLayer = new HeldLayer(uniforms);
     this.#marks = new MarkLayer(uniforms, [0, 0, 0]);
     this.#lines = new SectionLines(uniforms, [0, 0, 0]);
     this.#labels = labels ? new LabelLayer(labels) : null;
@@ -41,6 +53,7 @@ export class Over {
 
   /** The scene's origin lies elsewhere: in the middle of another mock-up. */
   setOrigin({ middle }: Model): void {
+    this.#middle = middle;
     this.group.position.set(-middle[0], -middle[1], -middle[2]);
     this.#marks.dispose();
     this.#marks = new MarkLayer(this.uniforms, middle);
@@ -49,10 +62,12 @@ export class Over {
     this.#lines = new SectionLines(this.uniforms, middle);
     this.#lines.setOutlines(this.#outlines);
     this.held.setOrigin(middle);
+    this.room.setOrigin(middle);
   }
 
   setSections({ sections, bounds }: Model): void {
-    for (const room of [this.held, this.#hits, this.#marks]) room.setSections(sections.length);
+    for (const room of [this.held, this.room, this.heat, this.#heldLayer, this.#hits, this.#marks])
+      room.setSections(sections.length);
     this.#lines.setPlanes(sections, bounds);
   }
 
@@ -92,24 +107,42 @@ export class Over {
   }
 
   /** Puts the figures to their marks. */
-  label(camera: CameraRig): void {
-    this.#labels?.update(this.#marks.anchors, camera);
+  label(camera: CameraRig, taken: Taken): void {
+    this.#labels?.update(this.#marks.anchors, camera, taken);
   }
 
-  draw(renderer: WebGLRenderer, eye: PerspectiveCamera): void {
+  /** What is drawn aside, for a picture of that size: before `draw`, and before the picture itself. */
+  prepare(renderer: WebGLRenderer, eye: Eye, width: number, height: number): void {
+    if (!this.held.isEmpty) this.#heldLayer.prepare(renderer, this.held, eye, this.#middle, width, height);
+  }
+
+  draw(renderer: WebGLRenderer, eye: Eye): void {
+    if (this.uniforms.hasKept.value && !this.held.isEmpty) this.heat.draw(renderer, this.held, eye);
     if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
-    if (!this.held.isEmpty) renderer.render(this.held.scene, eye);
+    this.#drawHeld(renderer, eye);
     if (!this.#hits.isEmpty) {
       this.#hits.held.place(this.held.matrix);
       renderer.render(this.#hits.scene, eye);
     }
     if (this.held.isGhostShown) renderer.render(this.held.ghostScene, eye);
+    if (!this.room.isEmpty) renderer.render(this.room.ghostScene, eye);
     if (!this.#marks.isEmpty) renderer.render(this.#marks.scene, eye);
     if (this.group.visible && this.group.children.length > 0) renderer.render(this.#scene, eye);
   }
 
+  /** In a headset there is no kept layer: the mesh alone. */
+  #drawHeld(renderer: WebGLRenderer, eye: Eye): void {
+    if (this.held.isEmpty) return;
+    if (!this.uniforms.hasKept.value) {
+      renderer.render(this.held.scene, eye);
+      return;
+    }
+    this.#heldLayer.draw(renderer, this.held, eye);
+  }
+
   dispose(): void {
     this.#labels?.dispose();
-    for (const room of [this.held, this.#hits, this.#marks, this.#lines]) room.dispose();
+    for (const room of [this.held, this.room, this.heat, this.#heldLayer, this.#hits, this.#marks, this.#lines])
+      room.dispose();
   }
 }

@@ -25,11 +25,11 @@ import {
 import { paletteTexture } from "./palette";
 
 /** The bits of a part's state. `away`: in the hand, or taken out of the mock-up. */
-export const PartState = { hidden: 1, ghost: 2, near: 4, hit: 8, selected: 16, away: 32 } as const;
+export const PartState = { hidden: 1, ghost: 2, hit: 8, selected: 16, away: 32 } as const;
 
 const PLACED = 64;
 const HIDES = PartState.hidden | PartState.away;
-const LIT = PartState.near | PartState.hit | PartState.selected;
+const LIT = PartState.hit | PartState.selected;
 // State changes that need a redraw; the others only tint.
 const SHAPE = HIDES | PartState.ghost;
 // The widths that the shaders know.

@@ -4,7 +4,6 @@ import {
   DepthTexture,
   FloatType,
   NearestFilter,
-  type PerspectiveCamera,
   type RawShaderMaterial,
   RGBAIntegerFormat,
   type Scene,
@@ -12,6 +11,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
+import type { Eye } from "./eye";
 import { define, ScreenPass } from "./screen";
 import { probeFragment } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
@@ -56,7 +56,7 @@ export class Probe {
     y: number,
     width: number,
     height: number,
-    eye: PerspectiveCamera,
+    eye: Eye,
     held: Scene | null,
     material: RawShaderMaterial,
   ): Probed | null {

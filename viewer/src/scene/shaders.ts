@@ -7,6 +7,7 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
+precision highp sampler3D;
 `;
 
 // A part's state and place, by its id. The widths are those of parts.ts.
@@ -36,7 +37,11 @@ vec3 calm(uint part) {
 
 // The light: a sky, a key light above the left shoulder, a weak fill from the right. The normal faces the eye.
 const LIGHT = /* glsl */ `
+#define LIT
 uniform vec3 sky;
+uniform float parallel;
+// The unit vector to the eye.
+vec3 towards(vec3 view) { return parallel > 0.0 ? vec3(0.0, 0.0, 1.0) : -normalize(view); }
 vec3 normalOf(vec3 view) {
   vec3 n = cross(dFdx(view), dFdy(view));
   float size = dot(n, n);
@@ -45,7 +50,7 @@ vec3 normalOf(vec3 view) {
 vec3 lit(vec3 colour, vec3 n, vec3 view) {
   vec3 key = vec3(-0.45, 0.60, 0.66);
   float shade = 0.52 + 0.16 * dot(n, sky) + 0.50 * max(dot(n, key), 0.0) + 0.22 * max(dot(n, vec3(0.75, -0.15, 0.64)), 0.0);
-  vec3 halfway = normalize(key - normalize(view));
+  vec3 halfway = normalize(key + towards(view));
   return colour * shade + 0.12 * pow(max(dot(n, halfway), 0.0), 24.0);
 }
 `;
@@ -97,8 +102,15 @@ const CUT = /* glsl */ `
 #if SECTIONS > 0
 uniform vec4 cutPlanes[SECTIONS];
 uniform vec3 cameraPosition;
+uniform vec4 viewPlanes[SECTIONS];
 bool isCut(vec3 p) {
   for (int i = 0; i < SECTIONS; i++) if (dot(cutPlanes[i].xyz, p) < cutPlanes[i].w) return true;
+  return false;
+}
+// Whether the rays begin in a part cut away. Parallel ones begin beyond everything.
+bool isEyeCut() {
+  if (parallel <= 0.0) return isCut(cameraPosition);
+  for (int i = 0; i < SECTIONS; i++) if (viewPlanes[i].z < -1e-5) return true;
   return false;
 }
 #endif
@@ -124,27 +136,31 @@ const float FILL_PIXELS = 0.125;
 #endif
 void main() {
   uint id = vPart + 1u;
+  // Before pixels are left out: a slope needs its neighbours.
+  vec3 n = normalOf(vView);
 #if SECTIONS > 0
+  float slope = fwidth(gl_FragCoord.z);
   if (isCut(vWorld)) discard;
 #endif
-  vec3 n = normalOf(vView);
 #ifdef GHOST
-  float edge = 1.0 - abs(dot(n, normalize(vView)));
+  float edge = 1.0 - abs(dot(n, towards(vView)));
   float alpha = 0.035 + 0.30 * edge * edge * edge;
   outColour = vec4(vec3(0.62, 0.70, 0.80) * alpha, alpha);
 #else
   outColour = vec4(lit(vColour, n, vView), 1.0);
   #if SECTIONS > 0
-  float slope = fwidth(gl_FragCoord.z);
   gl_FragDepth = gl_FragCoord.z;
   // The eye is in the part cut away: a back face is then the inside of something solid.
-  if (!gl_FrontFacing && isCut(cameraPosition)) {
+  if (!gl_FrontFacing && isEyeCut()) {
     uint h = hashOf(vPart + 1u);
     float across = (h & 1u) != 0u ? gl_FragCoord.x + gl_FragCoord.y : gl_FragCoord.x - gl_FragCoord.y;
     float line = smoothstep(1.4, 0.6, abs(mod(across, 9.0) - 4.5));
-    outColour.rgb = mix(mix(vColour, vec3(0.95, 0.90, 0.78), 0.40), vec3(0.20, 0.19, 0.18), 0.50 * line);
+    // Of the part's colour: paper and ink of it.
+    outColour.rgb = mix(mix(vColour, vec3(1.0), 0.18), 0.42 * vColour, 0.62 * line);
     id |= 0x80000000u;
-    gl_FragDepth += FILL_NEARER * (gl_FragCoord.z + depthLine.y / depthLine.x) + sign(depthLine.x) * FILL_PIXELS * slope;
+    float toEye = parallel > 0.0 ? -1.0 : 1.0;
+    float share = parallel > 0.0 ? -parallel / depthLine.x : gl_FragCoord.z + depthLine.y / depthLine.x;
+    gl_FragDepth += FILL_NEARER * share + toEye * sign(depthLine.x) * FILL_PIXELS * slope;
   }
   #endif
 #endif
@@ -157,10 +173,18 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
+// A box in space, for a pass over its pixels.
+export const boxVertex = `${PRECISION}/* glsl */
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+in vec3 position;
+void main() { gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0)); }
+`;
+
 // Makes the kept picture from the raw one: edges between parts and at creases, over the background.
 //
 // A stored depth is affine in 1 / distance, and 1 / distance is affine over the pixels of a plane: its second difference
-// is zero but at a crease, where it is the change of slope.
+// is zero but at a crease, where it is the change of slope. In parallel projection the distance itself is.
 export const resolveFragment = `${PRECISION}/* glsl */
 uniform sampler2D rawColour;
 uniform usampler2D rawId;
@@ -168,6 +192,7 @@ uniform sampler2D rawDepth;
 uniform vec2 depthLine;
 uniform vec2 drawn;
 uniform float focal;
+uniform float parallel;
 uniform float share;
 uniform vec3 above;
 uniform vec3 below;
@@ -195,7 +220,7 @@ void main() {
     ivec2 west = ivec2(max(p.x - 1, 0), p.y), south = ivec2(p.x, max(p.y - 1, 0));
     float w = nearness(p);
     float bend = max(abs(nearness(east) + nearness(west) - 2.0 * w), abs(nearness(north) + nearness(south) - 2.0 * w));
-    edge = 0.45 * smoothstep(0.45, 1.6, bend / w * focal);
+    edge = 0.45 * smoothstep(0.45, 1.6, bend / (parallel > 0.0 ? 1.0 : w) * focal);
   }
 #endif
   // On a dark part a dark line is not seen: there it is lighter than the part.
@@ -206,7 +231,7 @@ void main() {
 
 // The kept picture at the size of the screen, with its lit parts. They are tinted here, by their ids, so that lighting one redraws
 // nothing of the mock-up. A rim around selected parts is visible on any colour, and on a bolt of a few pixels; parts that
-// are hit or near change from frame to frame and have none, as looking for it takes time.
+// are hit change from frame to frame and have none, as looking for it takes time.
 export const tintFragment = `${PRECISION}/* glsl */
 uniform sampler2D kept;
 uniform vec2 keptScale;
@@ -217,11 +242,11 @@ uniform float pixelRatio;
 layout(location = 0) out vec4 outColour;
 const float RIM_PIXELS = 1.5;
 uint idAt(ivec2 p) { return texelFetch(keptId, p, 0).r & 0x7fffffffu; }
-// How a part is lit: the bits near, hit and selected.
+// How a part is lit: the bits hit and selected.
 uint litOf(uint id) {
   if (id == 0u) return 0u;
   uint part = id - 1u;
-  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 28u;
+  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 24u;
 }
 // Three places around the pixel see every edge.
 bool isAtRim(ivec2 p, uint id) {
@@ -243,9 +268,9 @@ void main() {
   if (state != 0u) {
     bool isHit = (state & 8u) != 0u, isSelected = (state & 16u) != 0u;
     float light = dot(colour, vec3(0.30, 0.59, 0.11));
-    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : isSelected ? vec3(1.0, 0.92, 0.55) : vec3(0.28, 0.60, 1.0);
-    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.66 : 0.74);
-    // A hatch besides the colour, so that hit and near differ without seeing red.
+    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : vec3(1.0, 0.92, 0.55);
+    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.44 : 0.74);
+    // A hatch besides the colour, so that hit and selected differ without seeing red.
     if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
     if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
   }
@@ -263,21 +288,32 @@ uniform vec2 depthLine;
 uniform vec2 fragmentOffset;
 uniform vec4 rayOf;
 uniform bool hasKept;
+#ifndef LIT
+uniform float parallel;
+#endif
 #if SECTIONS > 0
 uniform vec4 viewPlanes[SECTIONS];
 #endif
+float distanceOf(float stored) {
+  float line = depthLine.x * stored + depthLine.y;
+  return parallel > 0.0 ? line : 1.0 / max(line, 1e-30);
+}
 float keptDistance(out uint id) {
   vec2 at = gl_FragCoord.xy + fragmentOffset;
   ivec2 p = ivec2(at * keptScale);
-  float nearness = depthLine.x * texelFetch(keptDepth, p, 0).r + depthLine.y;
   id = texelFetch(keptId, p, 0).r;
-  float found = id == 0u ? 1e30 : 1.0 / max(nearness, 1e-30);
+  float found = id == 0u ? 1e30 : distanceOf(texelFetch(keptDepth, p, 0).r);
 #if SECTIONS > 0
   // A section's fill was drawn with the back face's depth; it appears where the ray enters the remaining solid.
   if ((id & 0x80000000u) != 0u) {
-    vec3 ray = vec3(at * rayOf.xy + rayOf.zw, -1.0);
-    found = 0.0;
-    for (int i = 0; i < SECTIONS; i++) if (viewPlanes[i].w > 0.0) found = max(found, viewPlanes[i].w / dot(viewPlanes[i].xyz, ray));
+    vec2 ray = at * rayOf.xy + rayOf.zw;
+    found = parallel > 0.0 ? -1e30 : 0.0;
+    for (int i = 0; i < SECTIONS; i++) {
+      vec4 plane = viewPlanes[i];
+      if (parallel > 0.0) {
+        if (plane.z < -1e-5) found = max(found, (plane.w - dot(plane.xy, ray)) / -plane.z);
+      } else if (plane.w > 0.0) found = max(found, plane.w / dot(plane.xyz, vec3(ray, -1.0)));
+    }
   }
 #endif
   return found;
@@ -286,8 +322,9 @@ float keptDistance(out uint id) {
 bool isBehindKept(float slack) {
   if (!hasKept) return false;
   uint id;
-  float mine = 1.0 / gl_FragCoord.w;
-  return mine > keptDistance(id) * (1.0 + slack);
+  float kept = keptDistance(id);
+  if (parallel > 0.0) return distanceOf(gl_FragCoord.z) > kept + slack * parallel;
+  return 1.0 / gl_FragCoord.w > kept * (1.0 + slack);
 }
 `;
 
@@ -327,31 +364,101 @@ layout(location = 0) out uvec4 outFound;
 layout(location = 0) out vec4 outColour;
 #endif
 void main() {
-  if (isBehindKept(0.0)) discard;
-#ifdef PROBE
-  outFound = uvec4(vPart + 1u, floatBitsToUint(-vView.z), 1u, 0u);
-#else
+  // Before pixels are left out: a slope needs its neighbours.
   vec3 n = normalOf(vView);
-  #ifdef GHOST
-  float edge = 1.0 - abs(dot(n, normalize(vView)));
+  bool isBehind = isBehindKept(0.0);
+#ifdef PROBE
+  if (isBehind) discard;
+  outFound = uvec4(vPart + 1u, floatBitsToUint(-vView.z), 1u, 0u);
+#elif defined(GHOST)
+  float edge = 1.0 - abs(dot(n, towards(vView)));
   float alpha = 0.10 + 0.45 * edge * edge;
-  outColour = vec4(vec3(0.55, 0.88, 0.83), alpha);
-  #else
+  outColour = vec4(vec3(0.55, 0.88, 0.83), isBehind ? 0.45 * alpha : alpha);
+#else
+  if (isBehind) discard;
   outColour = vec4(lit(vColour, n, vView), 1.0);
-  #endif
 #endif
+}
+`;
+
+// The held mesh, drawn aside, put over the kept picture: with an outline and creases; what the mock-up hides, faintly.
+export const heldOverFragment = `${PRECISION}${KEPT}/* glsl */
+uniform sampler2D heldColour;
+uniform sampler2D heldDepth;
+uniform float pixelRatio;
+layout(location = 0) out vec4 outColour;
+float coverAt(ivec2 p) { return texelFetch(heldColour, p, 0).a; }
+float lineAt(ivec2 p) { return depthLine.x * texelFetch(heldDepth, p, 0).r + depthLine.y; }
+void main() {
+  ivec2 p = ivec2(gl_FragCoord.xy);
+  ivec2 last = textureSize(heldColour, 0) - 1;
+  int rim = max(1, int(pixelRatio + 0.5));
+  ivec2 around[4] = ivec2[4](ivec2(min(p.x + rim, last.x), p.y), ivec2(max(p.x - rim, 0), p.y),
+    ivec2(p.x, min(p.y + rim, last.y)), ivec2(p.x, max(p.y - rim, 0)));
+  ivec2 at = p;
+  bool isRim = coverAt(p) == 0.0;
+  if (isRim) {
+    int found = -1;
+    for (int k = 0; k < 4; k++) if (found < 0 && coverAt(around[k]) > 0.0) found = k;
+    if (found < 0) discard;
+    at = around[found];
+  }
+  float stored = texelFetch(heldDepth, at, 0).r;
+  float mine = distanceOf(stored);
+  uint id;
+  float kept = hasKept ? keptDistance(id) : 1e30;
+  bool isBehind = mine > kept;
+  float crease = isRim ? 1.0 : 0.0;
+  if (!isRim) {
+    float w = lineAt(p);
+    vec2 bend = abs(vec2(lineAt(p + ivec2(1, 0)) + lineAt(p - ivec2(1, 0)), lineAt(p + ivec2(0, 1)) + lineAt(p - ivec2(0, 1))) - 2.0 * w);
+    crease = 0.45 * smoothstep(0.45, 1.6, max(bend.x, bend.y) / (parallel > 0.0 ? 1.0 : w) / rayOf.x);
+  }
+  vec3 colour = texelFetch(heldColour, at, 0).rgb;
+  if (isBehind) outColour = vec4(mix(colour, vec3(0.62, 1.0, 0.94), isRim ? 1.0 : 0.35), isRim ? 0.80 : 0.20 + 0.5 * crease);
+  else outColour = vec4(mix(colour, vec3(0.01, 0.09, 0.09), crease), 1.0);
+  gl_FragDepth = stored;
+}
+`;
+
+// Surfaces of the kept picture near the held mesh, by their distance to it: orange at contact, blue at the reach, a line
+// each quarter of it.
+export const heatFragment = `${PRECISION}${KEPT}/* glsl */
+uniform sampler3D field;
+uniform mat4 fieldFromView;
+uniform vec3 fieldEdge;
+uniform float fieldScale;
+uniform float heatReach;
+layout(location = 0) out vec4 outColour;
+void main() {
+  uint id;
+  float far = keptDistance(id);
+  vec2 ray = (gl_FragCoord.xy + fragmentOffset) * rayOf.xy + rayOf.zw;
+  vec3 view = vec3(parallel > 0.0 ? ray : ray * far, -far);
+  vec3 at = (fieldFromView * vec4(view, 1.0)).xyz;
+  float share = texture(field, clamp(at, fieldEdge, 1.0 - fieldEdge)).r * fieldScale / heatReach;
+  float quarter = 4.0 * share;
+  float slope = fwidth(quarter);
+  if (id == 0u || any(lessThan(at, fieldEdge)) || any(greaterThan(at, 1.0 - fieldEdge)) || share >= 1.0) discard;
+  vec3 colour = share < 0.5 ? mix(vec3(1.0, 0.46, 0.06), vec3(1.0, 0.86, 0.36), 2.0 * share)
+    : mix(vec3(1.0, 0.86, 0.36), vec3(0.24, 0.58, 1.0), 2.0 * share - 1.0);
+  float line = slope < 0.4 ? 1.0 - smoothstep(0.6, 1.4, abs(fract(quarter + 0.5) - 0.5) / max(slope, 1e-5)) : 0.0;
+  if (quarter < 0.5) line = 0.0;
+  outColour = vec4(mix(colour, 0.35 * colour, 0.6 * line), mix(0.74, 0.30, share) + 0.2 * line);
 }
 `;
 
 // Colliding triangles, of the mock-up or of the held mesh: solid where visible, faint where covered.
 export const hitVertex = `${PRECISION}/* glsl */
+uniform float parallel;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 in vec3 position;
 void main() {
   vec4 view = modelViewMatrix * vec4(position, 1.0);
   // A little towards the eye along the ray: the same pixel, before the surface that the triangle is part of.
-  gl_Position = projectionMatrix * vec4(view.xyz * 0.9999, 1.0);
+  vec3 nearer = parallel > 0.0 ? view.xyz + vec3(0.0, 0.0, 1e-4 * parallel) : view.xyz * 0.9999;
+  gl_Position = projectionMatrix * vec4(nearer, 1.0);
 }
 `;
 

@@ -3,17 +3,21 @@
 // A frame redraws the mock-up only when the camera, a part or a section changed; else it shows the kept layer and draws
 // moving objects over it. While nothing changes, the edges are smoothed, a little each frame.
 
-import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
+import { Group, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
+import { IDENTITY } from "../math/matrix";
 import { isSame } from "../math/same";
-import { add, type Box, dot, isEmpty, scale, type Vec3 } from "../math/vectors";
+import { add, type Box, dot, isEmpty, scale, union, type Vec3 } from "../math/vectors";
 import { aim } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
 import type { Piece } from "./chunks";
 import { Composer } from "./composer";
 import { DeviceWork } from "./devicework";
+import { Eye } from "./eye";
+import { heatField } from "./heat-field";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
+import { NOTHING_TAKEN, type Taken } from "./labels";
 import type { Marks } from "./marks";
 import { Model } from "./model";
 import { Over } from "./over";
@@ -79,7 +83,7 @@ export class Stage {
   readonly camera = new CameraRig();
   /** For WebXR: the session goes here, and `eye` is its camera, in `rig`, which stands in world coordinates less the middle. */
   readonly renderer: WebGLRenderer;
-  readonly eye = new PerspectiveCamera();
+  readonly eye = new Eye();
   readonly rig = new Group();
   /** Shapes that other modules draw over the picture (the gizmo): children in world coordinates. */
   readonly overlay = new Group();
@@ -94,6 +98,11 @@ export class Stage {
     isShown: false,
     isPictured: false,
   };
+
+  /** Called when a frame is due that nobody asked for. */
+  onStale: (() => void) | null = null;
+  /** What the figures keep clear of. */
+  taken: () => Taken = () => NOTHING_TAKEN;
 
   readonly #uniforms = sharedUniforms();
   readonly #materials: PieceMaterials;
@@ -112,6 +121,7 @@ export class Stage {
   readonly #restored: (() => void)[] = [];
   readonly #resizes: ResizeObserver;
 
+  #held: object | null = null;
   #theme: Theme = "dark";
   #isLost = false;
   #isPictured = false;
@@ -200,8 +210,20 @@ export class Stage {
 
   /** The held mesh: its pieces one after the other in `piece`; null for an empty hand. */
   setHeld(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
+    this.#held = held;
     this.#over.held.set(held);
+    this.#over.heat.setField(null);
+    // Not in the frame in which the mesh comes: the field may take a tenth of a second.
+    if (held) setTimeout(() => this.#makeField(held));
     this.#over.setHits({ held: new Uint32Array(0) }, this.#model);
+    this.#touch();
+  }
+
+  /** A swept volume in the world's frame, drawn as a ghost; null: none. */
+  setRoom(room: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
+    if (!room && this.#over.room.isEmpty) return;
+    this.#over.room.set(room);
+    this.#over.room.setPose([...IDENTITY], [...IDENTITY]);
     this.#touch();
   }
 
@@ -259,11 +281,19 @@ export class Stage {
     this.#colour();
   }
 
-  /** The box of all visible geometry, without hidden and cut-away parts: for `camera.fit` and `camera.view`. World metres. */
+  /** The box of all visible geometry with the held mesh, without hidden and cut-away parts. World metres. */
   visibleBox(): Box {
-    const box = this.#model.visibleBox();
-    const held = this.#over.held.box();
-    return isEmpty(box) && !isEmpty(held) ? held : box;
+    return union(this.#model.visibleBox(), this.#over.held.box());
+  }
+
+  /** The box of the held mesh, world metres; empty for an empty hand. */
+  heldBox(): Box {
+    return this.#over.held.box();
+  }
+
+  /** The corners of the held mesh's box at a pose, world metres; none for an empty hand. */
+  heldCorners(pose: ArrayLike<number>): Vec3[] {
+    return this.#over.held.boxCorners(pose);
   }
 
   /** The box of `part` at its present place, world metres; empty for an unknown part. */
@@ -305,6 +335,7 @@ export class Stage {
     this.stats = stats;
     if (this.#isLost) return stats;
     this.renderer.info.reset();
+    let isGliding = false;
     if (this.renderer.xr.isPresenting) {
       this.#drawDirect();
       // Once the headset is left, its camera is not the page's.
@@ -313,6 +344,7 @@ export class Stage {
       stats.isKept = false;
     } else {
       this.#resize();
+      isGliding = this.camera.step(now);
       this.#takeCamera(now);
       const done = this.#work.poll();
       if (done) {
@@ -322,7 +354,7 @@ export class Stage {
       }
       this.#step(now, stats);
     }
-    stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
+    stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew && !isGliding;
     stats.isShown = stats.isWhole && this.#isShown;
     stats.isPictured = this.#isPictured;
     stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
@@ -334,6 +366,7 @@ export class Stage {
   /** The picture as the camera has it at `width` x `height` pixels, as a PNG; without figures and gizmo. */
   async shot(width: number, height: number): Promise<Blob> {
     if (this.#isLost) throw new Error("The graphics context is lost: ask again once it is back.");
+    this.camera.finish();
     this.#resize();
     const kept = new Kept(this.renderer, this.#uniforms, this.#materials);
     const average = new Average(this.renderer);
@@ -367,6 +400,18 @@ export class Stage {
     }
   }
 
+  /** The surfaces near the held mesh get colours of their distance to it. */
+  setHeat(isOn: boolean): void {
+    if (isOn === this.#over.heat.isOn) return;
+    this.#over.heat.isOn = isOn;
+    this.#touch();
+  }
+
+  /** How exact the heat map is, metres; null while none is shown. */
+  get heatAccuracy(): number | null {
+    return this.#over.heat.isOn ? this.#over.heat.accuracy : null;
+  }
+
   /** Calls `f` whenever a lost graphics context came back; the next frame draws everything anew. */
   onRestored(f: () => void): void {
     this.#restored.push(f);
@@ -381,6 +426,14 @@ export class Stage {
     this.#back.dispose();
     this.#materials.dispose();
     this.renderer.dispose();
+  }
+
+  #makeField(held: object): void {
+    const mesh = this.#held === held ? this.#over.held.fieldMesh() : null;
+    if (!mesh) return;
+    this.#over.heat.setField(heatField(mesh.pieces, mesh.lower, mesh.upper));
+    this.#touch();
+    this.onStale?.();
   }
 
   readonly #onLost = (event: Event): void => {
@@ -553,7 +606,7 @@ export class Stage {
     this.#isOverlayNew = false;
     this.#over.build(this.camera);
     this.#composer.compose(this.#kept, this.#lit, this.#isAnyLit, null);
-    this.#over.label(this.camera);
+    this.#over.label(this.camera, this.taken());
   }
 
   get #isAnyLit(): boolean {
@@ -568,6 +621,12 @@ export class Stage {
     this.rig.updateMatrixWorld();
     renderer.clear(true, true, false);
     this.#uniforms.hasKept.value = false;
+    if (eye.half !== null) {
+      // Eyes see in perspective, and planes behind them are not for a headset.
+      eye.half = null;
+      Object.assign(eye, this.camera.range(this.#model.bounds, renderer.capabilities.reversedDepthBuffer, false));
+      this.#uniforms.parallel.value = 0;
+    }
     this.#back.draw(renderer, target);
     const { solid, ghosts } = this.#model.pieces(null);
     this.#drawMeshes(solid, null);

@@ -20,7 +20,7 @@ export function sharedUniforms() {
     keptId: { value: null as Texture | null },
     /** Texels of the kept layer a pixel. */
     keptScale: { value: new Vector2(1, 1) },
-    /** 1 / distance = x * stored depth + y. */
+    /** x * stored depth + y is 1 / distance in perspective, the distance in parallel projection. */
     depthLine: { value: new Vector2(1, 0) },
     fragmentOffset: { value: new Vector2() },
     /** The direction of a pixel, view coordinates: (pixel * xy + zw, -1). */
@@ -30,6 +30,8 @@ export function sharedUniforms() {
     resolution: { value: new Vector2(1, 1) },
     pixelRatio: { value: 1 },
     nearest: { value: 0.001 },
+    /** 0: perspective; parallel projection: the distance of the target, to which slacks are relative. */
+    parallel: { value: 0 },
   } satisfies Record<string, IUniform>;
 }
 
@@ -44,11 +46,17 @@ export function setProjection(
   isReversed: boolean,
   width: number,
   height: number,
+  isParallel = false,
 ): void {
   const e = projection.elements;
   const [scale, offset] = [e[14] as number, e[10] as number];
+  if (isParallel) {
+    // clip z = offset * z + scale with z = -d: stored (reversed) = scale - offset * d; else 2 s - 1 is that.
+    if (isReversed) uniforms.depthLine.value.set(-1 / offset, scale / offset);
+    else uniforms.depthLine.value.set(-2 / offset, (scale + 1) / offset);
+  }
   // clip z = offset * z + scale, clip w = -z: stored (reversed, 0 to 1) = scale / d - offset.
-  if (isReversed) uniforms.depthLine.value.set(1 / scale, offset / scale);
+  else if (isReversed) uniforms.depthLine.value.set(1 / scale, offset / scale);
   // Stored 0 to 1 of -1 to 1: 2 s - 1 = scale / d - offset.
   else uniforms.depthLine.value.set(2 / scale, (offset - 1) / scale);
   inverse.copy(projection).invert();

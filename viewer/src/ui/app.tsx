@@ -5,6 +5,7 @@ import { hint } from "../actions/commands";
 import type { Workbench } from "../actions/workbench";
 import { PANELS, type Panel } from "../model/page-state";
 import { Bar } from "./bar";
+import { AskPanel } from "./cards";
 import { useWorkbench, WorkbenchContext } from "./context";
 import { Banner, Covers, Notices, RecordBar } from "./covers";
 import { CommandButton } from "./fields";
@@ -25,9 +26,15 @@ import { Tree } from "./tree";
 /** The elements that the page draws on: made before the components, which only place them. */
 export interface PictureElements {
   readonly canvas: HTMLCanvasElement;
-  readonly gizmo: HTMLCanvasElement;
   readonly labels: HTMLElement;
   readonly cuts: HTMLElement;
+  readonly gizmo: HTMLCanvasElement;
+  readonly tether: HTMLElement;
+  readonly arrow: HTMLButtonElement;
+  readonly cube: HTMLButtonElement;
+  readonly triad: HTMLCanvasElement;
+  readonly scale: HTMLElement;
+  readonly legend: HTMLElement;
 }
 
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
@@ -55,7 +62,8 @@ function Picture({ picture }: { picture: PictureElements }) {
   const wb = useWorkbench();
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    place.current?.append(picture.canvas, picture.labels, picture.cuts, picture.gizmo);
+    place.current?.append(picture.canvas, picture.labels, picture.cuts, picture.tether, picture.gizmo);
+    place.current?.append(picture.triad, picture.scale, picture.legend, picture.cube, picture.arrow);
     wb.redraw();
   }, []);
   const { store } = wb;
@@ -70,6 +78,10 @@ function Picture({ picture }: { picture: PictureElements }) {
         <CommandButton id="explode" icon="explode" pressed={(store.document.value?.explode ?? 0) > 0} />
         <CommandButton id="snapshot" icon="camera" />
       </div>
+      <div class="toolbar view-tools" role="toolbar" aria-label="Projection and home view">
+        <CommandButton id="home" icon="home" />
+        <CommandButton id="projection" icon="parallel" pressed={store.settings.value.is_parallel} />
+      </div>
       <Banner />
       <RecordBar />
       <Covers />
@@ -80,6 +92,7 @@ function Picture({ picture }: { picture: PictureElements }) {
 
 const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
   pose: { icon: "move", text: "Pose" },
+  ask: { icon: "help", text: "Ask" },
   sections: { icon: "section", text: "Sections" },
   measures: { icon: "measure", text: "Measures" },
   sequence: { icon: "list", text: "Sequence" },
@@ -88,6 +101,7 @@ const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
 
 const BODIES = {
   pose: PosePanel,
+  ask: AskPanel,
   sections: SectionPanel,
   measures: MeasurePanel,
   sequence: SequencePanel,

@@ -16,6 +16,8 @@ const PATHS = {
   sun: "M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8zM12 2v2M12 20v2M4.9 4.9l1.4 1.4M17.7 17.7l1.4 1.4M2 12h2M20 12h2M4.9 19.1l1.4-1.4M17.7 6.3l1.4-1.4",
   moon: "M20 14.5A8.5 8.5 0 1 1 9.5 4 7 7 0 0 0 20 14.5z",
   fit: "M3 9V4a1 1 0 0 1 1-1h5M15 3h5a1 1 0 0 1 1 1v5M21 15v5a1 1 0 0 1-1 1h-5M9 21H4a1 1 0 0 1-1-1v-5M9 9h6v6H9z",
+  home: "M3 11l9-8 9 8M5 9.5V20h5v-6h4v6h5V9.5",
+  parallel: "M4 8h11v11H4zM9 3h11v11M4 8l5-5M15 8l5-5M15 19l5-5",
   section: "M4 7l8-4 8 4v10l-8 4-8-4zM3 14.5l18-6",
   measure: "M3 16L16 3l5 5L8 21zM7 12l2 2M10 9l3 3M13 6l2 2",
   camera:
@@ -32,6 +34,8 @@ const PATHS = {
   up: "M12 19V5M6 11l6-6 6 6",
   down: "M12 5v14M6 13l6 6 6-6",
   play: "M7 4l13 8-13 8z",
+  pause: "M8 5v14M16 5v14",
+  check: "M5 12.5l4.5 4.5L19 7.5",
   download: "M12 3v12M7 11l5 5 5-5M4 20h16",
   close: "M6 6l12 12M18 6L6 18",
   sidebar: "M4 4h16v16H4zM9 4v16",

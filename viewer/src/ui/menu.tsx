@@ -7,6 +7,7 @@ import { addSection } from "../actions/sections";
 import { useWorkbench } from "./context";
 
 const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit"] as const;
+const ASK_ITEMS = ["ask-removal", "ask-order", "ask-access", "ask-swept"] as const;
 const EMPTY_ITEMS = ["fit", "show-all", "undo", "redo", "snapshot", "palette"] as const;
 
 export function ContextMenu() {
@@ -66,7 +67,7 @@ export function ContextMenu() {
           {store.selection.value.size > 1 ? `${store.selection.value.size} parts` : store.nameOf(menu.part)}
         </div>
       )}
-      {(menu.part >= 0 ? PART_ITEMS : EMPTY_ITEMS).map((id) => {
+      {(menu.part >= 0 ? [...PART_ITEMS, ...ASK_ITEMS] : EMPTY_ITEMS).map((id) => {
         const command = commandOf(id);
         const canRun = command.when?.(wb) ?? true;
         return (

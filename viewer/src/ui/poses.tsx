@@ -3,6 +3,7 @@
 import { anglesOf, fromAngles, type Pose, position } from "../math/matrix";
 import { angleFigure, formatAngle, formatForce, formatLength, lengthFigure } from "../math/units";
 import { length, type Vec3 } from "../math/vectors";
+import { touchedParts } from "../model/contact";
 import { MODES } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, Figure, IconButton } from "./fields";
@@ -224,6 +225,7 @@ function ContactReport() {
   const near: { part: number; distance: number }[] = [];
   for (const [k, part] of state.clearance_parts.entries()) near.push({ part, distance: state.clearance[7 * k] ?? 0 });
   const turn = Math.hypot(...state.torque);
+  const touched = touchedParts(state);
   return (
     <section>
       <h2>Contact now</h2>
@@ -238,11 +240,11 @@ function ContactReport() {
         <dd>{state.blocked ? heldBack(state.pose, state.wish, unit) : "no"}</dd>
       </dl>
       <ul class="part-list" aria-label="Touched parts">
-        {state.parts.map((part) => (
+        {touched.map((part) => (
           <PartLine key={part} part={part} kind="hit" text="touches" />
         ))}
         {near
-          .filter(({ part }) => !state.parts.includes(part))
+          .filter(({ part }) => !touched.includes(part))
           .map(({ part, distance }) => (
             <PartLine key={part} part={part} kind="near" text={formatLength(distance, unit)} />
           ))}

@@ -41,6 +41,26 @@ export function Preferences() {
         </label>
       </div>
       <div class="setting">
+        <h3>View</h3>
+        <Choice
+          label="Projection"
+          value={settings.is_parallel ? "parallel" : "perspective"}
+          options={[
+            { value: "perspective", text: "Perspective" },
+            { value: "parallel", text: "Parallel" },
+          ]}
+          choose={(projection) => store.set({ is_parallel: projection === "parallel" })}
+        />
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={settings.has_glide}
+            onChange={(event) => store.set({ has_glide: event.currentTarget.checked })}
+          />
+          The view glides to where a command sends it (never where the system asks for reduced motion)
+        </label>
+      </div>
+      <div class="setting">
         <h3>Unit and contact</h3>
         <Choice
           label="Unit"

@@ -2,6 +2,7 @@
 
 import { formatCount, formatForce, formatLength, formatShare } from "../math/units";
 import { length } from "../math/vectors";
+import { touchedParts } from "../model/contact";
 import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
@@ -68,7 +69,7 @@ function ContactFacts() {
         <>
           <span class="hit-count">
             <span class="swatch hit" aria-hidden="true" />
-            {touchedText(state.parts.map((part) => store.nameOf(part)))}
+            {touchedText(touchedParts(state).map((part) => store.nameOf(part)))}
           </span>
           {state.hit_count > 0 && (
             <span>{`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}</span>

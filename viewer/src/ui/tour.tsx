@@ -17,7 +17,7 @@ export const TOUR: readonly Step[] = [
   {
     at: "#picture",
     title: "Look around",
-    text: "Drag to turn the mock-up about the point under the pointer; the right button moves it, the wheel zooms to the pointer. F frames everything. The settings have the navigation of other programs.",
+    text: "Drag to turn the mock-up about the point under the pointer; the right button moves it, the wheel zooms to the pointer. F frames everything, and the cube in the corner turns the view to any side; O switches to parallel projection. The settings have the navigation of other programs.",
     keys: ["F", "1"],
   },
   {
@@ -41,7 +41,7 @@ export const TOUR: readonly Step[] = [
   {
     at: "#modes",
     title: "Feel the contact",
-    text: "Stop: the tool stops at the first contact, however fast you are. Glide: it slides along. Pass: it goes through and shows what it cuts. Orange parts touch, blue ones are near. Space switches to the next mode.",
+    text: "Stop: the tool stops at the first contact, however fast you are. Glide: it slides along. Pass: it goes through and shows what it cuts. Orange parts touch; surfaces within 20 mm are coloured by their distance. Space switches to the next mode.",
     keys: ["Space"],
   },
   {

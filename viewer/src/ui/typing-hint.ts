@@ -1,20 +1,29 @@
 // The hint in the status line while the tool is moved by keys, and while nothing is under the pointer.
 
 import type { Store } from "../model/store";
+import type { TypedMove } from "../model/typed-move";
 
 const AXES = ["X", "Y", "Z"] as const;
+
+/** "X 12.5 mm": what is typed, for the picture; empty while nothing is. */
+export function typedText(store: Store): string {
+  const move = store.typed.peek();
+  if (!move) return "";
+  const axis = move.axis === null ? "" : `${AXES[move.axis]} `;
+  return `${move.kind === "move" ? "Move" : "Turn"} ${axis}${figureOf(store, move) || "…"}`;
+}
+
+/** The typed figure with its unit; empty before any. */
+function figureOf(store: Store, move: TypedMove): string {
+  if (move.text === "") return "";
+  return /[a-z°"]/i.test(move.text) ? move.text : `${move.text} ${move.kind === "move" ? store.unit.peek() : "°"}`;
+}
 
 /** "Move along X (world): 12.5 mm"; empty while nothing is under way. */
 export function poseHint(store: Store): string {
   const move = store.typed.value;
   if (!move) return "";
-  const unit = move.kind === "move" ? store.unit.value : "°";
-  const figure =
-    move.text === ""
-      ? "type a number, or use the pointer"
-      : /[a-z°"]/i.test(move.text)
-        ? move.text
-        : `${move.text} ${unit}`;
+  const figure = figureOf(store, move) || "type a number, or use the pointer";
   const how = move.kind === "move" ? "along" : "about";
   const axis =
     move.axis === null

@@ -2,6 +2,7 @@
 
 import type { Measure, State } from "../link/protocol";
 import { formatAngle, formatLength, type Unit } from "../math/units";
+import { touchedParts } from "../model/contact";
 
 /** The most part names that are read out. */
 const MOST_NAMES = 3;
@@ -17,13 +18,14 @@ export function depthText(state: State, unit: Unit): string {
 }
 
 /** Whether the tool meets something, or is inside of it. */
-export const isTouching = (state: State): boolean => !state.is_free || state.parts.length > 0;
+export const isTouching = (state: State): boolean => !state.is_free || touchedParts(state).length > 0;
 
 /** "4 contacts, fuel pump, 1.2 mm deep"; "inside, 8 mm deep"; "free, 3 mm to bracket". */
 export function spokenState(state: State, unit: Unit, nameOf: (part: number) => string): string {
   const contacts = state.planes.length / 8 + state.contact_more;
-  const names = state.parts.slice(0, MOST_NAMES).map(nameOf);
-  const more = state.parts.length - names.length;
+  const touched = touchedParts(state);
+  const names = touched.slice(0, MOST_NAMES).map(nameOf);
+  const more = touched.length - names.length;
   if (more > 0) names.push(`${more} more`);
   if (isTouching(state) || contacts > 0) {
     const how = contacts > 0 ? counted(contacts, "contact") : names.length > 0 ? "touching" : "inside";
@@ -39,6 +41,14 @@ export function touchedText(names: readonly string[]): string {
   if (names.length === 0) return "inside";
   const more = names.length - MOST_NAMES;
   return `touches ${names.slice(0, MOST_NAMES).join(", ")}${more > 0 ? ` and ${more} more` : ""}`;
+}
+
+/** A name of at most `most` letters, cut in its middle: the ends tell names apart. */
+export function shortened(name: string, most: number): string {
+  const letters = [...name];
+  if (letters.length <= most) return name;
+  const head = Math.ceil((most - 1) / 2);
+  return `${letters.slice(0, head).join("")}…${letters.slice(letters.length - (most - 1 - head)).join("")}`;
 }
 
 /** A measure's figure. */

@@ -57,6 +57,8 @@ function inPage(f, argument) {
       stage.setHits(new Uint32Array(0), new Uint32Array(0));
       stage.setMarks(harness.NO_MARKS);
       stage.setTheme("dark");
+      stage.setHeat(false);
+      stage.camera.setParallel(false);
       stage.camera.view(1, { lower: [-1, -1, -1], upper: [1, 1, 1] }, "z");
       await harness.whole();
       const script = document.createElement("script");
@@ -169,8 +171,8 @@ scene("a frame in which only the tool moves draws the tool alone", async () => {
   );
   for (const frame of stats) {
     assert.equal(frame.isKept, true);
-    assert.equal(frame.triangles, 12);
-    assert.ok(frame.calls <= 2);
+    assert.equal(frame.triangles, 12 + 12, "and the box that it covers");
+    assert.ok(frame.calls <= 3);
   }
 });
 
@@ -182,7 +184,7 @@ scene("what is told again changes nothing: a picture that stands comes to rest",
         stage.setPose([...pose], [...pose]);
         stage.setHits(Uint32Array.of(12, 13), Uint32Array.of(1));
         stage.setMarks({ ...NO_MARKS, distance: { from: [0, -0.3, 0], to: [0.1, -0.3, 0], text: "100 mm" } });
-        stage.setPartStates(Uint8Array.of(0, 4, 0));
+        stage.setPartStates(Uint8Array.of(0, 8, 0));
         stage.setSections([{ normal: [0, 0, 1], offset: -0.9 }]);
         return stage.frame(performance.now()).drawn;
       };
@@ -258,14 +260,14 @@ scene("lit parts change colour without a redraw, and are told apart without red"
   const { frames, colours } = await inPage(async ({ stage, colour, PartState }) => {
     const frames = [];
     const colours = [];
-    for (const state of [0, PartState.hit, PartState.near, PartState.selected]) {
+    for (const state of [0, PartState.hit, PartState.selected]) {
       stage.setPartStates(Uint8Array.of(0, state, 0));
       frames.push(stage.frame(performance.now()).isKept);
       colours.push(await colour([0.21, -0.2, 0.22]));
     }
     return { frames, colours };
   });
-  assert.deepEqual(frames, [true, true, true, true]);
+  assert.deepEqual(frames, [true, true, true]);
   for (const [k, a] of colours.entries()) {
     for (const b of colours.slice(k + 1)) {
       assert.ok(Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) > 40, `${a} and ${b} are alike in green and blue`);
@@ -304,12 +306,112 @@ scene("a moved part is drawn and picked where it is", async () => {
   );
 });
 
+scene("a tool behind the mock-up shines through it, and is not picked there", async () => {
+  const { plain, behind, beside, hit } = await inPage(
+    async ({ stage, geometry, pick, colour }, { manifest, pose }) => {
+      const plain = await colour([-0.7, 0, 0.7]);
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      stage.setPose(pose, null);
+      return {
+        plain,
+        behind: await colour([-0.7, 0.5, 0.7]),
+        beside: await colour([-0.7, 0.5, -0.7]),
+        hit: pick([-0.7, 0.5, 0.7]),
+      };
+    },
+    { manifest: HELD.manifest, pose: AT(-0.75, 0.8, 0.75) },
+  );
+  // Of the tool's colour, and still of the wall's.
+  assert.ok(behind[1] - behind[0] > plain[1] - plain[0] + 8, `${behind} has nothing of the tool, nor has ${plain}`);
+  assert.ok(Math.abs(behind[1] - plain[1]) < 60, `${behind} is as if nothing were before it`);
+  assert.ok(Math.abs(beside[1] - plain[1]) < 12);
+  assert.equal(hit.held, false);
+});
+
+scene("surfaces near the tool are coloured by their distance, those farther off and others are not", async () => {
+  const { off, on, away } = await inPage(
+    async ({ stage, geometry, colours }, { manifest, pose }) => {
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      stage.setPose(pose, null);
+      await new Promise((resolve) => setTimeout(resolve, 50));
+      const places = [
+        [0, -0.2, 0.11],
+        [0, -0.2, 0.114],
+        [0, -0.2, 0.15],
+        [-0.7, 0.5, 0.7],
+      ];
+      const off = await colours(...places);
+      stage.setHeat(true);
+      const on = await colours(...places);
+      stage.setPose([...pose.slice(0, 7), -0.9, ...pose.slice(8)], null);
+      return { off, on, away: await colours(...places) };
+    },
+    { manifest: HELD.manifest, pose: AT(0, -0.302, 0) },
+  );
+  const changes = on.map((colour, k) => Math.max(...colour.map((value, c) => Math.abs(value - off[k][c]))));
+  assert.ok(Math.max(changes[0], changes[1]) > 12, `nothing is coloured: ${changes}`);
+  assert.ok(changes[2] <= 2 && changes[3] <= 2, `farther than 20 mm: ${changes}`);
+  away.forEach((colour, k) => {
+    if (k > 1) assert.ok(Math.abs(colour[1] - off[k][1]) <= 2, "the tool went away");
+  });
+});
+
+scene("in parallel projection the same is picked, filled and hidden, before the eye and behind it", async () => {
+  const found = await inPage(
+    async ({ stage, geometry, pick, colour, settled, whole }, { manifest, poses }) => {
+      const perspective = await colour([0.02, 0, 0.03]);
+      stage.camera.setParallel(true);
+      await whole();
+      const size = Math.abs(stage.camera.project([1, -0.9, 0]).x - stage.camera.project([0, -0.9, 0]).x);
+      const behind = Math.abs(stage.camera.project([1, 5, 0]).x - stage.camera.project([0, 5, 0]).x);
+      const parts = [pick([0, 0, 0]), pick([0.7, 0, 0]), pick([-0.7, 0, 0.7]), pick([1.4, 0, 0])];
+      // Nearer than the eye's own place: zoomed in, the eye would be inside of the block.
+      stage.camera.dolly(0.05, [0, 0, 0]);
+      const inside = pick([0.01, 0, 0.01]);
+      stage.camera.dolly(20, [0, 0, 0]);
+      stage.setSections([{ normal: [0, 1, 0], offset: 0 }]);
+      const cut = pick([0, 0, 0]);
+      const filled = await colour([0.02, 0, 0.03]);
+      stage.setSections([{ normal: [1, 0, 0], offset: 0 }]);
+      const across = pick([0.2, 0, 0.2]);
+      const half = pick([-0.2, 0, 0.2]);
+      stage.setSections([]);
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      const held = [];
+      for (const pose of poses) {
+        stage.setPose(pose, null);
+        held.push(pick([pose[3], 0, pose[11]]));
+      }
+      await settled();
+      return { perspective, size, behind, parts, inside, cut, filled, across, half, held };
+    },
+    { manifest: HELD.manifest, poses: [AT(0, -0.6, 0), AT(0, 0.8, 0)] },
+  );
+  assert.ok(Math.abs(found.size - found.behind) < 1e-6, "a metre is as long in every depth");
+  assert.deepEqual(
+    found.parts.map((hit) => hit?.part),
+    [1, 2, 0, undefined],
+  );
+  [-0.2, -0.1, 0.5].forEach((depth, k) => {
+    assert.ok(Math.abs(found.parts[k].point[1] - depth) < 1e-3, `${found.parts[k].point} is not at ${depth}`);
+  });
+  assert.equal(found.inside.part, 1);
+  assert.ok(Math.abs(found.inside.point[1] + 0.2) < 1e-3, "nothing before the target is cut off");
+  assert.ok(Math.abs(found.cut.point[1]) < 1e-3, `the fill is at ${found.cut.point}`);
+  assert.notDeepEqual(found.filled, found.perspective);
+  assert.equal(found.across.part, 1);
+  assert.ok(Math.abs(found.across.point[1] + 0.2) < 1e-3, "a plane along the view fills nothing");
+  assert.equal(found.half?.part, undefined, "cut away, with the wall behind it");
+  assert.equal(found.held[0].held, true);
+  assert.equal(found.held[1].held, false, "behind the block and the wall");
+});
+
 scene("figures lie over their marks", async () => {
   const found = await inPage(({ stage, NO_MARKS, at }) => {
     const line = { from: [0.2, -0.3, 0], to: [0.6, -0.3, 0], text: "400 mm" };
     stage.setMarks({ ...NO_MARKS, distance: line });
     stage.frame(performance.now());
-    const figure = document.querySelector("#labels span");
+    const figure = document.querySelector("#labels .mark");
     const box = figure.getBoundingClientRect();
     return { text: figure.textContent, x: box.x + box.width / 2, y: box.y + box.height / 2, at: at([0.4, -0.3, 0]) };
   });

@@ -15,9 +15,8 @@ import numpy as np
 
 from feeler.arguments import near
 from feeler.errors import LoadError, WorkbenchError
-from feeler.parts import Parts
 from feeler.poses import inverse
-from feeler.workbench.document import findings, motion
+from feeler.workbench.document import cards, findings, motion
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape, replaced, without
 from feeler.workbench.document.document import (
     MATERIALS,
@@ -33,10 +32,13 @@ from feeler.workbench.document.document import (
     Trip,
     Viewpoint,
 )
+from feeler.workbench.document.known import Known, Measured
 from feeler.workbench.document.motion import Row
 from feeler.workbench.document.protocol import (
     Camera,
+    CardQuestion,
     FindingStatus,
+    GivenWay,
     Material,
     MeasureType,
     Mode,
@@ -52,53 +54,18 @@ _GRID_M = 2.0**-10  # of the pose of a hand that holds only parts: subtracting i
 _MOST_SECTIONS = 6
 
 
-@dataclass(frozen=True)
-class Measured:
-    """The result of a measure; see `document.Measure`."""
-
-    type: str
-    points: tuple[tuple[float, float, float], ...]
-    value: float
-    unit: str
-    is_exact: bool
-    parts: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """The facts that commands need beside the document.
-
-    bounds: `(2, 3)` of the parts in the scene. tools: triangles by name, of the tools made so far. pose: of the hand.
-    tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
-    absent: parts that were excluded when the mock-up was opened.
-    """
-
-    parts: Parts
-    bounds: motion.Floats
-    tools: Mapping[str, int]
-    pose: Row = motion.HOME
-    tool_pose: Row = motion.HOME
-    trip: Trip | None = None
-    least_clearance: float | None = None
-    absent: frozenset[int] = frozenset()
-    measured: Measured | None = None
-
-    @property
-    def there(self) -> tuple[int, ...]:
-        """The parts that are in the scene."""
-        return tuple(part for part in range(len(self.parts)) if part not in self.absent)
-
-
 Change = Callable[[Document, Arguments, Known], Document]
 
 
 @dataclass(frozen=True)
 class Command:
-    """A change and its arguments. moves_hand: the document before it has the hand where it is."""
+    """A change and its arguments. moves_hand: the document before it has the hand where it is. is_of_cards: undo does
+    not revert it, and records leave it out."""
 
     change: Change
     arguments: Shape = field(default_factory=dict)
     moves_hand: bool = False
+    is_of_cards: bool = False
 
 
 def hide(document: Document, given: Arguments, known: Known) -> Document:
@@ -197,6 +164,13 @@ def place(document: Document, given: Arguments, known: Known) -> Document:
     return replace(document, pose=known.pose)
 
 
+def seat(document: Document, given: Arguments, known: Known) -> Document:
+    """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""
+    if document.tool is None or document.gripped:
+        raise WorkbenchError("the hand holds no tool alone", given.command, "take a tool, and release parts")
+    return replace(document, pose=given.pose("pose"))
+
+
 def grip(document: Document, given: Arguments, known: Known) -> Document:
     """Grips parts: they leave the scene and move with the hand, together with those that it holds already."""
     parts = tuple(part for part in given.parts("parts", known.parts) if part not in document.gripped)
@@ -243,7 +217,9 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
     trip = known.trip or Trip((known.pose,))
     first = motion.matrix(trip.way[0])
     boxes = {part: np.array([known.parts[part].lower, known.parts[part].upper]) for part in placed}
-    outside = tuple(part for part, at in placed.items() if _is_outside(boxes[part], motion.matrix(at), known.bounds))
+    outside = tuple(
+        part for part, at in placed.items() if motion.is_outside(boxes[part], motion.matrix(at), known.bounds)
+    )
     starts = {part: first @ motion.matrix(held) for part, held in document.gripped.items()}
     moves = max(
         motion.carried(starts[part], motion.matrix(at), motion.corners(boxes[part])) for part, at in placed.items()
@@ -295,7 +271,7 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def take_tool(document: Document, given: Arguments, known: Known) -> Document:
-    """Takes another tool, or none; where it would collide, it starts above the mock-up."""
+    """Takes another tool, or none; where it would collide, it starts beside the mock-up."""
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     if not given.has("name"):
@@ -329,7 +305,11 @@ def camera_of(given: Arguments) -> CameraView:
     """The argument "camera"."""
     inner = given.inner("camera", Camera)
     return CameraView(
-        inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
+        inner.point("position"),
+        inner.point("target"),
+        inner.unit("up"),
+        inner.number("fov_rad", 0.01, 3),
+        inner.has("is_parallel") and inner.flag("is_parallel"),
     )
 
 
@@ -413,6 +393,18 @@ def accept_revision(document: Document, given: Arguments, _known: Known) -> Docu
 MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
 """The objects of a measure; each type needs one of them."""
 
+ASKED: Shape = {
+    "question": CardQuestion,
+    "parts": Maybe(Selection),
+    "without": Maybe(Selection),
+    "tool": Maybe(str),
+    "grip": Maybe(str),
+    "swing_deg": Maybe(float),
+    "clearance": Maybe(float),
+    "seconds": Maybe(float),
+}
+"""A question of a card: which, of what, and how."""
+
 COMMANDS: dict[str, Command] = {
     "hide": Command(hide, {"parts": Selection}),
     "show": Command(show, {"parts": Selection}),
@@ -447,6 +439,14 @@ COMMANDS: dict[str, Command] = {
     "finding_status": Command(finding_status, {"id": str, "status": FindingStatus}),
     "accept_revision": Command(accept_revision),
     "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
+    "ask": Command(cards.ask, {**ASKED}, is_of_cards=True),
+    "card_again": Command(cards.card_again, {"id": int}, is_of_cards=True),
+    "card_cancel": Command(cards.card_cancel, {"id": int}, is_of_cards=True),
+    "card_remove": Command(cards.card_remove, {"id": int}, is_of_cards=True),
+    "way_take": Command(
+        cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True
+    ),
+    "seat": Command(seat, {"pose": Pose}, moves_hand=True),
 }
 STEPS = ("undo", "redo")
 """Commands that choose between documents instead of making one."""
@@ -476,11 +476,6 @@ def _less(parts: tuple[int, ...], fewer: tuple[int, ...]) -> tuple[int, ...]:
 
 def _sorted(places: dict[int, Row]) -> Mapping[int, Row]:
     return MappingProxyType(dict(sorted(places.items())))
-
-
-def _is_outside(box: motion.Floats, place: motion.Floats, bounds: motion.Floats) -> bool:
-    around = motion.corners(box) @ place[:3, :3].T + place[:3, 3]
-    return bool((around.max(axis=0) < bounds[0]).any() or (around.min(axis=0) > bounds[1]).any())
 
 
 def _measured(given: Arguments, known: Known) -> Measured:

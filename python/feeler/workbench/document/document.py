@@ -23,6 +23,10 @@ MATERIALS = ("steel", "aluminium", "plastic", "rubber")
 """Materials of parts, for their sounds."""
 
 
+World = tuple[tuple[tuple[int, Row], ...], tuple[int, ...]]
+"""Where the parts are: parts put down elsewhere, with their places, and parts in the hand."""
+
+
 @dataclass(frozen=True)
 class MockupFacts:
     """The open mock-up. triangles: of the parts in the scene; parts: all, so that every part's number is below it."""
@@ -122,12 +126,13 @@ class Measure:
 
 @dataclass(frozen=True)
 class CameraView:
-    """A camera: its position, target, up direction, and vertical field of view."""
+    """A camera: its position, target, up direction, vertical field of view, and projection."""
 
     position: Point
     target: Point
     up: Point
     fov_rad: float
+    is_parallel: bool = False
 
 
 @dataclass(frozen=True)
@@ -146,6 +151,30 @@ class Findings:
     groups: tuple[Mapping[str, Any], ...]
     status: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     is_touching_hidden: bool = True
+
+
+@dataclass(frozen=True)
+class Card:
+    """A question about parts, and its answer in a sentence.
+
+    without: parts left out for this question. options: tool, grip, swing_deg, clearance, seconds, as far as given.
+    setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
+    is_good: whether the answer is what one hopes for; None before it, and if it is neither.
+    """
+
+    id: int
+    question: str
+    parts: tuple[int, ...]
+    without: tuple[int, ...]
+    options: Mapping[str, Any]
+    title: str
+    setting: str
+    world: World
+    state: str = "waiting"
+    share: float = 0.0
+    stage: str = ""
+    sentence: str = ""
+    is_good: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -208,8 +237,15 @@ class Document:
     measures: tuple[Measure, ...] = ()
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None
+    cards: tuple[Card, ...] = ()
     material: str | None = None
     next_id: int = 1
+    next_card: int = 1
+
+    @property
+    def world(self) -> World:
+        """A key of the world: parts put down elsewhere, and parts absent from it."""
+        return (tuple(self.moved.items()), tuple(self.gripped))
 
     def with_id(self, **changes: Any) -> Document:
         """A changed document with `next_id` used up."""
@@ -221,8 +257,8 @@ class Document:
 
 
 # The fields that the page gets. Only commands need the others.
-_KEPT_BACK = {"isolation", "next_id", "trip"}
-_KEPT_BACK_OF = {Removal: {"starts"}, Measure: {"parts"}}
+_KEPT_BACK = {"isolation", "next_card", "next_id", "trip"}
+_KEPT_BACK_OF = {Card: {"world"}, Removal: {"starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 
 
@@ -232,12 +268,19 @@ def patch(before: Document, after: Document) -> dict[str, Any]:
 
 
 def _value(document: Document, name: str) -> Any:
-    return document.isolation is not None if name == "isolated" else getattr(document, name)
+    if name == "isolated":
+        return document.isolation is not None
+    if name == "cards":
+        world = document.world
+        return tuple((card, card.world != world) for card in document.cards)
+    return getattr(document, name)
 
 
 def _json_of(document: Document, name: str) -> Any:
     if name == "gripped":
         return list(document.gripped)
+    if name == "cards":
+        return [{**plain(card), "is_stale": is_stale} for card, is_stale in _value(document, name)]
     return plain(_value(document, name))
 
 

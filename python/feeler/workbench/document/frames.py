@@ -286,8 +286,10 @@ def check(value: Any, hint: Any, where: str) -> Any:
         return {_string(key, where): check(each, args[1], f"{where}.{_short(key)}") for key, each in inside_of.items()}
     if is_typeddict(hint):
         inside = get_type_hints(hint, include_extras=True)
-        _check_keys(_object(value, where), inside, where)
-        return {key: check(value[key], kind, f"{where}.{key}") for key, kind in inside.items()}
+        given = _object(value, where)
+        # Those that may be absent count as given.
+        _check_keys({**dict.fromkeys(hint.__optional_keys__), **given}, inside, where)
+        return {key: check(value[key], kind, f"{where}.{key}") for key, kind in inside.items() if key in given}
     return _scalar(value, hint, where)
 
 

@@ -23,7 +23,7 @@ from feeler.project.layout import TABLES
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import is_number
-from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Document, Findings, Isolation, Trip
+from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Card, Document, Findings, Isolation, Trip
 from feeler.workbench.document.findings import STATUS, VERSION, grouped
 
 NOT_KEPT = frozenset(
@@ -32,7 +32,9 @@ NOT_KEPT = frozenset(
 """Fields of one run of the program."""
 
 _RENAMED = {"viewpoints": "views"}
-_FINDINGS = "findings"
+_FINDINGS, _CARDS = "findings", "cards"
+_OPEN = ("waiting", "running")
+_INTERRUPTED = "Interrupted: ask again."
 _SLICE = 16
 _MOST_TEXT = 100_000
 
@@ -69,7 +71,18 @@ def lists() -> Mapping[str, str]:
 
 def is_same(before: Document, after: Document) -> bool:
     """Whether a project keeps the same of both; no is certain, yes may be a coincidence of equal values."""
-    return all(getattr(before, name) is getattr(after, name) for name in kept_fields())
+    return all(
+        getattr(before, name) is getattr(after, name) or (name == _CARDS and _cards(before) == _cards(after))
+        for name in kept_fields()
+    )
+
+
+def _cards(document: Document) -> tuple[Card, ...]:
+    """The cards, without the progress of questions that are not answered: nobody would answer those again."""
+    return tuple(
+        replace(card, state="cancelled", share=0.0, stage="", sentence=_INTERRUPTED) if card.state in _OPEN else card
+        for card in document.cards
+    )
 
 
 # ---- writing ----
@@ -85,6 +98,8 @@ def changes(before: Document | None, after: Document) -> Iterator[Change]:
             rest = None if now is None else {key: value for key, value in _fields_of(now) if not _is_by_id(now, key)}
             rest = rest and {key: value for key, value in rest.items() if key != "groups"}
             yield put("document", name, 0, encoded(rest))
+        elif name == _CARDS:
+            yield from _list_changes(_CARDS, () if before is None else _cards(before), _cards(after))
         elif name in lists():
             yield from _list_changes(lists()[name], () if before is None else getattr(before, name), now)
         else:
@@ -95,7 +110,7 @@ def _list_changes(table: str, before: Sequence[Any], now: Sequence[Any]) -> Iter
     known = {each.id: (place, each) for place, each in enumerate(before)}
     for place, each in enumerate(now):
         there = known.pop(each.id, None)
-        if there is None or there[0] != place or there[1] is not each:
+        if there is None or there[0] != place or (there[1] is not each and there[1] != each):
             yield put(table, row_id(str(each.id)), place, encoded(each))
     for key in known:
         yield drop(table, row_id(str(key)))
@@ -309,6 +324,16 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
         else:
             aside.append(("measures", encoded(measure)))
     found["measures"] = tuple(measures)
+    cards = []
+    for card in values.get(_CARDS, ()):
+        moved, held = card.world
+        world = (tuple((now, row) for part, row in moved if (now := renumber(part)) is not None), in_order(held))
+        now_card = replace(card, parts=in_order(card.parts), without=in_order(card.without), world=world)
+        if now_card.parts or not card.parts:
+            cards.append(now_card)
+        else:
+            aside.append((_CARDS, encoded(card)))
+    found[_CARDS] = tuple(cards)
     if not found["gripped"] or found.get("replaying") not in {line.id for line in lines}:
         found["replaying"] = None
     if not found["gripped"]:
@@ -387,7 +412,15 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
             raise _damaged("sequence", "a line without a way")
     for measure in document.measures:
         check.there(measure.parts, "measures")
-    numbers = [each.id for name in (*lists(), "sections") for each in getattr(document, name)]
+    for card in document.cards:
+        check.there([*card.parts, *card.without, *(part for part, _ in card.world[0]), *card.world[1]], _CARDS)
+        check.poses((row for _, row in card.world[0]), _CARDS)
+        if not 0 < card.id < document.next_card < 2**50 or card.state in _OPEN:
+            raise _damaged(_CARDS, str(card.id))
+    if len({card.id for card in document.cards}) < len(document.cards):
+        raise _damaged(_CARDS, "two cards have one id")
+    named = {*lists(), "sections"} - {_CARDS}
+    numbers = [each.id for name in named for each in getattr(document, name)]
     if len(set(numbers)) < len(numbers) or any(not 0 < number < document.next_id for number in numbers):
         raise _damaged("the document", "two things have one id")
     if document.next_id > 2**50:

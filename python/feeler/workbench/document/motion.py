@@ -66,6 +66,12 @@ def corners(bounds: Floats) -> Floats:
     return bounds[picks, [0, 1, 2]]
 
 
+def is_outside(box: Floats, place: Floats, bounds: Floats) -> bool:
+    """Whether a box `(2, 3)` at a place lies beside `bounds` `(2, 3)`."""
+    around = corners(box) @ place[:3, :3].T + place[:3, 3]
+    return bool((around.max(axis=0) < bounds[0]).any() or (around.min(axis=0) > bounds[1]).any())
+
+
 def carried(start: Floats, end: Floats, points: Floats) -> float:
     """The largest travel of `(n, 3)` points between two poses, metres."""
     moved = points @ (end[:3, :3] - start[:3, :3]).T + (end[:3, 3] - start[:3, 3])

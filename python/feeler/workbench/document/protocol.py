@@ -84,6 +84,8 @@ Mode = Literal["stop", "glide", "pass"]
 UpAxis = Literal["x", "y", "z"]
 MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
+CardQuestion = Literal["removal", "order", "access", "swept"]
+CardState = Literal["waiting", "running", "done", "failed", "cancelled"]
 FindingStatus = Literal["new", "active", "reviewed", "approved", "resolved"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
@@ -185,14 +187,21 @@ class Measure(TypedDict):
     """Computed by the engine on the triangles, not from the picture."""
 
 
-class Camera(TypedDict):
-    """A camera pose."""
+class CameraPlace(TypedDict):
+    """Where a camera is, and what it looks at."""
 
     position: Vec3
     target: Vec3
     up: Vec3
     fov_rad: float
     """Vertical field of view."""
+
+
+class Camera(CameraPlace, total=False):
+    """A camera."""
+
+    is_parallel: bool
+    """Parallel projection, as high at the target as the perspective view; absent: perspective."""
 
 
 class Viewpoint(TypedDict):
@@ -239,6 +248,41 @@ class Findings(TypedDict):
     is_touching_hidden: bool
 
 
+class Card(TypedDict):
+    """A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest."""
+
+    id: int
+    question: CardQuestion
+    parts: list[int]
+    """Empty: all fasteners."""
+    without: list[int]
+    """Parts left out for this question."""
+    options: dict[str, Any]
+    """Tool, grip, swing_deg, clearance, seconds, as far as given."""
+    title: str
+    setting: str
+    """The mock-up that it is about: what is out of it, or moved."""
+    state: CardState
+    share: float
+    """0 to 1."""
+    stage: str
+    sentence: str
+    """The answer; empty before it."""
+    is_good: bool | None
+    """Whether the answer is what one hopes for; null before it, and if it is neither."""
+    is_stale: bool
+    """Parts were moved since it was asked."""
+
+
+class GivenWay(TypedDict):
+    """A way of parts: poses of their motion in the world, the first the identity."""
+
+    parts: list[int]
+    poses: list[Pose]
+    clearance: float | None
+    """Metres; null: nothing near, or not known."""
+
+
 class DocumentFields(TypedDict):
     """The state that a page shows and that commands may change; a reload restores it."""
 
@@ -277,6 +321,7 @@ class DocumentFields(TypedDict):
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None
+    cards: list[Card]
     material: Material | None
 
 
@@ -357,84 +402,6 @@ class NearestPoints(TypedDict):
     tool_point: Vec3
     mockup_point: Vec3
     part: int
-
-
-# Answers to questions and jobs; `asking.py` has their names and arguments.
-
-
-class RayHit(TypedDict):
-    """The first visible hit of a ray."""
-
-    distance: float
-    point: Vec3
-    normal: Vec3
-    part: int
-    triangle: int
-    """Of the mock-up; -1: the fill of a section."""
-
-
-class Snapped(RayHit):
-    """The same, with the point snapped to a near corner or edge."""
-
-    type: Literal["vertex", "edge", "face"]
-    corners: tuple[Vec3, Vec3, Vec3]
-    """Of the triangle, at its present place."""
-
-
-class Measured(TypedDict):
-    """The value of a measure."""
-
-    type: MeasureType
-    points: list[Vec3]
-    value: float
-    unit: Literal["m", "rad"]
-    is_exact: bool
-    parts: list[int]
-
-
-class PartFacts(TypedDict):
-    """Facts about a part."""
-
-    part: int
-    name: str
-    path: str
-    triangles: int
-    lower: Vec3 | None
-    """Null: the part has no triangle that can be queried."""
-    upper: Vec3 | None
-    state: Literal["gripped", "moved", "in place", "left out"]
-    is_hidden: bool
-
-
-class Outline(TypedDict):
-    """The cuts of the mock-up by planes."""
-
-    count: int
-    segments: str
-    """Base64 of little-endian float32 `(count, 2, 3)`: metres, world."""
-    parts: str
-    """Base64 of little-endian uint32 `(count,)`."""
-
-
-class Written(TypedDict):
-    """A file to fetch: `GET /exports/NAME`."""
-
-    name: str
-    bytes: int
-
-
-class WrittenPage(Written):
-    """One HTML file with the mock-up inside."""
-
-    left_out: int
-    """Triangles that did not fit."""
-
-
-class Replayed(TypedDict):
-    """The result of a replay."""
-
-    is_same: bool
-    verdict: str
 
 
 class Trouble(TypedDict):

@@ -14,6 +14,7 @@ from feeler.samples import sample_tool, sample_tool_names
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Document
+from feeler.workbench.document.document import World as WorldKey
 from feeler.workbench.document.motion import Row
 from feeler.workbench.engine.geometry import HeldGeometry
 from feeler.workbench.engine.parts import PartTools
@@ -23,7 +24,6 @@ _KEPT = 16
 
 
 HeldKey = tuple[str | None, tuple[tuple[int, Row], ...]]
-WorldKey = tuple[tuple[tuple[int, Row], ...], tuple[int, ...]]
 Key = TypeVar("Key")
 Made = TypeVar("Made")
 
@@ -31,11 +31,6 @@ Made = TypeVar("Made")
 def held_key(document: Document) -> HeldKey:
     """A key of the hand's content: the tool's name, and the gripped parts with their places."""
     return (document.tool.name if document.tool else None, tuple(document.gripped.items()))
-
-
-def world_key(document: Document) -> WorldKey:
-    """A key of the world: parts put down elsewhere, and parts absent from it."""
-    return (tuple(document.moved.items()), tuple(document.gripped))
 
 
 class Hands:
@@ -90,7 +85,7 @@ class Hands:
 
     def world(self, document: Document) -> World:
         """The world around the hand."""
-        moved, gone = world_key(document)
+        moved, gone = document.world
         return _kept(self._worlds, (moved, gone), lambda: World(self.scene, self.meshes, dict(moved), gone))
 
     def geometry(self, version: int) -> HeldGeometry:

@@ -16,8 +16,8 @@ from feeler.poses import inverse
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.commands import Measured
 from feeler.workbench.document.document import MEASURES, Document, Point
+from feeler.workbench.document.known import Measured
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.engine.world import World

@@ -225,6 +225,8 @@ class Server:
                 return ANY, lambda: session.piece(int(number))
             case ["held", version] if _is_number(version):
                 return ANY, lambda: session.held(int(version))
+            case ["cards", number] if _is_number(number):
+                return ANY, lambda: session.card_room(int(number))
             case ["exports", name] if name:
                 return type_of(name), lambda: session.export(name)
         return None

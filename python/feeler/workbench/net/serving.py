@@ -95,6 +95,9 @@ class SessionLike(Protocol):
     def held(self, version: int, /) -> bytes:
         """The mesh in hand."""
 
+    def card_room(self, number: int, /) -> bytes:
+        """The swept volume of a card."""
+
     def export(self, name: str, /) -> bytes:
         """A file written by a job."""
 

@@ -14,23 +14,21 @@ from feeler.errors import WorkbenchError
 from feeler.progress import Progress
 from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
-from feeler.workbench.document.arguments import Arguments, Maybe, Shape
-from feeler.workbench.document.commands import MEASURED, camera_of
-from feeler.workbench.document.document import Document, plain
-from feeler.workbench.document.protocol import (
-    Camera,
+from feeler.workbench.document.answers import (
+    CardAnswer,
     Measured,
-    MeasureType,
     Outline,
     PartFacts,
     RayHit,
     Replayed,
-    Selection,
     Snapped,
-    Vec3,
     Written,
     WrittenPage,
 )
+from feeler.workbench.document.arguments import Arguments, Maybe, Shape
+from feeler.workbench.document.commands import MEASURED, camera_of
+from feeler.workbench.document.document import Document, plain
+from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
@@ -47,7 +45,7 @@ Found = TypeVar("Found")
 class Place:
     """The subject of questions and jobs.
 
-    exports: files written by jobs, by name. replay: replays the record, if there is one.
+    exports: files written by jobs, by name. cards: the answer of a card. replay: replays the record, if there is one.
     """
 
     document: Document
@@ -56,6 +54,7 @@ class Place:
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]
+    cards: Callable[[int], CardAnswer]
     replay: Callable[[Progress], dict[str, Any]] | None = None
 
 
@@ -98,6 +97,11 @@ def part(place: Place, given: Arguments) -> PartFacts:
     """Facts about a part."""
     (number,) = given.parts("part", place.scene.mockup.parts, most=1)
     return cast(PartFacts, measuring.part_facts(number, place.document, place.scene))
+
+
+def card(place: Place, given: Arguments) -> CardAnswer:
+    """The whole answer of a card."""
+    return place.cards(given.whole("id"))
 
 
 def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
@@ -168,6 +172,7 @@ ASKS: dict[str, Question[Any]] = {
     "snap": Question(snap, {"origin": Vec3, "direction": Vec3, "within": Maybe(float)}),
     "measure": Question(measure, {"type": MeasureType, **MEASURED}),
     "part": Question(part, {"part": Selection}),
+    "card": Question(card, {"id": int}),
 }
 JOBS: dict[str, Work[Any]] = {
     "outline": Work(outline, {"normal": Maybe(Vec3), "offset": Maybe(float)}),

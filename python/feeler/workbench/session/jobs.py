@@ -30,6 +30,11 @@ class Job(Future[Any]):
         self._work, self._on_progress = work, on_progress
         self._is_given_up = threading.Event()
 
+    @property
+    def is_given_up(self) -> bool:
+        """Whether it was cancelled, even if it has not ended yet."""
+        return self._is_given_up.is_set()
+
     def cancel(self) -> bool:
         """Cancels it. False if it is already done."""
         self._is_given_up.set()

@@ -19,7 +19,11 @@ from feeler.workbench.engine.geometry import Geometry, absent_parts, pack_scene,
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.record import digest
 
-_ABOVE_M = 0.005
+_BESIDE_SHARE = 0.06
+"""The room between the scene's box and a tool that begins beside it, as a share of the box's diagonal."""
+
+_RIGHT = {"x": 1, "y": 0, "z": 0}
+"""The axis to the right in the view from the front, by the vertical: as `viewFrame` of the page has it."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ def opening(
         packed = pack_scene(scene)
         content = digested.result()
     name = name or name_of(mockup)
-    start = above(scene, tool) if pose is None else pose
+    start = beside(scene, tool) if pose is None else pose
     hands = Hands(scene, known)
     document = Document(
         mockup=MockupFacts(name, content, _triangles(scene), mockup.part_count),
@@ -81,12 +85,19 @@ def name_of(mockup: Mockup) -> str:
     return roots.pop() if len(roots) == 1 and "" not in roots else mockup.source.format
 
 
-def above(scene: Scene, tool: Tool | None) -> Floats:
-    """Upright, above the middle of the scene's box."""
+def beside(scene: Scene, tool: Tool | None) -> Floats:
+    """Upright, to the right of the scene's box, its lower end at the box's top: free, and in the page's first view.
+
+    The page first looks from the front, the right and above: there, nothing of the scene is before this place. From the
+    top, the straight way to a place above the scene is free.
+    """
     low, high = scene_bounds(scene)
     bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
     offset = 0.5 * (low + high - bottom - top)
-    offset[2] = high[2] - bottom[2] + _ABOVE_M
+    up = scene.mockup.source.up or "z"
+    above, right = "xyz".index(up), _RIGHT[up]
+    offset[above] = high[above] - bottom[above]
+    offset[right] = high[right] - bottom[right] + _BESIDE_SHARE * float(np.linalg.norm(high - low))
     return motion.shifted(offset)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from feeler.arguments import near
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
+from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.document import Document
 from feeler.workbench.engine import measuring
@@ -38,7 +39,7 @@ class Requests:
         with self._lock:
             self._exports, self._sight = {}, None
 
-    def place(self, document: Document, hands: Hands, geometry: Geometry) -> Place:
+    def place(self, document: Document, hands: Hands, geometry: Geometry, cards: Callable[[int], CardAnswer]) -> Place:
         """The subject of questions and jobs: immutable, so that nothing waits for them."""
         world = hands.world(document)
         key = (world, document.hidden, document.sections)
@@ -46,7 +47,7 @@ class Requests:
             if self._sight is None or self._sight[0] != key:
                 self._sight = (key, measuring.Sight(world, document))
             sight = self._sight[1]
-            return Place(document, hands.scene, hands.meshes, sight, geometry, self._exports, self.replay)
+            return Place(document, hands.scene, hands.meshes, sight, geometry, self._exports, cards, self.replay)
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
         """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""

@@ -28,22 +28,25 @@ from feeler.project.book import Book
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.commands import COMMANDS, STEPS, Known, applied
+from feeler.workbench.document.cards import told
+from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
 from feeler.workbench.document.findings import grouped, read_findings
 from feeler.workbench.document.history import History
+from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
-from feeler.workbench.engine.hand import Hands, held_key, world_key
+from feeler.workbench.engine.hand import Hands, held_key
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
 from feeler.workbench.session.asking import Place
+from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
-from feeler.workbench.session.opening import above, opening
+from feeler.workbench.session.opening import beside, opening
 from feeler.workbench.session.record import Recorder
 from feeler.workbench.session.requests import Requests
 from feeler.workbench.session.saving import Saver
@@ -80,6 +83,7 @@ class Session:
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
         self._requests = Requests()
+        self._cards = Cards(self._card_told)
         self._clock, self._seed = clock, seed
         self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
         self._recorder = None if record is None else Recorder(Path(record))
@@ -118,7 +122,7 @@ class Session:
     ) -> None:
         """Opens a mock-up: a new document, with nothing to undo. Prepares the data that the first answers need.
 
-        tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default above the parts
+        tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default beside the parts
         of the scene. unit: default as before. name: of the mock-up, default that of its file. A project that was saved
         before has its own document, which replaces tool, pose, mode and unit. Raises `WorkbenchError`, `OptionError`,
         and `LoadError` for a project of another mock-up, or a damaged one.
@@ -135,6 +139,7 @@ class Session:
             self._hands, self._geometry = begun.hands, begun.geometry
             self._history = History()
             self._requests.forget()
+            self._cards.open(begun.hands)
             if self._recorder is not None:
                 self._recorder.header(begun.header)
             self._engine_to(document)
@@ -261,6 +266,10 @@ class Session:
         """A file written by a job. Raises `WorkbenchError`."""
         return self._requests.export(name)
 
+    def card_room(self, number: int) -> bytes:
+        """The swept volume of a card, packed. Raises `WorkbenchError`."""
+        return self._cards.room(number)
+
     # ---- requests ----
 
     def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
@@ -291,6 +300,9 @@ class Session:
             raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
         known = COMMANDS.get(name)
         moves_hand = name in STEPS if known is None else known.moves_hand
+        is_of_cards = known is not None and known.is_of_cards
+        if name == "way_take":
+            args = self._with_ways(args)
         # The engine's lock always before the session's; without it if the hand stays, so that it can go on meanwhile.
         with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
@@ -300,17 +312,21 @@ class Session:
                 before = self._document
                 after = self._stepped(name, args) if name in STEPS else self._changed(name, args)
             except FeelerError as error:
-                if self._recorder is not None:
+                if self._recorder is not None and not is_of_cards:
                     self._recorder.command(now, str(name), args, None, str(error))
                 raise
             self._show(after, name)
+            if is_of_cards:
+                self._cards.follow(before, after, self._opened())
             if after.held_version != before.held_version:
                 self._tell_held(after)
-            if self._recorder is not None:
+            if self._recorder is not None and not is_of_cards:
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
             added: CommandAnswer = {"id": before.next_id} if after.next_id > before.next_id else {}
+            if after.next_card > before.next_card:
+                added = {"id": before.next_card}
         self._wake.set()
         return {**added, "pose": list(after.pose), **self._depths()}
 
@@ -351,7 +367,7 @@ class Session:
     def hand_key(self) -> object:
         """A key that changes whenever the hand's content, its placement or the world changes."""
         document = self._document
-        return held_key(document), world_key(document), document.pose
+        return held_key(document), document.world, document.pose
 
     def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
         """That key, the world around the hand, its content, and its pose (`world_from_tool`, `(4, 4)`)."""
@@ -374,6 +390,7 @@ class Session:
         if is_engine_free and self._thread is not None and threading.current_thread() is not self._thread:
             self._thread.join(timeout=_CLOSE_S)
         self._requests.close()
+        self._cards.close()
         if self._saver is not None:
             self._saver.close()
         if self._recorder is not None:
@@ -421,7 +438,8 @@ class Session:
         after = replace(after, held_version=hands.version(after))
         if name != "place":
             self._engine_follows(before, after)
-        self._history.changed(before)
+        if command is None or not command.is_of_cards:
+            self._history.changed(before)
         return after
 
     def _known(self, hands: Hands) -> Known:
@@ -431,16 +449,17 @@ class Session:
             tools=hands.counts(),
             pose=motion.row(self.engine.pose),
             absent=frozenset(self._document.absent),
+            ways=self._cards.ways,
         )
 
     def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
-        """The pose of a newly taken tool: at the hand, if it is free there; else above the mock-up."""
+        """The pose of a newly taken tool: at the hand, if it is free there; else beside the mock-up."""
         pose = self.engine.pose
         if name not in hands.names:
             return pose
         tool = hands.tool(str(name))
         is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
-        return pose if is_free else above(hands.scene, tool)
+        return pose if is_free else beside(hands.scene, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, {})
@@ -448,12 +467,13 @@ class Session:
         # The user did not change the mock-up opened meanwhile.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         after = replace(after, project=now.project)
+        after = replace(after, cards=now.cards, next_card=now.next_card)
         self._engine_follows(now, after)
         self._history.stepped(name, now)
         return after
 
     def _engine_follows(self, before: Document, after: Document) -> None:
-        same_hand = held_key(before) == held_key(after) and world_key(before) == world_key(after)
+        same_hand = held_key(before) == held_key(after) and before.world == after.world
         if not same_hand or before.mode != after.mode or before.pose != after.pose:
             self._engine_to(after)
 
@@ -470,6 +490,18 @@ class Session:
             is_carrying=bool(document.gripped),
             trip=document.trip,
         )
+
+    def _with_ways(self, args: Any) -> Any:
+        """The arguments of `way_take` with the ways themselves, so that a record repeats them without the card."""
+        if not isinstance(args, dict) or args.get("ways") is not None or not isinstance(args.get("id"), int):
+            return args
+        ways = self._cards.ways.get(args["id"], ())
+        plain = [{"parts": list(each.parts), "poses": each.poses, "clearance": each.clearance} for each in ways]
+        return {**args, "ways": plain} if plain else args
+
+    def _card_told(self, number: int, **changes: Any) -> None:
+        with self._lock:
+            self._show(told(self._document, number, **changes), None)
 
     def _play(self, document: Document) -> None:
         line = next(each for each in document.sequence if each.id == document.replaying)
@@ -565,7 +597,7 @@ class Session:
 
     def _place(self) -> Place:
         with self._lock:
-            return self._requests.place(self._document, self._opened(), self._packed())
+            return self._requests.place(self._document, self._opened(), self._packed(), self._cards.answer)
 
 
 def _checked_unit(unit: str) -> str:

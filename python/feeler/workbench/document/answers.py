@@ -1,0 +1,153 @@
+"""Answers to questions and jobs, as JSON objects; `asking.py` has the names and arguments of these."""
+
+from __future__ import annotations
+
+from typing import Literal, TypedDict
+
+from feeler.workbench.document.protocol import GivenWay, HeldManifest, MeasureType, Pose, Vec3
+
+
+class RayHit(TypedDict):
+    """The first visible hit of a ray."""
+
+    distance: float
+    point: Vec3
+    normal: Vec3
+    part: int
+    triangle: int
+    """Of the mock-up; -1: the fill of a section."""
+
+
+class Snapped(RayHit):
+    """The same, with the point snapped to a near corner or edge."""
+
+    type: Literal["vertex", "edge", "face"]
+    corners: tuple[Vec3, Vec3, Vec3]
+    """Of the triangle, at its present place."""
+
+
+class Measured(TypedDict):
+    """The value of a measure."""
+
+    type: MeasureType
+    points: list[Vec3]
+    value: float
+    unit: Literal["m", "rad"]
+    is_exact: bool
+    parts: list[int]
+
+
+class PartFacts(TypedDict):
+    """Facts about a part."""
+
+    part: int
+    name: str
+    path: str
+    triangles: int
+    lower: Vec3 | None
+    """Null: the part has no triangle that can be queried."""
+    upper: Vec3 | None
+    state: Literal["gripped", "moved", "in place", "left out"]
+    is_hidden: bool
+
+
+class Outline(TypedDict):
+    """The cuts of the mock-up by planes."""
+
+    count: int
+    segments: str
+    """Base64 of little-endian float32 `(count, 2, 3)`: metres, world."""
+    parts: str
+    """Base64 of little-endian uint32 `(count,)`."""
+
+
+class Written(TypedDict):
+    """A file to fetch: `GET /exports/NAME`."""
+
+    name: str
+    bytes: int
+
+
+class WrittenPage(Written):
+    """One HTML file with the mock-up inside."""
+
+    left_out: int
+    """Triangles that did not fit."""
+
+
+class Replayed(TypedDict):
+    """The result of a replay."""
+
+    is_same: bool
+    verdict: str
+
+
+class Gap(TypedDict):
+    """The nearest neighbour at one pose of a way, without parts in contact since the start."""
+
+    share: float
+    """Of the length of the way, 0 to 1."""
+    gap: float | None
+    """Metres; null: none within the distance looked at."""
+    part: int | None
+    point: Vec3 | None
+    """On the part, world."""
+
+
+class WayFacts(GivenWay):
+    """A way that was found, with what it passes."""
+
+    legs: list[str]
+    length: float
+    """The travel of the middle of the parts, metres."""
+    rotation: float
+    """Radians in total."""
+    gaps: list[Gap]
+    """At some poses of it, in order: between them the gap may be smaller, but never below `clearance`."""
+
+
+class BlockerFacts(TypedDict):
+    """A part that stops others."""
+
+    part: int
+    attempts: int
+    """How many attempts it stopped; 0 for one that holds them by proof."""
+    is_proof: bool
+    """No path exists while it stays."""
+    pose: Pose
+    """The motion of the moving parts where it stopped the best attempt."""
+
+
+class ReachFacts(TypedDict):
+    """Whether a tool reaches a fastener."""
+
+    part: int | None
+    name: str
+    kind: str
+    is_reachable: bool
+    swing_deg: float
+    because: str
+    pose: Pose
+    """world_from_tool of the tool in its seat, in the middle of the swing."""
+    way: list[Pose]
+    """The way in; empty: none was found."""
+    point: Vec3
+    axis: Vec3
+    """Out of the joint."""
+    fan: list[Vec3]
+    """The path of the tool's far end over its free swing; empty without one."""
+    blockers: list[int]
+
+
+class CardAnswer(TypedDict):
+    """The whole answer of a card."""
+
+    id: int
+    ways: list[WayFacts]
+    """One after the other; for an order, the last one is of the parts asked for."""
+    blockers: list[BlockerFacts]
+    reaches: list[ReachFacts]
+    room: HeldManifest | None
+    """The swept volume, in the world's frame: its pieces are `GET /cards/ID`."""
+    facts: list[tuple[str, str]]
+    """What else is to be said: a name and a figure."""

@@ -1,0 +1,208 @@
+"""Commands of cards: questions about parts, which a job answers while the hand goes on.
+
+A card is put by a question and stays with its answer until it is removed. Undo does not touch cards, except that parts
+taken out along a way of a card come back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any, get_args
+
+import numpy as np
+
+from feeler.choices import GRIP_AXES
+from feeler.errors import WorkbenchError
+from feeler.words import plural
+from feeler.workbench.document import motion
+from feeler.workbench.document.arguments import Arguments, is_sequence, replaced, without
+from feeler.workbench.document.document import Card, Document, Removal
+from feeler.workbench.document.known import Known, Way
+from feeler.workbench.document.protocol import CardQuestion, GivenWay, Pose, Selection
+
+QUESTIONS: tuple[CardQuestion, ...] = get_args(CardQuestion)
+MOST_CARDS = 100
+LONGEST_S = 3600.0
+_MOST_POSES = 20_000
+_GRID_M = 2.0**-10
+
+
+def ask(document: Document, given: Arguments, known: Known) -> Document:
+    """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need."""
+    if len(document.cards) >= MOST_CARDS:
+        raise WorkbenchError(f"there are {MOST_CARDS} cards already", given.command, "remove some first")
+    question = given.choice("question", QUESTIONS)
+    left_out = tuple(given.parts("without", known.parts)) if given.has("without") else ()
+    gone = {*known.absent, *document.out, *document.gripped, *left_out}
+    named = given.parts("parts", known.parts) if given.has("parts") else ()
+    parts = tuple(part for part in named if part not in gone)
+    if named and not parts:
+        raise given.fail("parts", "none of these parts is in the mock-up now", "put them back, or name others")
+    if not named and question != "access":
+        raise given.fail("parts", "no part is named", "name one at least")
+    if len(parts) >= len(known.parts) - len(gone) and question != "access":
+        raise given.fail("parts", "these are all parts of the mock-up", "leave one at least where it is")
+    options = _options(document, given, known, question)
+    card = Card(
+        id=document.next_card,
+        question=question,
+        parts=parts,
+        without=left_out,
+        options=MappingProxyType(options),
+        title=_title(question, parts, options, known),
+        setting=_setting(document, left_out, known),
+        world=document.world,
+    )
+    return replace(document, cards=(*document.cards, card), next_card=card.id + 1)
+
+
+def card_again(document: Document, given: Arguments, known: Known) -> Document:
+    """Asks the question of a card again, of the mock-up as it is now."""
+    at = given.place_of(document.cards)
+    card = document.cards[at]
+    if card.state in ("waiting", "running"):
+        raise given.fail("id", "this question is not answered yet", "wait for the answer, or cancel it")
+    gone = {*known.absent, *document.out, *document.gripped}
+    if card.parts and not any(part not in gone for part in card.parts):
+        raise given.fail("id", "none of its parts is in the mock-up now", "put them back")
+    asked = replace(
+        card,
+        state="waiting",
+        share=0.0,
+        stage="",
+        sentence="",
+        is_good=None,
+        setting=_setting(document, card.without, known),
+        world=document.world,
+    )
+    return replace(document, cards=replaced(document.cards, at, asked))
+
+
+def card_cancel(document: Document, given: Arguments, _known: Known) -> Document:
+    """Gives up a question that is not answered yet."""
+    at = given.place_of(document.cards)
+    card = document.cards[at]
+    if card.state not in ("waiting", "running"):
+        raise given.fail("id", "this question is answered", "remove the card instead")
+    cancelled = replace(card, state="cancelled", sentence="Cancelled.", share=0.0, stage="")
+    return replace(document, cards=replaced(document.cards, at, cancelled))
+
+
+def card_remove(document: Document, given: Arguments, _known: Known) -> Document:
+    """Removes a card, with its answer."""
+    return replace(document, cards=without(document.cards, given.place_of(document.cards)))
+
+
+def way_take(document: Document, given: Arguments, known: Known) -> Document:
+    """Takes parts out along the ways of a card, and adds them to the sequence.
+
+    `steps`: how many of its ways, all by default. `ways`: these instead of the card's, as a record has them.
+    """
+    ways = _given_ways(given, known) if given.has("ways") else known.ways.get(given.whole("id"), ())
+    if not ways:
+        raise given.fail("id", "this card has no way", "ask how the parts come out")
+    if given.has("steps"):
+        ways = ways[: given.whole("steps", 1, len(ways))]
+    for way in ways:
+        document = _taken(document, way, given, known)
+    return replace(document, pose=known.pose)
+
+
+def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Document:
+    gone = [part for part in way.parts if part in document.gripped or part in document.out or part in known.absent]
+    if gone:
+        path = known.parts[gone[0]].path
+        raise WorkbenchError(f"{path} is not in its place any more", given.command, "put it back, or ask again")
+    boxes = {part: np.array([known.parts[part].lower, known.parts[part].upper]) for part in way.parts}
+    starts = {part: motion.matrix(document.moved.get(part, motion.HOME)) for part in way.parts}
+    around = np.concatenate(
+        [motion.corners(box) @ starts[part][:3, :3].T + starts[part][:3, 3] for part, box in boxes.items()]
+    )
+    hand = motion.shifted(np.round((around.min(axis=0) + around.max(axis=0)) / 2 / _GRID_M) * _GRID_M)
+    last = motion.matrix(way.poses[-1])
+    placed = {part: motion.row(last @ start) for part, start in starts.items()}
+    line = Removal(
+        id=document.next_id,
+        name=named(way.parts, known),
+        parts=way.parts,
+        way=tuple(motion.row(motion.matrix(pose) @ hand) for pose in way.poses),
+        least_clearance=way.clearance,
+        touched=(),
+        tool=None,
+        starts=tuple((part, document.moved[part]) for part in way.parts if part in document.moved),
+    )
+    return document.with_id(
+        moved=MappingProxyType(dict(sorted({**document.moved, **placed}.items()))),
+        out=tuple(sorted({*document.out, *way.parts})),
+        sequence=(*document.sequence, line),
+    )
+
+
+def _options(document: Document, given: Arguments, known: Known, question: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    if given.has("clearance"):
+        found["clearance"] = given.number("clearance", 0.0, 1e3)
+    if given.has("seconds"):
+        found["seconds"] = given.number("seconds", 0.1, LONGEST_S)
+    if question != "access":
+        return found
+    name = given.choice("tool", known.tools) if given.has("tool") else document.tool and document.tool.name
+    if name is None:
+        raise given.fail("tool", "the hand holds no tool", f"name one: {', '.join(list(known.tools)[:8])}")
+    found["tool"] = name
+    if given.has("grip"):
+        found["grip"] = given.choice("grip", GRIP_AXES)
+    if given.has("swing_deg"):
+        found["swing_deg"] = given.number("swing_deg", 1e-3, 360.0)
+    return found
+
+
+def _given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
+    ways: Any = given.raw("ways", list[GivenWay])
+    if not is_sequence(ways) or not ways:
+        raise given.fail("ways", "this is not a list of ways", "send parts and poses")
+    found = []
+    for each in ways:
+        inner = Arguments(
+            f"{given.command}, ways", each, {"parts": Selection, "poses": list[Pose], "clearance": float | None}
+        )
+        poses: Any = inner.raw("poses", list[Pose])
+        if not is_sequence(poses) or not 1 <= len(poses) <= _MOST_POSES:
+            raise inner.fail("poses", "this is not a list of poses", f"send 1 to {_MOST_POSES} of 16 numbers")
+        rows = tuple(motion.row(motion.checked(pose, f"{given.command}, poses")) for pose in poses)
+        clearance = inner.number("clearance", 0.0) if inner.has("clearance") else None
+        found.append(Way(inner.parts("parts", known.parts), rows, clearance))
+    return tuple(found)
+
+
+def _title(question: str, parts: tuple[int, ...], options: dict[str, Any], known: Known) -> str:
+    what = named(parts, known)
+    if question == "access":
+        return f"Does the {options['tool']} reach {what or 'all fasteners'}?"
+    if question == "order":
+        return f"What has to go before {what} {'comes' if len(parts) == 1 else 'come'} out?"
+    return f"Can {what} come out?" if question == "removal" else f"What room does {what} need to come out?"
+
+
+def named(parts: tuple[int, ...], known: Known) -> str:
+    """The name of the only part, or of the first and how many more; empty for none."""
+    names = [known.parts[part].name for part in parts[:1]]
+    return "".join(names) + (f" and {len(parts) - 1} more" if len(parts) > 1 else "")
+
+
+def _setting(document: Document, left_out: tuple[int, ...], known: Known) -> str:
+    """Which mock-up the question is about: what is out of it, or elsewhere."""
+    elsewhere = [part for part in document.moved if part not in document.out]
+    told = [f"{plural(len(document.out), 'part')} out"] if document.out else []
+    told += [f"{plural(len(elsewhere), 'part')} moved"] if elsewhere else []
+    told += [f"{plural(len(document.gripped), 'part')} in hand left out"] if document.gripped else []
+    told += [f"without {named(left_out, known)}"] if left_out else []
+    return ", ".join(told) if told else "as loaded"
+
+
+def told(document: Document, number: int, **changes: Any) -> Document:
+    """The document with changes of a card; unchanged if the card is gone."""
+    return replace(
+        document, cards=tuple(replace(card, **changes) if card.id == number else card for card in document.cards)
+    )

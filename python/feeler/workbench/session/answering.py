@@ -1,0 +1,400 @@
+"""The answers to questions of cards: by the planner, of the mock-up as it stands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, cast
+
+import numpy as np
+
+from feeler.choices import GripAxis
+from feeler.mockup import Mockup, Tool
+from feeler.plan.fasteners import Fastener, find_fasteners
+from feeler.plan.order import removal_order
+from feeler.plan.reaching import Reach, access
+from feeler.plan.removal import Removal, removal
+from feeler.plan.swept import swept
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.words import length, plural
+from feeler.workbench.document import motion
+from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, WayFacts
+from feeler.workbench.document.known import Way
+from feeler.workbench.document.motion import Floats
+from feeler.workbench.document.protocol import Vec3
+from feeler.workbench.engine.geometry import HeldGeometry
+
+SECONDS, ORDER_SECONDS = 30.0, 120.0
+"""Time for the search of a way, and of an order, unless another is asked for."""
+SEATED_M = 1e-6
+"""Parts nearer than this at the start are in contact; they count as neighbours once they are farther."""
+WITHIN_M = 0.05
+"""Gaps along a way are looked for up to this distance."""
+MOST_GAPS = 121
+"""Poses of a way at which the gap is looked for."""
+ROOM_SHARE = 1.0 / 60.0
+"""The swept volume may exceed the true one by this share of the moving parts' size."""
+MOST_BLOCKERS = 20
+MOST_REACHES = 5000
+_GRIPS: dict[str, GripAxis] = {"wrench": "y"}  # of built-in tools that do not sit along z
+_NAMED = 3  # parts named in a sentence
+_FAN_STEP_DEG = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What is asked: parts of a scene, a tool, options of the card, and how many threads may work on it."""
+
+    scene: Scene
+    parts: tuple[int, ...]
+    options: Mapping[str, Any]
+    tool: Tool | None
+    threads: int
+
+    @property
+    def mockup(self) -> Mockup:
+        """Of the scene."""
+        return self.scene.mockup
+
+    def number(self, name: str, default: float) -> float:
+        """An option, or its default."""
+        return float(self.options.get(name, default))
+
+
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """An answer: in a sentence, in figures, and its ways. room: the swept volume, packed."""
+
+    sentence: str
+    is_good: bool | None
+    ways: tuple[Way, ...] = ()
+    way_facts: tuple[WayFacts, ...] = ()
+    blockers: tuple[BlockerFacts, ...] = ()
+    reaches: tuple[ReachFacts, ...] = ()
+    room: HeldGeometry | None = None
+    facts: tuple[tuple[str, str], ...] = field(default=())
+
+    def to_json(self, number: int) -> CardAnswer:
+        """All of it, for the page."""
+        return {
+            "id": number,
+            "ways": list(self.way_facts),
+            "blockers": list(self.blockers),
+            "reaches": list(self.reaches),
+            "room": None if self.room is None else self.room.manifest(),
+            "facts": list(self.facts),
+        }
+
+
+def way_out(asked: Asked, progress: Progress) -> Answered:
+    """Whether parts come out."""
+    found = _removal(asked, progress)
+    if not found.is_found:
+        return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
+    way = _way(asked.parts, found)
+    gaps = _gaps(asked.scene, asked.parts, found, progress)
+    what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
+    return Answered(
+        f"{what}: {_way_words(found)}{_nearest(asked, found, gaps)}.",
+        True,
+        (way,),
+        (_way_facts(way, found, gaps),),
+        _blockers(asked, found),
+    )
+
+
+def order(asked: Asked, progress: Progress) -> Answered:
+    """Which parts have to go before others come out."""
+    found = removal_order(
+        asked.scene,
+        list(asked.parts),
+        clearance=asked.number("clearance", 0.0),
+        seconds=asked.number("seconds", ORDER_SECONDS),
+        threads=asked.threads,
+        progress=progress,
+    )
+    last = found.steps[-1].removal if found.steps else None
+    if not found.is_found:
+        said = f"No order was found in {found.seconds:.0f} s"
+        blockers = () if last is None else _blockers(asked, last)
+        names = _list([asked.mockup.part_names[each["part"]] for each in blockers])
+        return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
+    ways = tuple(_way(step.parts, step.removal) for step in found.steps)
+    facts = tuple(_way_facts(way, step.removal, []) for way, step in zip(ways, found.steps, strict=True))
+    what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
+    others = [asked.mockup.part_names[part] for step in found.steps[:-1] for part in step.parts]
+    if not others:
+        return Answered(f"{what} with nothing before: one step.", True, ways, facts)
+    go = "goes" if len(others) == 1 else "go"
+    sentence = f"{what} after {_list(others)} {go}: {plural(len(found.steps), 'step')}."
+    return Answered(sentence, True, ways, facts)
+
+
+def reach(asked: Asked, progress: Progress) -> Answered:
+    """Whether a tool reaches fasteners."""
+    assert asked.tool is not None, "a question of access has a tool"
+    bolts = find_fasteners(asked.scene, list(asked.parts) or None, _share(progress, 0.0, 0.2))
+    if not len(bolts):
+        return Answered("None of these parts looks like a fastener.", None)
+    grip = asked.options.get("grip") or _GRIPS.get(asked.options["tool"])
+    found = access(
+        asked.scene,
+        asked.tool,
+        bolts,
+        asked.number("swing_deg", 60.0),
+        grip=cast("GripAxis | None", grip),
+        threads=asked.threads,
+        progress=_share(progress, 0.2, 1.0),
+    )
+    good = sum(row.is_reachable for row in found)
+    tool = asked.options["tool"]
+    rows = sorted(zip(found, bolts, strict=True), key=lambda row: (row[0].is_reachable, row[1].path))
+    facts = tuple(_reach_facts(asked, row, bolt) for row, bolt in rows[:MOST_REACHES])
+    if good == len(bolts):
+        sentence = f"The {tool} reaches all {plural(good, 'fastener')}." if good > 1 else f"The {tool} reaches it."
+    elif good == 0:
+        sentence = f"The {tool} reaches none of {plural(len(bolts), 'fastener')}."
+    else:
+        sentence = f"The {tool} reaches {good:,} of {plural(len(bolts), 'fastener')}."
+    if len(bolts) == 1 and not good:
+        sentence = f"The {tool} does not reach it: {found[0].because}."
+    left_out = len(rows) - len(facts)
+    more = (("not listed", plural(left_out, "fastener")),) if left_out else ()
+    return Answered(sentence, good == len(bolts), reaches=facts, facts=more)
+
+
+def room(asked: Asked, progress: Progress) -> Answered:
+    """The room that parts need on their way out."""
+    found = _removal(asked, _share(progress, 0.0, 0.6))
+    if not found.is_found:
+        return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
+    moving = Tool.of_parts(asked.mockup, list(asked.parts))
+    size = float(np.linalg.norm(np.diff(moving.bounds, axis=0)))
+    volume = swept(
+        moving,
+        found.poses,
+        max(size * ROOM_SHARE, 1e-6),
+        threads=asked.threads,
+        progress=_share(progress, 0.6, 1.0),
+    )
+    low, high = volume.bounds
+    way = _way(asked.parts, found)
+    litres = _volume(volume) * 1e3
+    sides = " x ".join(f"{1e3 * side:.0f}" for side in (high - low))
+    return Answered(
+        f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'need')} at most {_litres(litres)} on the way out, "
+        f"within {sides} mm.",
+        True,
+        (way,),
+        (_way_facts(way, found, []),),
+        room=HeldGeometry(_as_tool(volume), 0),
+        facts=(("volume, at most", _litres(litres)), ("box", f"{sides} mm"), ("way", _way_words(found))),
+    )
+
+
+ANSWERS: dict[str, Callable[[Asked, Progress], Answered]] = {
+    "removal": way_out,
+    "order": order,
+    "access": reach,
+    "swept": room,
+}
+"""By the question of a card."""
+
+
+def _removal(asked: Asked, progress: Progress) -> Removal:
+    return removal(
+        asked.scene,
+        list(asked.parts),
+        clearance=asked.number("clearance", 0.0),
+        seconds=asked.number("seconds", SECONDS),
+        threads=asked.threads,
+        progress=progress,
+    )
+
+
+def _way(parts: tuple[int, ...], found: Removal) -> Way:
+    is_known = math.isfinite(found.clearance)
+    return Way(parts, tuple(motion.row(pose) for pose in found.poses), found.clearance if is_known else None)
+
+
+def _way_facts(way: Way, found: Removal, gaps: list[Gap]) -> WayFacts:
+    return {
+        "parts": list(way.parts),
+        "poses": [list(pose) for pose in way.poses],
+        "clearance": way.clearance,
+        "legs": [str(leg) for leg in found.legs],
+        "length": found.path_length,
+        "rotation": found.rotation,
+        "gaps": gaps,
+    }
+
+
+def _gaps(scene: Scene, parts: tuple[int, ...], found: Removal, progress: Progress) -> list[Gap]:
+    """The nearest neighbour at poses spread evenly over the way; those in contact at the start count once they are
+    apart."""
+    moving = Tool.of_parts(scene.mockup, list(parts))
+    rest = scene.without(list(parts))
+    poses, shares = _spread(found.poses, moving.bounds)
+    seated = set(rest.clearance(moving, poses[0], SEATED_M).parts.tolist())
+    gaps: list[Gap] = []
+    for number, (pose, share) in enumerate(zip(poses, shares, strict=True)):
+        progress(number / len(poses), "measuring gaps")
+        rows = rest.clearance(moving, pose, WITHIN_M)
+        near = dict(zip(rows.parts.tolist(), rows.distances.tolist(), strict=True))
+        seated = {part for part in seated if near.get(part, math.inf) <= SEATED_M}
+        at = next((row for row, part in enumerate(near) if part not in seated), None)
+        if at is None:
+            gaps.append({"share": share, "gap": None, "part": None, "point": None})
+        else:
+            point = _triple(rows.points_on_mockup[at])
+            gaps.append({"share": share, "gap": float(rows.distances[at]), "part": int(rows.parts[at]), "point": point})
+    return gaps
+
+
+def _spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
+    """Poses of a way at even steps of its fastest corner, and their shares of it: its own poses and some between."""
+    corners = motion.corners(bounds)
+    steps = [motion.carried(one, other, corners) for one, other in pairwise(poses)]
+    total = sum(steps)
+    if total == 0.0:
+        return poses[:1], [0.0]
+    spread, shares, gone = [poses[0]], [0.0], 0.0
+    for one, other, step in zip(poses[:-1], poses[1:], steps, strict=True):
+        # Poses between are those of a straight motion: a leg with a turn has been cut into pieces already.
+        is_straight = bool(np.array_equal(one[:3, :3], other[:3, :3]))
+        pieces = max(1, round(step / total * (MOST_GAPS - 1))) if is_straight else 1
+        for piece in range(1, pieces + 1):
+            pose = other.copy()
+            pose[:3, 3] = one[:3, 3] + (other[:3, 3] - one[:3, 3]) * (piece / pieces)
+            spread.append(pose)
+            shares.append(min(1.0, (gone + step * piece / pieces) / total))
+        gone += step
+    every = max(1, -(-len(spread) // (2 * MOST_GAPS)))
+    kept = [*range(0, len(spread) - 1, every), len(spread) - 1]
+    return np.array([spread[each] for each in kept]), [shares[each] for each in kept]
+
+
+def _blockers(asked: Asked, found: Removal) -> tuple[BlockerFacts, ...]:
+    home = list(motion.HOME)
+    proofs: list[BlockerFacts] = [
+        {"part": part.index, "attempts": 0, "is_proof": True, "pose": home} for part in found.held_by
+    ]
+    proven = {part.index for part in found.held_by}
+    stopped: list[BlockerFacts] = [
+        {"part": each.part, "attempts": each.count, "is_proof": False, "pose": list(motion.row(each.pose))}
+        for each in found.blocked_by
+        if each.part not in proven
+    ]
+    return tuple([*proofs, *stopped][:MOST_BLOCKERS])
+
+
+def _blocked(asked: Asked, found: Removal) -> str:
+    names, parts = _names(asked.mockup, asked.parts), asked.parts
+    if found.held_by:
+        held = _list([part.name for part in found.held_by])
+        return f"{names} cannot come out while {held} {'stays' if len(found.held_by) == 1 else 'stay'}: this is proven."
+    how = f"in {found.seconds:.0f} s" if found.is_out_of_time else "in a complete search"
+    stopped = _list([asked.mockup.part_names[each.part] for each in found.blocked_by])
+    tail = f"; stopped by {stopped}" if stopped else ""
+    return f"No way out was found for {names} {how}{tail}." if parts else f"No way out was found{tail}."
+
+
+def _way_words(found: Removal) -> str:
+    turned = f", turned by {math.degrees(found.rotation):.0f}°" if found.rotation > math.radians(0.5) else ""
+    if not found.legs:
+        return "already out"
+    legs = "straight" if len(found.legs) == 1 and not turned else plural(len(found.legs), "leg")
+    return f"{legs}, {length(found.path_length)}{turned}"
+
+
+def _nearest(asked: Asked, found: Removal, gaps: list[Gap]) -> str:
+    if not math.isfinite(found.clearance):
+        return ""
+    known = [each for each in gaps if each["gap"] is not None and each["part"] is not None]
+    near = min(known, key=lambda each: each["gap"] or 0.0, default=None)
+    where = "" if near is None or near["part"] is None else f" to {_list([asked.mockup.part_names[near['part']]])}"
+    return f"; nearest {length(found.clearance)}{where}"
+
+
+def _reach_facts(asked: Asked, row: Reach, bolt: Fastener) -> ReachFacts:
+    return {
+        "part": row.part,
+        "name": asked.mockup.part_names[bolt.part],
+        "kind": bolt.kind,
+        "is_reachable": row.is_reachable,
+        "swing_deg": row.swing_deg,
+        "because": row.because,
+        "pose": list(motion.row(row.pose)),
+        "way": [list(motion.row(pose)) for pose in row.way],
+        "point": _triple(bolt.frame[:3, 3]),
+        "axis": _triple(bolt.axis),
+        "fan": _fan(asked, row, bolt),
+        "blockers": [each.part for each in row.blockers[:MOST_BLOCKERS]],
+    }
+
+
+def _fan(asked: Asked, row: Reach, bolt: Fastener) -> list[Vec3]:
+    """The path of the tool's far end over the free swing, about the fastener's axis."""
+    if not row.swing_deg > 0.0 or asked.tool is None:
+        return []
+    around = motion.corners(asked.tool.bounds) @ row.pose[:3, :3].T + row.pose[:3, 3]
+    origin, axis = bolt.frame[:3, 3], bolt.axis
+    arms = around - origin
+    flat = arms - np.outer(arms @ axis, axis)
+    far = arms[int(np.argmax(np.linalg.norm(flat, axis=1)))]
+    count = max(2, math.ceil(row.swing_deg / _FAN_STEP_DEG) + 1)
+    turns = np.radians(np.linspace(-row.swing_deg / 2.0, row.swing_deg / 2.0, count))
+    along = axis * (far @ axis)
+    across = far - along
+    side = np.cross(axis, across)
+    return [_triple(origin + along + math.cos(turn) * across + math.sin(turn) * side) for turn in turns]
+
+
+def _share(progress: Progress, start: float, end: float) -> Progress:
+    """Reports a stage of a task as this share of it."""
+
+    def report(share: float, stage: str) -> None:
+        progress(start + (end - start) * share, stage)
+
+    return report
+
+
+def _as_tool(mockup: Mockup) -> Tool:
+    return Tool(mockup.vertices, mockup.faces, mockup.part_names[0])
+
+
+def _volume(mockup: Mockup) -> float:
+    """Of a closed mesh, cubic metres."""
+    corners = mockup.vertices[mockup.faces] - mockup.bounds.mean(axis=0)
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
+
+
+def _litres(litres: float) -> str:
+    return f"{litres:.3g} l" if litres >= 0.1 else f"{1e3 * litres:.3g} cm³"
+
+
+def _names(mockup: Mockup, parts: tuple[int, ...]) -> str:
+    more = f" and {plural(len(parts) - 1, 'part')} more" if len(parts) > 2 else ""
+    if len(parts) == 2:
+        return f"{mockup.part_names[parts[0]]} and {mockup.part_names[parts[1]]}"
+    return f"{mockup.part_names[parts[0]]}{more}"
+
+
+def _verb(parts: tuple[int, ...], verb: str) -> str:
+    return verb + "s" if len(parts) == 1 else verb
+
+
+def _list(names: list[str]) -> str:
+    """ "a, b and c", or "a, b, c and 5 more", without folders."""
+    names = [name.rpartition("/")[2] for name in names]
+    if len(names) > _NAMED + 1:
+        return f"{', '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
+
+
+def _triple(vector: Any) -> Vec3:
+    x, y, z = np.asarray(vector, dtype=np.float64).tolist()
+    return (x, y, z)

@@ -1,0 +1,156 @@
+"""Answers the questions of cards, one after the other, in a thread of their own beside the hand."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable
+
+from feeler.arguments import near
+from feeler.errors import FeelerError, WorkbenchError
+from feeler.progress import Progress
+from feeler.workbench.document.answers import CardAnswer
+from feeler.workbench.document.document import Card, Document
+from feeler.workbench.document.known import Way
+from feeler.workbench.engine.hand import Hands
+from feeler.workbench.engine.standing import Standing
+from feeler.workbench.session.answering import ANSWERS, Answered, Asked
+from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
+
+TELL_S = 0.2
+"""Progress is told at most this often."""
+OPEN = ("waiting", "running")
+"""States of cards without an answer."""
+
+Told = Callable[..., None]
+"""Changes fields of a card: `told(number, **changes)`."""
+
+
+class Cards:
+    """Thread-safe. The thread begins with the first question."""
+
+    def __init__(self, told: Told) -> None:
+        self._told = told
+        self._lock = threading.Lock()
+        self._jobs: Jobs | None = None
+        self._running: dict[int, Job] = {}
+        self._answers: dict[int, Answered] = {}
+        self._standing: Standing | None = None
+
+    def open(self, hands: Hands) -> None:
+        """Another mock-up is open: earlier questions are given up."""
+        with self._lock:
+            for job in self._running.values():
+                job.cancel()
+            self._running, self._answers = {}, {}
+            self._standing = Standing(hands.scene, hands.meshes)
+
+    def follow(self, before: Document, after: Document, hands: Hands) -> None:
+        """Starts the questions that are new in a document, and gives up those that are gone or cancelled."""
+        old = {card.id: card for card in before.cards}
+        new = {card.id: card for card in after.cards}
+        for number, card in new.items():
+            known = old.get(number)
+            if card.state == "waiting" and (known is None or known.state != "waiting"):
+                self._start(card, after, hands)
+        for number, card in old.items():
+            now = new.get(number)
+            if now is None or (now.state == "cancelled" and card.state in OPEN):
+                self._give_up(number, is_gone=now is None)
+
+    @property
+    def ways(self) -> dict[int, tuple[Way, ...]]:
+        """The ways of answered cards."""
+        with self._lock:
+            return {number: found.ways for number, found in self._answers.items() if found.ways}
+
+    def answer(self, number: int) -> CardAnswer:
+        """The whole answer of a card. Raises `WorkbenchError` if there is none."""
+        return self._answered(number).to_json(number)
+
+    def room(self, number: int) -> bytes:
+        """The swept volume of a card, packed. Raises `WorkbenchError` if there is none."""
+        found = self._answered(number).room
+        if found is None:
+            raise WorkbenchError(f"card {number} has no swept volume", "cards", "ask what room the parts need")
+        return found.data()
+
+    def close(self) -> None:
+        """Gives up all questions."""
+        with self._lock:
+            jobs = self._jobs
+        if jobs is not None:
+            jobs.close()
+
+    def _answered(self, number: int) -> Answered:
+        with self._lock:
+            found = self._answers.get(number)
+            if found is None:
+                there = [str(each) for each in self._answers]
+                raise WorkbenchError(f"card {number} has no answer", "cards", near(str(number), there, "ask first"))
+            return found
+
+    def _start(self, card: Card, document: Document, hands: Hands) -> None:
+        with self._lock:
+            standing = self._standing
+            assert standing is not None, "a mock-up is open"
+            if self._jobs is None:
+                self._jobs = Jobs()
+            self._answers.pop(card.id, None)
+            heard, own = [0.0], list[Job]()
+
+            def hear(share: float, stage: str) -> None:
+                now = time.monotonic()
+                if now - heard[0] >= TELL_S:
+                    heard[0] = now
+                    self._told(card.id, share=min(1.0, max(0.0, share)), stage=stage)
+
+            def work(progress: Progress) -> None:
+                with self._lock:  # which is held until the job is known
+                    job = own[0]
+                self._work(card, document, hands, standing, progress, job)
+
+            own.append(self._jobs.start(work, hear))
+            self._running[card.id] = own[0]
+
+    def _work(
+        self, card: Card, document: Document, hands: Hands, standing: Standing, progress: Progress, job: Job
+    ) -> None:
+        try:
+            self._told(card.id, state="running", share=0.0, stage="")
+            found = self._found(card, document, hands, standing, progress)
+        except JobCancelledError:
+            return
+        except (FeelerError, MemoryError) as error:
+            self._told(card.id, state="failed", sentence=f"{str(error) or 'not enough memory'}", share=0.0, stage="")
+        except Exception as error:
+            # A page that waits for ever says nothing.
+            self._told(card.id, state="failed", sentence=f"{type(error).__name__}: {error}", share=0.0, stage="")
+        else:
+            with self._lock:
+                if job.is_given_up:
+                    return
+                self._answers[card.id] = found
+            self._told(card.id, state="done", sentence=found.sentence, is_good=found.is_good, share=1.0, stage="")
+        finally:
+            with self._lock:
+                # The same question may have been asked again meanwhile.
+                if self._running.get(card.id) is job:
+                    del self._running[card.id]
+
+    def _found(self, card: Card, document: Document, hands: Hands, standing: Standing, progress: Progress) -> Answered:
+        scene = standing.scene(document, card.without, lambda share, stage: progress(0.0, stage))
+        there = tuple(part for part in card.parts if scene.part_mask[part])
+        tool = hands.tool(str(card.options["tool"])) if "tool" in card.options else None
+        # One core is left for the hand.
+        threads = max(1, (os.cpu_count() or 2) - 1)
+        return ANSWERS[card.question](Asked(scene, there, card.options, tool, threads), progress)
+
+    def _give_up(self, number: int, is_gone: bool) -> None:
+        with self._lock:
+            job = self._running.get(number)
+            if job is not None:
+                job.cancel()
+            if is_gone:
+                self._answers.pop(number, None)

@@ -1,0 +1,66 @@
+// Plays films of ways: once a frame the open film goes on, and the picture has its parts where it has them.
+
+import { effect } from "@preact/signals";
+import { fetchAnswer, filmPath, filmPlaces } from "../actions/cards";
+import type { Workbench } from "../actions/workbench";
+import { advanced, gapAt } from "../model/film";
+import type { Loop } from "./loop";
+
+/** A longer pause between two frames is none of the film's. */
+const LONGEST_FRAME_S = 0.25;
+
+/** Follows the store from now on; the function returned ends it. */
+export function followFilm(wb: Workbench, loop: Loop): () => void {
+  const { store, stage } = wb;
+  let last_ms: number | null = null;
+  const play = (now_ms: number): boolean => {
+    const film = store.film.peek();
+    const ways = film ? store.answers.peek().get(film.card)?.ways : undefined;
+    if (!film?.is_playing || !ways) {
+      last_ms = null;
+      return false;
+    }
+    const seconds = last_ms === null ? 0 : Math.min(LONGEST_FRAME_S, (now_ms - last_ms) / 1000);
+    last_ms = now_ms;
+    store.film.value = advanced(film, ways, seconds);
+    return true;
+  };
+  loop.each_frame.add(play);
+  const ends = [
+    // A question that is answered while its card is open shows its answer.
+    effect(() => {
+      const id = store.card.value;
+      const card = store.document.value?.cards.find((each) => each.id === id);
+      if (card?.state === "done") void fetchAnswer(wb, card.id);
+      if (id !== null && store.document.value && !card) store.card.value = null;
+    }),
+    effect(() => {
+      void store.manifest.value;
+      const film = store.film.value;
+      void store.answers.value;
+      const moved = store.document.value?.moved ?? {};
+      const places = new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]]));
+      for (const [part, pose] of filmPlaces(wb, film)) places.set(part, [...pose]);
+      stage.setMoved(places);
+      loop.request();
+    }),
+    effect(() => {
+      const film = store.film.value;
+      const reach = store.reach.value;
+      const way = film ? store.answers.value.get(film.card)?.ways[film.step] : undefined;
+      const gap = film && way ? gapAt(way.gaps, film.share) : null;
+      store.way_marks.value = {
+        path: filmPath(wb, film),
+        gap: gap?.point && gap.gap !== null ? { point: [...gap.point], value: gap.gap, part: gap.part ?? -1 } : null,
+        fan: reach
+          ? { centre: [...reach.point], rim: reach.fan.map((each) => [...each]), isGood: reach.is_reachable }
+          : null,
+      };
+      loop.remark();
+    }),
+  ];
+  return () => {
+    loop.each_frame.delete(play);
+    for (const end of ends) end();
+  };
+}
