@@ -34,21 +34,25 @@ export async function openCard(wb: Workbench, id: number | null): Promise<void> 
   store.card.value = id;
   store.film.value = null;
   store.reach.value = null;
+  wb.stage.setRoom(null);
   if (id !== null) await fetchAnswer(wb, id);
   wb.redraw();
 }
 
-/** Fetches the answer of the open card, once there is one. */
+/** Fetches the answer of the open card, once there is one, and shows it in the picture. */
 export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
   const { store } = wb;
-  const card = cardOf(wb, id);
-  if (card?.state !== "done" || store.answers.peek().has(id)) return;
+  if (cardOf(wb, id)?.state !== "done") return;
   try {
-    const answer = await wb.ask("card", { id });
-    store.answers.value = new Map([...store.answers.peek(), [id, answer]]);
-    if (store.card.peek() === id && answer.ways.length > 0 && !store.film.peek())
+    const answer = store.answers.peek().get(id) ?? (await wb.ask("card", { id }));
+    if (!store.answers.peek().has(id)) store.answers.value = new Map([...store.answers.peek(), [id, answer]]);
+    const piece = answer.room && wb.fetchRoom ? await wb.fetchRoom(id) : null;
+    // Another card may have been opened meanwhile.
+    if (store.card.peek() !== id) return;
+    if (answer.ways.length > 0 && store.film.peek()?.card !== id)
       store.film.value = { card: id, step: 0, share: 0, is_playing: false };
-    if (answer.room && wb.fetchRoom) wb.stage.setRoom({ piece: await wb.fetchRoom(id), manifest: answer.room });
+    wb.stage.setRoom(piece && answer.room ? { piece, manifest: answer.room } : null);
+    wb.redraw();
   } catch (error) {
     wb.tell(error);
   }

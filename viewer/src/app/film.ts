@@ -31,7 +31,7 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
     effect(() => {
       const id = store.card.value;
       const card = store.document.value?.cards.find((each) => each.id === id);
-      if (card?.state === "done") void fetchAnswer(wb, card.id);
+      if (card?.state === "done" && !store.answers.value.has(card.id)) void fetchAnswer(wb, card.id);
       if (id !== null && store.document.value && !card) store.card.value = null;
     }),
     effect(() => {

@@ -1,0 +1,74 @@
+"""Questions as people ask them: the page in a real Chromium, `feeler view` behind it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from browser import differing, document, keep, opened, picture, program, settled, troubles, wait
+
+DONE = "() => window.feeler.document.cards.length > 0 && window.feeler.document.cards.at(-1).state === 'done'"
+
+
+def select(page: Any, words: str, row: str) -> None:
+    page.keyboard.press("/")
+    page.keyboard.type(words)
+    page.locator("[role=treeitem]", has_text=row).last.click()
+    page.locator("#picture").focus()
+
+
+def test_a_part_is_asked_for_watched_taken_out_and_put_back(context: Any, stand: Path, cube: Path) -> None:
+    with program(stand, "--tool", cube) as started:
+        page = opened(context, started)
+        select(page, "pump", "pump")
+        page.keyboard.press("q")
+        wait(page, DONE)
+        panel = page.locator("#panel")
+        assert "Can pump come out?" in panel.inner_text()
+        slider = panel.get_by_role("slider")
+        slider.wait_for()
+        page.mouse.move(2, 2)
+        settled(page)
+        at_home = picture(page)
+        slider.fill("700")
+        settled(page)
+        assert differing(picture(page), at_home) > 0.005, "the film moves the part"
+        assert document(page)["moved"] == {}, "in the picture alone"
+        keep(page.screenshot(), "way.png")
+        panel.get_by_role("button", name="Play the way").click()
+        wait(page, "() => document.querySelector('#panel input[type=range]').value === '1000'")
+        panel.get_by_role("button", name="Take it into the sequence").click()
+        wait(page, "() => window.feeler.document.sequence.length === 1")
+        assert len(document(page)["out"]) == 1
+        # What was asked is about the mock-up with the part: the card says that it is of before.
+        page.get_by_role("tab", name="Ask").click()
+        assert "parts were moved since" in panel.inner_text()
+        page.locator("#picture").focus()
+        page.keyboard.press("Control+z")
+        wait(page, "() => window.feeler.document.out.length === 0")
+        assert len(document(page)["cards"]) == 1 and "parts were moved since" not in panel.inner_text()
+        panel.get_by_role("button", name="Remove: Can pump come out?").click()
+        wait(page, "() => window.feeler.document.cards.length === 0")
+        settled(page)
+        assert troubles(page) == []
+
+
+def test_the_room_that_a_part_needs_is_seen(context: Any, stand: Path) -> None:
+    with program(stand) as started:
+        page = opened(context, started)
+        select(page, "pump", "pump")
+        settled(page)
+        before = picture(page)
+        page.get_by_role("tab", name="Ask").click()
+        page.get_by_role("button", name="What room does it need").first.click()
+        wait(page, DONE)
+        page.locator("#panel dl").wait_for()
+        settled(page)
+        assert differing(picture(page), before) > 0.01
+        assert "needs at most" in page.locator("#panel").inner_text()
+        keep(page.screenshot(), "room.png")
+        # A closed card shows nothing in the picture.
+        page.locator("#panel li.question button[aria-expanded=true]").click()
+        settled(page)
+        assert differing(picture(page), before) < 0.005
+        assert troubles(page) == []
