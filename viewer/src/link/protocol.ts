@@ -745,7 +745,7 @@ export interface CardAnswer {
   /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
   readonly room: HeldManifest | null;
   /** What else is to be said: a name and a figure. */
-  readonly facts: readonly ([string, string])[];
+  readonly facts: readonly [string, string][];
 }
 
 /** The arguments of commands. */
