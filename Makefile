@@ -235,6 +235,11 @@ exact: build ## ten million hard pairs, thousands of scenes, a million casts, bo
 fuzz: build ## fuzz collisions, distances, contacts, saved scenes and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
 	@sh tools/fuzz.sh $(PY) $(FUZZ_SECONDS) $(FUZZ)
 
+.PHONY: project-kills
+project-kills: build ## kill the workbench 200 times while it saves, and damage a project 3,000 times (KILLS=, DAMAGES=)
+	@FEELER_PROJECT_KILLS=$(or $(KILLS),200) FEELER_PROJECT_FUZZ=$(or $(DAMAGES),3000) \
+		$(PY) -m pytest tests/test_project.py tests/test_project_workbench.py -k "kill or damage"
+
 .PHONY: sanitize
 sanitize: ## the core's tests under AddressSanitizer (needs a nightly Rust)
 	@cargo +nightly --version >/dev/null 2>&1 || { echo "make sanitize: needs a nightly Rust (rustup toolchain install nightly)" >&2; exit 1; }

@@ -39,7 +39,7 @@ MADE_BY_FEELER = {
     feeler.Clearance, feeler.ClearanceBatch, feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
     feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
-    feeler.PartsRemoval, feeler.Removals,
+    feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
     feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
@@ -81,6 +81,7 @@ class World:
         Path("robot.urdf").write_text(URDF)
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
+        self.project = feeler.open_project("project.feelproj", self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
         haptics_record(self)
 
@@ -177,6 +178,11 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.load_mockup": lambda w: (feeler.load_mockup, {"path": "mesh.stl"}),
     "feeler.load_tool": lambda w: (feeler.load_tool, {"path": "mesh.stl"}),
     "feeler.nearest_rigid": lambda w: (feeler.nearest_rigid, {"pose": w.pose}),
+    "feeler.Project.changes": lambda w: (w.project.changes, {"mockup": w.mockup}),
+    "feeler.Project.history": lambda w: (w.project.history, {"finding": "x"}),
+    "feeler.Project.save_copy": lambda w: (w.project.save_copy, {"path": "copy.feelproj"}),
+    "feeler.Project.write_clashes": lambda w: (w.project.write_clashes, {"clashes": w.clashes}),
+    "feeler.open_project": lambda w: (feeler.open_project, {"path": "project.feelproj", "read_only": True}),
     "feeler.open_scene": lambda w: (feeler.open_scene, {"path": "scene.feeler"}),
     "feeler.optimal_voxel_size": lambda w: (feeler.optimal_voxel_size, {"mockup": w.mockup, "tool": w.tool}),
     "feeler.removal": plan(feeler.removal),

@@ -42,6 +42,7 @@ STAY = {
     "HapticsRun",
     "Session",
     "SavedScene",
+    "Project",
 }
 RUNNING: dict[str, Callable[[Any], Any]] = {
     "TickAnswer": lambda run: run.view(),
@@ -177,6 +178,7 @@ def samples() -> dict[str, list[Any]]:
     assert stats is not None
     return {
         "View": [view],
+        "PartChanges": [feeler.PartChanges(changed=("a",), renamed={"b": "c"})],
         "Granted": [granted],
         "Trace": [trace],
         "Statistics": [stats],
@@ -274,6 +276,9 @@ def staying(name: str) -> Any:
             path = Path(folder) / "a.feeler"
             feeler.Scene(mock).save(path)
             return _core.SavedScene(str(path), True, 2**63, None)
+    if name == "Project":
+        with tempfile.TemporaryDirectory() as folder, feeler.open_project(Path(folder) / "a.feelproj", mock) as project:
+            return project
     if name == "PiecePredictor":
         return _core.PiecePredictor(mock, tool)
     if name == "ClashRows":

@@ -100,6 +100,7 @@ DOCUMENT: protocol.DocumentFields = {
     "tool": {"name": "wrench", "triangles": 4},
     "tools": ["wrench", "hand"],
     "record": None,
+    "project": None,
     "absent": [],
     "held_version": 1,
     "unit": "mm",

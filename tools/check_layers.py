@@ -301,21 +301,49 @@ ROOMS: dict[str, set[str]] = {
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
     "clashes": {*BASE, "enumerations", "ignored", "io", "parts", "picture", "plan", "spreading"},
+    # One file with what is known, asked and decided; it knows no workbench.
+    "project": {*BASE, "clashes", "parts"},
     # Removal, order, access, swept volumes.
     "plan": {*BASE, "ignored", "io", "parts", "picture", "spreading"},
     "samples": BASE,
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
-    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "plan", "samples", "feeler"},
+    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "plan", "project", "samples", "feeler"},
     # The mock-up for agents: a server of the Model Context Protocol.
     "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
     "cli": {
-        *(*BASE, "agent", "clashes", "haptics", "io", "picture", "plan", "samples", "saved", "study", "workbench"),
+        *(
+            *BASE,
+            "agent",
+            "clashes",
+            "haptics",
+            "io",
+            "picture",
+            "plan",
+            "project",
+            "samples",
+            "saved",
+            "study",
+            "workbench",
+        ),
         "feeler",
     },
     "__init__": {
-        *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
+        *(
+            "_core",
+            "ignored",
+            *BASE,
+            "clashes",
+            "depths",
+            "haptics",
+            "interchange",
+            "io",
+            "picture",
+            "plan",
+            "project",
+            "samples",
+        ),
         *("parts", "spreading", "study", "types", "workbench"),
     },
     "__main__": {"cli"},

@@ -87,13 +87,13 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             )
         ],
     ),
-    "workbench": ("Workbench", ["view", "View"]),
+    "workbench": ("Workbench", ["view", "View", "open_project", "Project", "PartChanges"]),
     "samples": ("Samples", ["sample", "sample_tool", "sample_truth", "sample_poses", "sample_path"]),
     "errors": (
         "Errors",
         [
             *("FeelerError", "LoadError", "MissingFileError", "MeshError", "PoseError", "OptionError", "LimitError"),
-            *("WriteError", "DeviceError", "SessionError", "WorkbenchError", "WorkerLost"),
+            *("WriteError", "DeviceError", "SessionError", "ProjectError", "WorkbenchError", "WorkerLost"),
         ],
     ),
 }

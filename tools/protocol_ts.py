@@ -271,7 +271,8 @@ def of(node: ast.expr) -> str:
             return of(inside)
         case ast.Subscript(value=ast.Name(id="list"), slice=inside):
             item = of(inside)
-            return f"readonly ({item})[]" if " " in item and "<" not in item else f"readonly {item}[]"
+            is_whole = " " not in item or "<" in item or item.startswith("[")
+            return f"readonly {item}[]" if is_whole else f"readonly ({item})[]"
         case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):
             return f"[{', '.join(of(each) for each in items)}]"
         case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, inside])):

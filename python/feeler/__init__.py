@@ -49,6 +49,7 @@ if _typing.TYPE_CHECKING:
         MissingFileError,
         OptionError,
         PoseError,
+        ProjectError,
         SessionError,
         WorkbenchError,
         WriteError,
@@ -68,6 +69,7 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.removals import PartsRemoval, Removals, RemovalsInterrupted, removals
     from feeler.plan.swept import swept
     from feeler.poses import nearest_rigid
+    from feeler.project import PartChanges, Project, open_project
     from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
@@ -113,11 +115,14 @@ __all__ = [
     "PackedPiece",
     "PairKind",
     "Part",
+    "PartChanges",
     "Parts",
     "PartsRemoval",
     "PathCheck",
     "Penetration",
     "PoseError",
+    "Project",
+    "ProjectError",
     "Rays",
     "Reach",
     "Removal",
@@ -155,6 +160,7 @@ __all__ = [
     "load_mockup",
     "load_tool",
     "nearest_rigid",
+    "open_project",
     "open_scene",
     "optimal_voxel_size",
     "removal",
@@ -211,6 +217,7 @@ _HOMES = {
         "MissingFileError",
         "OptionError",
         "PoseError",
+        "ProjectError",
         "SessionError",
         "WorkbenchError",
         "WriteError",
@@ -271,6 +278,11 @@ _HOMES = {
     ),
     "feeler.plan.swept": ("swept",),
     "feeler.poses": ("nearest_rigid",),
+    "feeler.project": (
+        "PartChanges",
+        "Project",
+        "open_project",
+    ),
     "feeler.samples": (
         "sample",
         "sample_path",

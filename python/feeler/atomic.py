@@ -23,6 +23,7 @@ _ENDINGS = frozenset(
             ".csv",
             ".dae",
             ".feeler",
+            ".feelproj",
             ".gif",
             ".glb",
             ".gltf",

@@ -57,6 +57,10 @@ class WorkbenchError(FeelerError, RuntimeError):
         return (type(self), (self.what, self.where, self.do), vars(self))  # notes are among these
 
 
+class ProjectError(FeelerError, OSError):
+    """A project file is open in another process, or another process has taken it over."""
+
+
 class LoadError(FeelerError, ValueError):
     """A file cannot be read as the mesh it claims to be."""
 

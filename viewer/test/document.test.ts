@@ -24,6 +24,7 @@ const DOCUMENT: Document = {
   tool: null,
   tools: [],
   record: null,
+  project: null,
   absent: [],
   held_version: 0,
   unit: "mm",

@@ -17,7 +17,6 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any, Generic
 
 import numpy as np
@@ -156,6 +155,11 @@ def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
         raise LoadError(f"{file}: {cut}not JSON ({error}): give a file of Clashes.save, whole") from None
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise LoadError(f'{file} is not a file of clashes ("format" is not "{FORMAT}"): give a file of Clashes.save')
+    return table_of(data, file, kind)
+
+
+def table_of(data: Mapping[str, Any], file: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
+    """The findings in the content of a file. file: its name, for errors. Raises `LoadError`."""
     if data.get("version") != VERSION:
         raise LoadError(
             f"{file} is of version {data.get('version')!r}, and this feeler reads {VERSION}: run the check again, or "
@@ -171,7 +175,7 @@ def load(path: str | os.PathLike[str], kind: type[AnyTable]) -> AnyTable:
 class _Reader(Generic[AnyTable]):
     """Turns JSON into tables. Errors name the line."""
 
-    def __init__(self, file: Path, kind: type[AnyTable]) -> None:
+    def __init__(self, file: str | os.PathLike[str], kind: type[AnyTable]) -> None:
         self.file, self.kind = file, kind
 
     def table(self, data: Mapping[str, Any], name: str) -> AnyTable:

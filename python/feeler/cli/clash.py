@@ -27,6 +27,7 @@ from feeler.cli.inputs import (
     read_mockup,
     warn_of_doubts,
 )
+from feeler.cli.projects import Work, files_of, named_project, open_named, take_mockup, work_of
 from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -34,6 +35,7 @@ from feeler.words import plural
 
 if TYPE_CHECKING:
     from feeler.clashes.matching import PartMatch
+    from feeler.project.book import Book
 
 _SHOWN_GROUPS = 12
 _SHOWN = 20
@@ -54,6 +56,8 @@ feeler clash engine.step
 feeler clash engine.step --clearance 5mm --contact chord --html clashes.html --bcf clashes.bcf
 feeler clash engine.step --write-rules clash.toml
 feeler clash engine.step --rules clash.toml --previous last.json --save now.json --fail-on new
+feeler clash engine.step --project engine.feelproj --fail-on new
+feeler clash engine.feelproj
 feeler clash now.json --rules other.toml
 feeler clash sample:gearbox:100000 --clearance 0 --contact 1mm --fail-on clash,duplicate,contained --json
 """
@@ -80,6 +84,14 @@ def clash(
         ),
     ] = None,
     save: Annotated[Path | None, typer.Option(help="Save the findings with their status, for the next check.")] = None,
+    project: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="A project (.feelproj): take over statuses of its last check, and write the findings into it; made if "
+            "it is missing.",
+        ),
+    ] = None,
     growth: Annotated[
         float | None,
         typer.Option(help="How much deeper an approved finding may get and stay approved. Default: 0.1mm."),
@@ -118,7 +130,8 @@ def clash(
 ) -> None:
     """Finds every pair of parts that overlap, touch, or are too near; classifies them exactly, and measures them.
 
-    To try --rules without another check, pass the findings of --save instead of the mock-up.
+    To try --rules without another check, pass the findings of --save instead of the mock-up. A project instead of the
+    mock-up stands for the mock-up that it names.
 
     Exit status: 0 fine, 1 findings that match --fail-on, 2 bad input. Ctrl-C keeps the findings so far, marked as
     partial, and ends with 130.
@@ -128,26 +141,39 @@ def clash(
     from feeler.clashes.changes import check_previous
     from feeler.cli import outputs
 
+    named = named_project(mockup, project)
+    if named is not None and (previous is not None or _is_saved(mockup)):
+        raise OptionError("--project has the findings of its last check: leave out --previous and saved findings")
     targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
     outputs.check_targets(targets, _ENDINGS)
     if xlsx is not None:
         xlsx_library()
     group_by = check_word("--by", by, GROUPS_BY)
-    if growth is not None and previous is None:
-        raise OptionError("--growth compares with an earlier check: give --previous FILE, too")
+    if growth is not None and previous is None and named is None:
+        raise OptionError("--growth compares with an earlier check: give --previous FILE or --project FILE, too")
     wanted = _wanted(fail_on)
     given = None if rules is None else room.Rules.read(rules)
     before = None if previous is None else room.load_clashes(previous)
     is_interrupted = False
     world: feeler.Mockup | None = None
+    book: Book | None = None
+    work = Work(files_of(mockup), None, None, unit, up, without, only)
+    if named is not None:
+        book = open_named(named)
+        context.call_on_close(book.close)
+        work = work if work.sources else work_of(book, work)
+        before = book.clashes()
+    mockup, without, only = work.sources, work.without, work.only
     if _is_saved(mockup):
         _check_saved(context, targets)
         found = room.load_clashes(mockup[0])
         if given is not None:
             found = found.with_rules(given)
     else:
-        world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
+        world = read_mockup(mockup, work.unit, work.up, chord_tolerance=chord_tolerance)
         warn_of_doubts(world)
+        if book is not None:
+            take_mockup(book, world, work)
         if before is not None:
             check_previous(world, before)
         with bar("indexing") as progress:
@@ -174,8 +200,11 @@ def clash(
     if before is not None:
         match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
         if match.is_doubtful:
-            outputs.warn(f"{match}; is {previous} of this mock-up?")
+            outputs.warn(f"{match}; is {previous or named} of this mock-up?")
     written = _write(world, found, targets, group_by)
+    if book is not None:
+        book.write_clashes(found, group_by)
+        written["project"] = book.path
     is_found = wanted is not None and wanted(found)
     if as_json:
         facts = {"mockup": None if world is None else mesh_facts(world), "written": written, "failed": is_found}

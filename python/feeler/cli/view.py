@@ -7,7 +7,10 @@ import json
 import sys
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -29,6 +32,7 @@ from feeler.cli.inputs import (
     read_tool,
     telling,
 )
+from feeler.cli.projects import ProjectFile, Work, files_of, keep_work, named_project, open_named, tool_of, work_of
 from feeler.cli.values import Whole, Word
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
@@ -58,6 +62,9 @@ feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
 feeler view sample:engine:10000000 --benchmark
 feeler view engine.step --findings clashes.json
+feeler view engine.step --project engine.feelproj
+feeler view engine.feelproj
+feeler view engine-2.step --project engine.feelproj
 """,
 )
 def view(
@@ -100,6 +107,11 @@ def view(
     findings: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Findings of feeler clash --json, to step through.")
     ] = None,
+    project: ProjectFile = None,
+    read_only: Annotated[
+        bool,
+        typer.Option("--read-only", help="Open the project without saving, for one that another process has open."),
+    ] = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -119,7 +131,8 @@ def view(
     """Opens the workbench in the browser: look around in a mock-up, move a tool, take parts out, measure.
 
     Prints the address, which contains the key for access. The page opens at once and shows loading progress. Ctrl-C
-    ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
+    ends it. With --project, everything is saved as you work; a project alone opens the mock-up that it names.
+    Exit status: 0; 2 bad input, a mock-up that could not be read, or changes that could not be saved.
 
     --benchmark moves camera and tool in the page and reports the frames per second; keep the page visible, because
     browsers do not draw hidden ones.
@@ -132,11 +145,16 @@ def view(
     from feeler.workbench.session.session import Session
 
     is_tool_given = tool is not None
-    if tool is None:
+    named = named_project(mockup, project, read_only)
+    if named is not None and record is not None:
+        raise OptionError("--record begins with an empty document, and a project has its own: give one of the two")
+    files = files_of(mockup)
+    is_sample = not files and (named is None or not named.exists())
+    if tool is None and (named is None or is_sample):
         if tool_unit is not None:
             raise OptionError("--tool-unit is for --tool FILE")
-        tool = None if mockup else _SAMPLE_TOOL
-    if device is not None and tool is None:
+        tool = _SAMPLE_TOOL if is_sample else None
+    if device is not None and tool is None and named is None:
         raise OptionError("--device moves a tool: give --tool too")
     place = Place(host, port, allow_remote, tls_cert, tls_key)
     place.check()
@@ -149,17 +167,31 @@ def view(
     held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
     with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as ends:
-        session = Session(unit=show_unit, record=record)
+        work = Work(files or [_SAMPLE], tool, tool_unit, unit, up, without or [], only or [])
+        opened = None
+        if named is not None:
+            opened = open_named(named, read_only)
+            ends.callback(opened.close)
+            if not files and not is_sample:
+                work = work_of(opened, work)
+            elif tool is None:
+                kept, its_unit = tool_of(opened)
+                work = replace(work, tool=kept, tool_unit=tool_unit or its_unit)
+        session = Session(unit=show_unit, record=record, project=opened)
         ends.callback(session.close)
         server = Server(session, place=place, has_device=held is not None)
         server.start()
         ends.callback(server.close)
-        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held, found)
+        choice = Choice(None, work.without, work.only)
+        opening = _Opening(session, work.sources, work.tool, choice, held, found)
         opening.is_tool_kept = is_tool_given
+        opening.project = None if opened is None else opened.path
+        if opened is not None and not read_only:
+            opening.on_opened = partial(keep_work, opened, work)
         ends.callback(opening.close)
-        if record is None:  # which is of one mock-up
+        if record is None and opened is None:  # these are of one mock-up
             session.openings.offer(opening.again)
-        opening.begin(unit, tool_unit, up, threads)
+        opening.begin(work.unit, work.tool_unit, work.up, threads)
         say_where(server, place.is_remote, as_json)
         if browser:
             open_browser(server.url)
@@ -168,7 +200,11 @@ def view(
         measured = _Measured(session, opening, as_json)
         while not (measured.is_done() or opening.is_failed):
             time.sleep(_LOOK_S)
-    if opening is not None and opening.is_failed:
+    if opening is None:
+        return
+    if (trouble := opening.unsaved()) is not None:
+        fail(f"not saved: {trouble}")
+    if opening.is_failed or trouble is not None:
         raise typer.Exit(BAD_INPUT)
 
 
@@ -196,6 +232,10 @@ class _Opening:
         """Whether the tool is in the hand of mock-ups that are opened later, too; else they have it for `take_tool`."""
         self.opened: Opened | None = None
         """Set when the mock-up is read and indexed."""
+        self.project: str | None = None
+        """The path of the project, if there is one."""
+        self.on_opened: Callable[[], object] = lambda: None
+        """Called when the mock-up is in the session."""
         self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
@@ -229,6 +269,11 @@ class _Opening:
             self._sources, self._choice, self._findings = kept
         return is_open
 
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are, or there is no project."""
+        facts = self._session.current.project
+        return facts.trouble if facts is not None and facts.state == "failed" else None
+
     def close(self) -> None:
         """Closes the device."""
         self._is_over = True
@@ -261,7 +306,7 @@ class _Opening:
 
     def _for_pages(self, text: str) -> str:
         """A text with files by their names: the page must not show paths of the disk."""
-        for source in filter(None, (*self._sources, self._tool)):
+        for source in filter(None, (*self._sources, self._tool, self.project)):
             for path in (str(Path(source).resolve()), source):
                 if len(Path(path).parts) > 1:  # a bare name stays
                     text = text.replace(path, Path(source).resolve().name)
@@ -305,6 +350,7 @@ class _Opening:
         shown = [self._for_pages(doubt) for doubt in doubts]
         tools = [] if probe is None else [probe]
         session.open(world, scene, in_hand, tools=tools, name=name_of(self._sources), doubts=shown)
+        self.on_opened()
         if self._findings is not None:
             session.load_findings(self._findings)
         if is_first and self._held is not None and probe is not None and not self._is_over:

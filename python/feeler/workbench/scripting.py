@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import io
+import os
 import threading
 import webbrowser
 from collections.abc import Callable, Mapping
@@ -14,7 +15,7 @@ import numpy as np
 
 import feeler
 from feeler._core import Cast, Clearance, Collision, Contacts, Distance
-from feeler.arguments import check_callable, check_flag, check_whole, check_word
+from feeler.arguments import check_callable, check_flag, check_path, check_whole, check_word
 from feeler.atomic import atomic_file, check_target
 from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
 from feeler.errors import MeshError, WorkbenchError
@@ -24,6 +25,7 @@ from feeler.picture.camera import check_size
 from feeler.picture.png import write_png
 from feeler.picture.renderer import render
 from feeler.poses import PoseLike
+from feeler.project.book import open_or_make
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import MODES
@@ -45,6 +47,7 @@ def view(
     pose: PoseLike | None = None,
     mode: ViewMode = "stop",
     unit: ViewUnit = "mm",
+    project: str | os.PathLike[str] | None = None,
 ) -> View:
     """Opens the workbench on a scene, or on a mock-up, which is indexed first, with a tool in hand.
 
@@ -53,9 +56,11 @@ def view(
     - `pose`: `(4, 4)` world_from_tool of the hand at the start; default beside the mock-up.
     - `mode`: the effect of contact on the hand: `"stop"`, `"glide"` or `"pass"`.
     - `unit`: of displayed lengths: `"mm"`, `"cm"`, `"m"` or `"in"`.
+    - `project`: a project file (`.feelproj`), in which everything is saved; made if it is missing. What it has already
+      replaces `pose`, `mode` and `unit`.
 
-    It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, and `WorkbenchError` for an
-    invalid pose, or if the server cannot start.
+    It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, `WorkbenchError` for an invalid
+    pose, or if the server cannot start, and the errors of `open_project`.
     """
     given: object = scene
     if not isinstance(given, (Scene, Mockup)):
@@ -67,7 +72,8 @@ def view(
     check_whole("port", port, 0, 65535)
     check_flag("browser", browser)
     start = None if pose is None else motion.checked(pose, "pose")
-    session = Session(unit=unit)
+    book = None if project is None else open_or_make(check_path("project", project))
+    session = Session(unit=unit, project=book)
     try:
         opened = View(session, _served(session, port))
         if browser:

@@ -186,6 +186,10 @@ class ViewCommands:
         """Sets the status of a finding."""
         return self.command("finding_status", id=id, status=status)
 
+    def accept_revision(self) -> CommandAnswer:
+        """Accepts the present revision of the mock-up: the project's answers are about its parts from now on."""
+        return self.command("accept_revision")
+
     def finding_filter(self, is_touching_hidden: bool) -> CommandAnswer:
         """Hides or shows findings that only touch."""
         return self.command("finding_filter", is_touching_hidden=is_touching_hidden)

@@ -11,6 +11,7 @@ import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import { openFindings, stepFinding } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
+import { isStale, project, saveProject, selectStale } from "./project";
 import { addSection, flipped, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
@@ -54,6 +55,7 @@ const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.finding
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
 const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
+const hasStale = (wb: Workbench): boolean => isStale(project(wb));
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -444,7 +446,7 @@ export const COMMANDS: readonly PageCommand[] = [
       `Export: ${title}`,
       "",
       (wb) => exportFile(wb, name),
-      name === "page" ? canChange : hasSequence,
+      name === "page" || name === "export_project" ? canChange : hasSequence,
     ),
   ),
 
@@ -472,6 +474,16 @@ export const COMMANDS: readonly PageCommand[] = [
   ),
   command("Edit", "escape", "Cancel, or clear the selection", "Escape", endNearest),
 
+  command("Edit", "save-project", "Save project", "Ctrl+S", saveProject, canChange),
+  command("Edit", "select-stale", "Select the parts that a revision changed", "", selectStale, hasStale),
+  command(
+    "Edit",
+    "accept-revision",
+    "Accept this revision of the mock-up",
+    "",
+    (wb) => wb.run("accept_revision"),
+    (wb) => canChange(wb) && hasStale(wb),
+  ),
   command("Page", "open-file", "Open a file", "Ctrl+O", chooseFiles, canOpen),
   command("Page", "open-sample", "Open a sample", "", showDialog("open"), canOpen),
   command("Page", "reopen-unit", "Correct the unit of the file", "", showDialog("doubts"), canOpen),

@@ -87,6 +87,20 @@ export interface RecordFacts {
   readonly verdict: string | null;
 }
 
+/** The project file that the document is saved in. */
+export interface ProjectFacts {
+  readonly name: string;
+  readonly state: "saved" | "saving" | "failed" | "read only";
+  /** Why it is not saved. */
+  readonly trouble: string | null;
+  /** By part id: parts that differ from those that the project's answers are about. */
+  readonly stale: Readonly<Record<string, "changed" | "moved" | "new">>;
+  /** Paths of parts that this revision lacks. */
+  readonly gone: readonly string[];
+  /** Removals and measures of missing parts, which only the file still has. */
+  readonly aside: number;
+}
+
 /** Progress of reading and indexing. */
 export interface Loading {
   readonly stage: string;
@@ -230,6 +244,7 @@ export interface Document {
   /** Names for `take_tool`. */
   readonly tools: readonly string[];
   readonly record: RecordFacts | null;
+  readonly project: ProjectFacts | null;
   /** Parts excluded when the mock-up was opened: they do not collide and are not drawn. */
   readonly absent: readonly number[];
   /** Version of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty. */
@@ -831,6 +846,8 @@ export interface Commands {
   readonly findings_open: { readonly findings: unknown };
   /** Sets the status of a finding. */
   readonly finding_status: { readonly id: string; readonly status: FindingStatus };
+  /** Accepts the present revision of the mock-up: the project's answers are about its parts from now on. */
+  readonly accept_revision: Record<string, never>;
   /** Hides or shows findings that only touch. */
   readonly finding_filter: { readonly is_touching_hidden: boolean };
   /** Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need. */
@@ -890,6 +907,8 @@ export interface Jobs {
   readonly export_csv: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_html: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_glb: { readonly args: Record<string, never>; readonly answer: Written };
+  /** A project of the document, to download. It names the mock-up by its content, and no folder of this machine. */
+  readonly export_project: { readonly args: Record<string, never>; readonly answer: Written };
   /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
   /** Replays the record that the workbench was opened with. */

@@ -7,6 +7,7 @@ import type { Connection } from "../model/page-state";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { Name } from "./names";
+import { ProjectStatus } from "./project";
 import { poseHint } from "./typing-hint";
 import { depthText, isolated, isTouching, touchedText, trianglesText } from "./words";
 
@@ -36,6 +37,7 @@ export function StatusLine() {
           Recording
         </span>
       )}
+      <ProjectStatus />
       <ContactFacts />
       <span class="status-path" title={wb.path(store.hover.value)}>
         {store.hover.value >= 0 ? <Name text={wb.path(store.hover.value)} /> : poseHint(store)}

@@ -382,6 +382,14 @@ def finding_filter(document: Document, given: Arguments, _known: Known) -> Docum
     return replace(document, findings=found)
 
 
+def accept_revision(document: Document, given: Arguments, _known: Known) -> Document:
+    """Accepts the present revision of the mock-up: the project's answers are about its parts from now on."""
+    facts = document.project
+    if facts is None or not (facts.stale or facts.gone):
+        raise WorkbenchError("no part is stale", given.command, "open a newer revision with a project")
+    return replace(document, project=replace(facts, stale=MappingProxyType({}), gone=()))
+
+
 MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
 """The objects of a measure; each type needs one of them."""
 
@@ -429,6 +437,7 @@ COMMANDS: dict[str, Command] = {
     "sequence_replay": Command(sequence_replay, {"id": int}, moves_hand=True),
     "findings_open": Command(findings_open, {"findings": Any}),
     "finding_status": Command(finding_status, {"id": str, "status": FindingStatus}),
+    "accept_revision": Command(accept_revision),
     "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
     "ask": Command(cards.ask, {**ASKED}, is_of_cards=True),
     "card_again": Command(cards.card_again, {"id": int}, is_of_cards=True),

@@ -56,6 +56,23 @@ class RecordFacts:
 
 
 @dataclass(frozen=True)
+class ProjectFacts:
+    """The project file that the document is saved in.
+
+    state: "saved", "saving", "failed" or "read only". trouble: why it is not saved. stale: "changed", "moved" or "new"
+    by part, for parts that differ from those that the project's answers are about. gone: paths of missing parts.
+    aside: number of removals and measures of missing parts, which only the file still has.
+    """
+
+    name: str
+    state: str = "saving"
+    trouble: str | None = None
+    stale: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
+    gone: tuple[str, ...] = ()
+    aside: int = 0
+
+
+@dataclass(frozen=True)
 class Loading:
     """The stage of opening a mock-up; share: 0 to 1."""
 
@@ -200,6 +217,7 @@ class Document:
     tool: ToolFacts | None = None
     tools: tuple[str, ...] = ()
     record: RecordFacts | None = None
+    project: ProjectFacts | None = None
     absent: tuple[int, ...] = ()
     held_version: int = 0
     unit: str = "mm"

@@ -129,6 +129,21 @@ class RecordFacts(TypedDict):
     """The same as a sentence."""
 
 
+class ProjectFacts(TypedDict):
+    """The project file that the document is saved in."""
+
+    name: str
+    state: Literal["saved", "saving", "failed", "read only"]
+    trouble: str | None
+    """Why it is not saved."""
+    stale: dict[str, Literal["changed", "moved", "new"]]
+    """By part id: parts that differ from those that the project's answers are about."""
+    gone: list[str]
+    """Paths of parts that this revision lacks."""
+    aside: int
+    """Removals and measures of missing parts, which only the file still has."""
+
+
 class Loading(TypedDict):
     """Progress of reading and indexing."""
 
@@ -285,6 +300,7 @@ class DocumentFields(TypedDict):
     tools: list[str]
     """Names for `take_tool`."""
     record: RecordFacts | None
+    project: ProjectFacts | None
     absent: list[int]
     """Parts excluded when the mock-up was opened: they do not collide and are not drawn."""
     held_version: int

@@ -54,6 +54,11 @@ class Hands:
             self._tools[name] = sample_tool(check_word("name", name, SAMPLE_TOOL_NAMES))
         return self._tools[name]
 
+    def add(self, tool: Tool) -> None:
+        """Makes a tool available by its name."""
+        self._tools[tool.name] = tool
+        self.names = (tool.name, *(name for name in self.names if name != tool.name))
+
     def counts(self) -> dict[str, int]:
         """Triangles of all tools by name; 0 for those not taken yet."""
         return {name: self._tools[name].triangle_count if name in self._tools else 0 for name in self.names}
@@ -63,9 +68,15 @@ class Hands:
         key = held_key(document)
         if key == (None, ()):
             return 0
-        version = self._versions.setdefault(key, len(self._versions) + 1)
+        version = self._versions.setdefault(key, max(self._versions.values(), default=0) + 1)
         self._keys[version] = key
         return version
+
+    def begin(self, document: Document) -> None:
+        """Goes on with the version of a saved document; the earlier ones are forgotten."""
+        self._versions, self._keys, key = {}, {}, held_key(document)
+        if key != (None, ()) and document.held_version > 0:
+            self._versions[key] = document.held_version
 
     def held(self, document: Document) -> Tool | None:
         """The content of the hand; None if it is empty."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar, cast
@@ -11,6 +12,7 @@ import numpy as np
 
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
+from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
 from feeler.workbench.document.answers import (
     CardAnswer,
@@ -31,7 +33,7 @@ from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
-from feeler.workbench.session import export, page
+from feeler.workbench.session import export, page, saving
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
@@ -127,10 +129,20 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     document, geometry = place.document, place.geometry
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
     data, left_out = page.page(
-        document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
+        {**document.to_json(), "project": None}, camera, geometry.manifest(), geometry.piece, static_files(), progress
     )
     place.exports[PAGE] = data
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
+
+
+def project_file(place: Place, given: Arguments, progress: Progress) -> Written:
+    """A project of the document, to download. It names the mock-up by its content, and no folder of this machine."""
+    progress(0.0, "project")
+    named = place.document.mockup.name if place.document.mockup else "mock-up"
+    name = (re.sub(r"[^A-Za-z0-9_.-]+", "-", named).strip("-.")[:80] or "mock-up") + SUFFIX
+    data = saving.project_of(place.document, place.scene.mockup)
+    place.exports[name] = data
+    return {"name": name, "bytes": len(data)}
 
 
 def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
@@ -167,6 +179,7 @@ JOBS: dict[str, Work[Any]] = {
     "export_csv": _writing("sequence.csv", export.sequence_csv),
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
+    "export_project": Work(project_file),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay),
 }

@@ -66,6 +66,7 @@ def opening(
         tool=None if tool is None else ToolFacts(tool.name, tool.triangle_count),
         tools=hands.names,
         record=before.record,
+        project=before.project,
         absent=absent_parts(scene),
         unit=unit,
         mode=mode,

@@ -41,7 +41,7 @@ def digest(mesh: Mockup | Tool) -> str:
 def document_digest(document: Document) -> str:
     """Digest of everything that commands can change; hex."""
     facts = dict(document.to_json())
-    for name in ("mockup", "loading", "failed", "tools", "record", "absent", "cards"):
+    for name in ("mockup", "loading", "failed", "tools", "record", "project", "absent", "cards"):
         del facts[name]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 

@@ -24,12 +24,13 @@ from feeler.errors import FeelerError, OptionError, WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
+from feeler.project.book import Book
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.cards import told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
-from feeler.workbench.document.document import UNITS, Document, Loading, RecordFacts, patch
+from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
 from feeler.workbench.document.findings import grouped, read_findings
 from feeler.workbench.document.history import History
 from feeler.workbench.document.known import Known
@@ -49,6 +50,7 @@ from feeler.workbench.session.opening import beside, opening
 from feeler.workbench.session.openings import Openings
 from feeler.workbench.session.record import Recorder
 from feeler.workbench.session.requests import Requests
+from feeler.workbench.session.saving import Saver
 from feeler.workbench.session.wanted import Wanted
 
 LEAST_TICK_S = 0.004
@@ -64,14 +66,20 @@ class Session:
         *,
         unit: str = "mm",
         record: Path | None = None,
+        project: Book | None = None,
         seed: int = 0,
         clock: Callable[[], float] = time.monotonic,
         has_threads: bool = True,
     ) -> None:
-        """record: a file for `feeler replay`. clock: seconds. has_threads: False: `engine.tick()` is called by hand."""
+        """record: a file for `feeler replay`. project: keeps the document; `close` closes it. clock: seconds.
+
+        has_threads: False: `engine.tick()` is called by hand.
+        """
         _checked_unit(unit)
         self._lock = threading.RLock()
-        self._document = Document(unit=unit, loading=Loading("starting", 0.0))
+        self._saver = None if project is None else Saver(project, self._saved)
+        facts = None if self._saver is None else self._saver.facts
+        self._document = Document(unit=unit, loading=Loading("starting", 0.0), project=facts)
         self._history = History()
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
@@ -124,8 +132,9 @@ class Session:
         """Opens a mock-up: a new document, with nothing to undo. Prepares the data that the first answers need.
 
         tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default beside the parts
-        of the scene. unit: default as before. name: of the mock-up, default that of its file. doubts: of the loaders.
-        Raises `WorkbenchError`, `OptionError`.
+        of the scene. unit: default as before. name: of the mock-up, default that of its file. doubts: of the loaders. A
+        project that was saved before has its own document, which replaces tool, pose, mode and unit. Raises
+        `WorkbenchError`, `OptionError`, and `LoadError` for a project of another mock-up, or a damaged one.
         """
         unit = self._document.unit if unit is None else _checked_unit(unit)
         if scene.mockup is not mockup:
@@ -134,7 +143,8 @@ class Session:
         begun = opening(
             self._document, scene, tool, tools, pose=start, mode=mode, unit=unit, name=name, seed=self._seed
         )
-        begun = replace(begun, document=replace(begun.document, doubts=tuple(doubts)))
+        document = begun.document if self._saver is None else self._saver.begin(begun.document, begun.hands, tool)
+        document = replace(document, doubts=tuple(doubts))
         with self.engine.paused(), self._lock:
             self._hands, self._geometry = begun.hands, begun.geometry
             self._history = History()
@@ -142,9 +152,11 @@ class Session:
             self._cards.open(begun.hands)
             if self._recorder is not None:
                 self._recorder.header(begun.header)
-            self._engine_to(begun.document)
-            self._show(begun.document, None)
-            self._tell_held(begun.document)
+            self._engine_to(document)
+            self._show(document, None)
+            self._tell_held(document)
+            if document.replaying is not None:
+                self._play(document)
         # The pages fetch and draw meanwhile: for large mock-ups this takes longer than all the rest.
         self._is_warming = True
         try:
@@ -390,6 +402,8 @@ class Session:
         self._requests.close()
         self._cards.close()
         self.openings.close()
+        if self._saver is not None:
+            self._saver.close()
         if self._recorder is not None:
             if is_engine_free:
                 self.engine.flush()
@@ -463,6 +477,7 @@ class Session:
         now, after = self._document, self._history.next(name)
         # The user did not change the mock-up opened meanwhile.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
+        after = replace(after, project=now.project)
         after = replace(after, cards=now.cards, next_card=now.next_card)
         self._engine_follows(now, after)
         self._history.stepped(name, now)
@@ -511,10 +526,20 @@ class Session:
 
     def _show(self, document: Document, command: str | None) -> None:
         with self._lock:
+            if self._saver is not None:
+                document = self._saver.changed(self._document, document)
             before, self._document = self._document, document
             fields = patch(before, document)
             if fields or command is not None:
                 self._events.tell({"type": "patch", "fields": fields, "command": command, **self._depths()})
+
+    def _saved(self, document: Document, state: str, trouble: str | None) -> None:
+        """The saver wrote a document, or could not. Only the present one counts."""
+        with self._lock:
+            now = self._document
+            if now.project is not None and (trouble is not None or Saver.is_same(document, now)):
+                facts: ProjectFacts = replace(now.project, state=state, trouble=trouble)
+                self._show(replace(now, project=facts), None)
 
     def _depths(self) -> CommandAnswer:
         return {"undo_depth": self._history.undo_depth, "redo_depth": self._history.redo_depth}

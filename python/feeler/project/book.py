@@ -1,0 +1,310 @@
+"""The content of a project: mock-up, document, findings with their history, and answers, on the rows of the store."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any, NoReturn
+
+from feeler.atomic import check_target
+from feeler.choices import GroupBy
+from feeler.clashes import saving
+from feeler.clashes.result import Clashes
+from feeler.errors import LoadError
+from feeler.mockup import Mockup
+from feeler.project.layout import SUFFIX
+from feeler.project.parts import (
+    PartContent,
+    Revision,
+    accepted,
+    contents_of,
+    parts_of,
+    revised,
+    rows_of,
+    text_of,
+)
+from feeler.project.store import Change, Row, Store, drop, put
+
+_MARKED = ("status", "by", "note", "approved_depth")
+_MOST_HISTORY = 1_000_000
+
+CHECK = "clashes"
+"""The fact that has the last clash check without its findings."""
+
+
+def open_or_make(path: Path, *, read_only: bool = False) -> Book:
+    """Opens a project, or makes an empty one; closing deletes that again if no mock-up came into it."""
+    is_new = not read_only and not os.path.lexists(path)
+    if is_new:
+        check_target(path, SUFFIX)
+    return Book(Store(path, read_only=read_only, is_made=not read_only), is_new=is_new)
+
+
+class Book:
+    """An open project. Thread-safe. Raises errors as the `Store` does."""
+
+    def __init__(self, store: Store, *, is_new: bool = False) -> None:
+        self._store, self._is_new = store, is_new
+
+    @property
+    def path(self) -> str:
+        """The file."""
+        return str(self._store.path)
+
+    @property
+    def is_read_only(self) -> bool:
+        """Whether nothing can be written."""
+        return self._store.is_read_only
+
+    # ---- findings ----
+
+    def clashes(self) -> Clashes | None:
+        """The findings of the last clash check, with their statuses and notes; None if there was none.
+
+        Set statuses by `Clashes.set_status`, and write them by `write_clashes`.
+        """
+        data, rows = self.fact(CHECK), self.findings()
+        if data is None and rows:
+            # Findings that were opened in the workbench: of a clash check, or from elsewhere.
+            try:
+                return saving.table_of({"version": saving.VERSION, "clashes": rows}, self.path, Clashes)
+            except LoadError:
+                return None
+        if data is None:
+            return None
+        if not isinstance(data, dict):
+            raise LoadError(f"{self.path} is damaged: its clash check is not as written; use a copy")
+        return saving.table_of({**data, "clashes": rows}, self.path, Clashes)
+
+    def findings(self) -> list[dict[str, Any]]:
+        """The findings as `feeler clash --json` lists them, in the order of the workbench."""
+        marks = self.marks()
+        found = []
+        for row in self._store.rows("findings"):
+            value = self.value(row, "findings")
+            if not isinstance(value, dict):
+                raise LoadError(f"{self.path} is damaged: a finding is not as written; use a copy")
+            for name in _MARKED:
+                value.pop(name, None)
+            found.append({**value, "status": "new", **marks.get(str(value.get("id")), {})})
+        return found
+
+    def history(self, finding: str | None = None) -> list[dict[str, Any]]:
+        """Each change of a finding's status or note, or of those of all findings, the oldest first."""
+        rows = (self.value(row, "history") for row in self._store.rows("history"))
+        return [row for row in rows if isinstance(row, dict) and finding in (None, row.get("id"))]
+
+    def write_clashes(self, clashes: Clashes, by: GroupBy = "part") -> None:
+        """Writes the findings of a clash check in place of the previous ones, and each change of a status or note.
+
+        To keep statuses, compare first: `clashes.diff(project.clashes())`.
+        """
+        earlier = list(saving.rows(clashes.earlier()))
+        head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
+        groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
+        rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
+        marks = {
+            row["id"]: {name: row[name] for name in _MARKED if name in row}
+            for row in rows
+            if row["status"] != "new" or row.get("note")
+        }
+        ended = {row.id: {"status": "resolved"} for row in clashes.earlier() if row.status == "resolved"}
+        changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
+        self.write(changes)
+
+    # ---- the mock-up ----
+
+    def parts(self) -> tuple[PartContent, ...]:
+        """The parts of the mock-up that was opened last; empty before the first."""
+        return parts_of(self._store.rows("parts"), self.path)
+
+    def gone(self) -> tuple[PartContent, ...]:
+        """Parts that newer revisions lack."""
+        return parts_of(self._store.rows("gone"), self.path)
+
+    def revision(self, mockup: Mockup, progress: Callable[[float, str], object] | None = None) -> Revision:
+        """A mock-up beside the parts that the project knows. Raises `LoadError` if it has none of these."""
+        known, now = self.parts(), contents_of(mockup, progress)
+        found = revised(known, self.gone(), now)
+        if known and all(row is None for row in found.row_of):
+            raise LoadError(
+                f"{self.path} is about another mock-up: none of its {len(known):,} parts is in this one; give the "
+                "mock-up of the project, or another project"
+            )
+        return found
+
+    def revision_changes(self, revision: Revision, *, is_accepted: bool = False) -> Iterator[Change]:
+        """Makes a revision the one that the project is about."""
+        before = self._store.rows("parts")
+        now = accepted(revision.parts) if is_accepted else revision.parts
+        known = {row.id: row for row in before}
+        for change in rows_of(now):
+            if known.pop(change.id, None) != change.row:
+                yield change
+        yield from (drop("parts", key) for key in known)
+        gone = () if is_accepted else revision.gone
+        yield from self.list_changes("gone", {part.key: text_of(part) for part in gone})
+
+    def list_changes(self, table: str, values: Mapping[str, str]) -> Iterator[Change]:
+        """Makes these the rows of a table, in this order."""
+        known = {row.id: row for row in self._store.rows(table)}
+        for place, (key, value) in enumerate(values.items()):
+            row = Row(row_id(key), place, value)
+            if known.pop(row.id, None) != row:
+                yield Change(table, row.id, row)
+        yield from (drop(table, key) for key in known)
+
+    def findings_changes(self, rows: Sequence[Mapping[str, Any]]) -> Iterator[Change]:
+        """Makes these the findings, each with an id."""
+        return self.list_changes("findings", {str(place): dumps(row) for place, row in enumerate(rows)})
+
+    def marks(self) -> dict[str, dict[str, Any]]:
+        """What people said of findings: by id, with the `status`, and others."""
+        found = {}
+        for row in self._store.rows("marks"):
+            value = self.value(row, "marks")
+            if not isinstance(value, dict) or not isinstance(key := value.pop("id", None), str):
+                raise LoadError(f"{self.path} is damaged: a status is not as written; use a copy")
+            found[key] = value
+        return found
+
+    def marks_changes(
+        self, marks: Mapping[str, Mapping[str, Any]], ended: Mapping[str, Mapping[str, Any]] | None = None
+    ) -> Iterator[Change]:
+        """Makes these the marks of the findings, and adds a line to the history for each change.
+
+        ended: the marks of findings that are gone, for the history; None: a finding without a mark is new again.
+        """
+        at = now()
+        before = self.marks()
+        number = self.history_length()
+        for key in [*marks, *(key for key in before if key not in marks)]:
+            known = before.get(key, {"status": "new"})
+            mark = marks.get(key, {"status": "new"} if ended is None else ended.get(key, known))
+            if known != mark and number < _MOST_HISTORY:
+                yield put("history", str(number), number, dumps({"id": key, "at": at, **mark}))
+                number += 1
+        yield from self.list_changes("marks", {key: dumps({"id": key, **mark}) for key, mark in marks.items()})
+
+    def some_marks_changes(
+        self,
+        marks: Mapping[str, Mapping[str, Any] | None],
+        merged: Callable[[Mapping[str, Any] | None, Mapping[str, Any]], dict[str, Any]],
+        at: str,
+    ) -> Iterator[Change]:
+        """Changes some marks, None: to none, and adds a line to the history for each.
+
+        merged: a mark of the table with a new one.
+        """
+        number, length = self.history_length(), self._store.length("marks")
+        for key, mark in marks.items():
+            row = self._store.row("marks", row_id(key))
+            known = None if row is None else self.value(row, "marks")
+            if known is not None and not isinstance(known, dict):
+                raise LoadError(f"{self.path} is damaged: a status is not as written; use a copy")
+            if mark is None:
+                yield drop("marks", row_id(key))
+                made: dict[str, Any] = {"status": "new"}
+            else:
+                made = merged(known, mark)
+                made.pop("id", None)
+                place = length if row is None else row.place
+                length += row is None
+                yield put("marks", row_id(key), place, dumps({"id": key, **made}))
+            if number < _MOST_HISTORY:
+                yield put("history", str(number), number, dumps({"id": key, "at": at, **made}))
+                number += 1
+
+    def history_length(self) -> int:
+        """The number of rows of the history."""
+        return self._store.length("history")
+
+    def fact(self, name: str) -> Any:
+        """A fact about the project; None if it is not known."""
+        row = self._store.row("facts", name)
+        return None if row is None else self.value(row, "facts")
+
+    def rows(self, table: str) -> list[Row]:
+        """The rows of a table, in their order."""
+        return self._store.rows(table)
+
+    def answer(self, key: str) -> tuple[Any, bytes | None] | None:
+        """A long answer by its id: its facts, with their `kind`, and its bytes; None if there is none."""
+        row = self._store.row("answers", row_id(key))
+        return None if row is None else (self.value(row, "answers"), row.data)
+
+    def write_answer(self, key: str, kind: str, facts: Mapping[str, Any], data: bytes | None = None) -> None:
+        """Keeps a long answer by its id."""
+        self.write([put("answers", row_id(key), 0, dumps({"kind": kind, **facts}), data)])
+
+    def write(self, changes: Iterable[Change]) -> None:
+        """Makes changes, all or none, on the disk when it returns."""
+        self._store.write(changes)
+
+    def copied(self) -> bytes:
+        """The file as it is now."""
+        return self._store.copy()
+
+    def close(self) -> None:
+        """Closes the file, and lets other processes write it; a second call does nothing."""
+        is_empty = self._is_new and self._store.is_open and not self._store.length("parts")
+        self._store.close(is_deleted=is_empty)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is not closed."""
+        return self._store.is_open
+
+    def value(self, row: Row, table: str) -> Any:
+        """The value of a row of a table. Raises `LoadError`."""
+        return loads(row.value, f"{self.path}: {row.id[:60]!r} of {table}")
+
+
+def loads(text: str, where: str) -> Any:
+    """A value of a row. Raises `LoadError` for anything but JSON, and for numbers that are not finite."""
+    try:
+        value = json.loads(text, parse_constant=_refuse)
+        _check(value)
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise LoadError(f"{where} is damaged ({error!s:.80}): use a copy of the project") from None
+    return value
+
+
+def _refuse(word: str) -> NoReturn:
+    raise ValueError(f"{word} is no number")
+
+
+def _check(value: object) -> None:
+    """Raises `ValueError` for numbers beyond float64, which JSON can write, and deep nests, which nobody writes."""
+    level = [value]
+    for _ in range(32):
+        inner: list[object] = []
+        for each in level:
+            if isinstance(each, dict):
+                inner += each.values()
+            elif isinstance(each, list):
+                inner += each
+            elif isinstance(each, float) and not abs(each) <= 1.8e308:
+                raise ValueError("a number is too large")
+        if not inner:
+            return
+        level = inner
+    raise ValueError("it is too deep")
+
+
+def dumps(value: object) -> str:
+    """A value as ASCII JSON; equal values give equal text."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False)
+
+
+def row_id(key: str) -> str:
+    """A key as the id of a row: ASCII, different for different keys."""
+    return json.dumps(key)[1:-1]
+
+
+def now() -> str:
+    """The time, UTC."""
+    return datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")

@@ -1,0 +1,431 @@
+"""The document in a project: its fields as rows, and back.
+
+Each field is JSON by its type, so that new fields are kept without code of their own; lists of things with an id have a
+row for each. What belongs to one run of the program, such as the progress of loading, is not kept. Files of strangers
+come here, too: everything read is checked.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+import types
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from functools import cache
+from types import MappingProxyType
+from typing import Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from feeler.errors import FeelerError, LoadError
+from feeler.parts import Parts
+from feeler.project.book import dumps, row_id
+from feeler.project.layout import TABLES
+from feeler.project.store import Change, Row, drop, put
+from feeler.workbench.document import motion
+from feeler.workbench.document.arguments import is_number
+from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Card, Document, Findings, Isolation, Trip
+from feeler.workbench.document.findings import STATUS, VERSION, grouped
+
+NOT_KEPT = frozenset(
+    ("mockup", "loading", "failed", "tools", "record", "absent", "project"),
+)
+"""Fields of one run of the program."""
+
+_RENAMED = {"viewpoints": "views"}
+_FINDINGS, _CARDS = "findings", "cards"
+_OPEN = ("waiting", "running")
+_INTERRUPTED = "Interrupted: ask again."
+_SLICE = 16
+_MOST_TEXT = 100_000
+
+Renumber = Callable[[int], int | None]
+"""The number of a part now; None if it is gone."""
+
+
+class Kept(NamedTuple):
+    """A document from a project. aside: what belonged to parts that are gone, as rows of the table `aside`."""
+
+    document: Document
+    aside: tuple[tuple[str, str], ...]
+
+
+@cache
+def kept_fields() -> Mapping[str, Any]:
+    """The fields that a project keeps, with their types."""
+    hints = get_type_hints(Document)
+    return {each.name: hints[each.name] for each in fields(Document) if each.name not in NOT_KEPT}
+
+
+@cache
+def lists() -> Mapping[str, str]:
+    """The fields with a row for each of their things, and the tables of these."""
+    found = {}
+    for name, kind in kept_fields().items():
+        arguments = get_args(kind)
+        table = _RENAMED.get(name, name)
+        is_list = get_origin(kind) is tuple and len(arguments) == 2 and arguments[1] is ...
+        if is_list and is_dataclass(arguments[0]) and table in TABLES and "id" in _hints(arguments[0]):
+            found[name] = table
+    return found
+
+
+def is_same(before: Document, after: Document) -> bool:
+    """Whether a project keeps the same of both; no is certain, yes may be a coincidence of equal values."""
+    return all(
+        getattr(before, name) is getattr(after, name) or (name == _CARDS and _cards(before) == _cards(after))
+        for name in kept_fields()
+    )
+
+
+def _cards(document: Document) -> tuple[Card, ...]:
+    """The cards, without the progress of questions that are not answered: nobody would answer those again."""
+    return tuple(
+        replace(card, state="cancelled", share=0.0, stage="", sentence=_INTERRUPTED) if card.state in _OPEN else card
+        for card in document.cards
+    )
+
+
+# ---- writing ----
+
+
+def changes(before: Document | None, after: Document) -> Iterator[Change]:
+    """The rows that differ; all, if there was no document before. Without those of findings, which have a history."""
+    for name in kept_fields():
+        now = getattr(after, name)
+        if before is not None and now is getattr(before, name):
+            continue
+        if name == _FINDINGS:
+            rest = None if now is None else {key: value for key, value in _fields_of(now) if not _is_by_id(now, key)}
+            rest = rest and {key: value for key, value in rest.items() if key != "groups"}
+            yield put("document", name, 0, encoded(rest))
+        elif name == _CARDS:
+            yield from _list_changes(_CARDS, () if before is None else _cards(before), _cards(after))
+        elif name in lists():
+            yield from _list_changes(lists()[name], () if before is None else getattr(before, name), now)
+        else:
+            yield put("document", name, 0, encoded(now))
+
+
+def _list_changes(table: str, before: Sequence[Any], now: Sequence[Any]) -> Iterator[Change]:
+    known = {each.id: (place, each) for place, each in enumerate(before)}
+    for place, each in enumerate(now):
+        there = known.pop(each.id, None)
+        if there is None or there[0] != place or (there[1] is not each and there[1] != each):
+            yield put(table, row_id(str(each.id)), place, encoded(each))
+    for key in known:
+        yield drop(table, row_id(str(key)))
+
+
+def finding_rows(found: Findings | None) -> list[Mapping[str, Any]]:
+    """All findings, in display order."""
+    return [] if found is None else [each for group in found.groups for each in group["findings"]]
+
+
+def finding_marks(found: Findings | None) -> dict[str, dict[str, Any]]:
+    """What people said of findings, by id: the status, and whatever else the document has by id."""
+    marks: dict[str, dict[str, Any]] = {}
+    for name, by_id in _fields_of(found) if found is not None else ():
+        if _is_by_id(found, name):
+            for key, value in by_id.items():
+                marks.setdefault(key, {})[name] = _plain(value)
+    return marks
+
+
+def _is_by_id(found: object, name: str) -> bool:
+    origin: object = get_origin(_hints(type(found))[name])
+    return origin is Mapping
+
+
+def encoded(value: Any) -> str:
+    """A value as JSON. Long lists in slices: the interpreter's lock is free in between, for the hand."""
+    if isinstance(value, tuple) and len(value) > _SLICE:
+        texts = []
+        for begin in range(0, len(value), _SLICE):
+            texts.append(dumps(_plain(value[begin : begin + _SLICE]))[1:-1])
+            time.sleep(0)
+        return f"[{','.join(texts)}]"
+    if is_dataclass(value) and not isinstance(value, type):
+        return "{" + ",".join(f"{dumps(name)}:{encoded(inner)}" for name, inner in _fields_of(value)) + "}"
+    return dumps(_plain(value))
+
+
+def _plain(value: Any) -> Any:
+    if value is None or isinstance(value, (str, int, float)):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [_plain(item) for item in value]
+    if isinstance(value, frozenset):
+        return [_plain(item) for item in sorted(value)]
+    return {name: _plain(item) for name, item in _fields_of(value)}
+
+
+def _fields_of(value: Any) -> list[tuple[str, Any]]:
+    return [(each.name, getattr(value, each.name)) for each in fields(value)]
+
+
+# ---- reading ----
+
+
+def restored(
+    base: Document,
+    rows: Callable[[str], list[Row]],
+    marks: Mapping[str, Mapping[str, Any]],
+    loads: Callable[[str, str], Any],
+    parts: Parts,
+    renumber: Renumber | None = None,
+) -> Kept:
+    """The document of a project, on the fields of `base` that a project does not keep. Raises `LoadError`.
+
+    rows: of a table. marks: of findings. loads: a value of a row, and its place for errors. renumber: for a mock-up
+    with other parts than the project's.
+    """
+    values: dict[str, Any] = {}
+    texts = {row.id: row.value for row in rows("document")}
+    for name, kind in kept_fields().items():
+        where = f"{name} of the document"
+        if name in lists():
+            (item, _) = get_args(kind)
+            values[name] = tuple(_decoded(loads(row.value, where), item, where) for row in rows(lists()[name]))
+        elif name in texts and name != _FINDINGS:
+            values[name] = _decoded(loads(texts[name], where), kind, where)
+    values = {name: value for name, value in values.items() if value is not MISSING}
+    aside: list[tuple[str, str]] = []
+    if renumber is not None:
+        values, aside = _renumbered(values, renumber)
+    values = _without(values, frozenset(base.absent))
+    rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
+    if rest is not None or there:  # a clash check of the command line writes rows alone
+        found = [loads(row.value, _FINDINGS) for row in there]
+        values[_FINDINGS] = _findings(rest, found, marks, base, parts)
+    document = replace(base, **values)
+    _check(document, len(parts), aside)
+    return Kept(document, tuple(aside))
+
+
+def _findings(
+    rest: Any, rows: list[Any], marks: Mapping[str, Mapping[str, Any]], base: Document, parts: Parts
+) -> Findings:
+    made = grouped({"version": VERSION, "clashes": rows}, parts, base.absent, _FINDINGS)
+    values: dict[str, Any] = {}
+    for name, kind in _hints(Findings).items():
+        where = f"{name} of the findings"
+        if get_origin(kind) is Mapping:
+            by_id = {key: _decoded(mark[name], get_args(kind)[1], where) for key, mark in marks.items() if name in mark}
+            values[name] = MappingProxyType(by_id)
+        elif name != "groups" and isinstance(rest, dict) and name in rest:
+            values[name] = _decoded(rest[name], kind, where)
+    if not all(status in STATUS for status in values["status"].values()):
+        raise LoadError("a finding has a status that does not exist: the project is damaged; use a copy")
+    return replace(made, **values)
+
+
+def _hints(kind: Any) -> dict[str, Any]:
+    if kind not in _known_hints:
+        _known_hints[kind] = get_type_hints(kind)
+    return _known_hints[kind]
+
+
+_known_hints: dict[Any, dict[str, Any]] = {}
+
+
+def _decoded(value: Any, kind: Any, where: str) -> Any:
+    """A JSON value as its type has it. Raises `LoadError`."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if kind is Any:
+        return value
+    if origin in (Union, types.UnionType):
+        if value is None and type(None) in arguments:
+            return None
+        (kind,) = (each for each in arguments if each is not type(None))
+        return _decoded(value, kind, where)
+    if origin is tuple and isinstance(value, list):
+        if len(arguments) == 2 and arguments[1] is ...:
+            return tuple(_decoded(each, arguments[0], where) for each in value)
+        if len(arguments) == len(value):
+            return tuple(_decoded(each, inner, where) for each, inner in zip(value, arguments, strict=True))
+    if origin is frozenset and isinstance(value, list):
+        return frozenset(_decoded(each, arguments[0], where) for each in value)
+    if origin is Mapping and isinstance(value, dict):
+        by_key = ((_key(key, arguments[0], where), each) for key, each in value.items())
+        return MappingProxyType({key: _decoded(each, arguments[1], where) for key, each in by_key})
+    if isinstance(kind, type) and is_dataclass(kind) and isinstance(value, dict):
+        hints = _hints(kind)
+        given = {name: _decoded(value[name], hints[name], where) for name in hints if name in value}
+        try:
+            return kind(**given)
+        except TypeError:
+            raise _damaged(where, "a value is missing") from None
+    if kind is float and is_number(value):
+        return value
+    if kind in (str, int, bool) and type(value) is kind and (kind is not str or len(value) <= _MOST_TEXT):
+        return value
+    raise _damaged(where, f"{value!r:.60}")
+
+
+def _key(key: str, kind: Any, where: str) -> Any:
+    if kind is str:
+        return key
+    if kind is int and key.isascii() and key.isdigit() and len(key) < 12:
+        return int(key)
+    raise _damaged(where, f"{key!r:.60}")
+
+
+def _damaged(where: str, what: str) -> LoadError:
+    return LoadError(f"{where} cannot be what was written ({what}): the project is damaged; use a copy")
+
+
+# ---- another revision of the mock-up ----
+
+
+def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """The values with the numbers of parts now, and the things whose parts are gone."""
+
+    def all_of(parts: Iterable[int]) -> tuple[int, ...]:
+        return tuple(sorted(now for part in parts if (now := renumber(part)) is not None))
+
+    def in_order(parts: Iterable[int]) -> tuple[int, ...]:
+        return tuple(now for part in parts if (now := renumber(part)) is not None)
+
+    def places(by_part: Mapping[int, Any]) -> Mapping[int, Any]:
+        found = {now: place for part, place in by_part.items() if (now := renumber(part)) is not None}
+        return MappingProxyType(dict(sorted(found.items())))
+
+    aside: list[tuple[str, str]] = []
+    found = dict(values)
+    for name in ("hidden", "ghost", "out"):
+        found[name] = all_of(values.get(name, ()))
+    for name in ("gripped", "moved"):
+        found[name] = places(values.get(name, {}))
+    if (isolation := values.get("isolation")) is not None:
+        found["isolation"] = Isolation(all_of(isolation.parts), all_of(isolation.hidden_before))
+    if (trip := values.get("trip")) is not None:
+        pairs = ((renumber(a), renumber(b)) for a, b in trip.seated)
+        seated = frozenset((a, b) for a, b in pairs if a is not None and b is not None)
+        found["trip"] = Trip(trip.way, all_of(trip.touched), seated)
+    lines = []
+    for line in values.get("sequence", ()):
+        moved = replace(
+            line,
+            parts=in_order(line.parts),
+            starts=tuple((now, row) for part, row in line.starts if (now := renumber(part)) is not None),
+        )
+        if moved.parts:
+            lines.append(moved)
+        else:
+            aside.append(("sequence", encoded(line)))
+    found["sequence"] = tuple(lines)
+    measures = []
+    for measure in values.get("measures", ()):
+        moved = replace(measure, parts=in_order(measure.parts))
+        if len(moved.parts) == len(measure.parts):
+            measures.append(moved)
+        else:
+            aside.append(("measures", encoded(measure)))
+    found["measures"] = tuple(measures)
+    cards = []
+    for card in values.get(_CARDS, ()):
+        moved, held = card.world
+        world = (tuple((now, row) for part, row in moved if (now := renumber(part)) is not None), in_order(held))
+        now_card = replace(card, parts=in_order(card.parts), without=in_order(card.without), world=world)
+        if now_card.parts or not card.parts:
+            cards.append(now_card)
+        else:
+            aside.append((_CARDS, encoded(card)))
+    found[_CARDS] = tuple(cards)
+    if not found["gripped"] or found.get("replaying") not in {line.id for line in lines}:
+        found["replaying"] = None
+    if not found["gripped"]:
+        found["trip"] = None
+    return found, aside
+
+
+def _without(values: dict[str, Any], absent: frozenset[int]) -> dict[str, Any]:
+    """The values without the places of parts that are left out now, and were not before."""
+    found = dict(values)
+    for name in ("gripped", "moved"):
+        by_part = values.get(name, {})
+        if absent.intersection(by_part):
+            found[name] = MappingProxyType({part: at for part, at in by_part.items() if part not in absent})
+    if values.get("gripped") and not found["gripped"]:
+        found["trip"] = found["replaying"] = None
+    return found
+
+
+# ---- checks ----
+
+
+@dataclass(frozen=True)
+class _Checks:
+    parts: int
+
+    def rising(self, numbers: Sequence[int], where: str) -> None:
+        if any(a >= b for a, b in itertools.pairwise(numbers)):
+            raise _damaged(where, "parts are not in order")
+        self.there(numbers, where)
+
+    def there(self, numbers: Iterable[int], where: str) -> None:
+        for number in numbers:
+            if not 0 <= number < self.parts:
+                raise _damaged(where, f"there is no part {number}")
+
+    def poses(self, rows: Iterable[motion.Row], where: str) -> None:
+        for row in rows:
+            try:
+                motion.checked(row, where)
+            except FeelerError as error:
+                raise _damaged(where, str(error)[:120]) from None
+
+
+def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
+    """Raises `LoadError` for a document that no commands could have made and that would trip others."""
+    check = _Checks(parts)
+    for name in ("hidden", "ghost", "out"):
+        check.rising(getattr(document, name), name)
+    for name in ("gripped", "moved"):
+        by_part = getattr(document, name)
+        check.rising(list(by_part), name)
+        check.poses(by_part.values(), name)
+    check.poses([document.pose], "pose")
+    if not 0 <= document.held_version < 2**50:
+        raise _damaged("held_version", str(document.held_version))
+    if set(document.gripped) & ({*document.moved} | {*document.absent}):
+        raise _damaged("gripped", "a part is at two places")
+    if document.unit not in UNITS or document.mode not in MODES or document.material not in (None, *MATERIALS):
+        raise _damaged("the document", "a word that does not exist")
+    if not 0.0 <= document.explode <= 1.0 or len(document.sections) > 64:
+        raise _damaged("the document", "a number out of range")
+    if document.isolation is not None:
+        check.rising(document.isolation.parts, "isolation")
+        check.rising(document.isolation.hidden_before, "isolation")
+    if document.trip is not None:
+        check.poses(document.trip.way, "trip")
+        check.there(document.trip.touched, "trip")
+        check.there((part for pair in document.trip.seated for part in pair), "trip")
+        if not document.trip.way:
+            raise _damaged("trip", "it has no pose")
+    for line in document.sequence:
+        check.there([*line.parts, *(part for part, _ in line.starts)], "sequence")
+        check.poses([*line.way, *(row for _, row in line.starts)], "sequence")
+        if not line.way or not line.parts:
+            raise _damaged("sequence", "a line without a way")
+    for measure in document.measures:
+        check.there(measure.parts, "measures")
+    for card in document.cards:
+        check.there([*card.parts, *card.without, *(part for part, _ in card.world[0]), *card.world[1]], _CARDS)
+        check.poses((row for _, row in card.world[0]), _CARDS)
+        if not 0 < card.id < document.next_card < 2**50 or card.state in _OPEN:
+            raise _damaged(_CARDS, str(card.id))
+    if len({card.id for card in document.cards}) < len(document.cards):
+        raise _damaged(_CARDS, "two cards have one id")
+    named = {*lists(), "sections"} - {_CARDS}
+    numbers = [each.id for name in named for each in getattr(document, name)]
+    if len(set(numbers)) < len(numbers) or any(not 0 < number < document.next_id for number in numbers):
+        raise _damaged("the document", "two things have one id")
+    if document.next_id > 2**50:
+        raise _damaged("next_id", str(document.next_id))
+    if document.replaying is not None and (
+        document.replaying not in {line.id for line in document.sequence} or not document.gripped
+    ):
+        raise _damaged("replaying", "there is no such line")

@@ -1,0 +1,313 @@
+"""Saves the document of a session into its project, in a thread of its own.
+
+The hand never waits: a change only wakes the thread, which writes all that changed since its last write in one
+transaction, on the disk before the page says so. A write that fails is tried again.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from feeler.errors import FeelerError, LoadError
+from feeler.mockup import Mockup, Tool
+from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make, row_id
+from feeler.project.layout import MOST_ROWS, SUFFIX
+from feeler.project.parts import PartContent, Revision, contents_of, rows_of
+from feeler.project.store import Change, drop, put
+from feeler.project.tools import tool_change, tool_of
+from feeler.scene import Scene
+from feeler.workbench.document import keeping
+from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts
+from feeler.workbench.engine.hand import Hands
+from feeler.workbench.session.record import digest
+
+RETRY_S = 1.0
+"""A write that failed is tried again after this time."""
+_CLOSE_S = 20.0
+_MOST_STALE = 20_000  # parts listed in the page
+
+Told = Callable[[Document, str, "str | None"], None]
+"""Called with the written document, the state and the trouble."""
+
+
+class Saver:
+    """Writes the newest document. Thread-safe; `changed` is called with the session's lock held, and never waits."""
+
+    def __init__(self, project: Book, told: Told) -> None:
+        self._project, self._told = project, told
+        self._guard = threading.Condition()
+        self._newest: Document | None = None
+        self._written: Document | None = None
+        self._shown: Document | None = None
+        self._first: Callable[[], Iterator[Change]] | None = None
+        """The changes that the first write makes besides: what is new in the mock-up."""
+        self._is_begun = self._is_closed = self._has_trouble = False
+        self._thread: threading.Thread | None = None
+
+    @property
+    def facts(self) -> ProjectFacts:
+        """The facts before a mock-up is open."""
+        return ProjectFacts(Path(self._project.path).name, "read only" if self._project.is_read_only else "saving")
+
+    @staticmethod
+    def is_same(one: Document, other: Document) -> bool:
+        """Whether a project keeps the same of both."""
+        return keeping.is_same(one, other) and _is_stale(one) == _is_stale(other)
+
+    def begin(self, opened: Document, hands: Hands, tool: Tool | None) -> Document:
+        """The document to go on with: the project's, for the opened mock-up. Raises `LoadError`.
+
+        tool: that the workbench was opened with. Another one than last time replaces the project's.
+        """
+        project, scene = self._project, hands.scene
+        before = _object(project.fact("mockup"))
+        tool_facts = None if tool is None else {"name": tool.name, "hash": digest(tool)}
+        assert opened.mockup is not None
+        facts = replace(self.facts)
+        document = opened
+        revision: Revision | None = None
+        aside: tuple[tuple[str, str], ...] = ()
+        if before.get("hash") == opened.mockup.hash:
+            known = project.parts()
+            stale = {number: part.change for number, part in enumerate(known) if part.change is not None}
+            facts = replace(facts, stale=_bounded(stale), gone=_keys(project.gone()))
+        elif project.parts():
+            revision = project.revision(scene.mockup)
+            facts = replace(facts, stale=_bounded(revision.stale), gone=_keys(revision.gone))
+        is_known, there = bool(project.rows("document")), None
+        if is_known or project.rows("findings"):
+            kept = keeping.restored(
+                opened,
+                project.rows,
+                project.marks(),
+                lambda text, where: loads(text, f"{project.path}: {where}"),
+                scene.mockup.parts,
+                None if revision is None else _renumbering(revision),
+            )
+            document, aside = kept.document, kept.aside
+            # With the same mock-up, only what differs from the file is written.
+            there = document if is_known and revision is None else None
+            if document.tool is not None and document.tool.name not in hands.names:
+                row = next((each for each in project.rows("tools") if each.id == row_id(document.tool.name)), None)
+                if row is not None:
+                    hands.add(tool_of(row, project.path))
+            document = _with_tool(document, opened, hands, tool_facts != project.fact("tool"))
+        facts = replace(facts, aside=len(project.rows("aside")) + len(aside))
+        hands.begin(document)
+        document = replace(document, project=facts, tools=hands.names, held_version=hands.version(document))
+        with self._guard:
+            self._written = there
+            self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, aside)
+            self._is_begun = True
+            if self._thread is None and not self._project.is_read_only:
+                self._thread = threading.Thread(target=self._loop, name="feeler project", daemon=True)
+                self._thread.start()
+        return document
+
+    def changed(self, before: Document, after: Document) -> Document:
+        """Notes a document to save, and gives it with the state of the saving."""
+        if after.project is None or not self._is_begun or self._project.is_read_only:
+            return after
+        with self._guard:
+            if self._newest is not None and self.is_same(before, after):
+                return after
+            self._newest = replace(after, project=replace(after.project, state="saving"))
+            self._guard.notify_all()
+            return self._newest
+
+    def wait(self, seconds: float) -> bool:
+        """Waits until all is saved and told; whether it is, in time."""
+        with self._guard:
+            return self._guard.wait_for(lambda: self._newest is self._shown and self._first is None, seconds)
+
+    def close(self) -> None:
+        """Writes what is not written yet, if that is possible, and closes the project."""
+        with self._guard:
+            self._is_closed = True
+            self._guard.notify_all()
+        if self._thread is not None and threading.current_thread() is not self._thread:
+            self._thread.join(_CLOSE_S)
+        self._project.close()
+
+    # ---- the thread ----
+
+    def _loop(self) -> None:
+        while True:
+            with self._guard:
+                self._guard.wait_for(self._has_work, RETRY_S if self._has_trouble else None)
+                is_last, target, first = self._is_closed, self._newest, self._first
+            if target is not None and (target is not self._written or first is not None):
+                self._save(target, first)
+            if is_last:
+                return
+
+    def _has_work(self) -> bool:
+        is_behind = self._newest is not None and (self._newest is not self._written or self._first is not None)
+        return self._is_closed or (is_behind and not self._has_trouble)
+
+    def _save(self, target: Document, first: Callable[[], Iterator[Change]] | None) -> None:
+        try:
+            changes = [] if first is None else [*first()]
+            changes += self._changes(target)
+            self._project.write(changes)
+        except Exception as error:
+            # Every error is told: a page that waits for ever says nothing.
+            text = str(error) if isinstance(error, FeelerError) else f"{type(error).__name__}: {error}"
+            path = Path(self._project.path)
+            for each in (str(path.absolute()), str(path)):
+                text = text.replace(each, path.name)
+            with self._guard:
+                self._has_trouble = True
+            self._told(target, "failed", text)
+            return
+        with self._guard:
+            self._written, self._has_trouble = target, False
+            if self._first is first:
+                self._first = None
+        self._told(target, "saved", None)
+        with self._guard:
+            self._shown = target
+            self._guard.notify_all()
+
+    def _changes(self, target: Document) -> Iterator[Change]:
+        before = self._written
+        yield from keeping.changes(before, target)
+        old, new = (None if before is None else before.findings), target.findings
+        if before is None or (old is not new and (old is None or new is None or old.groups is not new.groups)):
+            yield from self._all_findings(target)
+        elif old is not new:
+            yield from self._some_marks(keeping.finding_marks(old), keeping.finding_marks(new))
+        if before is not None and _is_stale(before) and not _is_stale(target):
+            known = self._project.parts()
+            yield from self._project.revision_changes(Revision(known, (), (), {}), is_accepted=True)
+
+    def _all_findings(self, target: Document) -> Iterator[Change]:
+        project = self._project
+        rows = []
+        for number, row in enumerate(keeping.finding_rows(target.findings)[:MOST_ROWS]):
+            rows.append(row)
+            if number % 16 == 0:
+                time.sleep(0)
+        there = {str(row.get("id")) for row in project.findings()}
+        if there != {str(row["id"]) for row in rows}:
+            yield drop("facts", CHECK)  # of other findings
+        yield from project.findings_changes(rows)
+        known = project.marks()
+        marks = {key: _merged(known.get(key), mark) for key, mark in keeping.finding_marks(target.findings).items()}
+        yield from project.marks_changes(marks)
+
+    def _some_marks(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[Change]:
+        differ = [key for key in {**new, **old} if old.get(key) != new.get(key)]
+        yield from self._project.some_marks_changes(
+            {key: new.get(key) for key in differ}, lambda known, mark: _merged(known, mark), now()
+        )
+
+    def _opening(
+        self,
+        scene: Scene,
+        opened: Document,
+        tool: Tool | None,
+        tool_facts: dict[str, Any] | None,
+        revision: Revision | None,
+        aside: tuple[tuple[str, str], ...],
+    ) -> Iterator[Change]:
+        """What the project says of the mock-up and the tool."""
+        project, facts = self._project, opened.mockup
+        assert facts is not None
+        mockup = {
+            **_object(project.fact("mockup")),
+            **{"name": facts.name, "hash": facts.hash, "triangles": scene.mockup.triangle_count, "parts": facts.parts},
+        }
+        for name, value in (("mockup", mockup), ("tool", tool_facts)):
+            if project.fact(name) != value:
+                yield put("facts", name, 0, dumps(value))
+                if name == "tool" and tool is not None and tool_facts is not None:
+                    change = tool_change(tool, tool_facts["hash"])
+                    if change is not None:
+                        yield change
+        if revision is not None:
+            yield from project.revision_changes(revision)
+        elif not project.parts():
+            yield from rows_of(contents_of(scene.mockup))
+        number = len(project.rows("aside"))
+        for place, (kind, text) in enumerate(aside, start=number):
+            thing = f'{{"kind":{dumps(kind)},"at":{dumps(now())},"thing":{text}}}'
+            yield put("aside", str(place), place, thing)
+
+
+def project_of(document: Document, mockup: Mockup) -> bytes:
+    """A new project of a document, as the bytes of its file."""
+    with tempfile.TemporaryDirectory() as folder:
+        book = open_or_make(Path(folder) / f"new{SUFFIX}")
+        try:
+            facts = document.mockup
+            assert facts is not None, "of a mock-up that is open"
+            about = {"name": facts.name, "hash": facts.hash, "triangles": mockup.triangle_count, "parts": facts.parts}
+            found = document.findings
+            changes = [
+                put("facts", "mockup", 0, dumps(about)),
+                *rows_of(contents_of(mockup)),
+                *keeping.changes(None, document),
+                *book.findings_changes(keeping.finding_rows(found)),
+                *book.marks_changes(keeping.finding_marks(found)),
+            ]
+            book.write(changes)
+            return book.copied()
+        finally:
+            book.close()
+
+
+def _merged(known: Mapping[str, Any] | None, mark: Mapping[str, Any]) -> dict[str, Any]:
+    """What a clash check kept with a finding, such as a note, beside what the document has of it."""
+    if known is None or known.get("status") != mark.get("status"):
+        # Who approved at which depth is not known for another status.
+        known = {key: value for key, value in (known or {}).items() if key not in ("by", "approved_depth")}
+    return {**known, **mark}
+
+
+def _with_tool(document: Document, opened: Document, hands: Hands, is_chosen: bool) -> Document:
+    """The document with a tool that is there."""
+    if is_chosen and opened.tool is not None:
+        pose = document.pose if document.gripped else opened.pose
+        return replace(document, tool=opened.tool, pose=pose)
+    if document.tool is None:
+        return document
+    name = document.tool.name
+    if name not in hands.names:
+        return replace(document, tool=opened.tool)
+    return replace(document, tool=ToolFacts(name, hands.tool(name).triangle_count))
+
+
+def _renumbering(revision: Revision) -> Callable[[int], int | None]:
+    rows = revision.row_of
+
+    def number(part: int) -> int | None:
+        if not 0 <= part < len(rows):
+            raise LoadError(f"the project has no part {part}: it is damaged; use a copy")
+        return rows[part]
+
+    return number
+
+
+def _bounded(stale: Mapping[int, str]) -> Mapping[int, str]:
+    return MappingProxyType(dict(list(stale.items())[:_MOST_STALE]))
+
+
+def _keys(gone: Sequence[PartContent]) -> tuple[str, ...]:
+    return tuple(part.key for part in gone[:_MOST_STALE])
+
+
+def _is_stale(document: Document) -> bool:
+    facts = document.project
+    return facts is not None and bool(facts.stale or facts.gone)
+
+
+def _object(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
