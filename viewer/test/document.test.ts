@@ -273,13 +273,13 @@ test("figures of marks are in the unit chosen and name the part; what touches ha
     planes: Float32Array.from([1, 0, 0, 0, 0, 1, -0.001, 1.5, 3, 0, 0, 0, 0, 1, -0.001, 0.5]),
   };
   const marks = marksOf(store, state, IDLE);
-  assert.deepEqual(marks.clearances?.texts, ["1 in part 4", ""]);
+  assert.deepEqual(marks.clearances?.texts, ["1 in to part 4", ""]);
   assert.deepEqual(marks.touches, [{ at: [0, 0, 0], text: "touches part 5" }], "it rests there, hand or no hand");
   assert.equal(marks.distance, null, "it is one of the rows");
   assert.deepEqual(marks.force, { at: [1.5, 0, 0], vector: [0, 0, 2], text: "2 N" });
   assert.equal(
     marksOf(store, { ...state, clearance_parts: Uint32Array.from([5, 6]) }, IDLE).distance?.text,
-    "1 in part 4",
+    "1 in to part 4",
   );
   assert.equal(marksOf(store, null, IDLE).force, null);
 });

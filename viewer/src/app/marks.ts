@@ -69,7 +69,7 @@ function contactMarks(store: Store, state: State | null, unit: Unit): ContactMar
   );
   const strength = length(state.force);
   const texts = [...state.clearance_parts].map((part, k) =>
-    figured.has(k) ? `${formatLength(state.clearance[7 * k] ?? 0, unit)} ${named(part)}` : "",
+    figured.has(k) ? `${formatLength(state.clearance[7 * k] ?? 0, unit)} to ${named(part)}` : "",
   );
   const { distance: near } = state;
   const isListed = near !== null && state.clearance_parts.includes(near.part);
@@ -85,7 +85,7 @@ function contactMarks(store: Store, state: State | null, unit: Unit): ContactMar
         ? {
             from: [...near.tool_point],
             to: [...near.mockup_point],
-            text: `${formatLength(near.value, unit)} ${named(near.part)}`,
+            text: `${formatLength(near.value, unit)} to ${named(near.part)}`,
           }
         : null,
     touches: touched.slice(0, MOST_TOUCHES).flatMap((part) => {

@@ -13,7 +13,7 @@ export const TRIAD_PX = 72;
 const HALF_PX = 27;
 /** The middle field of a face, of its half. */
 const INNER = 0.52;
-const ARM_PX = 24;
+const ARM_PX = 20;
 
 interface Face {
   readonly name: string;
