@@ -66,6 +66,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             "Verdict",
             "ClashInterrupted",
             "VariantsInterrupted",
+            "VariantsError",
         ],
     ),
     "removal": (
