@@ -14,7 +14,7 @@ from feeler.clashes.finding import Exclude, checked_limits, clash
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike, rules_from
 from feeler.errors import FeelerError, OptionError
-from feeler.io import is_saved, load_mockup
+from feeler.io.load import is_saved, load_mockup
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.spreading import Interrupted, check_executor, spread

@@ -13,7 +13,7 @@ from feeler.errors import WriteError
 from feeler.io.body import Body, Mark, MeshLike, body_of, with_marks
 from feeler.io.csv_table import csv_table
 from feeler.io.export import write_glb, write_stl
-from feeler.io.load import is_saved, load_mockup, load_tool
+from feeler.io.load import load_mockup, load_tool
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import KNOWN_UNITS
 
@@ -27,7 +27,6 @@ __all__ = [
     "body_of",
     "check_target",
     "csv_table",
-    "is_saved",
     "load_mockup",
     "load_tool",
     "with_marks",
