@@ -13,7 +13,7 @@ from shapes import box
 
 import feeler
 from feeler.cli import app, values
-from feeler.cli.options import Option, in_text
+from feeler.cli.options import Option, in_command_line_words, in_text
 from feeler.io import write_glb, write_stl
 
 WRONG = ["", "x", "nan", "-1", "1e999", "\u00e9", "9" * 400, "5 parsec", "1,2", "0x10", "--", "\x00"]
@@ -192,3 +192,43 @@ def test_lines_of_a_paragraph_are_joined(monkeypatch: pytest.MonkeyPatch) -> Non
     text = help_of(["remove"], 120, monkeypatch).split("Arguments")[0]
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     assert len(lines) <= 6, "the source's line ends are none of the page"
+
+
+OUTPUTS = [
+    ("collide", ["--at", "0,0,0"], "--glb"),
+    ("collide", ["--at", "0,0,0"], "--picture"),
+    ("clearance", ["--at", "0,0,0"], "--glb"),
+    ("clearance", ["--at", "0,0,0"], "--csv"),
+    ("path", ["--poses", "t.stl"], "--glb"),
+    ("access", [], "--csv"),
+    ("access", [], "--glb"),
+]
+
+
+@pytest.mark.parametrize(("name", "words", "output"), OUTPUTS)
+def test_an_output_with_the_name_of_an_input_is_told_by_its_option(
+    name: str, words: list[str], output: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for file in ("a.stl", "t.stl"):
+        write_stl(file, feeler.Tool(*box([0] * 3, [1] * 3)))
+    asked = [name, "a.stl", "--tool", "t.stl", *words, output]
+    assert error_of(*asked, "t.stl").startswith(f"feeler: {output} t.stl: the name must end in ")
+    (tmp_path / "t.stl").rename(tmp_path / "kept.stl")
+    ending = {"--picture": ".png", "--csv": ".csv"}.get(output, ".glb")
+    asked[asked.index("t.stl")] = "kept.stl"
+    assert error_of(*asked, f"none/x{ending}").startswith(f"feeler: {output}: cannot write ")
+
+
+def test_an_error_about_a_file_of_several_options_names_them_all() -> None:
+    options = {name: Option(f"--{name}", None) for name in ("tool", "hand", "out")}
+    words = {"tool": "a.stl", "hand": "a.stl", "out": Path("b.glb"), "mockup": ["m.stl"]}
+    for message, expected in (
+        ("a.stl: is empty", "--tool or --hand: a.stl: is empty"),
+        ("cannot write 'b.glb': no", "--out: cannot write 'b.glb': no"),
+        ("m.stl: is empty", "m.stl: is empty"),
+        ("--out is wrong: 'a.stl'", "--out is wrong: 'a.stl'"),
+        ("tool is 3: give", "--tool is 3: give"),
+    ):
+        assert in_command_line_words(message, options, words) == expected
+    assert in_command_line_words("a.stl: is empty", options, {**words, "mockup": ["a.stl"]}) == "a.stl: is empty"

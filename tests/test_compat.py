@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from trimesh.creation import box, icosphere, torus
+from trimesh.creation import annulus, box, icosphere, torus
 
 import feeler
 from feeler.compat import meshes
@@ -435,3 +435,73 @@ def test_data_can_be_printed_and_managers_are_not_pickled() -> None:
     assert repr(manager.min_distance_internal(return_data=True)[1]) == "<DistanceData of a and b, 1.0 apart>"
     with pytest.raises(TypeError, match="add its objects to a new one"):
         pickle.dumps(manager)
+
+
+def test_messages_name_what_is_there() -> None:
+    manager = CollisionManager()
+    with pytest.raises(feeler.OptionError, match=r"give another feeler\.compat\.trimesh\.CollisionManager"):
+        manager.in_collision_other(None)  # type: ignore[arg-type]
+    flat = np.eye(4)
+    flat[2, 2] = 0.0
+    with pytest.raises(feeler.PoseError, match="flattens"):
+        manager.add_object("a", CUBE, flat)
+    far = np.diag([1e200, 1.0, 1.0, 1.0])
+    with pytest.raises(feeler.PoseError, match=r"stretches 1e\+200 times as much .* at most 1e\+12 times"):
+        manager.add_object("a", CUBE, far)
+    for bad in ((np.zeros((3, 3)), [[0, 1, 2]]), (np.zeros((0, 3)), np.zeros((0, 3), int))):
+        with pytest.raises(feeler.MeshError) as told:
+            manager.add_object("a", bad)
+            manager.in_collision_internal()
+        assert "mock-up" not in str(told.value) and "mesh" in str(told.value)
+
+
+def test_places_before_the_first_step_of_mujoco_are_told() -> None:
+    vertices, faces = CUBE.vertices, CUBE.faces
+    model = SimpleNamespace(
+        geom_type=[7],
+        geom_dataid=[0],
+        mesh_vert=vertices,
+        mesh_vertadr=[0],
+        mesh_vertnum=[len(vertices)],
+        mesh_face=faces,
+        mesh_faceadr=[0],
+        mesh_facenum=[len(faces)],
+        geom=lambda _: SimpleNamespace(name="box"),
+    )
+    data = SimpleNamespace(geom_xmat=np.zeros((1, 9)), geom_xpos=np.zeros((1, 3)))
+    with pytest.raises(feeler.PoseError, match=r"call mujoco\.mj_forward\(model, data\) first"):
+        collision_manager(model, data)
+    manager = collision_manager(model)
+    with pytest.raises(feeler.PoseError, match="mj_forward"):
+        move(manager, model, data)
+    with pytest.raises(feeler.OptionError, match=r"give a feeler\.compat\.trimesh\.CollisionManager"):
+        move(None, model, data)  # type: ignore[arg-type]
+
+
+def test_depths_are_no_more_than_the_way_that_parts_the_boxes() -> None:
+    """Of bodies that are not both convex; and the same whichever is asked for first."""
+    rng = np.random.default_rng(5)
+    doughnut, ring = torus(1.0, 0.3, 12, 8), annulus(0.5, 0.9, 0.4)
+    longer, asked = 0, 0
+    for _ in range(60):
+        places = [placed(rng, 1.0), placed(rng, 1.0)]
+        first, second = CollisionManager(threads=1), CollisionManager(threads=1)
+        first.add_object("doughnut", doughnut, places[0])
+        second.add_object("ring", ring, places[1])
+        is_met, contacts = first.in_collision_other(second, return_data=True)
+        if not is_met:
+            continue
+        asked += 1
+        corners = [moved(doughnut, places[0])[0], moved(ring, places[1])[0]]
+        lower, upper = ([getattr(each, name)(axis=0) for each in corners] for name in ("min", "max"))
+        along = min((upper[0] - lower[1]).min(), (upper[1] - lower[0]).min())
+        depth = contacts[0].depth
+        assert 0 < depth <= along * (1 + 2e-6)
+        longer += depth > along * (1 - 1e-9)
+        away = places[1].copy()
+        away[:3, 3] += contacts[0].normal * depth
+        second.set_transform("ring", away)
+        assert not first.in_collision_other(second)
+        second.set_transform("ring", places[1])
+        assert second.in_collision_other(first, return_data=True)[1][0].depth == pytest.approx(depth, rel=1e-9)
+    assert asked > 20 and longer, "some are parted along an axis"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
 import re
 from pathlib import Path
 from types import ModuleType
@@ -53,17 +55,52 @@ def test_the_navigation_names_every_page_once(
         assert (tmp_path / "docs" / picture.relative_to(root / "docs")).is_file()
 
 
-def test_every_public_name_is_in_the_reference_once(site: ModuleType) -> None:
+# The public modules beside `feeler` itself, and the folders of which each module is one.
+MODULES = ("haptics", "samples", "compat.trimesh", "compat.mujoco")
+
+
+def public_names(module: ModuleType) -> set[str]:
+    """The names of `__all__`; of a module without one, what it defines itself."""
+    given = getattr(module, "__all__", None)
+    if given is not None:
+        return {*given}
+    own = {name: each for name, each in vars(module).items() if getattr(each, "__module__", "") == module.__name__}
+    return {name for name in own if not name.startswith("_")}
+
+
+def test_every_public_name_is_in_the_reference_once(site: ModuleType, root: Path) -> None:
     names = [name for _, page in site.REFERENCE.values() for name in page]
     assert len(names) == len({*names})
     of_feeler = {name for name in names if "." not in name}
     assert of_feeler == {*feeler.__all__} - {"haptics"}
-    assert {name.removeprefix("haptics.") for name in names if name.startswith("haptics.")} == {*feeler.haptics.__all__}
+    for inner in MODULES:
+        module = importlib.import_module(f"feeler.{inner}")
+        # What `feeler` has itself is told there.
+        expected = {name for name in public_names(module) if getattr(module, name) is not getattr(feeler, name, None)}
+        assert {name.removeprefix(f"{inner}.") for name in names if name.startswith(f"{inner}.")} == expected, inner
+    files = {path.stem for path in (root / "python" / "feeler" / "compat").glob("*.py")}
+    assert {f"compat.{name}" for name in files - {"__init__", "meshes"}} <= {*MODULES}
     for name in names:
         thing: Any = feeler
         for part in name.split("."):
             thing = getattr(thing, part)
         assert thing.__doc__, name
+
+
+def test_fields_without_a_line_of_their_own_are_shown(config: dict[str, Any]) -> None:
+    (strings,) = (plugin["mkdocstrings"] for plugin in config["plugins"] if isinstance(plugin, dict))
+    assert strings["handlers"]["python"]["options"]["show_if_no_docstring"] is True
+    assert {"is_found", "steps"} <= {field.name for field in dataclasses.fields(feeler.RemovalOrder)}
+
+
+def test_a_page_that_is_not_in_the_navigation_ends_the_build(site: ModuleType, root: Path, tmp_path: Path) -> None:
+    site.prepare(tmp_path / "docs", None)
+    config = (root / "mkdocs.yml").read_text(encoding="utf-8")
+    assert site.not_in_the_navigation(tmp_path / "docs", config) == []
+    (tmp_path / "docs" / "new.md").write_text("# New")
+    assert site.not_in_the_navigation(tmp_path / "docs", config) == ["new.md"]
+    without = config.replace("      - Clearance: clearance.md\n", "      - Casts again: cast.md\n")
+    assert site.not_in_the_navigation(tmp_path / "docs", without) == ["cast.md", "clearance.md", "new.md"]
 
 
 def test_the_reference_compiles_nothing(config: dict[str, Any], root: Path) -> None:

@@ -443,7 +443,7 @@ def test_a_time_limit_returns_what_was_found(engine: Agent, scene: feeler.Scene)
         ("collide", {"pose": [[1, 0, 0, 0]] * 3}, "pose is [["),
         ("collide", {"pose": at(0, 0, 0), "without": "*"}, "no part of the mock-up is left"),
         ("collide", {"pose": at(0, 0, 0), "without": ["*a*"] * 100}, "without has 100 entries: give 1 to 32"),
-        ("collide", {"pose": at(0, 0, 0), "without": "*a" * 300}, "600 characters"),
+        ("collide", {"pose": at(0, 0, 0), "without": "*a" * 2100}, "4,200 characters"),
         ("collide", {"pose": at(0, 0, 0), "touching": "sometimes"}, "touching is 'sometimes'"),
         ("collide", {"pose": at(0, 0, 0), "depth": "yes"}, "depth is 'yes': give True or False"),
         ("collide", {"pose": at(0, 0, 0), "offset": -1}, "offset is -1"),
@@ -614,7 +614,12 @@ def test_a_signal_ends_it(files: Path, number: int, code: int) -> None:
 def test_answers_are_cut_where_the_names_are_long() -> None:
     fields = {"rows": answers.Field("array", "", None, {"part": answers.Field("string", "", "exact")})}
     for length in (3, 30, 119, 700):
-        rows = [{"part": answers.part_name(f"{i:03d}" + "\u00e4[" * length)} for i in range(500)]
+        numbers = np.repeat(np.arange(500), len(CASE.faces))
+        vertices, faces = np.tile(CASE.vertices, (500, 1)), CASE.faces
+        faces = np.concatenate([faces + i * len(CASE.vertices) for i in range(500)])
+        paths = [f"{i:03d}" + "\u00e4[" * length for i in range(500)]
+        mockup = feeler.Mockup(vertices, faces, numbers, part_paths=paths)
+        rows = [{"part": answers.part_name(mockup, i)} for i in range(500)]
         answer, text = answers.finished({"note": "x" * 900, "rows": rows}, fields, "rows", 10)
         assert len(text.encode()) <= answers.MOST_BYTES and json.loads(text) == answer
         kept = len(answer["rows"])
@@ -625,15 +630,83 @@ def test_answers_are_cut_where_the_names_are_long() -> None:
     assert whole == {"rows": [], "half": "?"}
 
 
-def test_a_long_name_becomes_a_pattern_that_matches_it() -> None:
-    path = "plant/" + "hall [3] * ?/" * 40 + "bolt"
-    mockup = feeler.Mockup(
-        {path: feeler.Mockup(*box([0] * 3, [1] * 3)), "other": feeler.Mockup(*box([2] * 3, [3] * 3))}
-    )
-    long = max(mockup.part_paths, key=len)
-    name = answers.part_name(long)
-    assert len(name.encode()) <= answers.MOST_NAME_BYTES
-    assert [mockup.part_paths[part] for part in mockup.parts.select(name)] == [long]
+def _boxes(paths: list[str]) -> feeler.Mockup:
+    """A box for each path, beside each other."""
+    meshes = [box([2.0 * i, 0.0, 0.0], [2.0 * i + 1.0, 1.0, 1.0]) for i in range(len(paths))]
+    faces = np.concatenate([np.asarray(faces) + 8 * i for i, (_, faces) in enumerate(meshes)])
+    vertices = np.concatenate([vertices for vertices, _ in meshes])
+    return feeler.Mockup(vertices, faces, np.repeat(np.arange(len(paths)), 12), part_paths=paths)
+
+
+def test_every_name_in_an_answer_selects_that_part_alone() -> None:
+    """Long paths that differ in the middle, patterns, a part that is an assembly too, and names like numbers."""
+    hall = "plant/hall [3] * ?/" + "/".join(["main welding line north"] * 5)
+    paths = [f"{hall}/station {i:02d}/fixture - revision C/{'bolt M8x25 zinc plated ' * 4}/screw" for i in range(30)]
+    deep = "/".join(f"level {i}" for i in range(180)) + "/end"
+    paths += ["a", "a/b", "#2", "#3 ...x", deep, "\u00e4" * 200 + "\ud800"]
+    served = Served(feeler.Scene(_boxes(paths)))
+    names = [answers.part_name(served.mockup, i) for i in range(len(paths))]
+    assert len({*names}) == len(names) and all(len(name.encode("utf-8", "replace")) <= 120 for name in names)
+    assert names[31] == "a/b" and names[30].startswith("#30 ") and names[32] == "#2"
+    for part, name in enumerate(names):
+        assert served.select("part", [name]).tolist() == [part]
+        assert call(TOOLS["parts"], served, {"pattern": name}, Job()).content["count"] == 1
+    assert served.select("part", ["#5", "#7"]).tolist() == [5, 7] and served.select("part", ["#2"]).tolist() == [32]
+    assert served.select("part", [deep]).tolist() == [34] and 500 < len(deep) < inputs.MOST_CHARACTERS == 4000
+    with pytest.raises(feeler.OptionError, match=r"part: no part has the path or name '#99'"):
+        served.select("part", ["#99"])
+    levels = call(TOOLS["parts"], served, {"level": 8}, Job()).content["rows"]
+    for row in levels:
+        assert call(TOOLS["parts"], served, {"pattern": row["assembly"]}, Job()).content["count"] >= row["parts"]
+    assert sum(row["assembly"].startswith("#") for row in levels) > 20
+    moved = call(TOOLS["collide"], served, {"part": names[3], "pose": {"at_m": [2.0, 0, 0]}}, Job()).content
+    assert served.select("part", [row["part"] for row in moved["rows"]]).tolist() == [4]
+
+
+def test_tools_of_the_user_and_samples_do_not_collide() -> None:
+    own = feeler.Tool(*box([0] * 3, [1] * 3), name="wrench")
+    served = Served(feeler.Scene(CASE), {"wrench": own})
+    sample = served.tool("sample:wrench")
+    assert served.tool("wrench") is own and sample is not own
+    told = call(TOOLS["info"], served, {}, Job()).content
+    assert [row["tool"] for row in told["tools"]] == ["wrench"]
+    for name in ("wrench", *told["sample_tools"]):
+        assert isinstance(served.tool(name), feeler.Tool)
+    assert "sample:wrench" in told["sample_tools"]
+    with pytest.raises(feeler.OptionError) as refused:
+        served.tool("spanner")
+    offered = str(refused.value).partition("choose ")[2].partition(";")[0].split(", ")
+    assert len(offered) == 5 and all(isinstance(served.tool(name), feeler.Tool) for name in offered)
+
+
+def test_errors_of_rays_name_the_argument() -> None:
+    served = Served(feeler.Scene(CASE))
+    good = {"from_m": [0, 0, 0], "direction": [1, 0, 0]}
+    with pytest.raises(feeler.OptionError, match=r"rays\[1\]\.direction") as told:
+        call(TOOLS["rays"], served, {"rays": [good, {**good, "direction": [1e-320, 0, 0]}]}, Job())
+    assert "directions" not in str(told.value)
+
+
+def test_an_order_that_time_cut_says_so() -> None:
+    paths = [f"box_{i}" for i in range(6)]
+    served = Served(feeler.Scene(_boxes(paths)))
+    found = call(TOOLS["order"], served, {"parts": "box_1"}, Job()).content
+    assert found["found"] and found["out_of_time"] is False
+    engine = Served(feeler.Scene(feeler.sample("engine", 20_000)))
+    cut = call(TOOLS["order"], engine, {"parts": STUCK, "seconds": 0.2, "keep": "engine/hp_turbine"}, Job()).content
+    assert not cut["found"] and cut["out_of_time"] is True
+    assert all({"part", "attempts", "reach_m"} <= row.keys() for row in cut.get("blocked_by", []))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX")
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_closed_stream_is_an_end(closed: str, tmp_path: Path) -> None:
+    write_stl(tmp_path / "case.stl", CASE)
+    code = "from feeler.cli import main; main()"
+    words = f"'{sys.executable}' -c '{code}' mcp '{tmp_path / 'case.stl'}'"
+    given = "" if "<&-" in closed else "</dev/null"
+    done = subprocess.run(["sh", "-c", f"{words} {given} {closed}"], capture_output=True, text=True, timeout=WAIT_S)
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
 
 
 def test_calls_wait_for_the_mock_up_and_can_be_cancelled_meanwhile() -> None:

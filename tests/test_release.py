@@ -92,7 +92,7 @@ def test_the_page_is_built_once_and_before_all_packages(jobs: dict[str, Any]) ->
             i for i, step in enumerate(steps) if "maturin" in step.get("uses", "") or "build" in step.get("run", "")
         ]
         assert fetched < min(build)
-    (kept,) = uses(jobs["page"], "actions/upload-artifact")
+    kept, _ = uses(jobs["page"], "actions/upload-artifact")
     assert jobs["page"]["steps"][kept]["with"]["path"] == "python/feeler/workbench/static"
 
 
@@ -106,6 +106,78 @@ def test_every_package_is_used_before_it_is_published(jobs: dict[str, Any]) -> N
     assert (linux["if"], others["if"]) == ("runner.os == 'Linux'", "runner.os != 'Linux'")
     assert needs(jobs, "publish") == jobs.keys() - {"publish"}
     assert not any(job.get("continue-on-error") for job in jobs.values())
+
+
+def test_the_oldest_python_is_used_too(jobs: dict[str, Any], root: Path) -> None:
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    oldest = project["requires-python"].removeprefix(">=")
+    matrix = jobs["smoke"]["strategy"]["matrix"]
+    added = [row for row in matrix["include"] if row["wheel"] == {"tag": "cp310-abi3", "python": oldest}]
+    assert len(added) == len(matrix["include"]) and {row["system"]["platform"].split("-")[0] for row in added} == {
+        "manylinux",
+        "macos",
+        "windows",
+    }
+    assert all(row["system"] in matrix["system"] for row in added)
+
+
+def test_wheels_are_audited_as_they_are_published(jobs: dict[str, Any]) -> None:
+    steps = jobs["pack"]["steps"]
+    said = [step.get("run", "") for step in steps]
+    packed, audited = (said.index(f"python tools/{name} dist/*.whl") for name in ("pack_wheel.py", "audit_wheels.py"))
+    (kept,) = uses(jobs["pack"], "actions/upload-artifact")
+    assert packed < audited < kept
+    assert {*jobs["pack"]["strategy"]["matrix"]["platform"]} == PLATFORMS
+
+
+@pytest.mark.parametrize("tool", ["audit_wheels"], indirect=True)
+def test_audits_refuse_newer_systems_and_more_than_the_stable_abi(tool: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    status = 0
+
+    def run(words: list[str], **_: Any) -> Any:
+        asked.append(words[2])
+        return SimpleNamespace(returncode=status)
+
+    monkeypatch.setattr(tool.subprocess, "run", run)
+    monkeypatch.setattr(tool, "glibc_needed", lambda wheel: "manylinux_2_27_x86_64")
+    plain, musl = "feeler-1.0-cp310-abi3-{}.whl", "musllinux_1_2_x86_64"
+    assert tool.complaints(Path(plain.format("manylinux_2_28_x86_64"))) == [] and asked == ["abi3audit"]
+    assert "needs manylinux_2_27" in tool.complaints(Path(plain.format("manylinux_2_17_x86_64")))[0]
+    assert tool.complaints(Path(plain.format(musl))) == [] and len(asked) == 3
+    assert tool.complaints(Path(f"feeler-1.0-cp314-cp314t-{musl}.whl")) == [] and len(asked) == 3
+    status = 1
+    assert "more than the stable ABI" in tool.complaints(Path(plain.format("win_amd64")))[0]
+    monkeypatch.setattr(sys, "argv", ["audit_wheels"])
+    with pytest.raises(SystemExit, match="at least one"):
+        tool.main()
+
+
+@pytest.mark.parametrize("tool", ["front_page"], indirect=True)
+def test_a_package_index_has_no_dead_link(tool: Any, jobs: dict[str, Any], root: Path) -> None:
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    page = tool.with_addresses(readme, "https://host/who", "abc")
+    links = [target for _, _, target in tool.LINK.findall(tool.FENCE.sub("", page))]
+    assert len(links) > 20 and all(link.startswith(("https://", "#")) for link in links), links
+    assert "![" in page and "](https://host/who/raw/abc/docs/demo.png)" in page
+    assert "](https://host/who/tree/abc/examples)" in page and "](https://host/who/blob/abc/docs/clash.md)" in page
+    with pytest.raises(SystemExit, match=r"nowhere\.md leads nowhere"):
+        tool.with_addresses("[a](nowhere.md)", "https://host/who", "abc")
+    project = (root / "pyproject.toml").read_text(encoding="utf-8")
+    read, plain = tomllib.loads(tool.with_urls(project, "https://host/who", "abc")), tomllib.loads(project)
+    urls = read["project"].pop("urls")
+    assert urls["Repository"] == "https://host/who" and all(url.startswith("https://") for url in urls.values())
+    assert read == plain
+    for name in ("wheels", "sdist"):
+        steps = jobs[name]["steps"]
+        (fetched,) = (i for i, step in enumerate(steps) if step.get("with", {}).get("name") == "front")
+        builds = [
+            i for i, step in enumerate(steps) if "maturin" in step.get("uses", "") or "-m build" in str(step.get("run"))
+        ]
+        assert fetched < min(builds)
+    (made,) = (i for i, step in enumerate(jobs["page"]["steps"]) if "front_page.py" in step.get("run", ""))
+    kept = [jobs["page"]["steps"][i]["with"] for i in uses(jobs["page"], "actions/upload-artifact") if i > made]
+    assert kept == [{"name": "front", "path": "README.md\npyproject.toml\n", "if-no-files-found": "error"}]
 
 
 def test_only_a_tag_publishes_and_without_a_password(jobs: dict[str, Any], root: Path) -> None:

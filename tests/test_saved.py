@@ -382,3 +382,60 @@ def test_a_replaced_file_keeps_its_permissions(tmp_path: Path) -> None:
         path.chmod(0o640)
         write(path)
         assert path.stat().st_mode & 0o777 == 0o640, name
+
+
+def test_a_cache_that_cannot_be_written_does_not_lose_what_was_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mesh, cache_folder = tmp_path / "a.stl", tmp_path / "cache"
+    write_stl(mesh, feeler.sample("differential", 10_000))
+
+    def full(*_: Any) -> None:
+        raise WriteError("cannot write it: No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(feeler.Scene, "_save_with", full)
+        with pytest.warns(RuntimeWarning, match="nothing is kept in the cache: .*No space left"):
+            found = feeler.load_mockup(mesh, cache=cache_folder)
+    assert np.array_equal(found.vertices, feeler.load_mockup(mesh).vertices)
+    (cache_folder / "in the way").mkdir()
+    feeler.load_mockup(mesh, cache=cache_folder)
+    (entry,) = cache_folder.glob("*.feeler")
+    entry.unlink()
+    entry.mkdir()  # in the way
+    with pytest.warns(RuntimeWarning, match="nothing is kept in the cache"):
+        assert feeler.load_mockup(mesh, cache=cache_folder).triangle_count == found.triangle_count
+
+
+def test_a_list_of_one_saved_scene_is_that_scene(tmp_path: Path) -> None:
+    feeler.Scene(feeler.sample("differential", 10_000)).save(tmp_path / "a.feeler")
+    for given in ([tmp_path / "a.feeler"], (str(tmp_path / "a.feeler"),)):
+        assert feeler.load_mockup(given)._saved is not None
+    said = run("info", tmp_path / "a.feeler").stdout
+    assert "triangles" in said and "loaded in" not in said
+
+
+def test_workers_of_a_scene_whose_file_was_replaced(tmp_path: Path) -> None:
+    """They get what the scene has, not what the file has by now."""
+    path = tmp_path / "a.feeler"
+    mockup = feeler.sample("differential", 10_000)
+    feeler.Scene(mockup).save(path)
+    scene = feeler.open_scene(path)
+    feeler.Scene(mockup).save(path)
+    with scene._in_a_file() as same:
+        assert same.mockup._saved.path == str(path), "the same content, if of another time"
+    feeler.Scene(feeler.sample("differential", 20_000)).save(path)
+    with scene._in_a_file() as there:
+        assert there.mockup._saved.path != str(path)
+        assert np.array_equal(there.mockup.vertices, mockup.vertices)
+        assert len(pickle.dumps(there)) < 2000 < len(pickle.dumps(scene))
+    assert np.array_equal(pickle.loads(pickle.dumps(scene.mockup)).vertices, mockup.vertices)
+
+
+def test_variants_saved_without_parts_are_told(tmp_path: Path) -> None:
+    scene = feeler.Scene(feeler.sample("differential", 10_000))
+    scene.without([1]).save(tmp_path / "a.feeler")
+    with pytest.warns(
+        UserWarning, match=r"variants\[0\]: the scene was saved without 1 of its parts, which are checked"
+    ):
+        feeler.clash_variants([tmp_path / "a.feeler"])

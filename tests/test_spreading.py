@@ -8,8 +8,10 @@ import multiprocessing
 import os
 import pickle
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Iterator
@@ -494,10 +496,119 @@ def test_variants_are_checked_in_order(processes: Executor, tmp_path: Path) -> N
     for bad, said in (("a.glb", "a list"), ([], "at least one"), ([3], r"variants\[0\]"), (in_dict, "variants.values")):
         with pytest.raises(feeler.OptionError, match=said):
             feeler.clash_variants(bad)  # type: ignore[arg-type]
-    with pytest.raises(feeler.MissingFileError):
-        feeler.clash_variants([tmp_path / "none.glb"], executor=processes)
     with pytest.raises(feeler.OptionError, match="clearance"):
         feeler.clash_variants(variants, clearance=-1.0)
+    with pytest.raises(feeler.OptionError, match="rules"):
+        feeler.clash_variants(variants, rules=3, executor=processes)  # type: ignore[arg-type]
+
+
+def test_a_variant_that_fails_does_not_lose_the_others(processes: Executor, tmp_path: Path) -> None:
+    mockup = feeler.sample("differential", 10_000)
+    (tmp_path / "bad.stl").write_text("solid nothing")
+    variants = [tmp_path / "none.glb", mockup, tmp_path / "bad.stl", mockup]
+    for executor in (None, processes, ThreadPoolExecutor(1)):
+        with pytest.raises(
+            feeler.VariantsError, match=r"2 of 4 variants cannot be checked: variants\[0\]: .*none"
+        ) as told:
+            feeler.clash_variants(variants, executor=executor)
+        assert [*told.value.found] == [1, 3] and len(told.value.found[1]) == len(told.value.found[3]) > 0
+        assert isinstance(told.value.errors[0], feeler.MissingFileError) and [*told.value.errors] == [0, 2]
+
+
+def test_paths_of_variants_are_those_of_the_caller(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The worker stays in the folder where it began, in which other files have the same names."""
+    box = feeler.sample_tool("square")
+    size = float(np.ptp(box.vertices[:, 0]))
+    for name, shift in (("one", 0.5), ("two", 5.0)):
+        (tmp_path / name).mkdir()
+        moved = box.vertices + np.array([shift * size, 0.0, 0.0])
+        faces, parts = np.concatenate([box.faces, box.faces + len(moved)]), np.repeat([0, 1], len(box.faces))
+        mockup = feeler.Mockup(np.concatenate([box.vertices, moved]), faces, parts, ["a", "b"])
+        feeler.Scene(mockup).save(tmp_path / name / "v.feeler")
+        feeler.io.write_glb(tmp_path / name / "v.glb", mockup)
+        hidden = f'[[exclude]]\nname = "all"\na = "{"*" if name == "two" else "nothing*"}"\nb = "*"\n'
+        (tmp_path / name / "r.toml").write_text(hidden if name == "two" else "")
+    monkeypatch.chdir(tmp_path / "two")
+    with ProcessPoolExecutor(1, mp_context=SPAWN) as pool:
+        pool.submit(os.getcwd).result()
+        monkeypatch.chdir(tmp_path / "one")
+        for variants in (["v.feeler", "v.glb"], [Path("v.feeler")]):
+            here = feeler.clash_variants(variants, rules="r.toml")
+            there = feeler.clash_variants(variants, rules="r.toml", executor=pool)
+            assert [each.verdicts.tolist() for each in here] == [each.verdicts.tolist() for each in there]
+            assert all(len(each) == 1 for each in there)
+
+
+@pytest.mark.parametrize("defect", ["no triangle", "no area", "not finite"])
+def test_a_part_without_anything_to_query_has_a_row_that_says_so(
+    defect: str, processes: Executor, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shelf = _shelf()
+    bad = {"no triangle": [], "no area": [[0, 0, 0]], "not finite": [[0, 1, len(shelf.vertices)]]}[defect]
+    faces = np.concatenate([shelf.faces, np.array(bad, np.uint32).reshape(-1, 3)])
+    parts = np.concatenate([shelf.part_of_face, np.full(len(bad), shelf.part_count)])
+    vertices = np.concatenate([shelf.vertices, [[np.nan] * 3]])
+    mockup = feeler.Mockup(vertices, faces, parts, part_paths=[*shelf.part_paths, "shelf/bad"])
+    scene = feeler.Scene(mockup)
+    for executor in (None, processes):
+        found = feeler.removals(scene, executor=executor)
+        assert found.is_found.tolist() == [True] * 6 + [False] and not found.is_out_of_time.any()
+        assert [bool(row.error) for row in found] == [False] * 6 + [True]
+        assert found[6].error.startswith("shelf/bad: ")
+    for call in (feeler.removal, feeler.removal_order, feeler.insertion):
+        with pytest.raises(feeler.MeshError, match=r"^shelf/bad: ") as told:
+            call(scene, "shelf/bad")
+        assert "tool has" not in str(told.value)
+    assert feeler.removal_order(scene, "shelf/box_1", rounds=1).is_found
+    monkeypatch.chdir(tmp_path)
+    scene.save("s.feeler")
+    for words in ([], ["--workers", "1"]):
+        asked = ["remove", "s.feeler", "--part", "*", "--each", "--rounds", "1", *words]
+        document = run_json(*asked, "--csv", "rows.csv", code=1)
+        assert [part["error"] for part in document["parts"]] == [None] * 6 + [found[6].error]
+        assert (
+            (tmp_path / "rows.csv")
+            .read_text(encoding="utf-8-sig")
+            .splitlines()[-1]
+            .rstrip('"')
+            .endswith(found[6].error)
+        )
+        assert "6 of 7 parts come out" in run(*asked, code=1).stdout
+    assert "shelf/bad: no" in error_of("remove", "s.feeler", "--part", "shelf/bad", "--seconds", "1").replace(
+        "there are ", ""
+    )
+
+
+@pytest.mark.parametrize("address", ["nonsense", "127.0.0.1", "http://127.0.0.1:80", "tcp://", "tcp://host", "a b:1"])
+def test_an_address_that_is_none_is_refused_at_once(address: str) -> None:
+    asked = ["remove", "nothing.stl", "--part", "*", "--each"]
+    assert "--dask" in error_of(*asked, "--dask", address) and "such as tcp://" in error_of(*asked, "--dask", address)
+
+
+def test_a_server_that_is_no_scheduler_is_told(tmp_path: Path) -> None:
+    """It answers with something else, or not at all."""
+    pytest.importorskip("distributed")
+    write_stl = feeler.io.write_stl
+    write_stl(tmp_path / "s.stl", _shelf())
+    code = "from feeler.cli import main; main()"
+    asked = [sys.executable, "-c", code, "remove", str(tmp_path / "s.stl"), "--part", "*", "--each", "--dask"]
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=_answer_as_a_page, args=(server,), daemon=True).start()
+        done = subprocess.run(
+            [*asked, f"127.0.0.1:{server.getsockname()[1]}"], capture_output=True, text=True, check=False, timeout=60
+        )
+    assert done.returncode == 2 and "no scheduler answers there" in done.stderr, done.stderr
+    assert done.stderr.startswith("feeler: --dask") and done.stderr.count("\n") == 1
+
+
+def _answer_as_a_page(server: socket.socket) -> None:
+    while True:
+        try:
+            connection, _ = server.accept()
+        except OSError:
+            return
+        with connection:
+            connection.sendall(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n")
 
 
 def test_commands_share_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dask: Any) -> None:

@@ -335,7 +335,9 @@ def test_every_public_class_travels_or_says_that_it_does_not(name: str) -> None:
             assert facts(there) == before, way
 
 
-@pytest.mark.parametrize("cls", [c for c in public_classes().values() if issubclass(c, FeelerError)])
+@pytest.mark.parametrize(
+    "cls", [c for c in public_classes().values() if issubclass(c, FeelerError) and c is not feeler.VariantsError]
+)
 def test_errors_travel(cls: type[FeelerError]) -> None:
     error = cls("voxel_size is -1: it must be positive")
     error.add_note("seen on the way") if sys.version_info >= (3, 11) else None
@@ -343,6 +345,14 @@ def test_errors_travel(cls: type[FeelerError]) -> None:
         there = act(error)
         assert type(there) is cls and str(there) == str(error) and there.args == error.args, way
         assert getattr(there, "__notes__", None) == getattr(error, "__notes__", None), way
+
+
+def test_errors_of_variants_travel_with_what_was_found() -> None:
+    found = feeler.VariantsError({0: SAMPLES["Clashes"][0], 2: feeler.MissingFileError("a.stl: there is no such file")})
+    for act in WAYS.values():
+        there = act(found)
+        assert type(there) is feeler.VariantsError and str(there) == str(found) and "variants[2]: a.stl" in str(there)
+        assert facts(there.found[0]) == facts(found.found[0]) and type(there.errors[2]) is feeler.MissingFileError
 
 
 @pytest.mark.parametrize(

@@ -272,7 +272,8 @@ ROOMS: dict[str, set[str]] = {
     "part_meshes": {"mockup"},
     "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
     # Tasks on executors.
-    "spreading": {"errors"},
+    "spreading": {"errors", "stopping"},
+    "stopping": set(),
     "batches": {"_core", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
     "depths": {"words"},
@@ -300,11 +301,11 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
-    "clashes": {*BASE, "enumerations", "ignored", "io", "parts", "picture", "plan", "spreading"},
+    "clashes": {*BASE, "enumerations", "ignored", "io", "parts", "picture", "plan", "spreading", "stopping"},
     # One file with what is known, asked and decided; it knows no workbench.
     "project": {*BASE, "clashes", "parts"},
     # Removal, order, access, swept volumes.
-    "plan": {*BASE, "ignored", "io", "parts", "picture", "spreading"},
+    "plan": {*BASE, "ignored", "io", "parts", "picture", "spreading", "stopping"},
     "samples": BASE,
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},

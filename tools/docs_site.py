@@ -66,6 +66,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             "Verdict",
             "ClashInterrupted",
             "VariantsInterrupted",
+            "VariantsError",
         ],
     ),
     "removal": (
@@ -88,7 +89,26 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
         ],
     ),
     "workbench": ("Workbench", ["view", "View", "open_project", "Project", "PartChanges"]),
-    "samples": ("Samples", ["sample", "sample_tool", "sample_truth", "sample_poses", "sample_path"]),
+    "samples": (
+        "Samples",
+        [
+            *("sample", "sample_tool", "sample_truth", "sample_poses", "sample_path"),
+            *(
+                f"samples.{name}"
+                for name in (
+                    *("sample_names", "sample_tool_names"),
+                    *("Truth", "Body", "Joint", "Fit", "Fastener", "Fault", "Step", "Leg", "FAULTS"),
+                )
+            ),
+        ],
+    ),
+    "compat": (
+        "trimesh, MuJoCo",
+        [
+            *(f"compat.trimesh.{name}" for name in ("CollisionManager", "ContactData", "DistanceData")),
+            *("compat.trimesh.scene_to_collision", "compat.mujoco.collision_manager", "compat.mujoco.move"),
+        ],
+    ),
     "errors": (
         "Errors",
         [
@@ -158,6 +178,15 @@ def prepare(pages: Path, address: str | None) -> None:
         (pages / "reference" / f"{name}.md").write_text(f"# {title}\n\n{entries}", encoding="utf-8")
 
 
+def not_in_the_navigation(pages: Path, config: str) -> list[str]:
+    """What differs between the pages and the navigation in mkdocs.yml: a page that nobody finds, or one that is not
+    there."""
+    named = re.findall(r"^ +- [^#\n]*: ([\w/-]+\.md)$", config.partition("\nnav:\n")[2].partition("\n\n")[0], re.M)
+    made = {path.relative_to(pages).as_posix() for path in pages.rglob("*.md")}
+    twice = {name for name in named if named.count(name) > 1}
+    return sorted((made ^ {*named}) | twice)
+
+
 class Page(HTMLParser):
     """The anchors and links of a page."""
 
@@ -199,6 +228,9 @@ def main() -> None:
     parser.add_argument("--prepare", action="store_true", help="only write the pages into target/docs")
     only_prepare = parser.parse_args().prepare
     prepare(PAGES, repository())
+    found = not_in_the_navigation(PAGES, (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    if found:
+        sys.exit("\n".join(["make docs: not once in the navigation of mkdocs.yml, or no page:", *found]))
     if only_prepare:
         return
     if importlib.util.find_spec("zensical") is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,6 +24,7 @@ from feeler.source import Source
 from feeler.travel import reduced
 from feeler.words import plural
 
+_NOTHING = re.compile(r"the tool has [\d,]+ triangles but none")
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
 """The most vertices of a piece for drawing: its indices have 16 bits."""
@@ -241,7 +242,7 @@ class Mockup(_core.Mockup):
         """Its arrays, or the path and hash of the saved scene that they are in, and all attributes."""
         attributes = {name: value for name, value in self.__dict__.items() if name != "_saved"}
         file = self._saved
-        if file is not None and os.path.exists(file.path):
+        if file is not None and file.is_there:
             own = {**_attributes(file), "parts": attributes.get("parts")}
             changed = {name: value for name, value in attributes.items() if value is not own.get(name)}
             return (*reduced("Mockup", (type(self), file.path, file.core.content_hash)), changed)
@@ -339,11 +340,12 @@ class Tool(_core.Tool):
         if name is None:
             name = names[0] if len(names) == 1 else f"{len(names)} parts"
         if not len(faces):
-            raise MeshError(f"{', '.join(paths[:3])}: there are no triangles to make a tool of")
-        source = mockup.source
-        tool = cls(
-            mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths, source=source
-        )
+            raise MeshError(f"{_first(paths)}: there are no triangles to make a tool of")
+        try:
+            tool = cls(mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths)
+        except MeshError as error:  # of a mesh, which the caller knows as parts
+            raise MeshError(f"{_first(paths)}: {_NOTHING.sub('no triangle', str(error), count=1)}") from None
+        tool.source = mockup.source
         colours = np.asarray(mockup.part_colours)
         if colours.shape == (mockup.part_count, 3):
             tool.part_colours = colours[chosen]
@@ -419,6 +421,11 @@ def _attributes(file: saved.SavedFile) -> dict[str, Any]:
     facts = file.facts
     known = {"part_names": facts.part_names, "part_paths": facts.part_paths, "source": facts.source}
     return known if facts.colours is None else {**known, "part_colours": facts.colours}
+
+
+def _first(paths: Sequence[str]) -> str:
+    """The first of several parts in words, and how many more there are."""
+    return ", ".join(paths[:3]) + (f" and {len(paths) - 3:,} more" if len(paths) > 3 else "")
 
 
 def _vertex_limit(limit: object) -> int:

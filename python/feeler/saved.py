@@ -35,6 +35,20 @@ class SavedFile:
 
     path: str  # absolute
     core: _core.SavedScene
+    state: tuple[int, ...] = ()
+    """What the file system said of it when it was opened."""
+
+    @property
+    def is_there(self) -> bool:
+        """Whether the path still leads to a file with this mock-up: it may have been saved anew since."""
+        state = _state(self.path)
+        if state and state == self.state:
+            return True
+        try:
+            there = _core.SavedScene(self.path, False, free_memory() * 4 // 5, None)
+        except FeelerError:
+            return False
+        return there.content_hash == self.core.content_hash
 
     @cached_property
     def facts(self) -> Facts:
@@ -57,9 +71,19 @@ def opened(path: str, verify: bool, memory_limit: int, progress: Callable[[float
     path = os.path.abspath(path)
     if not os.path.lexists(path):
         raise MissingFileError(f"{path}: there is no such file; check the path")
-    file = SavedFile(path, _core.SavedScene(path, verify, memory_limit, progress))
+    state = _state(path)
+    core = _core.SavedScene(path, verify, memory_limit, progress)
+    file = SavedFile(path, core, state if state == _state(path) else ())
     _known[path, file.core.content_hash] = file
     return file
+
+
+def _state(path: str) -> tuple[int, ...]:
+    try:
+        found = os.stat(path)
+    except OSError:
+        return ()
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
 
 
 def opened_again(path: str, content_hash: str) -> SavedFile:

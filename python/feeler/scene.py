@@ -211,7 +211,7 @@ class Scene(_core.Scene):
     def _in_a_file(self) -> Iterator[Scene]:
         """The scene as worker processes open it: in a file, which may be temporary, and with one thread each."""
         file = self.mockup._saved
-        if file is not None and os.path.exists(file.path):
+        if file is not None and file.is_there:
             options = {**self._given, "threads": 1}
             alone = Scene(self.mockup, self.voxel_size, self.storage, self.hashing, **options)
             mask = self.part_mask

@@ -26,6 +26,8 @@ from importlib import import_module
 from typing import Any, Generic, Protocol, TypeVar
 
 from feeler.errors import FeelerError, OptionError
+from feeler.stopping import Stop, check_stop
+from feeler.stopping import task as task_of
 
 
 class Scene(Protocol):
@@ -97,7 +99,9 @@ class Workers:
 
         broken: Any = self.executor
         if isinstance(self.executor, ProcessPoolExecutor):
-            self.executor = ProcessPoolExecutor(
+            # Of its own kind where that is feeler's: it takes the same arguments, and knows its processes.
+            kind = type(self.executor) if type(self.executor).__module__.startswith("feeler.") else ProcessPoolExecutor
+            self.executor = kind(
                 broken._max_workers, broken._mp_context, initializer=broken._initializer, initargs=broken._initargs
             )
             self._made.append(self.executor)
@@ -124,12 +128,12 @@ def spread(
     - `scene`: None if the tasks need none.
     - `executor`: None for one task after the other in this thread.
     - `heard`: called with the number of tasks done and the stage, in the thread of the caller.
-    - `is_last`: whether no result after this one is of use. The first such one, in the order of the tasks, ends it;
-      the tasks after it are cancelled, and those that run already end on their own.
+    - `is_last`: whether no result after this one is of use. The first such one, in the order of the tasks, ends it.
+      The tasks after it are cancelled, and those that run already are told to end (`stopping.check_stop`).
     - `goes_on`: asked several times a second; where it says no, the results up to the first missing one are returned.
 
     A scene that is not in a file is saved to a temporary one for other processes. Tasks lost with a worker are done
-    again, with a `WorkerLost` warning. Ctrl-C raises `Interrupted`; an error of a task ends all others.
+    again, with a `WorkerLost` warning. Ctrl-C raises `Interrupted`; it and an error of a task end all others.
     """
     if executor is None:
         return _one_by_one(lambda task: function(scene, shared, task), tasks, heard, is_last, goes_on)
@@ -171,9 +175,13 @@ class _Here(Generic[Shared, Task, Result]):
     def __init__(self, function: Callable[[Any, Shared, Task], Result], scene: Scene | None, shared: Shared) -> None:
         self._function, self._scene, self._shared = function, scene, shared
 
-    def submit(self, executor: Executor, task: Task) -> Future[Result]:
+    def submit(self, executor: Executor, task: Task, stop: Stop) -> Future[Result]:
         """Hands a task over."""
-        return executor.submit(self._function, self._scene, self._shared, task)
+        return executor.submit(self._do, task, stop)
+
+    def _do(self, task: Task, stop: Stop) -> Result:
+        with task_of(stop):
+            return self._function(self._scene, self._shared, task)
 
 
 class _Elsewhere(Generic[Shared, Task, Result]):
@@ -183,16 +191,16 @@ class _Elsewhere(Generic[Shared, Task, Result]):
         self._question = pickle.dumps((function, scene, shared), protocol=pickle.HIGHEST_PROTOCOL)
         self._key = hashlib.sha256(self._question).hexdigest()
 
-    def submit(self, executor: Executor, task: Task) -> Future[Result]:
+    def submit(self, executor: Executor, task: Task, stop: Stop) -> Future[Result]:
         """Hands a task over."""
-        return executor.submit(work, self._key, self._question, task)
+        return executor.submit(work, self._key, self._question, task, stop)
 
 
 _questions: OrderedDict[str, tuple[Callable[..., Any], Any, Any]] = OrderedDict()
 _questions_lock = threading.Lock()
 
 
-def work(key: str, question: bytes, task: Any) -> Any:
+def work(key: str, question: bytes, task: Any, stop: Stop) -> Any:
     """One task, in a worker. The question is unpickled once in a process, which opens its scene."""
     with _questions_lock:
         known = _questions.get(key)
@@ -201,7 +209,9 @@ def work(key: str, question: bytes, task: Any) -> Any:
             while len(_questions) > KEPT_IN_A_PROCESS:
                 _questions.popitem(last=False)
     function, scene, shared = known
-    return function(scene, shared, task)
+    with task_of(stop):
+        check_stop()  # it may have waited in a queue
+        return function(scene, shared, task)
 
 
 def _future(given: Future[Result]) -> Future[Result]:
@@ -229,6 +239,7 @@ class _Round(Generic[Task, Result]):
         self._looked_at = 0
         self._is_ended = False
         self._losses = 0
+        self._stop = Stop()
 
     def run(self) -> list[Result]:
         try:
@@ -249,7 +260,7 @@ class _Round(Generic[Task, Result]):
             while True:
                 while lost is None and len(waiting) < MOST_WAITING and (i := next(left, None)) is not None:
                     try:
-                        waiting[_future(self._place.submit(self._workers.executor, self._tasks[i]))] = i
+                        waiting[_future(self._place.submit(self._workers.executor, self._tasks[i], self._stop))] = i
                     except BrokenExecutor as error:
                         lost = error
                     except RuntimeError as error:  # of an executor that was shut down
@@ -273,8 +284,11 @@ class _Round(Generic[Task, Result]):
                 if self._ends():
                     return lost
         finally:
+            running = [future for future in waiting if not future.cancel() and not future.done()]
+            if running:
+                self._stop.set(running)
             for future, i in waiting.items():
-                if not future.cancel() and future.done() and future.exception() is None:
+                if future.done() and not future.cancelled() and future.exception() is None:
                     self._results[i] = future.result()  # finished while nobody looked
 
     def _ends(self) -> bool:

@@ -22,8 +22,9 @@ pub struct BodyDepth {
     pub is_least: bool,
 }
 
-/// The depth of two bodies that meet: of two solid ones the least, of others by [`ContactSolver::penetration`]; 0 for bodies that are
-/// apart. Errors: no such body, and the request to stop.
+/// The depth of two bodies that meet: of two solid ones the least, of others the shorter one of [`ContactSolver::penetration`] and of
+/// the way along an axis of the world that parts their boxes; 0 for bodies that are apart. Errors: no such body, and the request to
+/// stop.
 pub fn body_depth(bodies: &Bodies, who: Who<'_>, pair: [u32; 2], go_on: GoOn<'_>) -> Result<BodyDepth> {
     let [first, second] = bodies.pair(who, pair)?;
     if first.0.is_solid() && second.0.is_solid() {
@@ -34,7 +35,40 @@ pub fn body_depth(bodies: &Bodies, who: Who<'_>, pair: [u32; 2], go_on: GoOn<'_>
     let sense = if is_turned { 1.0 } else { -1.0 };
     let row = |i: usize| (0..3).map(|k| frame.rotation()[i][k] * found.translation[k]).sum::<f64>();
     let translation = std::array::from_fn(|i| sense * row(i));
+    let along = along_an_axis(first, second);
+    if along.depth < found.depth {
+        return Ok(along);
+    }
     Ok(BodyDepth { translation, depth: found.depth, is_least: found.depth == 0.0 })
+}
+
+/// The shortest way along an axis of the world that parts the box of the second body from that of the first.
+fn along_an_axis(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyDepth {
+    let boxed = |body| {
+        let mut around = Aabb::EMPTY;
+        placed(body).iter().for_each(|p| around.grow(p));
+        around
+    };
+    let (a, b) = (boxed(first), boxed(second));
+    let beyond = BEYOND[1] * a.largest_coordinate().max(b.largest_coordinate());
+    let mut best = BodyDepth { translation: [0.0; 3], depth: f64::INFINITY, is_least: false };
+    for (axis, by) in (0..3).flat_map(|i| [(i, a.upper[i] - b.lower[i]), (i, a.lower[i] - b.upper[i])]) {
+        let depth = by.abs() * (1.0 + BEYOND[0]) + beyond;
+        if depth < best.depth {
+            best.depth = depth;
+            best.translation = std::array::from_fn(|i| if i == axis { depth.copysign(by) } else { 0.0 });
+        }
+    }
+    best
+}
+
+/// The corners of the queried triangles of a body, in the world.
+fn placed((shape, pose): (&Arc<Shape>, &Pose)) -> Vec<Point> {
+    let mesh = shape.mesh();
+    let mut used: Vec<u32> = mesh.queried().flat_map(|triangle| mesh.faces()[triangle as usize]).collect();
+    used.sort_unstable();
+    used.dedup();
+    used.iter().map(|v| pose.apply(&mesh.vertices()[*v as usize])).collect()
 }
 
 /// The two bodies that meet, one of them solid, and are deepest in each other; of several the first. Errors as [`body_depth`].
@@ -66,13 +100,6 @@ pub fn deepest(bodies: &Bodies, who: Who<'_>, go_on: GoOn<'_>) -> Result<Option<
 }
 
 fn of_solids(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyDepth {
-    let placed = |(shape, pose): (&Arc<Shape>, &Pose)| -> Vec<Point> {
-        let mesh = shape.mesh();
-        let mut used: Vec<u32> = mesh.faces().iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        used.iter().map(|v| pose.apply(&mesh.vertices()[*v as usize])).collect()
-    };
     let (mut a, mut b) = (placed(first), placed(second));
     let mut around = Aabb::EMPTY;
     a.iter().chain(&b).for_each(|p| around.grow(p));

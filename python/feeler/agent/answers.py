@@ -20,7 +20,7 @@ from feeler.mockup import Mockup
 MOST_BYTES = 4_000
 """The longest answer, bytes of UTF-8."""
 MOST_NAME_BYTES = 120
-"""The longest name of a part in an answer; longer ones become a pattern that matches them."""
+"""The longest name of a part in an answer; longer ones are cut, and begin with the number of the part."""
 MOST_LISTED = 5
 """The most parts in a list beside the rows."""
 
@@ -162,16 +162,44 @@ def point(xyz: Any) -> list[float] | None:
     return [round(float(value), 9) + 0.0 for value in values] if np.isfinite(values).all() else None
 
 
-def part_name(path: str) -> str:
-    """The path of a part; in place of a long one a pattern that matches it."""
-    encoded = path.encode("utf-8", "replace")
-    if len(encoded) <= MOST_NAME_BYTES:
+def part_name(mockup: Mockup, part: int) -> str:
+    """The path of a part. Where it is long, or names others as well, its number and the end of its path, `#12 ...end`,
+    which `part_of_number` reads."""
+    path = mockup.part_paths[part]
+    is_short = len(path.encode("utf-8", "replace")) <= MOST_NAME_BYTES
+    if is_short and [each.index for each in mockup.parts.find(path or "/")] == [part]:
         return path
-    half = (MOST_NAME_BYTES - 1) // 2
-    head, tail = encoded[:half].decode("utf-8", "ignore"), encoded[-half:].decode("utf-8", "ignore")
-    return re.sub(r"[][*?]", "?", head) + "*" + re.sub(r"[][*?]", "?", tail)
+    return _numbered(f"#{part}", path)
+
+
+def assembly_name(mockup: Mockup, part: int, level: int) -> str:
+    """The path of the assembly that the first `level` steps of a part's path name; `#12:3 ...end` for a long one."""
+    path = "/".join(mockup.part_paths[part].split("/")[:level])
+    return path if len(path.encode("utf-8", "replace")) <= MOST_NAME_BYTES else _numbered(f"#{part}:{level}", path)
+
+
+def _numbered(number: str, path: str) -> str:
+    encoded = path.encode("utf-8", "replace")
+    room = MOST_NAME_BYTES - len(number) - len(" ...")
+    end = encoded[-room:].decode("utf-8", "ignore")
+    return f"{number} ...{end}" if len(encoded) > room else f"{number} {path}"
+
+
+_NUMBER = re.compile(r"#(\d{1,10})(?::(\d{1,3}))?(?: .*)?", re.DOTALL)
+
+
+def part_of_number(mockup: Mockup, text: str) -> list[int] | None:
+    """The parts of `#12` or `#12:3`, as answers have them, with or without what follows. None for any other text, and
+    for one that is the path or name of a part."""
+    found = _NUMBER.fullmatch(text)
+    if found is None or int(found[1]) >= mockup.part_count or mockup.parts.find(text):
+        return None
+    part = int(found[1])
+    if found[2] is None:
+        return [part]
+    return [each.index for each in mockup.parts.find("/".join(mockup.part_paths[part].split("/")[: int(found[2])]))]
 
 
 def part_names(mockup: Mockup, parts: Sequence[int] | Any) -> list[str]:
     """The names of the first parts, by index."""
-    return [part_name(mockup.part_paths[int(part)]) for part in parts[:MOST_LISTED]]
+    return [part_name(mockup, int(part)) for part in parts[:MOST_LISTED]]

@@ -20,8 +20,8 @@ FARTHEST_M = 1e5
 ever."""
 MOST_NAMES = 32
 """The most names or patterns of parts in one argument: each is compared with every part."""
-MOST_CHARACTERS = 500
-"""The longest name or pattern."""
+MOST_CHARACTERS = 4_000
+"""The longest name or pattern: also the path of a part in a deep assembly."""
 NEEDED = object()
 """The default of an argument that must be given."""
 
@@ -161,7 +161,7 @@ class Text:
         if not isinstance(value, str) or not value.strip():
             raise OptionError(f"{what} is {shown(value)}: give {self.give}")
         if len(value) > MOST_CHARACTERS:
-            raise OptionError(f"{what} has {len(value):,} characters: give at most {MOST_CHARACTERS}")
+            raise OptionError(f"{what} has {len(value):,} characters: give at most {MOST_CHARACTERS:,}")
         return value
 
 
@@ -292,7 +292,7 @@ _POSE = (
     '{"at_m": [x, y, z], "rotate_deg": [rx, ry, rz]} (about the mock-up\'s x, then y, then z axis), or a 4 by 4 matrix '
     "world_from_tool, row by row, metres"
 )
-_NAME = Text("the path or name of a part, or a pattern such as *pump*")
+_NAME = Text("the path or name of a part, its number such as #12, or a pattern such as *pump*")
 _PATTERNS = Many(_NAME, "a name or pattern, or a list of them")
 _PLACE = Record(
     {"at_m": Triple("three coordinates in metres"), "rotate_deg": Triple("three angles in degrees")}, ["at_m"], _POSE

@@ -14,6 +14,7 @@ from feeler.agent.served import Served
 from feeler.clashes import Clash, Clashes, ClashInterrupted, Verdict
 from feeler.clashes import clash as clash_check
 from feeler.errors import OptionError
+from feeler.mockup import Mockup
 from feeler.plan.blocked import Blocker
 from feeler.plan.fasteners import Fasteners, find_fasteners
 from feeler.plan.order import removal_order
@@ -45,7 +46,7 @@ def clash(served: Served, given: Given, job: Job) -> Answer:
         "complete": not found.is_partial,
         "findings": len(chosen),
         "verdicts": {verdict: count for verdict, count in counts.items() if count},
-        "rows": [_finding(row) for row in chosen[offset : offset + MOST_ROWS]],
+        "rows": [_finding(served.mockup, row) for row in chosen[offset : offset + MOST_ROWS]],
         "kinds": {"findings": AT_LEAST, "verdicts": AT_LEAST} if found.is_partial else {},
     }
 
@@ -60,9 +61,10 @@ def _clashes(served: Served, given: Given, job: Job) -> tuple[Clashes, bool]:
     return found, not found.is_partial
 
 
-def _finding(row: Clash) -> Answer:
+def _finding(mockup: Mockup, row: Clash) -> Answer:
     verdict = row.verdict.value
-    answer: Answer = {"part_a": part_name(row.path_a), "part_b": part_name(row.path_b), "verdict": verdict}
+    names = {"part_a": part_name(mockup, row.a), "part_b": part_name(mockup, row.b)}
+    answer: Answer = {**names, "verdict": verdict}
     if verdict == "clearance":
         return {**answer, "gap_m": row.gap, "point_a_m": point(row.point_a)}
     if row.depth_kind == "estimate":
@@ -120,12 +122,17 @@ def removal(served: Served, given: Given, job: Job) -> Answer:
         "parts": {"count": len(moved), "first": part_names(scene.mockup, moved)},
         **_way(found),
         "play_m": found.play,
-        "held_by": [part_name(part.path) for part in found.held_by],
+        "held_by": [part_name(scene.mockup, part.index) for part in found.held_by],
         "out_of_time": found.is_out_of_time,
-        "blocked_by": [
-            {"part": part_name(each.path), "attempts": each.count, "reach_m": each.reach} for each in found.blocked_by
-        ],
+        "blocked_by": _blockers(scene.mockup, found),
     }
+
+
+def _blockers(mockup: Mockup, found: Removal) -> list[Answer]:
+    return [
+        {"part": part_name(mockup, each.part), "attempts": each.count, "reach_m": each.reach}
+        for each in found.blocked_by
+    ]
 
 
 def _way(found: Removal) -> Answer:
@@ -156,10 +163,15 @@ def order(served: Served, given: Given, job: Job) -> Answer:
         ),
     )
     offset = given["offset"]
-    answer: Answer = {"found": found.is_found, "seconds": round(found.seconds, 3)}
+    answer: Answer = {
+        "found": found.is_found,
+        "out_of_time": found.is_out_of_time,
+        "seconds": round(found.seconds, 3),
+    }
     if not found.is_found:
         last = found.steps[-1].removal
-        return {**answer, "blocked_by": [{"part": part_name(e.path), "attempts": e.count} for e in last.blocked_by]}
+        held = [part_name(scene.mockup, part.index) for part in last.held_by]
+        return {**answer, "held_by": held, "blocked_by": _blockers(scene.mockup, last)}
     return {
         **answer,
         "steps": len(found.steps),
@@ -187,7 +199,7 @@ def access(served: Served, given: Given, job: Job) -> Answer:
     )
     job.check()
     bolts, found = asked
-    kinds = {bolt.path: bolt for bolt in bolts}
+    kinds = {bolt.part: bolt for bolt in bolts}
     rows = sorted(found, key=lambda row: (row.is_reachable, row.target))
     offset = given["offset"]
     return {
@@ -195,7 +207,7 @@ def access(served: Served, given: Given, job: Job) -> Answer:
         "targets": len(bolts),
         "tried": len(found),
         "reachable": int(found.is_reachable.sum()),
-        "rows": [_reach(row, kinds) for row in rows[offset : offset + MOST_ROWS]],
+        "rows": [_reach(scene.mockup, row, kinds) for row in rows[offset : offset + MOST_ROWS]],
     }
 
 
@@ -227,10 +239,10 @@ def _reached(
     return (bolts, found), not found.is_partial
 
 
-def _reach(row: Reach, bolts: dict[str, Any]) -> Answer:
-    bolt = bolts.get(row.path or "")
+def _reach(mockup: Mockup, row: Reach, bolts: dict[int, Any]) -> Answer:
+    bolt = None if row.part is None else bolts.get(row.part)
     answer: Answer = {
-        "part": part_name(row.path or ""),
+        "part": None if row.part is None else part_name(mockup, row.part),
         "fastener": None if bolt is None else bolt.kind,
         "reachable": row.is_reachable,
         "swing_deg": row.swing_deg,
@@ -241,6 +253,6 @@ def _reach(row: Reach, bolts: dict[str, Any]) -> Answer:
             "because": row.because,
             "looked_m": row.looked,
             "drawn_m": row.drawn,
-            "blockers": [part_name(each.path) for each in blockers],
+            "blockers": [part_name(mockup, each.part) for each in blockers],
         }
     return answer

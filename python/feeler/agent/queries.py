@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from itertools import islice
 from typing import Any
@@ -9,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from feeler._core import Containment
-from feeler.agent.answers import AT_MOST, ESTIMATE, EXACT, part_name, part_names, point
+from feeler.agent.answers import AT_MOST, ESTIMATE, EXACT, assembly_name, part_name, part_names, point
 from feeler.agent.job import Job
 from feeler.agent.served import SAMPLE, Served
 from feeler.choices import SAMPLE_TOOL_NAMES
-from feeler.errors import OptionError
+from feeler.errors import FeelerError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.scene import PairKind
 
@@ -42,7 +43,7 @@ def info(served: Served, _given: Given, _job: Job) -> Answer:
         "defects": {kind: defect.count for kind, defect in report.defects.items() if defect.count},
         "doubts": [doubt[:300] for doubt in report.source.doubts],
         "tools": [_tool_facts(name, tool) for name, tool in served.tools.items()],
-        "sample_tools": [SAMPLE + name for name in SAMPLE_TOOL_NAMES if name not in served.tools],
+        "sample_tools": [SAMPLE + name for name in SAMPLE_TOOL_NAMES],
     }
 
 
@@ -57,8 +58,12 @@ def parts(served: Served, given: Given, _job: Job) -> Answer:
     pattern, level, offset = given["pattern"], given["level"], given["offset"]
     chosen = np.flatnonzero(there) if pattern is None else served.present("pattern", pattern)
     if level is not None:
-        counts = Counter("/".join(mockup.part_paths[part].split("/")[:level]) for part in chosen.tolist())
-        rows = [{"assembly": part_name(path), "parts": count} for path, count in sorted(counts.items())]
+        paths = ["/".join(mockup.part_paths[part].split("/")[:level]) for part in chosen.tolist()]
+        counts, first = Counter(paths), dict(zip(reversed(paths), reversed(chosen.tolist()), strict=True))
+        rows = [
+            {"assembly": assembly_name(mockup, first[path], level), "parts": count}
+            for path, count in sorted(counts.items())
+        ]
         return {"count": len(chosen), "rows": rows[offset : offset + MOST_ROWS]}
     order = chosen.tolist()
     bounds = np.asarray(mockup.part_bounds).reshape(-1, 2, 3)
@@ -71,7 +76,7 @@ def parts(served: Served, given: Given, _job: Job) -> Answer:
 def _part_facts(mockup: Mockup, index: int) -> Answer:
     part = mockup.parts[index]
     return {
-        "part": part_name(part.path),
+        "part": part_name(mockup, index),
         "triangles": part.triangles,
         "lower_m": point(part.lower),
         "upper_m": point(part.upper),
@@ -110,7 +115,7 @@ def collide(served: Served, given: Given, job: Job) -> Answer:
         colliding = scene.is_colliding(tool, pose, touching="free")
     hit, counts = np.unique(np.asarray(mockup.part_of_face)[pairs[:, 1]], return_counts=True)
     rows: dict[int, Answer] = {
-        int(part): {"part": part_name(mockup.part_paths[part]), "pairs": int(count)}
+        int(part): {"part": part_name(mockup, int(part)), "pairs": int(count)}
         for part, count in zip(hit, counts, strict=True)
     }
     answer: Answer = {
@@ -140,7 +145,7 @@ def _depths(scene: Any, tool: Tool, pose: Any, rows: dict[int, Answer]) -> Answe
     for part, depth, error, is_estimate in zip(
         found.parts.tolist(), found.depths.tolist(), found.errors.tolist(), found.is_estimate.tolist(), strict=True
     ):
-        row = rows.setdefault(part, {"part": part_name(scene.mockup.part_paths[part]), "pairs": 0})
+        row = rows.setdefault(part, {"part": part_name(scene.mockup, part), "pairs": 0})
         if is_estimate:
             row["depth_estimate_m"] = depth
         else:
@@ -168,13 +173,13 @@ def clearance(served: Served, given: Given, job: Job) -> Answer:
     chosen = slice(offset, offset + MOST_ROWS)
     return {
         "distance_m": float(least.values[0]),
-        "nearest": part_name(mockup.part_paths[nearest]) if nearest >= 0 else None,
+        "nearest": part_name(mockup, nearest) if nearest >= 0 else None,
         **containment(mockup, scene.containment(tool, pose)),
         "within_m": given["within_m"],
         "parts": len(found.parts),
         "rows": [
             {
-                "part": part_name(mockup.part_paths[part]),
+                "part": part_name(mockup, part),
                 "distance_m": distance,
                 "point_on_body_m": point(on_tool),
                 "point_on_part_m": point(on_part),
@@ -220,7 +225,7 @@ def path(served: Served, given: Given, job: Job) -> Answer:
             {
                 "segment": segment,
                 "fraction": fraction,
-                "part": part_name(mockup.part_paths[int(part)]),
+                "part": part_name(mockup, int(part)),
                 "point_m": point(where),
                 "normal": [round(float(x), 6) + 0.0 for x in normal],
             }
@@ -233,11 +238,15 @@ def rays(served: Served, given: Given, _job: Job) -> Answer:
     """The first hit of each ray."""
     scene = served.standing(given)
     asked = given["rays"]
-    found = scene.rays(
-        np.array([ray["from_m"] for ray in asked]),
-        np.array([ray["direction"] for ray in asked]),
-        within=given["within_m"],
-    )
+    try:
+        found = scene.rays(
+            np.array([ray["from_m"] for ray in asked]),
+            np.array([ray["direction"] for ray in asked]),
+            within=given["within_m"],
+        )
+    except FeelerError as error:
+        said = re.sub(r"\borigins\[(\d+)\]", r"rays[\1].from_m", str(error))
+        raise OptionError(re.sub(r"\bdirections\[(\d+)\]", r"rays[\1].direction", said)) from None
     hits = found.parts >= 0
     offset = given["offset"]
     return {
@@ -247,7 +256,7 @@ def rays(served: Served, given: Given, _job: Job) -> Answer:
             {
                 "ray": i,
                 "hit": bool(hits[i]),
-                "part": part_name(scene.mockup.part_paths[int(found.parts[i])]) if hits[i] else None,
+                "part": part_name(scene.mockup, int(found.parts[i])) if hits[i] else None,
                 "distance_m": float(found.distances[i]),
                 "point_m": point(found.points[i]),
                 "normal": [round(float(x), 6) + 0.0 for x in found.normals[i]] if hits[i] else None,

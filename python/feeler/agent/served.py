@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.agent.answers import part_of_number
 from feeler.agent.job import Job
 from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.errors import FeelerError, OptionError
@@ -50,7 +51,7 @@ class Served:
         if name in self.tools:
             return self.tools[name]
         plain = name.removeprefix(SAMPLE)
-        if plain in SAMPLE_TOOL_NAMES and plain not in self.tools:
+        if plain in SAMPLE_TOOL_NAMES:  # plain, it is the one that was named, if there is one
             with self._lock:
                 return self._samples.setdefault(plain, sample_tool(plain))
         known = ", ".join([*self.tools, *(SAMPLE + each for each in SAMPLE_TOOL_NAMES)])
@@ -59,7 +60,11 @@ class Served:
     def select(self, argument: str, names: list[str]) -> npt.NDArray[np.uint32]:
         """The parts with these names, or that match these patterns, by index. Raises `OptionError`."""
         try:
-            return self.mockup.parts.select(names)
+            numbered = [part_of_number(self.mockup, name) for name in names]
+            given = [name if parts is None else parts for name, parts in zip(names, numbered, strict=True)]
+            return self.mockup.parts.select(
+                [each for some in given for each in ([some] if isinstance(some, str) else some)]
+            )
         except OptionError as error:
             raise OptionError(f"{argument}: {error} (the tool `parts` lists them)") from None
 

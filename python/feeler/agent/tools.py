@@ -76,7 +76,7 @@ def call(tool: Tool, served: Served, given: object, job: Job) -> Result:
     return Result(content, text, png)
 
 
-_NAMES = "path, name or pattern"
+_NAMES = "path, name, pattern or number (#12)"
 _OFFSET = Argument(Whole(), "skip so many rows: the next page of an answer", 0)
 _TOOL = Argument(
     Text("the name of a tool"), "the moving tool, by its name in `info`, or sample:wrench; default: the only one", None
@@ -194,7 +194,9 @@ _ALL = [
                 {
                     "assembly": Field("string", "the path of an assembly"),
                     "parts": Field("integer", "number of parts in it", EXACT),
-                    "part": Field("string", "the path of a part; a very long one is a pattern that matches it"),
+                    "part": Field(
+                        "string", "the path of a part; a very long one is cut, and begins with the number: #12 ...end"
+                    ),
                     "triangles": Field("integer", "number of triangles", EXACT),
                     "lower_m": Field("point", "lower corner of its box", "exact, rounded to a nanometre"),
                     "upper_m": Field("point", "upper corner", "exact, rounded to a nanometre"),
@@ -440,6 +442,7 @@ _ALL = [
             "found": Field(
                 "boolean", "whether these steps free the parts", f"{EXACT} if true: verified; false proves nothing"
             ),
+            "out_of_time": Field("boolean", "whether `seconds` cut the search: more may find steps, or fewer"),
             "seconds": Field("number", "time taken"),
             "steps": Field("integer", "number of steps: fewer may do", AT_MOST),
             "rows": Field(
@@ -453,6 +456,7 @@ _ALL = [
                     **_LEG_FIELDS,
                 },
             ),
+            "held_by": Field("names", "parts proven to hold the wanted ones: no path exists while they stay", EXACT),
             "blocked_by": _BLOCKERS,
         },
         is_long=True,

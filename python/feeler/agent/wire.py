@@ -43,6 +43,8 @@ class Wire:
     """Takes the standard streams of the process."""
 
     def __init__(self) -> None:
+        for descriptor, flags in ((0, os.O_RDONLY), (1, os.O_WRONLY), (2, os.O_WRONLY)):
+            _fill(descriptor, flags)
         self._in, self._out = os.dup(0), os.dup(1)
         empty = os.open(os.devnull, os.O_RDONLY)
         os.dup2(empty, 0)
@@ -79,6 +81,17 @@ class Wire:
         left = memoryview(line)
         while left:
             left = left[os.write(self._out, left) :]
+
+
+def _fill(descriptor: int, flags: int) -> None:
+    """Opens the empty file in place of a standard stream that was closed before the program began."""
+    try:
+        os.fstat(descriptor)
+    except OSError:
+        empty = os.open(os.devnull, flags)
+        if empty != descriptor:
+            os.dup2(empty, descriptor)
+            os.close(empty)
 
 
 @asynccontextmanager

@@ -17,7 +17,7 @@ from feeler.clashes.result import Changes, Clashes, Group, load_clashes
 from feeler.clashes.rules import Exclusion, Rule, Rules
 from feeler.clashes.rules_file import write_rules
 from feeler.clashes.table import Clash, Facts
-from feeler.clashes.variants import VariantsInterrupted, clash_variants
+from feeler.clashes.variants import VariantsError, VariantsInterrupted, clash_variants
 from feeler.clashes.verdict import Verdict
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "PartMatch",
     "Rule",
     "Rules",
+    "VariantsError",
     "VariantsInterrupted",
     "Verdict",
     "clash",

@@ -80,15 +80,9 @@ def clash(
     if not isinstance(scene, (Scene, type(None))):
         raise OptionError(f"scene is {scene!r}: give a feeler.Scene of the mock-up, or leave it out")
     check_progress(progress)
-    check_flag("volume", volume)
-    near = check_length("clearance", clearance)
-    touch: float | Chord = "chord" if is_chord(contact) else check_length("contact", contact, ', or "chord"')
+    near, touch = checked_limits(clearance, contact, volume)
     if scene is not None and scene.mockup is not mockup:
         raise OptionError("scene is of another mock-up: give a scene of this mock-up, or leave it out")
-    if volume:
-        from feeler.clashes.volumes import solids_library
-
-        solids_library()
     found = _limits(mockup, near, touch, rules, ignore)
     started = time.perf_counter()
     if scene is None:
@@ -134,6 +128,18 @@ def clash(
         except KeyboardInterrupt:
             raise ClashInterrupted(clashes) from None
     return clashes
+
+
+def checked_limits(clearance: float, contact: float | Chord, volume: bool) -> tuple[float, float | Chord]:
+    """The arguments of these names. Raises `OptionError`, also for volumes without the library that finds them."""
+    check_flag("volume", volume)
+    near = check_length("clearance", clearance)
+    touch: float | Chord = "chord" if is_chord(contact) else check_length("contact", contact, ', or "chord"')
+    if volume:
+        from feeler.clashes.volumes import solids_library
+
+        solids_library()
+    return near, touch
 
 
 def _limits(

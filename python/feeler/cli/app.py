@@ -13,6 +13,7 @@ import io
 import os
 import re
 import shutil
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from typing import Annotated, Any, TypeVar
@@ -110,6 +111,9 @@ def main() -> None:
         fail("interrupted")
         sys.exit(INTERRUPTED)
     except SystemExit:
+        # From here on Ctrl-C could only stop the interpreter from ending, and be told as an error.
+        with contextlib.suppress(ValueError):  # in another thread
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
         if output is not None:
             sys.stdout.flush()
             if output.trouble is not None:

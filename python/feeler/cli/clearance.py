@@ -37,7 +37,6 @@ from feeler.cli.inputs import (
     warn_of_far_poses,
 )
 from feeler.cli.values import LENGTH
-from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
 
@@ -95,9 +94,7 @@ def clearance(
 
     check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
-    for target, ending in ((glb, ".glb"), (csv_, ".csv")):
-        if target is not None:
-            _check_out(target, ending)
+    outputs.check_targets({"glb": glb, "csv": csv_}, {"glb": (".glb",), "csv": (".csv",)})
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     warn_of_far_poses(world, probe, poses)
     with bar("indexing") as progress:
@@ -189,14 +186,6 @@ def _rows(mockup: feeler.Mockup, tool: feeler.Tool, found: feeler.Clearance) -> 
             strict=True,
         )
     ]
-
-
-def _check_out(target: Path, ending: str) -> None:
-    from feeler.io import check_target
-
-    if target.suffix.lower() != ending:
-        raise OptionError(f"{target}: the name must end in {ending}")
-    check_target(target)
 
 
 def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:

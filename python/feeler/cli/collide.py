@@ -51,7 +51,6 @@ from feeler.cli.inputs import (
     warn_of_far_poses,
 )
 from feeler.cli.values import PIXELS
-from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
 
@@ -107,9 +106,7 @@ def collide(
 
     check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
-    for target, ending in ((glb, ".glb"), (picture, ".png")):
-        if target is not None:
-            _check_out(target, ending)
+    outputs.check_targets({"glb": glb, "picture": picture}, {"glb": (".glb",), "picture": (".png",)})
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     warn_of_far_poses(world, probe, poses)
     with bar("indexing") as progress:
@@ -200,14 +197,6 @@ def _entry(
         "kinds": kind_counts(kinds),
         "parts": part_findings(mockup, tool, pairs, kinds) if len(pairs) else [],
     }
-
-
-def _check_out(target: Path, ending: str) -> None:
-    from feeler.io import check_target
-
-    if target.suffix.lower() != ending:
-        raise OptionError(f"{target}: the name must end in {ending}")
-    check_target(target)
 
 
 def _write(

@@ -129,7 +129,7 @@ def feel(
     """
     from feeler.cli import outputs
 
-    _check(record)
+    outputs.check_targets({"record": record}, {"record": (".npz",)})
     # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
     held: devices.Device | None = (
@@ -228,15 +228,6 @@ def _press(
         if not as_json:
             outputs.print_finding(out, found.fault)
         raise typer.Exit(FOUND)
-
-
-def _check(record: Path | None) -> None:
-    if record is not None:
-        from feeler.io import check_target
-
-        if record.suffix.lower() != ".npz":
-            raise OptionError(f"{record}: the name must end in .npz")
-        check_target(record)
 
 
 def _begin(

@@ -81,7 +81,7 @@ def _print(mockup: feeler.Mockup, file: str, all_parts: bool) -> None:
         ("lower, m", ", ".join(f"{value:.6g}" for value in report.lower)),
         ("upper, m", ", ".join(f"{value:.6g}" for value in report.upper)),
     ]
-    if report.source.seconds:
+    if report.source.seconds and mockup._saved is None:  # a saved scene knows how long its files took, long ago
         facts.append(("loaded in", outputs.duration(report.source.seconds)))
     found = {kind: defect for kind, defect in report.defects.items() if defect.count}
     if not found:

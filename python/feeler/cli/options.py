@@ -89,16 +89,23 @@ def in_command_line_words(message: str, options: Mapping[str, Option], given: Ma
     """An error of the library, with the option that it is about.
 
     An argument at its beginning ("triangles is 5") becomes the option; in front of an error about a file or a name that
-    an option gave, the option is added.
+    an option gave, the option is added. Of a text that several options gave nobody knows which one it is about: all
+    are named, or none if it may be an argument without a name, as the mock-up is.
     """
     for name, option in options.items():
         if message.startswith(f"{name} is "):
             return option.name + message[len(name) :]
     if message.startswith("--"):
         return message
-    for name, option in options.items():
-        value = given.get(name)
-        for text in map(str, value if isinstance(value, list) else [value] if value is not None else []):
-            if message.startswith((f"{text}: ", f"{text} ", f"pose file {text} ")) or repr(text) in message:
-                return f"{option.name}: {message}"
-    return message
+    about = [option.name for name, option in options.items() if _is_about(message, given.get(name))]
+    if not about or any(_is_about(message, value) for name, value in given.items() if name not in options):
+        return message
+    return f"{' or '.join(about)}: {message}"
+
+
+def _is_about(message: str, value: Any) -> bool:
+    """Whether an error is about a file or a name that was given."""
+    texts = [str(each) for each in (value if isinstance(value, list) else [value]) if isinstance(each, str | Path)]
+    return any(
+        message.startswith((f"{text}: ", f"{text} ", f"pose file {text} ")) or repr(text) in message for text in texts
+    )

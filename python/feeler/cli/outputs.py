@@ -77,6 +77,7 @@ def print_finding(out: Console, text: str) -> None:
 
 def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequence[str]]) -> None:
     """Checks that each output has one of its endings and can be written. Raises `OptionError`, `WriteError`."""
+    from feeler.errors import WriteError
     from feeler.io import check_target
 
     for option, target in targets.items():
@@ -84,7 +85,10 @@ def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequ
             continue
         if target.suffix.lower() not in endings[option]:
             raise OptionError(f"--{option} {target}: the name must end in {' or '.join(endings[option])}")
-        check_target(target)
+        try:
+            check_target(target)
+        except WriteError as error:
+            raise WriteError(f"--{option}: {error}") from None
 
 
 def check_mesh_target(out: Path) -> None:

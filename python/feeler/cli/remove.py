@@ -37,7 +37,7 @@ from feeler.cli.inputs import (
 )
 from feeler.cli.values import DIRECTION, LENGTH, SECONDS, SEED, THREADS, Whole
 from feeler.cli.workers import Dask, Workers, executor_of
-from feeler.errors import OptionError
+from feeler.errors import MeshError, OptionError
 from feeler.progress import bar
 from feeler.words import plural
 
@@ -185,11 +185,10 @@ def remove(
     scene = Choice(None, without, only).scene_of(scene) if without or only else scene
     asked = _Asked(scene, held, start[0], keep, options, ends)
     chosen = world.parts.select(part)
-    with executor_of(workers, dask) as executor:
-        if each:
-            answers, is_interrupted = _each(asked, chosen.tolist(), executor)
-        else:
-            answers, is_interrupted = _one(asked, chosen, order, executor)
+    if each:
+        answers, is_interrupted = _each(asked, chosen.tolist(), workers, dask)
+    else:
+        answers, is_interrupted = _one(asked, chosen, order, workers, dask)
     written = _write(asked, answers, targets)
     is_found = all(answer.found for answer in answers) and not is_interrupted
     if as_json:
@@ -222,6 +221,8 @@ class _Answer:
     parts: tuple[int, ...]
     found: bool
     steps: tuple[feeler.RemovalStep, ...]
+    error: str = ""
+    """Why nothing could be tried."""
 
     @property
     def last(self) -> feeler.Removal:
@@ -229,7 +230,8 @@ class _Answer:
 
     def facts(self, mockup: feeler.Mockup) -> dict[str, Any]:
         """The answer as JSON values."""
-        return {"found": self.found, "steps": [_step_facts(mockup, step) for step in self.steps]}
+        steps = [_step_facts(mockup, step) for step in self.steps]
+        return {"found": self.found, "error": self.error or None, "steps": steps}
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,12 +272,12 @@ class _Asked:
         return _of_removal(gone, one)
 
 
-def _of_removal(parts: tuple[int, ...], found: feeler.Removal) -> _Answer:
-    return _Answer(parts, found.is_found, (feeler.RemovalStep(parts, found),))
+def _of_removal(parts: tuple[int, ...], found: feeler.Removal, error: str = "") -> _Answer:
+    return _Answer(parts, found.is_found, (feeler.RemovalStep(parts, found),), error)
 
 
 def _one(
-    asked: _Asked, parts: npt.NDArray[np.uint32], order: bool, executor: Executor | None
+    asked: _Asked, parts: npt.NDArray[np.uint32], order: bool, workers: int | None, dask: str | None
 ) -> tuple[list[_Answer], bool]:
     """All parts together, until Ctrl-C; and whether that came."""
     from feeler.plan.order import RemovalOrderInterrupted
@@ -283,7 +285,8 @@ def _one(
 
     gone = tuple(parts.tolist())
     try:
-        return [asked.answer(parts, order, executor)], False
+        with executor_of(workers, dask) as executor:
+            return [asked.answer(parts, order, executor)], False
     except RemovalInterrupted as stop:
         return [_of_removal(gone, stop.removal)], True
     except RemovalOrderInterrupted as stop:
@@ -291,24 +294,31 @@ def _one(
         return [_Answer(gone, False, steps)], True
 
 
-def _each(asked: _Asked, parts: list[int], executor: Executor | None) -> tuple[list[_Answer], bool]:
+def _each(asked: _Asked, parts: list[int], workers: int | None, dask: str | None) -> tuple[list[_Answer], bool]:
     """Every part separately, until Ctrl-C; and whether that came."""
+    from feeler.plan.removal import not_tried
     from feeler.plan.removals import RemovalsInterrupted
 
-    if executor is not None:
+    if workers is not None or dask is not None:
         try:
-            with bar(f"taking out {plural(len(parts), 'part')}") as progress:
+            with bar(f"taking out {plural(len(parts), 'part')}") as progress, executor_of(workers, dask) as executor:
                 entries = [[part] for part in parts]
                 rows = feeler.removals(asked.scene, entries, **asked.options, progress=progress, executor=executor)
         except RemovalsInterrupted as stop:
             rows = stop.removals
-        return [_of_removal(row.parts, row.removal) for row in rows], rows.is_partial
+            if not len(rows):
+                raise KeyboardInterrupt from None
+        return [_of_removal(row.parts, row.removal, row.error) for row in rows], rows.is_partial
     answers: list[_Answer] = []
     try:
         with bar(f"taking out {plural(len(parts), 'part')}") as progress:
             for number, part in enumerate(parts):
                 progress(number / len(parts), asked.scene.mockup.part_paths[part])
-                answers.append(asked.answer(np.array([part], np.uint32), order=False))
+                try:
+                    answers.append(asked.answer(np.array([part], np.uint32), order=False))
+                except MeshError as error:  # nothing of this part can be queried
+                    nothing = not_tried(asked.options["seed"], is_out_of_time=False)
+                    answers.append(_of_removal((part,), nothing, str(error)))
     except KeyboardInterrupt:
         if not answers:
             raise
@@ -424,7 +434,7 @@ _SAID_LEGS = 5
 
 _COLUMNS = (
     *("part", "path", "step", "found", "free", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
-    *("blocked_by", "seconds"),
+    *("blocked_by", "seconds", "error"),
 )
 
 
@@ -445,7 +455,7 @@ def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> bytes:
                 rows.append(
                     [
                         *(part, mockup.part_paths[part], number, int(one.is_found), int(one.is_found), _kind(one)),
-                        *(*measured, blockers, float(f"{one.seconds:.4g}")),
+                        *(*measured, blockers, float(f"{one.seconds:.4g}"), answer.error),
                     ]
                 )
     return csv_table(_COLUMNS, rows)
@@ -499,11 +509,13 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
             *(("clearance", "right"), ("blocked by", "left"), ("took", "right")),
         ],
         [
-            (*([str(number)] if has_order else []), *_row(mockup, step))
-            for _, number, step in steps[: _SHOWN if not whole else 2 * _SHOWN]
+            (*([str(number)] if has_order else []), *_row(mockup, step, answer.error))
+            for answer, number, step in steps[: _SHOWN if not whole else 2 * _SHOWN]
         ],
         more=len(steps) - (_SHOWN if not whole else 2 * _SHOWN),
     )
+    for answer in [answer for answer in answers if answer.error][:_SHOWN]:
+        outputs.print_finding(out, f"not tried: {answer.error}")
     if not whole and not answers[0].found and not answers[0].last.held_by:
         blocked = answers[0].last.blocked_by
         outputs.print_table(
@@ -517,7 +529,7 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
         outputs.say(out, f"{kind} written to {target}")
 
 
-def _row(mockup: feeler.Mockup, step: feeler.RemovalStep) -> tuple[str, ...]:
+def _row(mockup: feeler.Mockup, step: feeler.RemovalStep, error: str) -> tuple[str, ...]:
     from feeler.cli import outputs
 
     one = step.removal
@@ -537,4 +549,12 @@ def _row(mockup: feeler.Mockup, step: feeler.RemovalStep) -> tuple[str, ...]:
         )
     names = [mockup.part_paths[each.part].rpartition("/")[2] for each in one.blocked_by]
     more = f", {len(names) - _SHOWN_BLOCKERS:,} more" if len(names) > _SHOWN_BLOCKERS else ""
-    return (name, "not found", "", "", "", ", ".join(names[:_SHOWN_BLOCKERS]) + more, took)
+    return (
+        name,
+        "cannot be tried" if error else "not found",
+        "",
+        "",
+        "",
+        ", ".join(names[:_SHOWN_BLOCKERS]) + more,
+        took,
+    )

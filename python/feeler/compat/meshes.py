@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.arguments import shown
-from feeler.errors import MeshError, PoseError
+from feeler.errors import FeelerError, MeshError, PoseError
 from feeler.mockup import mesh_indices, mesh_points
 
 Floats = npt.NDArray[np.float64]
@@ -22,6 +22,9 @@ Triangles = tuple[Floats, npt.NDArray[np.uint32]]
 
 MOST_KEPT = 64
 """Shapes that are kept though no body has them: `in_collision_single` is often asked with one mesh at many places."""
+
+LEAST_STRETCH = 1e-12
+"""Of the largest stretch of a transform, at least so much is needed in all directions: with less, rounding flattens."""
 
 _lock = Lock()
 _kept: OrderedDict[Hashable, _core.Shape] = OrderedDict()
@@ -60,7 +63,10 @@ def shape_of(triangles: Triangles, stretch: Floats | None, memory_limit: int) ->
     with _lock:
         shape = _alive.get(key)
     if shape is None or not shape.is_of(vertices, faces):
-        shape = _core.Shape(vertices, faces, memory_limit)
+        try:
+            shape = _core.Shape(vertices, faces, memory_limit)
+        except FeelerError as error:  # of the index, in which it is what stands
+            raise type(error)(str(error).replace("mock-up", "mesh")) from None
     with _lock:
         _alive[key] = _kept[key] = shape
         _kept.move_to_end(key)
@@ -96,8 +102,13 @@ def split(matrix: Floats) -> tuple[Floats, Floats]:
     linear = matrix[:3, :3]
     with np.errstate(over="ignore", invalid="ignore"):
         u, scales, v = np.linalg.svd(linear)
-    if not scales[2] > 1e-12 * scales[0]:
+    if not scales[2] > 0:
         raise PoseError("a transform flattens: its linear part has no inverse")
+    if not scales[2] > LEAST_STRETCH * scales[0]:
+        raise PoseError(
+            f"a transform stretches {scales[0] / scales[2]:.3g} times as much in one direction as in another: at most "
+            f"{1 / LEAST_STRETCH:g} times is possible"
+        )
     turn = u @ v
     if np.linalg.det(turn) < 0:
         turn = -turn

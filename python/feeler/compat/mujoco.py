@@ -13,7 +13,7 @@ import numpy as np
 from feeler.arguments import check_kind, shown
 from feeler.compat.meshes import Floats, Triangles
 from feeler.compat.trimesh import CollisionManager
-from feeler.errors import MeshError
+from feeler.errors import MeshError, PoseError
 from feeler.mockup import mesh_indices, mesh_points
 
 _MESH = 7
@@ -24,7 +24,8 @@ def collision_manager(model: Any, data: Any = None) -> CollisionManager:
     """A manager of the geometries of a `mujoco.MjModel` that are meshes, by name (`geom_7` where number 7 has none).
 
     `data`: the `mujoco.MjData` that says where they are; None: move them later. Boxes, capsules and other shapes
-    without triangles are left out. Raises `MeshError` for what is no model.
+    without triangles are left out. Raises `MeshError` for what is no model, and `PoseError` for data that
+    `mujoco.mj_forward` has not seen.
     """
     manager = CollisionManager()
     for geom, name in _geoms(model):
@@ -36,9 +37,10 @@ def move(manager: CollisionManager, model: Any, data: Any) -> None:
     """Moves the bodies of a manager to where a `mujoco.MjData` has them: call it after `mujoco.mj_forward` or
     `mj_step`.
 
-    Raises `OptionError` for a geometry that the manager does not have, `MeshError` for data of another model.
+    Raises `OptionError` for a geometry that the manager does not have, `MeshError` for data of another model,
+    `PoseError` for data that none of them has seen.
     """
-    check_kind("manager", manager, CollisionManager)
+    check_kind("manager", manager, CollisionManager, "a feeler.compat.trimesh.CollisionManager")
     if data is None:
         raise MeshError("a mujoco.MjData is needed, not None")
     for geom, name in _geoms(model):
@@ -75,5 +77,7 @@ def _place(model: Any, data: Any, geom: int) -> Floats:
         if turns is None or places is None or not len(turns) == len(places) == len(model.geom_type):
             raise MeshError(f"a mujoco.MjData of this model is needed, not {shown(data)}")
         place[:3, :3] = np.reshape(turns[geom], (3, 3))
+        if not place[:3, :3].any():
+            raise PoseError("the mujoco.MjData has no places yet: call mujoco.mj_forward(model, data) first")
         place[:3, 3] = places[geom]
     return place

@@ -25,6 +25,8 @@ from feeler.words import counted
 EXTERNAL = "__external"
 """The name of a mesh that is in no manager."""
 
+_ANOTHER = "another feeler.compat.trimesh.CollisionManager"
+
 Names = tuple[Any, Any]
 
 
@@ -239,7 +241,7 @@ class CollisionManager:
     ) -> Any:
         """Whether any object meets one of another manager: as `in_collision_internal`, with this manager's name first
         in a pair."""
-        other = check_kind("other_manager", other_manager, CollisionManager, "another CollisionManager")
+        other = check_kind("other_manager", other_manager, CollisionManager, _ANOTHER)
         return self._collisions(other, lambda pair: pair, return_names, return_data)
 
     def min_distance_single(
@@ -266,7 +268,7 @@ class CollisionManager:
     ) -> Any:
         """The least distance of any object from one of another manager: as `min_distance_internal`, with this manager's
         name first."""
-        other = check_kind("other_manager", other_manager, CollisionManager, "another CollisionManager")
+        other = check_kind("other_manager", other_manager, CollisionManager, _ANOTHER)
         return self._distance(other, None, lambda pair: pair, return_names, return_data)
 
     def __reduce__(self) -> NoReturn:

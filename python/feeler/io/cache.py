@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -66,7 +67,8 @@ class Cache:
             _read.reset(token)
 
     def keep(self, mockup: Mockup) -> Mockup:
-        """Saves a mock-up that was loaded while it was watched, and opens it from there. Raises `WriteError`."""
+        """Saves a mock-up that was loaded while it was watched, and opens it from there. Where it cannot be saved,
+        it is returned as it is, with a warning. Raises `WriteError` for a folder that cannot be made."""
         inputs = self._before + _states(path for path in self._others if path not in self._files)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -74,7 +76,11 @@ class Cache:
             raise WriteError(
                 f"the cache cannot be made: {error.strerror or error} ({shown(str(self.path.parent))})"
             ) from None
-        Scene(mockup)._save_with(self.path, [(_INPUTS, json.dumps(inputs).encode("ascii"))])
+        try:
+            Scene(mockup)._save_with(self.path, [(_INPUTS, json.dumps(inputs).encode("ascii"))])
+        except WriteError as error:  # a full disk, for one: what was loaded is good
+            warnings.warn(f"nothing is kept in the cache: {error}", RuntimeWarning, stacklevel=4)
+            return mockup
         return Mockup._of_file(opened(str(self.path), False, free_memory() * 4 // 5, None))
 
 

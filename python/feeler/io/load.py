@@ -132,9 +132,16 @@ def load_tool(
     return tool
 
 
+def is_saved(path: PathLike | Iterable[PathLike]) -> bool:
+    """Whether it is the path of a saved scene, which can be read."""
+    return _saved_scene(path) is not None
+
+
 def _saved_scene(path: PathLike | Iterable[PathLike]) -> str | None:
     """The path, where it is that of a saved scene."""
     given: object = path
+    if isinstance(given, (list, tuple)) and len(given) == 1:
+        given = given[0]
     if isinstance(given, (str, os.PathLike)):
         with contextlib.suppress(OSError, ValueError, TypeError):  # told by `collect`
             plain = os.fspath(given)

@@ -17,6 +17,7 @@ from feeler.plan.question import Attempt, Clock, Question
 from feeler.plan.removal import Removal
 from feeler.scene import Scene
 from feeler.spreading import Workers, spread
+from feeler.stopping import is_stopped
 
 Tried = tuple[Removal, bool]
 
@@ -75,15 +76,11 @@ class Crew:
         assert self._workers is not None
         self.clock.tell(f"{what} at once: 0 of {len(tasks)}")
         left = self.clock.left
-        stop = self._shared.stop = threading.Event()
-        try:
-            return spread(
-                *(done, self._scene, self._shared, [(task, left) for task in tasks], self._workers, heard),
-                is_last=is_last,
-                goes_on=self.clock.goes_on,
-            )
-        finally:
-            stop.set()
+        return spread(
+            *(done, self._scene, self._shared, [(task, left) for task in tasks], self._workers, heard),
+            is_last=is_last,
+            goes_on=self.clock.goes_on,
+        )
 
 
 class _Shared:
@@ -96,15 +93,13 @@ class _Shared:
             "grip": question.grip,
             "options": {**question.options, "threads": 1},
         }
-        self.stop: threading.Event | None = None
-        """Ends threads of this process whose answers are not needed any more."""
         self._own = threading.local()
 
     def __getstate__(self) -> dict[str, Any]:
         return self._asked
 
     def __setstate__(self, asked: dict[str, Any]) -> None:
-        self._asked, self.stop, self._own = asked, None, threading.local()
+        self._asked, self._own = asked, threading.local()
 
     def graph(self, scene: Scene, clock: Clock) -> BlockingGraph:
         """The graph of this thread, which knows the fasteners that it has seen."""
@@ -118,5 +113,5 @@ class _Shared:
 def done(scene: Scene, shared: _Shared, task: tuple[Attempt | int, float]) -> Tried | FirstExits:
     """The task of a worker: an attempt, or the exits of a part."""
     what, seconds = task
-    graph = shared.graph(scene, Clock(seconds, stop=shared.stop))
+    graph = shared.graph(scene, Clock(seconds, is_stopped=is_stopped))
     return graph.question.tried(what, graph.clock) if isinstance(what, Attempt) else graph.first_exits(what)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,10 +54,12 @@ class Attempt:
 
 
 class Clock:
-    """The time limit, and the progress reports. `stop`: ends it from another thread."""
+    """The time limit, and the progress reports. `is_stopped`: whether it is to end before."""
 
-    def __init__(self, seconds: float, progress: Progress | None = None, stop: threading.Event | None = None) -> None:
-        self.seconds, self.progress, self._stop = seconds, progress, stop
+    def __init__(
+        self, seconds: float, progress: Progress | None = None, is_stopped: Callable[[], bool] = lambda: False
+    ) -> None:
+        self.seconds, self.progress, self._is_stopped = seconds, progress, is_stopped
         self._begun = time.monotonic()
 
     @property
@@ -81,9 +82,6 @@ class Clock:
             raise StoppedError
         if self.progress is not None:
             self.progress(min(1.0, self.spent / self.seconds), what)
-
-    def _is_stopped(self) -> bool:
-        return self._stop is not None and self._stop.is_set()
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from feeler.progress import Progress
 from feeler.renamed import OldAttributes, keywords
 from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
+from feeler.stopping import check_stop
 
 Floats = npt.NDArray[np.float64]
 Hand = Tool | tuple[Tool, PoseLike]
@@ -307,6 +308,7 @@ class _Question:
         closed = [] if swing.span == 360.0 else [(swing.start + swing.span, 360.0 - swing.span)]
         angle = swing.start + 0.5 * swing.span
         for _ in range(STRAIGHT_ANGLES):
+            check_stop()
             seat = frame @ turned(angle)
             impact = scene.cast(tool, seat, _shifted(seat, self._approach * frame[:3, 2]), ignore=ignore)
             if impact is not None:
@@ -333,6 +335,7 @@ class _Question:
         for angle in _spread(swing):
             seat = frame @ turned(angle)
             for side in self._sides:
+                check_stop()
                 out = _shifted(seat, self._approach * (seat[:3, :3] @ side))
                 impact = scene.cast(tool, seat, out)
                 if impact is not None and impact.part == part and impact.fraction == 0.0:

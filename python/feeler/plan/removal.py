@@ -297,10 +297,12 @@ def alone(seed: int) -> Removal:
     return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, certificate, (), (), math.nan, False, False, 0.0)
 
 
-def not_tried(seed: int) -> Removal:
-    """The answer where time was up before anything was tried."""
+def not_tried(seed: int, is_out_of_time: bool = True) -> Removal:
+    """The answer where nothing was tried: time was up before, or there is nothing that can be."""
     certificate = Certificate(seed, "none", 0, _VERSIONS)
-    return Removal(False, (), np.eye(4)[None], 0.0, 0.0, math.nan, certificate, (), (), math.nan, True, False, 0.0)
+    return Removal(
+        False, (), np.eye(4)[None], 0.0, 0.0, math.nan, certificate, (), (), math.nan, is_out_of_time, False, 0.0
+    )
 
 
 def chosen(scene: object, parts: PartsLike) -> npt.NDArray[np.uint32]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -15,10 +14,20 @@ import numpy.typing as npt
 from feeler.arguments import check_length, check_list, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError
 from feeler.parts import PartsLike
-from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, checked_directions, chosen, removal
+from feeler.plan.removal import (
+    LARGEST_ROUNDS,
+    LARGEST_SEED,
+    Allowed,
+    Removal,
+    checked_directions,
+    chosen,
+    not_tried,
+    removal,
+)
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
+from feeler.stopping import check_stop
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +39,9 @@ class PartsRemoval:
     paths: tuple[str, ...]
     """Their places in the assembly."""
     removal: Removal
+    """The answer; one without a path where `error` says why there was no search."""
+    error: str = ""
+    """Why no path could be searched: none of the triangles can be queried. Empty if it was searched."""
 
 
 class Removals(Sequence[PartsRemoval]):
@@ -109,7 +121,8 @@ def removals(
     Other arguments as of `removal`. The rows and their order depend neither on `threads` nor on `executor`, except
     where time ran out (`is_out_of_time`). A worker that dies is made up for, with a warning.
 
-    Raises the errors of `removal`; Ctrl-C ends it with `RemovalsInterrupted`, which has the rows found by then.
+    An entry of which no triangle can be queried does not end it: its row has an `error`. Raises the other errors of
+    `removal`, before the work begins; Ctrl-C ends it with `RemovalsInterrupted`, which has the rows found by then.
     """
     if not isinstance(scene, Scene):
         raise MeshError(f"removals needs a feeler.Scene, not {type(scene).__name__}")
@@ -135,20 +148,14 @@ def removals(
     own = None if executor is not None else ThreadPoolExecutor(count, thread_name_prefix="feeler-removals")
     pool = check_executor(executor) or own
     assert pool is not None
-    # Threads of this process hear of Ctrl-C only so; other processes get it from the terminal, or are left to end.
-    stop = threading.Event() if isinstance(pool, ThreadPoolExecutor) else None
     try:
-        found = dict(enumerate(spread(_removal, scene, (options, stop), entries, pool, heard)))
-    except BaseException as error:
-        if stop is not None:
-            stop.set()
-        if isinstance(error, Interrupted):
-            raise RemovalsInterrupted(_rows(scene, entries, error.results)) from None
-        raise
+        answers = dict(enumerate(spread(_removal, scene, options, entries, pool, heard)))
+    except Interrupted as interrupted:
+        raise RemovalsInterrupted(_rows(scene, entries, interrupted.results, options["seed"])) from None
     finally:
         if own is not None:
             own.shutdown(wait=True, cancel_futures=True)
-    return _rows(scene, entries, found)
+    return _rows(scene, entries, answers, options["seed"])
 
 
 def _entries(scene: Scene, parts: Sequence[PartsLike] | None) -> list[tuple[int, ...]]:
@@ -165,26 +172,22 @@ def _entries(scene: Scene, parts: Sequence[PartsLike] | None) -> list[tuple[int,
     return entries
 
 
-def _removal(scene: Scene, shared: tuple[dict[str, Any], threading.Event | None], entry: tuple[int, ...]) -> Removal:
-    """The task of one entry."""
-    options, stop = shared
-
-    def check(share: float, stage: str) -> None:
-        if stop is not None and stop.is_set():
-            raise _StopError
-
-    return removal(scene, list(entry), threads=1, progress=check, **options)
+def _removal(scene: Scene, options: dict[str, Any], entry: tuple[int, ...]) -> Removal | str:
+    """The task of one entry: its answer, or why there is none."""
+    try:
+        return removal(scene, list(entry), threads=1, progress=check_stop, **options)
+    except MeshError as error:  # nothing of these parts can be queried
+        return str(error)
 
 
-class _StopError(Exception):
-    """The caller wants no more answers."""
-
-
-def _rows(scene: Scene, entries: list[tuple[int, ...]], found: dict[int, Removal]) -> Removals:
+def _rows(scene: Scene, entries: list[tuple[int, ...]], answers: dict[int, Removal | str], seed: int) -> Removals:
     paths = scene.mockup.part_paths
-    rows = [
-        PartsRemoval(entry, tuple(paths[part] for part in entry), found[i])
-        for i, entry in enumerate(entries)
-        if i in found
-    ]
+    rows = []
+    for i, entry in enumerate(entries):
+        if i in answers:
+            answer, names = answers[i], tuple(paths[part] for part in entry)
+            if isinstance(answer, str):
+                rows.append(PartsRemoval(entry, names, not_tried(seed, is_out_of_time=False), answer))
+            else:
+                rows.append(PartsRemoval(entry, names, answer))
     return Removals(rows, is_partial=len(rows) < len(entries))
