@@ -307,7 +307,7 @@ ROOMS: dict[str, set[str]] = {
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
-    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
+    "workbench": {*BASE, "clashes", "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
     # The mock-up for agents: a server of the Model Context Protocol.
     "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
     "cli": {

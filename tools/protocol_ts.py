@@ -34,6 +34,14 @@ Object = dict[str, "str | Object"]
 ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1": "Uint8Array"}
 
 
+SHARES = {
+    "document/protocol": ("document/protocol_findings",),
+    "document/commands": ("document/finding_commands",),
+    "session/asking": ("session/finding_jobs",),
+}
+"""Modules that hold a part of another one's messages or tables."""
+
+
 TABLES = """\
 /** What is sent of a command: its name and its arguments. */
 export type CommandRequest = { [Name in keyof Commands]: Request<Name, Commands[Name]> }[keyof Commands];
@@ -284,12 +292,16 @@ def comment(doc: str, indent: str) -> str:
     return "".join([f"{indent}/**\n", *(f"{indent} * {line}".rstrip() + "\n" for line in lines), f"{indent} */\n"])
 
 
+def source(name: str) -> str:
+    """A module of the workbench, after those that hold a part of it."""
+    return "\n".join((WORKBENCH / f"{each}.py").read_text(encoding="utf-8") for each in (*SHARES.get(name, ()), name))
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Writes viewer/src/link/protocol.ts.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    names = ("document/protocol", "document/frames", "document/commands", "session/asking")
-    text = document(*((WORKBENCH / f"{name}.py").read_text(encoding="utf-8") for name in names))
+    text = document(*map(source, ("document/protocol", "document/frames", "document/commands", "session/asking")))
     if not is_check:
         WRITTEN.write_text(text, encoding="utf-8", newline="\n")
         return 0

@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";
 import { saveSettings } from "../model/settings";
 import type { Loop } from "./loop";
-import { partStates } from "./part-states";
+import { findingTints, partStates } from "./part-states";
 
 /** Follows the store from now on; the function returned ends it. */
 export function followStore(wb: Workbench, loop: Loop): () => void {
@@ -13,7 +13,14 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
     effect(() => {
       const document = store.document.value;
       const count = store.paths.value.length;
-      if (document) loop.setPartStates(partStates(count, document, store.selection.value));
+      const focus = store.findings.focus.value;
+      if (document) loop.setPartStates(partStates(count, document, store.selection.value, focus));
+    }),
+    effect(() => {
+      // Another mock-up in the stage has its own colours.
+      void store.manifest.value;
+      stage.setTints(findingTints(store.findings.focus.value));
+      loop.remark();
     }),
     effect(() => {
       // Another mock-up in the stage has its parts at home.

@@ -22,7 +22,13 @@ export function marksOf(store: Store, state: State | null): Marks {
   }));
   const first = picks[0];
   const pending = first ? [{ id: "pending", points: [first.point], text: "", isSelected: true }] : [];
-  return { ...contactMarks(state, unit), measures: [...measures, ...pending], snap: store.snap.peek() };
+  const focus = store.findings.focus.peek();
+  return {
+    ...contactMarks(state, unit),
+    measures: [...measures, ...pending],
+    snap: store.snap.peek(),
+    finding: focus && { points: focus.points, arrow: focus.arrow, text: focus.text },
+  };
 }
 
 function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "force" | "clearances" | "distance"> {

@@ -12,6 +12,7 @@ import { fromAxes } from "../math/matrix";
 import { formatCount } from "../math/units";
 import { scale, type Vec3 } from "../math/vectors";
 import { patched } from "../model/document";
+import { FindingList } from "../model/findings";
 import { Hand } from "../model/hand";
 import { OfflineReplay } from "../model/offline-replay";
 import { Store } from "../model/store";
@@ -20,6 +21,7 @@ import type { PictureElements } from "../ui/app";
 import { createApi, type FeelerApi } from "./api";
 import { createDevices, type Devices } from "./devices";
 import { followStore } from "./effects";
+import { followFindings, takeRows } from "./follow-findings";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 
@@ -74,6 +76,7 @@ export class Page {
     this.devices = createDevices(this.wb, this.loop);
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
+    followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
     listenToKeys(this.wb);
     stage.onRestored(redraw);
     new ResizeObserver(redraw).observe(picture.canvas);
@@ -85,13 +88,14 @@ export class Page {
   }
 
   /** Shows the content of one file, without a server. */
-  showOffline({ document, manifest, pieces, camera, left_out }: OfflinePage): void {
+  showOffline({ document, manifest, pieces, camera, left_out, findings }: OfflinePage): void {
     const { store, wb } = this;
     store.connection.value = "offline";
     const replay = new OfflineReplay(store);
     this.loop.each_frame.add((now) => replay.frame(now));
     // The hand and its load stayed with the engine.
     store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
+    if (findings) takeRows(wb, FindingList.decoded(findings));
     wb.stage.setManifest(manifest);
     store.manifest.value = manifest;
     if (camera) wb.stage.camera.fromJSON(camera);
@@ -289,8 +293,11 @@ function recallCamera(hash: string): Camera | null {
 }
 
 async function fetchFile(base: URL, token: string | null, name: string): Promise<Blob> {
-  const url = new URL(`exports/${encodeURIComponent(name)}`, base);
-  const response = await fetch(url, { headers: { Authorization: `Bearer ${token ?? ""}` } });
-  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Export it again");
-  return response.blob();
+  return new Blob([await fetchBytes(base, token, `exports/${encodeURIComponent(name)}`)]);
+}
+
+async function fetchBytes(base: URL, token: string | null, path: string): Promise<ArrayBuffer> {
+  const response = await fetch(new URL(path, base), { headers: { Authorization: `Bearer ${token ?? ""}` } });
+  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, path, "Try it again");
+  return response.arrayBuffer();
 }

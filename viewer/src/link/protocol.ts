@@ -4,6 +4,123 @@
 /** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;
 
+export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
+
+export type FindingFormat = "json" | "csv" | "xlsx" | "html" | "bcf" | "rules";
+
+/** A group of findings that somebody made. */
+export interface OwnGroup {
+  readonly id: number;
+  readonly name: string;
+}
+
+/** A clash check that was run here. */
+export interface Check {
+  /** Metres. */
+  readonly clearance: number;
+  /** Metres; null: the chordal errors of both parts. */
+  readonly contact: number | null;
+  /** The parts whose pairs were checked; null: all. */
+  readonly of: readonly number[] | null;
+  /** Where parts lay, as `moved`, `out` and `gripped` of the document: the findings are stale if that changed. */
+  readonly moved: Readonly<Record<string, readonly number[]>>;
+  readonly out: readonly number[];
+  readonly gripped: readonly number[];
+}
+
+/** The findings of a clash check, without their rows, which are `GET /findings/VERSION`: see `FindingRows`. */
+export interface Findings {
+  readonly version: string;
+  readonly count: number;
+  /** Number of findings by verdict. */
+  readonly counts: Readonly<Record<string, number>>;
+  /** Number of findings that each exclusion of the rules hides, by its name. */
+  readonly hidden: Readonly<Record<string, number>>;
+  /** By the finding's id, where it is not that of its row. */
+  readonly status: Readonly<Record<string, FindingStatus>>;
+  /** The same. */
+  readonly notes: Readonly<Record<string, string>>;
+  readonly own_groups: readonly OwnGroup[];
+  /** The own group of a finding, by the finding's id. */
+  readonly members: Readonly<Record<string, number>>;
+  readonly is_touching_hidden: boolean;
+  /** Null: the findings are of a file. */
+  readonly check: Check | null;
+}
+
+/** How the next clash check is made. */
+export interface ClashSettings {
+  /** Metres. */
+  readonly clearance: number;
+  /** Metres; null: the chordal errors of both parts. */
+  readonly contact: number | null;
+  /** TOML, as for `feeler clash --rules`. */
+  readonly rules: string;
+}
+
+/** Findings that the command "findings_take" opens. */
+export interface Taken {
+  readonly key: string;
+  readonly count: number;
+  /** Findings of before that were not found again. */
+  readonly gone: number;
+  /** What the check did not do, for people. */
+  readonly notes: readonly string[];
+}
+
+/** Patterns of paths for pairs like that of a finding, and how many findings they hide. */
+export interface Alike {
+  readonly a: string;
+  readonly b: string;
+  readonly count: number;
+}
+
+/** From where a finding is seen. */
+export interface FindingSide {
+  /** From the contact to the eye, unit. */
+  readonly direction: [number, number, number];
+  /** The part around the other one: to be drawn see-through. */
+  readonly cover: number | null;
+}
+
+/** How many findings an exclusion would hide. */
+export interface Hides {
+  readonly count: number;
+  /** What is wrong with the patterns. */
+  readonly trouble: string | null;
+}
+
+/** The rows of the findings, `GET /findings/VERSION`; it is never sent by the socket. The worst come first. */
+export interface FindingRows {
+  readonly kind: "findings";
+  readonly version: string;
+  /** JSON: `FindingWords`. */
+  readonly words: Uint8Array;
+  /** The part of each of the words' paths; 4294967295: none in this mock-up. */
+  readonly part_of_path: Uint32Array;
+  /** Indices into the paths. */
+  readonly pairs: Uint32Array;
+  /** Indices into verdicts, rules and groups. */
+  readonly labels: Uint32Array;
+  /** Severity (critical, major, minor), status, kind of depth (none, measured, estimate, bound, exact), touches. */
+  readonly codes: Uint8Array;
+  /** Depth, its error, gap, shared volume: metres, NaN where not known. */
+  readonly sizes: Float32Array;
+  /** Point of the first part, of the second, translation of the first out of the second; NaN where not known. */
+  readonly places: Float32Array;
+}
+
+/** The texts of findings. */
+export interface FindingWords {
+  readonly ids: readonly string[];
+  readonly paths: readonly string[];
+  readonly verdicts: readonly string[];
+  readonly rules: readonly string[];
+  readonly groups: readonly string[];
+  /** By id. */
+  readonly notes: Readonly<Record<string, string>>;
+}
+
 /** Closes a socket without the token, or past a limit. */
 export const NOT_ALLOWED = 1008;
 
@@ -18,6 +135,9 @@ export const MOST_PLANES = 32;
 
 /** Clearance rows listed in a state. */
 export const MOST_CLEARANCES = 16;
+
+/** Bytes of one piece of a file. */
+export const MOST_UPLOAD_PIECE = 524288;
 
 export type Vec3 = [number, number, number];
 
@@ -44,8 +164,6 @@ export type UpAxis = "x" | "y" | "z";
 export type MeasureType = "point" | "edge" | "angle" | "parts";
 
 export type Material = "steel" | "aluminium" | "plastic" | "rubber";
-
-export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
 
 export type DepthKind = "exact" | "bound" | "estimate";
 
@@ -138,39 +256,6 @@ export interface Viewpoint {
   readonly camera: Camera;
 }
 
-/** One finding of a clash check. */
-export interface Finding {
-  readonly id: string;
-  /** A part path, as is `b`. */
-  readonly a: string;
-  readonly b: string;
-  /** Null: the part is not in this mock-up, or was excluded from the scene. */
-  readonly part_a: number | null;
-  readonly part_b: number | null;
-  readonly verdict: string;
-  /** Metres, as is `gap`. */
-  readonly depth: number | null;
-  readonly gap: number | null;
-  readonly point_a: Vec3 | null;
-  readonly point_b: Vec3 | null;
-  readonly is_touching: boolean;
-  readonly sentence: string;
-}
-
-/** Findings of one group, the deepest first. */
-export interface FindingGroup {
-  readonly name: string;
-  readonly findings: readonly Finding[];
-}
-
-/** The findings of a clash check, in groups, with the status of each. */
-export interface Findings {
-  readonly groups: readonly FindingGroup[];
-  /** By the finding's id; "new" if missing. */
-  readonly status: Readonly<Record<string, FindingStatus>>;
-  readonly is_touching_hidden: boolean;
-}
-
 /** The state that a page shows and that commands may change; a reload restores it. */
 export interface Document {
   readonly mockup: MockupFacts | null;
@@ -207,6 +292,7 @@ export interface Document {
   readonly measures: readonly Measure[];
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
+  readonly clash: ClashSettings;
   readonly material: Material | null;
 }
 
@@ -411,7 +497,7 @@ export interface Job {
   readonly args: Readonly<Record<string, unknown>>;
 }
 
-/** Cancels a job of this page; its reply is then an error. */
+/** Cancels a job of this page, whose reply is then an error; or drops a file of which pieces came. */
 export interface Cancel {
   readonly kind: "cancel";
   readonly id: number;
@@ -426,6 +512,16 @@ export interface Shot {
   readonly png_base64: string;
   /** Another piece follows. */
   readonly more: boolean;
+}
+
+/** The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file. */
+export interface Upload {
+  readonly kind: "upload";
+  /** The same for all pieces of a file. */
+  readonly id: number;
+  /** Another piece follows. */
+  readonly more: boolean;
+  readonly data: Uint8Array;
 }
 
 /** The measurements for a "benchmark" event. */
@@ -613,11 +709,13 @@ export interface SavedPage {
   /** Triangles that had no room in the file. */
   readonly left_out: number;
   readonly grid: Grid;
+  /** The frame of `FindingRows`; empty: there are none. */
+  readonly findings: Uint8Array;
   /** The pieces of the manifest in order, filtered: see `page.py`. */
   readonly pieces: Uint8Array;
 }
 
-export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
+export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
@@ -698,10 +796,32 @@ export interface Commands {
   readonly sequence_replay: { readonly id: number };
   /** Opens the findings of a clash check, as `feeler clash --json` writes them. */
   readonly findings_open: { readonly findings: unknown };
+  /** Opens the findings that a job found. `saved`: these findings, for a record that is replayed. */
+  readonly findings_take: { readonly key: string; readonly saved?: unknown };
+  /** Closes the findings. */
+  readonly findings_close: Record<string, never>;
   /** Sets the status of a finding. */
   readonly finding_status: { readonly id: string; readonly status: FindingStatus };
+  /** Sets the status, the note or the own group (0: none) of rows of the findings of a version. */
+  readonly finding_mark: {
+    readonly version: string;
+    readonly rows: readonly number[];
+    readonly status?: FindingStatus;
+    readonly note?: string;
+    readonly group?: number;
+  };
   /** Hides or shows findings that only touch. */
   readonly finding_filter: { readonly is_touching_hidden: boolean };
+  /** Makes a group by hand, of rows of the findings of a version. */
+  readonly finding_group_add: { readonly version: string; readonly rows: readonly number[]; readonly name: string };
+  /** Renames a group that was made by hand. */
+  readonly finding_group_rename: { readonly id: number; readonly name: string };
+  /** Removes a group that was made by hand; its findings go back to where they were. */
+  readonly finding_group_remove: { readonly id: number };
+  /** Adds an exclusion to the rules, for pairs of parts by two patterns, and hides the findings that it names. */
+  readonly finding_ignore: { readonly name: string; readonly a: string; readonly b: string };
+  /** Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML. */
+  readonly clash_settings: { readonly clearance?: number; readonly contact?: number | string; readonly rules?: string };
   readonly undo: Record<string, never>;
   readonly redo: Record<string, never>;
 }
@@ -727,6 +847,15 @@ export interface Questions {
   };
   /** Facts about a part. */
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
+  /** Patterns for the parts of a finding and their numbered siblings, and how many findings they hide. */
+  readonly finding_alike: { readonly args: { readonly version: string; readonly row: number }; readonly answer: Alike };
+  /** From where a finding is seen; null if none of its parts is here. */
+  readonly finding_side: {
+    readonly args: { readonly version: string; readonly row: number };
+    readonly answer: FindingSide | null;
+  };
+  /** How many findings an exclusion with two patterns would hide. */
+  readonly finding_hides: { readonly args: { readonly a: string; readonly b: string }; readonly answer: Hides };
 }
 
 /** The arguments of jobs, and their results. */
@@ -740,6 +869,12 @@ export interface Jobs {
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
   /** Replays the record that the workbench was opened with. */
   readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
+  /** Checks the scene as it is now: parts taken out and parts in the hand do not count, hidden ones do. */
+  readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
+  /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */
+  readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  /** Writes the findings with their statuses and notes, or the rules. */
+  readonly export_findings: { readonly args: { readonly format: FindingFormat }; readonly answer: Written };
 }
 
 /** What is sent of a command: its name and its arguments. */
@@ -750,8 +885,20 @@ type Request<Name, Args> =
 
 /** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */
 export const ARRAYS = {
+  findings: {
+    words: ["u1", ["bytes"], null],
+    part_of_path: ["u4", ["paths"], null],
+    pairs: ["u4", ["rows", 2], null],
+    labels: ["u4", ["rows", 3], null],
+    codes: ["u1", ["rows", 4], null],
+    sizes: ["f4", ["rows", 4], null],
+    places: ["f4", ["rows", 9], null],
+  },
   pose: {
     pose: ["f8", [4, 4], null],
+  },
+  upload: {
+    data: ["u1", ["bytes"], MOST_UPLOAD_PIECE],
   },
   state: {
     pose: ["f8", [4, 4], null],
@@ -764,6 +911,7 @@ export const ARRAYS = {
     clearance_parts: ["u4", ["clearances"], MOST_CLEARANCES],
   },
   page: {
+    findings: ["u1", ["findings"], null],
     pieces: ["u1", ["n"], null],
   },
 } as const;

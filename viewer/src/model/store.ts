@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import type { Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
-import type { FindingOrder } from "./findings";
+import { FindingState } from "./finding-state";
 import type { Connection, ContextMenu, Dialog, Notice, Panel } from "./page-state";
 import { PartTree } from "./part-tree";
 import { drawnSections } from "./sections";
@@ -75,10 +75,7 @@ export class Store {
   readonly measuring = signal<Measuring | null>(null);
   readonly snap = signal<{ point: Vec3; type: "vertex" | "edge" | "face" } | null>(null);
   readonly section_draft = signal<SectionDraft | null>(null);
-  readonly finding = signal<string | null>(null);
-  /** Which findings are shown and stepped through, and in which order. */
-  readonly finding_query = signal("");
-  readonly finding_order = signal<FindingOrder>("depth");
+  readonly findings = new FindingState(this.document);
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
   /** The text of the live region. */

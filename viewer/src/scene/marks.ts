@@ -25,6 +25,8 @@ export interface Marks {
   distance: { from: Vec3; to: Vec3; text: string } | null;
   measures: MeasureMark[];
   snap: { point: Vec3; type: "vertex" | "edge" | "face" } | null;
+  /** A finding that is looked at: the points of both parts, and the way that separates them. */
+  finding: { points: readonly Vec3[]; arrow: readonly [Vec3, Vec3] | null; text: string } | null;
 }
 
 export const NO_MARKS: Marks = {
@@ -34,6 +36,7 @@ export const NO_MARKS: Marks = {
   distance: null,
   measures: [],
   snap: null,
+  finding: null,
 };
 
 // Orange for contacts, blue for near parts, yellow for measures: distinct without seeing red.
@@ -41,6 +44,8 @@ const HIT: Tint = [1.0, 0.58, 0.12, 0.95];
 const NEAR: Tint = [0.33, 0.66, 1.0, 0.95];
 const MEASURE: Tint = [0.98, 0.86, 0.35, 0.95];
 const CHOSEN: Tint = [1.0, 1.0, 1.0, 1.0];
+// Red, as in the pictures of reports: no other mark is.
+const FINDING: Tint = [0.95, 0.2, 0.2, 0.95];
 const SNAP: Tint = [1.0, 1.0, 1.0, 0.95];
 
 // Sizes in CSS pixels: marks are as large from afar as from near.
@@ -98,7 +103,7 @@ export class MarkLayer {
 
   /** Builds the strokes for the camera: sizes in pixels become metres at each mark's depth. */
   build(camera: CameraRig): void {
-    const { planes, force, clearances, distance: nearest, measures, snap } = this.#marks;
+    const { planes, force, clearances, distance: nearest, measures, snap, finding } = this.#marks;
     this.#lines.clear();
     this.#discs.clear();
     this.anchors = [];
@@ -118,6 +123,7 @@ export class MarkLayer {
       this.anchors.push({ key: "force", point: tip, text: force.text, kind: "hit", rank: 4 });
     }
     for (const measure of measures) this.#addMeasure(measure, pixel);
+    if (finding) this.#addFinding(finding, camera, pixel);
     if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
     this.#lines.commit();
     this.#discs.commit();
@@ -182,6 +188,28 @@ export class MarkLayer {
     const rank = measure.isSelected ? 5 : 2;
     if (points.length > 0)
       this.anchors.push({ key: `measure ${measure.id}`, point: label, text: measure.text, kind: "measure", rank });
+  }
+
+  /** A ring around each point, a line between them, and the arrow, as long as the way is, or long enough to be seen. */
+  #addFinding(finding: NonNullable<Marks["finding"]>, camera: CameraRig, pixel: (at: Vec3) => number): void {
+    const { points, arrow, text } = finding;
+    for (const point of points) {
+      const radius = SNAP_RADIUS * pixel(point);
+      this.#discs.add(point, scale(camera.right, radius), scale(camera.top, radius), FINDING, 0.65);
+      this.#lines.add(point, point, FINDING, 4);
+    }
+    const [one, other] = points;
+    if (one && other) this.#lines.add(one, other, FINDING, 1.6);
+    let label = points[0] ?? null;
+    if (arrow) {
+      const [from, to] = arrow;
+      const way = add(to, scale(from, -1));
+      const size = length(way);
+      const tip = add(from, scale(way, Math.max(size, LEAST_ARROW * pixel(from)) / size));
+      this.#lines.addArrow(from, tip, HEAD * pixel(from), FINDING, 2.6);
+      label = tip;
+    }
+    if (label && text !== "") this.anchors.push({ key: "finding", point: label, text, kind: "hit", rank: 6 });
   }
 
   /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */

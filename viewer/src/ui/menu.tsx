@@ -6,7 +6,7 @@ import { measureFrom } from "../actions/measures";
 import { addSection } from "../actions/sections";
 import { useWorkbench } from "./context";
 
-const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit"] as const;
+const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit", "clashes-of"] as const;
 const EMPTY_ITEMS = ["fit", "show-all", "undo", "redo", "snapshot", "palette"] as const;
 
 export function ContextMenu() {

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from feeler.arguments import near
-from feeler.errors import LoadError, WorkbenchError
+from feeler.errors import WorkbenchError
 from feeler.parts import Parts
 from feeler.poses import inverse
-from feeler.workbench.document import findings, motion
+from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape, replaced, without
 from feeler.workbench.document.document import (
     MATERIALS,
@@ -25,6 +25,7 @@ from feeler.workbench.document.document import (
     UNITS,
     CameraView,
     Document,
+    Findings,
     Isolation,
     Measure,
     Removal,
@@ -33,10 +34,22 @@ from feeler.workbench.document.document import (
     Trip,
     Viewpoint,
 )
+from feeler.workbench.document.finding_commands import (
+    clash_settings,
+    finding_filter,
+    finding_group_add,
+    finding_group_remove,
+    finding_group_rename,
+    finding_ignore,
+    finding_mark,
+    finding_status,
+    findings_close,
+    findings_open,
+    findings_take,
+)
 from feeler.workbench.document.motion import Row
 from feeler.workbench.document.protocol import (
     Camera,
-    FindingStatus,
     Material,
     MeasureType,
     Mode,
@@ -45,6 +58,7 @@ from feeler.workbench.document.protocol import (
     Unit,
     Vec3,
 )
+from feeler.workbench.document.protocol_findings import FindingStatus
 
 LEAST_MOVED_M = 1e-3
 """Parts that a release left nearer than this to where they were gripped add no line to the sequence."""
@@ -70,7 +84,7 @@ class Known:
 
     bounds: `(2, 3)` of the parts in the scene. tools: triangles by name, of the tools made so far. pose: of the hand.
     tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
-    absent: parts that were excluded when the mock-up was opened.
+    absent: parts that were excluded when the mock-up was opened. findings: those that a job found.
     """
 
     parts: Parts
@@ -82,6 +96,7 @@ class Known:
     least_clearance: float | None = None
     absent: frozenset[int] = frozenset()
     measured: Measured | None = None
+    findings: Findings | None = None
 
     @property
     def there(self) -> tuple[int, ...]:
@@ -378,32 +393,11 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
     return replace(grip(home, inner, known), replaying=line.id)
 
 
-def findings_open(document: Document, given: Arguments, known: Known) -> Document:
-    """Opens the findings of a clash check, as `feeler clash --json` writes them."""
-    try:
-        return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
-    except LoadError as error:
-        raise given.fail("findings", str(error), "give findings of feeler.clash, or choose another file") from None
-
-
-def finding_status(document: Document, given: Arguments, _known: Known) -> Document:
-    """Sets the status of a finding."""
-    found = _findings(document, given)
-    name = given.text("id")
-    if name not in findings.ids(found.groups):
-        raise given.fail("id", f"there is no finding {name!r}", near(name, findings.ids(found.groups)))
-    status = {**found.status, name: given.choice("status", findings.STATUS)}
-    return replace(document, findings=replace(found, status=MappingProxyType(status)))
-
-
-def finding_filter(document: Document, given: Arguments, _known: Known) -> Document:
-    """Hides or shows findings that only touch."""
-    found = replace(_findings(document, given), is_touching_hidden=given.flag("is_touching_hidden"))
-    return replace(document, findings=found)
-
-
 MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}
 """The objects of a measure; each type needs one of them."""
+
+ROWS: Shape = {"version": str, "rows": list[int]}
+"""Findings by their rows, in the findings of a version."""
 
 COMMANDS: dict[str, Command] = {
     "hide": Command(hide, {"parts": Selection}),
@@ -436,8 +430,20 @@ COMMANDS: dict[str, Command] = {
     "sequence_remove": Command(sequence_remove, {"id": int}),
     "sequence_replay": Command(sequence_replay, {"id": int}, moves_hand=True),
     "findings_open": Command(findings_open, {"findings": Any}),
+    "findings_take": Command(findings_take, {"key": str, "saved": Maybe(Any)}),
+    "findings_close": Command(findings_close),
     "finding_status": Command(finding_status, {"id": str, "status": FindingStatus}),
+    "finding_mark": Command(
+        finding_mark, {**ROWS, "status": Maybe(FindingStatus), "note": Maybe(str), "group": Maybe(int)}
+    ),
     "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
+    "finding_group_add": Command(finding_group_add, {**ROWS, "name": str}),
+    "finding_group_rename": Command(finding_group_rename, {"id": int, "name": str}),
+    "finding_group_remove": Command(finding_group_remove, {"id": int}),
+    "finding_ignore": Command(finding_ignore, {"name": str, "a": str, "b": str}),
+    "clash_settings": Command(
+        clash_settings, {"clearance": Maybe(float), "contact": Maybe(float | str), "rules": Maybe(str)}
+    ),
 }
 STEPS = ("undo", "redo")
 """Commands that choose between documents instead of making one."""
@@ -482,9 +488,3 @@ def _measured(given: Arguments, known: Known) -> Measured:
 
 def _measure(number: int, name: str, found: Measured) -> Measure:
     return Measure(number, name, found.type, found.points, found.value, found.unit, found.is_exact, found.parts)
-
-
-def _findings(document: Document, given: Arguments) -> Any:
-    if document.findings is None:
-        raise WorkbenchError("there are no findings", given.command, "open findings of feeler clash --json")
-    return document.findings

@@ -16,7 +16,6 @@ import numpy.typing as npt
 from feeler.workbench.document.frames import (
     VERSION,
     Array,
-    Open,
     Partial,
     ProtocolError,
     id_of,
@@ -24,6 +23,7 @@ from feeler.workbench.document.frames import (
     unpack,
     version_of,
 )
+from feeler.workbench.document.protocol_findings import ClashSettings, Findings, FindingStatus
 
 __all__ = [
     "FROM_PAGE",
@@ -31,9 +31,11 @@ __all__ = [
     "MOST_CLEARANCES",
     "MOST_HITS",
     "MOST_PLANES",
+    "MOST_UPLOAD_PIECE",
     "NOT_ALLOWED",
     "RELOAD",
     "VERSION",
+    "FindingStatus",
     "ProtocolError",
     "decode_from_page",
     "decode_from_server",
@@ -56,6 +58,9 @@ MOST_PLANES = 32
 
 MOST_CLEARANCES = 16
 """Clearance rows listed in a state."""
+
+MOST_UPLOAD_PIECE = 524_288
+"""Bytes of one piece of a file."""
 
 F8 = npt.NDArray[np.float64]
 F4 = npt.NDArray[np.float32]
@@ -84,7 +89,6 @@ Mode = Literal["stop", "glide", "pass"]
 UpAxis = Literal["x", "y", "z"]
 MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
-FindingStatus = Literal["new", "active", "reviewed", "approved", "resolved"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
 
@@ -188,42 +192,6 @@ class Viewpoint(TypedDict):
     camera: Camera
 
 
-class Finding(TypedDict):
-    """One finding of a clash check."""
-
-    id: str
-    a: str
-    """A part path, as is `b`."""
-    b: str
-    part_a: int | None
-    """Null: the part is not in this mock-up, or was excluded from the scene."""
-    part_b: int | None
-    verdict: str
-    depth: float | None
-    """Metres, as is `gap`."""
-    gap: float | None
-    point_a: Vec3 | None
-    point_b: Vec3 | None
-    is_touching: bool
-    sentence: str
-
-
-class FindingGroup(TypedDict):
-    """Findings of one group, the deepest first."""
-
-    name: str
-    findings: list[Annotated[dict[str, Any], Open(Finding)]]
-
-
-class Findings(TypedDict):
-    """The findings of a clash check, in groups, with the status of each."""
-
-    groups: list[Annotated[dict[str, Any], Open(FindingGroup)]]
-    status: dict[str, FindingStatus]
-    """By the finding's id; "new" if missing."""
-    is_touching_hidden: bool
-
-
 class DocumentFields(TypedDict):
     """The state that a page shows and that commands may change; a reload restores it."""
 
@@ -261,6 +229,7 @@ class DocumentFields(TypedDict):
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None
+    clash: ClashSettings
     material: Material | None
 
 
@@ -498,7 +467,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Cancel:
-    """Cancels a job of this page; its reply is then an error."""
+    """Cancels a job of this page, whose reply is then an error; or drops a file of which pieces came."""
 
     KIND: ClassVar[str] = "cancel"
     id: int
@@ -515,6 +484,18 @@ class Shot:
     """A multiple of 4 characters in each piece but the last."""
     more: bool
     """Another piece follows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Upload:
+    """The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file."""
+
+    KIND: ClassVar[str] = "upload"
+    id: int
+    """The same for all pieces of a file."""
+    more: bool
+    """Another piece follows."""
+    data: Annotated[U1, Array("u1", ("bytes",), MOST_UPLOAD_PIECE)]
 
 
 @dataclass(frozen=True)
@@ -730,15 +711,17 @@ class SavedPage:
     left_out: int
     """Triangles that had no room in the file."""
     grid: Grid
+    findings: Annotated[U1, Array("u1", ("findings",))]
+    """The frame of `FindingRows`; empty: there are none."""
     pieces: Annotated[U1, Array("u1", ("n",))]
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
-FROM_PAGE: tuple[type, ...] = (Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
+FROM_PAGE: tuple[type, ...] = (Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Upload, Benchmarked)
 FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
     *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),

@@ -225,6 +225,8 @@ class Server:
                 return ANY, lambda: session.piece(int(number))
             case ["held", version] if _is_number(version):
                 return ANY, lambda: session.held(int(version))
+            case ["findings", version] if version:
+                return ANY, lambda: session.finding_rows(version)
             case ["exports", name] if name:
                 return type_of(name), lambda: session.export(name)
         return None

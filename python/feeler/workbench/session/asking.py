@@ -29,11 +29,22 @@ from feeler.workbench.document.protocol import (
     Written,
     WrittenPage,
 )
+from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
 from feeler.workbench.session import export, page
+from feeler.workbench.session.finding_jobs import (
+    TakenFindings,
+    clash,
+    export_findings,
+    finding_alike,
+    finding_hides,
+    finding_side,
+    findings_file,
+)
+from feeler.workbench.session.uploads import Uploads
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
@@ -45,7 +56,8 @@ Found = TypeVar("Found")
 class Place:
     """The subject of questions and jobs.
 
-    exports: files written by jobs, by name. replay: replays the record, if there is one.
+    exports: files written by jobs, by name. uploads: files of pages. taken: findings of jobs. replay: replays the
+    record, if there is one.
     """
 
     document: Document
@@ -54,6 +66,8 @@ class Place:
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]
+    uploads: Uploads
+    taken: TakenFindings
     replay: Callable[[Progress], dict[str, Any]] | None = None
 
 
@@ -122,8 +136,9 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     """One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view."""
     document, geometry = place.document, place.geometry
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
+    rows = b"" if document.findings is None else document.findings.table.frame()
     data, left_out = page.page(
-        document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
+        document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress, findings=rows
     )
     place.exports[PAGE] = data
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
@@ -156,6 +171,9 @@ ASKS: dict[str, Question[Any]] = {
     "snap": Question(snap, {"origin": Vec3, "direction": Vec3, "within": Maybe(float)}),
     "measure": Question(measure, {"type": MeasureType, **MEASURED}),
     "part": Question(part, {"part": Selection}),
+    "finding_alike": Question(finding_alike, {"version": str, "row": int}),
+    "finding_side": Question(finding_side, {"version": str, "row": int}),
+    "finding_hides": Question(finding_hides, {"a": str, "b": str}),
 }
 JOBS: dict[str, Work[Any]] = {
     "outline": Work(outline, {"normal": Maybe(Vec3), "offset": Maybe(float)}),
@@ -164,4 +182,7 @@ JOBS: dict[str, Work[Any]] = {
     "export_glb": _writing("sequence.glb", export.sequence_glb),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay),
+    "clash": Work(clash, {"parts": Maybe(Selection)}),
+    "findings_file": Work(findings_file, {"upload": str, "name": str}),
+    "export_findings": Work(export_findings, {"format": FindingFormat}),
 }
