@@ -43,6 +43,7 @@ MADE_BY_FEELER = {
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
     feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
+    clashes.BcfChanges, clashes.Comment, clashes.Topic,
     clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
     feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint, samples.Leg,
     samples.Step, samples.Truth, io.MeshLike, picture.Hits,
@@ -81,6 +82,7 @@ class World:
         Path("robot.urdf").write_text(URDF)
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
+        clashes.write_bcf("topics.bcf", self.clashes, self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
         haptics_record(self)
 
@@ -219,6 +221,9 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.clashes.Rule": lambda w: (clashes.Rule, {"name": "all"}),
     "feeler.clashes.Rules": lambda w: (clashes.Rules, {"rules": (clashes.Rule("all"),)}),
     "feeler.clashes.Rules.read": lambda w: (clashes.Rules.read, {"path": "rules.toml"}),
+    "feeler.clashes.Rules.parse": lambda w: (clashes.Rules.parse, {"text": "version = 1"}),
+    "feeler.clashes.apply_bcf": lambda w: (clashes.apply_bcf, {"clashes": w.clashes, "topics": []}),
+    "feeler.clashes.read_bcf": lambda w: (clashes.read_bcf, {"path": "topics.bcf"}),
     "feeler.clashes.report": lambda w: (clashes.report, {"clashes": w.clashes}),
     "feeler.clashes.write_bcf": written(clashes.write_bcf, "out.bcf"),
     "feeler.clashes.write_clash_glb": written(clashes.write_clash_glb, "out.glb"),
@@ -366,6 +371,11 @@ def test_bad_arguments_are_refused_by_errors_of_feeler(name: str, world: World) 
 
 
 VIEW_ARGUMENTS: dict[str, object] = {
+    "a": "*post*",
+    "b": "*",
+    "key": "none",
+    "rows": [0],
+    "version": "00ff",
     "camera": {"pose": np.eye(4).ravel().tolist(), "distance": 1.0, "fov_deg": 40.0, "is_ortho": False},
     "findings": [],
     "hit": np.eye(4),

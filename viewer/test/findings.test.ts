@@ -189,7 +189,7 @@ test("a finding in the picture: its parts are seen, all else is faint, and leavi
 test("the parts of a finding have two colours, one that is not here has none", () => {
   const state = new FindingState(signal(null));
   const finding = listOf({ one: { a: "m/a", b: "nowhere" } }).finding(0);
-  const tints = findingTints({ finding, parts: [0], cover: null, text: "", points: [], arrow: null });
+  const tints = findingTints({ finding, parts: [0], cover: null, points: [], arrow: null });
   assert.deepEqual([...tints.keys()], [0]);
   assert.deepEqual([...findingTints(null)], []);
   assert.equal(state.row.value, -1);

@@ -14,6 +14,7 @@ import {
   exportFindings,
   FORMATS,
   leaveFinding,
+  openBcf,
   openFindings,
   openRules,
   stepFinding,
@@ -159,7 +160,7 @@ function endNearest(wb: Workbench): void {
   else if (store.menu.peek()) store.menu.value = null;
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
-  else if (store.findings.focus.peek()) leaveFinding(wb);
+  else if (store.findings.isLooking) leaveFinding(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
 }
 
@@ -431,6 +432,14 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => canChange(wb) && hasTargets(wb),
   ),
   command("Findings", "open-findings", "Open findings of a clash check", "", openFindings, canChange),
+  command(
+    "Findings",
+    "open-bcf",
+    "Open statuses and comments of a BCF file",
+    "",
+    openBcf,
+    (wb) => canChange(wb) && hasFindings(wb),
+  ),
   command("Findings", "open-rules", "Open rules of clash checks", "", openRules, canChange),
   command("Findings", "next-finding", "Next finding", "N", (wb) => stepFinding(wb, 1), hasFindings),
   command("Findings", "previous-finding", "Previous finding", "P", (wb) => stepFinding(wb, -1), hasFindings),

@@ -3,7 +3,7 @@
 import type { Commands, FindingFormat, FindingSide, FindingStatus, Taken } from "../link/protocol";
 import { add, type Box, centre, diagonal, include, isEmpty, normalize, scale, type Vec3 } from "../math/vectors";
 import type { Focus } from "../model/finding-state";
-import { depthText, type Finding, neighbour, partsOf, sentence } from "../model/findings";
+import { type Finding, neighbour, partsOf, sentence } from "../model/findings";
 import { download } from "./exports";
 import type { Workbench } from "./workbench";
 
@@ -105,6 +105,23 @@ export async function sent(wb: Workbench, file: File): Promise<string | null> {
   }
 }
 
+/** Asks for a BCF file, whose statuses and comments go to the findings. */
+export function openBcf(wb: Workbench): void {
+  chooseFile(".bcf,.bcfzip", async (file) =>
+    wb.told(
+      (async () => {
+        const upload = await sent(wb, file);
+        const job = upload && wb.job("findings_bcf", { upload, name: file.name }, `Opening ${file.name}`);
+        if (!job) return;
+        const { key, count, notes } = await job.result;
+        if (count > 0) await wb.send("findings_take", { key });
+        for (const note of notes) wb.store.notify("warning", note);
+        wb.store.notify("info", `${count} ${count === 1 ? "finding has" : "findings have"} changed`);
+      })(),
+    ),
+  );
+}
+
 export const FORMATS: Readonly<Record<FindingFormat, string>> = {
   json: "JSON (feeler clash --previous)",
   csv: "CSV table",
@@ -146,10 +163,11 @@ export async function lookAtFinding(wb: Workbench, row: number): Promise<void> {
   findings.chosen.value = new Set([row]);
   findings.ignoring.value = null;
   wb.say(sentence(finding, unit.peek()));
+  const look = findings.beginLook();
   const side = await sideOf(wb, list.version, row);
-  if (findings.current.peek() !== finding.id) return; // another one was chosen meanwhile
+  if (!findings.isLook(look)) return; // another one was chosen meanwhile, or it was left
   if (wb.store.selection.peek().size > 0) wb.select([]);
-  findings.focus.value = focusOf(finding, side, depthText(finding, unit.peek()));
+  findings.focus.value = focusOf(finding, side);
   aim(wb, finding, side?.direction ?? USUAL);
 }
 
@@ -162,13 +180,13 @@ async function sideOf(wb: Workbench, version: string, row: number): Promise<Find
   }
 }
 
-function focusOf(finding: Finding, side: FindingSide | null, text: string): Focus {
+function focusOf(finding: Finding, side: FindingSide | null): Focus {
   const { point_a, point_b, translation } = finding;
   const points = [point_a, point_b].filter((point) => point !== null);
   const from = point_a ?? point_b;
   const arrow: Focus["arrow"] =
     from && translation && Math.hypot(...translation) > 0 ? [from, add(from, translation)] : null;
-  return { finding, parts: partsOf(finding), cover: side?.cover ?? null, text, points, arrow };
+  return { finding, parts: partsOf(finding), cover: side?.cover ?? null, points, arrow };
 }
 
 /** The camera looks at the contact, and at as much of the smaller part as shows where it is. */
@@ -208,7 +226,7 @@ function reachOf(wb: Workbench, parts: readonly number[], finding: Finding): num
     null,
   );
   const size = smallest ? diagonal(withPoints(smallest, finding)) : 0.5;
-  return Math.max(1.6 * size, 20 * (finding.depth ?? 0), LEAST_REACH_M);
+  return Math.max(2 * size, 20 * (finding.depth ?? 0), LEAST_REACH_M);
 }
 
 function withPoints(box: Box, { point_a, point_b }: Finding): Box {
@@ -219,7 +237,7 @@ function withPoints(box: Box, { point_a, point_b }: Finding): Box {
 
 /** Everything looks as before the finding was shown. */
 export function leaveFinding(wb: Workbench): void {
-  wb.store.findings.focus.value = null;
+  wb.store.findings.endLook();
   wb.redraw();
 }
 

@@ -18,7 +18,7 @@ export function followFindings(wb: Workbench, fetchRows: FetchRows | null): () =
     if (version === "" && connection.value === "open") {
       asked = "";
       findings.list.value = null;
-      findings.focus.value = null;
+      findings.endLook();
     }
     if (!fetchRows || version === "" || version === asked || version === findings.list.peek()?.version) return;
     if (connection.value !== "open") return;
@@ -45,7 +45,7 @@ export function followFindings(wb: Workbench, fetchRows: FetchRows | null): () =
 /** Takes rows in place of those of another version. */
 export function takeRows(wb: Workbench, list: FindingList): void {
   const { findings } = wb.store;
-  findings.focus.value = null;
+  findings.endLook();
   findings.chosen.value = new Set();
   findings.list.value = list;
   if (list.rowOf(findings.current.peek()) < 0) findings.current.value = null;
@@ -59,7 +59,7 @@ function followFocus(wb: Workbench): () => void {
     const focus = store.findings.focus.value;
     const { hidden, ghost, isolated, moved, gripped, explode } = store.document.value ?? {};
     const now = [hidden, ghost, isolated, moved, gripped, explode, store.panel.value, store.selection.value.size > 0];
-    if (focus && before && !isSame(before, now)) store.findings.focus.value = null;
+    if (focus && before && !isSame(before, now)) store.findings.endLook();
     before = focus ? now : null;
   });
 }

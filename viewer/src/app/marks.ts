@@ -4,6 +4,7 @@ import type { State } from "../link/protocol";
 import { position } from "../math/matrix";
 import { formatForce, formatLength, type Unit } from "../math/units";
 import { length, type Vec3 } from "../math/vectors";
+import { depthText, wayText } from "../model/findings";
 import type { Store } from "../model/store";
 import type { Marks } from "../scene/marks";
 import { measureText } from "../ui/words";
@@ -27,7 +28,12 @@ export function marksOf(store: Store, state: State | null): Marks {
     ...contactMarks(state, unit),
     measures: [...measures, ...pending],
     snap: store.snap.peek(),
-    finding: focus && { points: focus.points, arrow: focus.arrow, text: focus.text },
+    finding: focus && {
+      points: focus.points,
+      arrow: focus.arrow,
+      text: depthText(focus.finding, unit),
+      arrow_text: wayText(focus.finding, unit),
+    },
   };
 }
 

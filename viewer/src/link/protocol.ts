@@ -873,6 +873,8 @@ export interface Jobs {
   readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
   /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */
   readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  /** Takes statuses and comments of a BCF file that a page sent: `count` findings have changed. */
+  readonly findings_bcf: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
   /** Writes the findings with their statuses and notes, or the rules. */
   readonly export_findings: { readonly args: { readonly format: FindingFormat }; readonly answer: Written };
 }

@@ -12,7 +12,6 @@ export interface Focus {
   readonly parts: readonly number[];
   /** The part around the other one: it is see-through. */
   readonly cover: number | null;
-  readonly text: string;
   readonly points: readonly Vec3[];
   /** From a point, the way out of the other part. */
   readonly arrow: readonly [Vec3, Vec3] | null;
@@ -61,6 +60,34 @@ export class FindingState {
       const before = [Object.entries(check.moved), check.out, check.gripped];
       return !isSame(before, [Object.entries(now.moved), now.out, now.gripped]);
     });
+  }
+
+  private looks = 0;
+  private is_asking = false;
+
+  /** A look at a finding begins, before the server has said from where; the number is for `isLook`. */
+  beginLook(): number {
+    this.is_asking = true;
+    return ++this.looks;
+  }
+
+  /** Whether the look of that number still counts. */
+  isLook(number: number): boolean {
+    const is_mine = number === this.looks;
+    if (is_mine) this.is_asking = false;
+    return is_mine;
+  }
+
+  /** All looks as before. */
+  endLook(): void {
+    this.looks++;
+    this.is_asking = false;
+    this.focus.value = null;
+  }
+
+  /** A finding is looked at, or is about to be. */
+  get isLooking(): boolean {
+    return this.is_asking || this.focus.peek() !== null;
   }
 
   set(changes: Partial<FindingFilter>): void {

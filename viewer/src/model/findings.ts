@@ -212,6 +212,11 @@ export function depthText(finding: Finding, unit: Unit): string {
   return kind === "estimate" ? `about ${range}` : range;
 }
 
+/** "out by at most 3 mm": a shorter way may exist. */
+export function wayText({ translation }: Finding, unit: Unit): string {
+  return translation ? `out by at most ${formatLength(Math.hypot(...translation), unit)}` : "";
+}
+
 /** How the first part lies to the second: "is 2 mm deep in", "touches". */
 export function relation(finding: Finding, unit: Unit): string {
   const { verdict, gap } = finding;

@@ -26,7 +26,13 @@ export interface Marks {
   measures: MeasureMark[];
   snap: { point: Vec3; type: "vertex" | "edge" | "face" } | null;
   /** A finding that is looked at: the points of both parts, and the way that separates them. */
-  finding: { points: readonly Vec3[]; arrow: readonly [Vec3, Vec3] | null; text: string } | null;
+  finding: {
+    points: readonly Vec3[];
+    arrow: readonly [Vec3, Vec3] | null;
+    text: string;
+    /** How long the way is. */
+    arrow_text: string;
+  } | null;
 }
 
 export const NO_MARKS: Marks = {
@@ -192,7 +198,7 @@ export class MarkLayer {
 
   /** A ring around each point, a line between them, and the arrow, as long as the way is, or long enough to be seen. */
   #addFinding(finding: NonNullable<Marks["finding"]>, camera: CameraRig, pixel: (at: Vec3) => number): void {
-    const { points, arrow, text } = finding;
+    const { points, arrow, text, arrow_text } = finding;
     for (const point of points) {
       const radius = SNAP_RADIUS * pixel(point);
       this.#discs.add(point, scale(camera.right, radius), scale(camera.top, radius), FINDING, 0.65);
@@ -200,16 +206,15 @@ export class MarkLayer {
     }
     const [one, other] = points;
     if (one && other) this.#lines.add(one, other, FINDING, 1.6);
-    let label = points[0] ?? null;
     if (arrow) {
       const [from, to] = arrow;
       const way = add(to, scale(from, -1));
       const size = length(way);
       const tip = add(from, scale(way, Math.max(size, LEAST_ARROW * pixel(from)) / size));
       this.#lines.addArrow(from, tip, HEAD * pixel(from), FINDING, 2.6);
-      label = tip;
+      this.anchors.push({ key: "finding way", point: tip, text: arrow_text, kind: "hit", rank: 5 });
     }
-    if (label && text !== "") this.anchors.push({ key: "finding", point: label, text, kind: "hit", rank: 6 });
+    if (one && text !== "") this.anchors.push({ key: "finding", point: one, text, kind: "hit", rank: 6 });
   }
 
   /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */

@@ -5,6 +5,7 @@ import {
   beginIgnoring,
   changeIgnoring,
   confirmIgnoring,
+  leaveFinding,
   lookAtFinding,
   makeGroup,
   mark,
@@ -26,6 +27,8 @@ export function FindingCard() {
   const [first = -1] = chosen;
   const row = chosen.size === 1 ? first : -1;
   const finding = row >= 0 ? list.finding(row) : null;
+  const is_seen = finding !== null && findings.focus.value?.finding.id === finding.id;
+  const is_ignoring = finding !== null && findings.ignoring.value !== null;
   const statuses = new Set([...chosen].map((each) => statusOf(list, facts, each)));
   const members = new Set([...chosen].map((each) => facts.members[list.ids[each] ?? ""] ?? 0));
   return (
@@ -44,7 +47,8 @@ export function FindingCard() {
       ) : (
         <p class="finding-said">{`${formatCount(chosen.size)} findings`}</p>
       )}
-      <div class="select-row">
+      {is_ignoring ? <IgnoreForm /> : null}
+      <div class="select-row" hidden={is_ignoring}>
         <select
           aria-label="Status of the finding"
           value={statuses.size === 1 ? [...statuses][0] : ""}
@@ -60,11 +64,16 @@ export function FindingCard() {
         </select>
         <GroupChoice member={members.size === 1 ? ([...members][0] ?? 0) : -1} />
       </div>
-      {row >= 0 && <Note key={`${list.version} ${row}`} row={row} value={noteOf(list, facts, row)} />}
-      {finding && (
+      {row >= 0 && !is_ignoring && <Note key={`${list.version} ${row}`} row={row} value={noteOf(list, facts, row)} />}
+      {finding && !is_ignoring && (
         <div class="button-row">
-          <button type="button" class="button" onClick={() => lookAtFinding(wb, finding.row)}>
-            Look
+          <button
+            type="button"
+            class="button"
+            aria-pressed={is_seen}
+            onClick={() => (is_seen ? leaveFinding(wb) : lookAtFinding(wb, finding.row))}
+          >
+            {is_seen ? "Leave (Esc)" : "Look"}
           </button>
           <button type="button" class="button" onClick={() => selectParts(wb, finding)}>
             Select both
@@ -74,7 +83,6 @@ export function FindingCard() {
           </button>
         </div>
       )}
-      {finding && <IgnoreForm />}
     </section>
   );
 }

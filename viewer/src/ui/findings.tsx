@@ -1,9 +1,11 @@
 // The panel of findings: the check, the filter, the list, and the card of the chosen ones.
 
-import { exportFindings, FORMATS, leaveFinding } from "../actions/findings";
+import { runCommand } from "../actions/commands";
+import { exportFindings, FORMATS } from "../actions/findings";
 import type { FindingFormat } from "../link/protocol";
 import { formatCount } from "../math/units";
 import { type FindingOrder, type Grouping, STATUSES, statusOf } from "../model/findings";
+import type { Store } from "../model/store";
 import { useWorkbench } from "./context";
 import { CommandButton } from "./fields";
 import { FindingCard } from "./finding-card";
@@ -58,19 +60,18 @@ function NoFindings() {
 }
 
 function Head() {
-  const wb = useWorkbench();
-  const { store } = wb;
-  const { facts, is_stale, focus } = store.findings;
+  const { store } = useWorkbench();
+  const { facts, is_stale } = store.findings;
   const check = facts.value?.check;
   return (
     <section>
-      <div class="button-row">
-        <CommandButton id="previous-finding" icon="up" text="Previous" />
-        <CommandButton id="next-finding" icon="down" text="Next" />
+      <div class="select-row">
+        <CommandButton id="previous-finding" icon="up" />
+        <CommandButton id="next-finding" icon="down" />
         <CommandButton id="check-clashes" icon="alert" text={check ? "Check again" : "Check clashes"} />
       </div>
-      <div class="button-row">
-        <CommandButton id="open-findings" icon="list" text="Open" />
+      <div class="select-row">
+        <OpenChoice />
         <ExportChoice />
         <CommandButton id="close-findings" icon="close" />
       </div>
@@ -79,19 +80,34 @@ function Head() {
           Parts lie elsewhere since this check.
         </p>
       )}
-      {check?.of && (
-        <p class="note">{`Only pairs with ${check.of.length === 1 ? store.nameOf(check.of[0] ?? -1) : `${check.of.length} parts`} were checked.`}</p>
-      )}
+      {check?.of && <p class="note">{`Only pairs with ${partsText(store, check.of)} were checked.`}</p>}
       <CheckSettings />
-      {focus.value && (
-        <div class="hint-bar">
-          <span>All else is faint</span>
-          <button type="button" class="button" onClick={() => leaveFinding(wb)}>
-            Leave (Esc)
-          </button>
-        </div>
-      )}
     </section>
+  );
+}
+
+const partsText = (store: Store, parts: readonly number[]): string =>
+  parts.length === 1 ? store.nameOf(parts[0] ?? -1) : `${formatCount(parts.length)} parts`;
+
+/** A menu of files to open. */
+function OpenChoice() {
+  const wb = useWorkbench();
+  return (
+    <select
+      aria-label="Open a file"
+      value=""
+      disabled={wb.store.is_read_only.value}
+      onChange={(event) => {
+        const id = event.currentTarget.value;
+        event.currentTarget.value = "";
+        if (id !== "") runCommand(wb, id);
+      }}
+    >
+      <option value="">Open…</option>
+      <option value="open-findings">Findings (JSON)</option>
+      <option value="open-bcf">Statuses and comments (BCF)</option>
+      <option value="open-rules">Rules (TOML)</option>
+    </select>
   );
 }
 
@@ -179,15 +195,6 @@ function Filter() {
           ))}
         </select>
       </div>
-      <label class="check">
-        <input
-          type="checkbox"
-          checked={facts.is_touching_hidden}
-          disabled={!store.can_look.value}
-          onChange={(event) => wb.run("finding_filter", { is_touching_hidden: event.currentTarget.checked })}
-        />
-        Hide contacts
-      </label>
       {part >= 0 && (
         <div class="hint-bar">
           <span>{`Only with ${store.nameOf(part)}`}</span>
@@ -196,9 +203,20 @@ function Filter() {
           </button>
         </div>
       )}
-      <p class="note" role="status">
-        {`${formatCount(count)} of ${formatCount(facts.count)} findings${hidden > 0 ? `; rules hide ${formatCount(hidden)}` : ""}`}
-      </p>
+      <div class="finding-line">
+        <p class="note" role="status">
+          {`${formatCount(count)} of ${formatCount(facts.count)}${hidden > 0 ? `; rules hide ${formatCount(hidden)}` : ""}`}
+        </p>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={facts.is_touching_hidden}
+            disabled={!store.can_look.value}
+            onChange={(event) => wb.run("finding_filter", { is_touching_hidden: event.currentTarget.checked })}
+          />
+          Hide contacts
+        </label>
+      </div>
     </section>
   );
 }

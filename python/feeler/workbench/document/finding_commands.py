@@ -53,7 +53,10 @@ def findings_take(document: Document, given: Arguments, known: KnownFindings) ->
     """Opens the findings that a job found. `saved`: these findings, for a record that is replayed."""
     found = known.findings
     if found is None and given.has("saved"):
-        found = findings.restored(given.raw("saved", Any), known.parts, known.absent)
+        try:
+            found = findings.restored(given.raw("saved", Any), known.parts, known.absent)
+        except LoadError as error:
+            raise given.fail("saved", str(error), "leave it out") from None
     if found is None:
         raise given.fail("key", f"there are no findings {given.text('key')!r}", "run the check, or open the file again")
     return replace(document, findings=found)
@@ -143,8 +146,8 @@ def clash_settings(document: Document, given: Arguments, _known: KnownFindings) 
     clearance = given.number("clearance", 0.0, 1e3) if given.has("clearance") else document.clash.clearance
     contact = document.clash.contact
     if given.has("contact"):
-        is_chord = given.raw("contact", float | str) == "chord"
-        contact = None if is_chord else _length(given, "contact")
+        said: Any = given.raw("contact", float | str)
+        contact = None if isinstance(said, str) and said == "chord" else _length(given, "contact")
     rules: Any = given.raw("rules", str) if given.has("rules") else document.clash.rules
     if not isinstance(rules, str) or len(rules) > MOST_RULES:
         raise given.fail("rules", "they are not text, or too long", f"send at most {MOST_RULES} characters")

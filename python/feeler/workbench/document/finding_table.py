@@ -123,6 +123,14 @@ class FindingTable:
         """`(n,)`: whether the parts only touch."""
         return np.array([each in TOUCHING for each in self.verdicts] or [False])[self.verdict]
 
+    @cached_property
+    def placed(self) -> npt.NDArray[np.intp]:
+        """The rows with both parts in this mock-up: those of `clashes`, in order."""
+        if not len(self):
+            return np.zeros(0, np.intp)
+        known = self.part_of_path
+        return np.flatnonzero((known[self.a] >= 0) & (known[self.b] >= 0))
+
     @property
     def counts(self) -> dict[str, int]:
         """The number of findings of each verdict."""
@@ -229,8 +237,7 @@ class FindingTable:
     def clashes(self, mockup: Mockup, status: Mapping[str, str], notes: Mapping[str, str]) -> Clashes:
         """The findings of this mock-up's parts with these statuses and notes, for `feeler.clashes`. Others are left
         out."""
-        known = self.part_of_path
-        kept = np.flatnonzero((known[self.a] >= 0) & (known[self.b] >= 0)) if len(self) else np.zeros(0, np.intp)
+        known, kept = self.part_of_path, self.placed
         of_word = {each.value: each.code for each in Verdict}
         codes = np.array([of_word.get(word, _CODES.get(word, Verdict.CLASH.code)) for word in self.verdicts] or [0])
         values = {

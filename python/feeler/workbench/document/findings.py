@@ -65,6 +65,8 @@ def saved(found: Findings) -> dict[str, Any]:
 
 def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
     """The findings of `saved`. Raises `LoadError` for anything else."""
+    if not isinstance(data, Mapping):
+        raise LoadError("the saved findings are not an object")
     try:
         check = data["check"]
         return Findings(
@@ -76,7 +78,7 @@ def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
             bool(data["is_touching_hidden"]),
             None if check is None else _check(check),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise LoadError(f"the saved findings cannot be read: {error!r}") from None
 
 

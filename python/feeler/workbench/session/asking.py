@@ -42,6 +42,7 @@ from feeler.workbench.session.finding_jobs import (
     finding_alike,
     finding_hides,
     finding_side,
+    findings_bcf,
     findings_file,
 )
 from feeler.workbench.session.uploads import Uploads
@@ -184,5 +185,6 @@ JOBS: dict[str, Work[Any]] = {
     "replay": Work(replay),
     "clash": Work(clash, {"parts": Maybe(Selection)}),
     "findings_file": Work(findings_file, {"upload": str, "name": str}),
+    "findings_bcf": Work(findings_bcf, {"upload": str, "name": str}),
     "export_findings": Work(export_findings, {"format": FindingFormat}),
 }

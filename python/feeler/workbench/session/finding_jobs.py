@@ -6,6 +6,7 @@ findings are kept by a key until the command "findings_take" opens them, so that
 
 from __future__ import annotations
 
+import io
 import os
 import tempfile
 from collections.abc import Callable
@@ -19,6 +20,7 @@ import numpy as np
 from feeler import clashes as room
 from feeler.clashes import Clashes, Rules
 from feeler.clashes.advice import advice
+from feeler.clashes.bcf_in import topics_in
 from feeler.clashes.limits import unmatched
 from feeler.clashes.tracking import NEW
 from feeler.errors import OptionError, WorkbenchError
@@ -128,6 +130,33 @@ def findings_file(place: FindingPlace, given: Arguments, progress: Progress) -> 
     found = findings.findings_of(data, place.scene.mockup.parts, place.document.absent)
     progress(1.0, "done")
     return _taken(place, found, 0, [])
+
+
+def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
+    """Takes statuses and comments of a BCF file that a page sent: `count` findings have changed."""
+    found = place.document.findings
+    if found is None:
+        raise WorkbenchError("there are no findings", given.command, "check clashes first: BCF has no geometry")
+    progress(0.0, "reading")
+    name = given.text("name")
+    topics = topics_in(io.BytesIO(place.uploads.take(given.text("upload"))), name)
+    progress(_READ, "reading")
+    clashes = found.table.clashes(place.scene.mockup, found.status, found.notes)
+    changes = room.apply_bcf(clashes, topics)
+    names = [found.table.ids[row] for row in found.table.placed.tolist()]
+    own = dict(zip(clashes.ids, names, strict=True))
+    status = {own[each]: clashes.marks.of(each).status for each in changes.statuses}
+    notes = {own[each]: clashes.marks.of(each).note for each in changes.notes}
+    made = replace(
+        found,
+        status=findings.changed(found.status, status, found.table.status_of),
+        notes=findings.changed(found.notes, notes, found.table.note_of),
+    )
+    unknown = len(changes.unknown)
+    said = [f"{unknown} of {len(topics)} topics are of no finding here"] if unknown else []
+    progress(1.0, "done")
+    key = place.taken.keep(made, made)
+    return {"key": key, "count": len({*status, *notes}), "gone": 0, "notes": said}
 
 
 def export_findings(place: FindingPlace, given: Arguments, progress: Progress) -> Written:
