@@ -41,7 +41,8 @@ MADE_BY_FEELER = {
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
-    feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
+    feeler.Verdict, feeler.Verified,
+    feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
     clashes.BcfChanges, clashes.Comment, clashes.Topic,
     clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
@@ -82,6 +83,7 @@ class World:
         Path("robot.urdf").write_text(URDF)
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
+        Path("requirements.toml").write_text('[[requirement]]\nname = "one"\na = "post"\nb = "far"\ngap = 0.1\n')
         clashes.write_bcf("topics.bcf", self.clashes, self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
         haptics_record(self)
@@ -175,6 +177,12 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.from_trimesh": lambda w: (feeler.from_trimesh, {"mesh": w.mockup}),
     "feeler.from_urdf": lambda w: (feeler.from_urdf, {"path": "robot.urdf"}),
     "feeler.insertion": plan(feeler.insertion),
+    "feeler.Requirement": lambda w: (feeler.Requirement, {"name": "one", "a": "*", "b": "*", "gap": 0.1}),
+    "feeler.read_requirements": lambda w: (feeler.read_requirements, {"path": "requirements.toml"}),
+    "feeler.verify": lambda w: (
+        feeler.verify,
+        {"scene": w.scene, "requirements": [feeler.Requirement("one", "post", "far", 0.1)]},
+    ),
     "feeler.load_clashes": lambda w: (feeler.load_clashes, {"path": "clashes.json"}),
     "feeler.load_mockup": lambda w: (feeler.load_mockup, {"path": "mesh.stl"}),
     "feeler.load_tool": lambda w: (feeler.load_tool, {"path": "mesh.stl"}),

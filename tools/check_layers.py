@@ -307,16 +307,21 @@ ROOMS: dict[str, set[str]] = {
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
-    "workbench": {*BASE, "clashes", "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
+    "workbench": {
+        *(*BASE, "clashes", "haptics", "ignored", "io", "parts", "picture", "requirements", "samples", "feeler"),
+    },
+    # Clearances that must hold.
+    "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.
     "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
     "cli": {
-        *(*BASE, "agent", "clashes", "haptics", "io", "picture", "plan", "samples", "saved", "study", "workbench"),
+        *(*BASE, "agent", "clashes", "haptics", "io", "picture", "plan", "requirements", "samples", "saved", "study"),
+        "workbench",
         "feeler",
     },
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
-        *("parts", "spreading", "study", "types", "workbench"),
+        *("parts", "requirements", "spreading", "study", "types", "workbench"),
     },
     "__main__": {"cli"},
 }

@@ -68,6 +68,7 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.removals import PartsRemoval, Removals, RemovalsInterrupted, removals
     from feeler.plan.swept import swept
     from feeler.poses import nearest_rigid
+    from feeler.requirements import Requirement, Verified, read_requirements, verify
     from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
@@ -129,6 +130,7 @@ __all__ = [
     "RemovalStep",
     "Removals",
     "RemovalsInterrupted",
+    "Requirement",
     "Scene",
     "Screw",
     "SectionOutline",
@@ -137,6 +139,7 @@ __all__ = [
     "Tool",
     "VariantsInterrupted",
     "Verdict",
+    "Verified",
     "View",
     "WorkbenchError",
     "WorkerLost",
@@ -157,6 +160,7 @@ __all__ = [
     "nearest_rigid",
     "open_scene",
     "optimal_voxel_size",
+    "read_requirements",
     "removal",
     "removal_order",
     "removals",
@@ -166,6 +170,7 @@ __all__ = [
     "sample_tool",
     "sample_truth",
     "swept",
+    "verify",
     "view",
 ]
 
@@ -271,6 +276,12 @@ _HOMES = {
     ),
     "feeler.plan.swept": ("swept",),
     "feeler.poses": ("nearest_rigid",),
+    "feeler.requirements": (
+        "Requirement",
+        "Verified",
+        "read_requirements",
+        "verify",
+    ),
     "feeler.samples": (
         "sample",
         "sample_path",

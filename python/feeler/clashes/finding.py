@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_flag, check_length, check_progress
+from feeler.arguments import check_flag, check_length, check_progress, check_threads
 from feeler.choices import Chord
 from feeler.clashes.fastener_rule import shape_of
 from feeler.clashes.limits import Limits, limits, only_with
@@ -83,6 +83,7 @@ def clash(
         raise OptionError(f"scene is {scene!r}: give a feeler.Scene of the mock-up, or leave it out")
     check_progress(progress)
     check_flag("volume", volume)
+    check_threads(threads)
     near = check_length("clearance", clearance)
     touch: float | Chord = "chord" if is_chord(contact) else check_length("contact", contact, ', or "chord"')
     if scene is not None and scene.mockup is not mockup:
