@@ -381,7 +381,9 @@ def test_bad_arguments_are_refused_by_errors_of_feeler(name: str, world: World) 
 VIEW_ARGUMENTS: dict[str, object] = {
     "a": "*post*",
     "b": "*",
+    "gap": 0.01,
     "key": "none",
+    "results": [],
     "rows": [0],
     "version": "00ff",
     "camera": {"pose": np.eye(4).ravel().tolist(), "distance": 1.0, "fov_deg": 40.0, "is_ortho": False},

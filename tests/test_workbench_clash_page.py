@@ -230,3 +230,32 @@ def test_findings_say_how_sure_they_are_and_nothing_twice(context: Any, pegs: Pa
             "peg_1 is about 73.3 mm deep in plate",
         ]
         assert all(each.count("73.3") == 1 and "default" not in each for each in said)
+
+
+def test_a_clearance_that_must_hold_is_added_checked_and_looked_at(context: Any, pegs: Path) -> None:
+    with program(pegs) as started:
+        page = opened(context, started)
+        page.keyboard.press("Alt+5")
+        page.get_by_text("Clearances that must hold").click()
+        page.get_by_role("button", name="Add", exact=True).click()
+        card = page.locator(".requirement")
+        card.wait_for()
+        for label, value in (("Parts: ", "*peg_1"), ("Away from: ", "*peg_2")):
+            field = card.get_by_label(label)
+            field.fill(value)
+            field.press("Enter")
+        distance = card.get_by_label("Least distance")
+        distance.fill("50")
+        distance.press("Enter")
+        wait(page, "() => window.feeler.document.requirements[0].gap === 0.05")
+        page.get_by_role("button", name="Check", exact=True).click()
+        card.get_by_text("violated: 40 mm").wait_for()
+        card.get_by_role("button", name="Look").click()
+        page.get_by_text("40 mm").last.wait_for()
+        settled(page)
+        keep(page.screenshot(), "requirement.png")
+        press(page, "Escape")
+        distance.fill("40")
+        distance.press("Enter")
+        card.get_by_text("not checked").wait_for()
+        assert troubles(page) == []

@@ -295,6 +295,8 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "a": st.sampled_from(["*plate", "*"]),
     "b": st.just("*"),
     "clearance": st.floats(0, 1),
+    "gap": st.floats(0, 1),
+    "results": st.sampled_from([[], [{"id": 1}], "none"]),
     "contact": st.sampled_from([0.0, 0.001, "chord"]),
     "rules": st.sampled_from(["", '[[exclude]]\nname = "one"\na = "*peg"\n', "not toml"]),
     "findings": st.just(GIVEN),

@@ -326,3 +326,70 @@ def test_equal_findings_have_equal_tables_however_they_came() -> None:
     some = one.rows(np.arange(0, len(one), 3))
     assert some.ids == one.ids[::3] and len(some.paths) < len(one.paths)
     assert [some.row_json(k) for k in range(5)] == [one.row_json(3 * k) for k in range(5)]
+
+
+def verified(bench: Bench) -> list[dict[str, Any]]:
+    """The verdicts of all requirements, checked now."""
+    results = bench.session.job("verify", {}).result(WAIT_S)
+    bench.command("requirements_checked", results=results)
+    return [each["verdict"] for each in bench.document["requirements"]]
+
+
+def test_clearances_that_must_hold() -> None:
+    bench = Bench(mockup=sunk())
+    with pytest.raises(WorkbenchError, match="there are no requirements"):
+        bench.session.job("verify", {}).result(WAIT_S)
+    first = bench.command("requirement_add", name="left post", a="*left", b="*plate", gap=0.002)["id"]
+    bench.command("requirement_add", name="peg", a="*peg", b="stand", gap=0.0)
+    nothing = bench.command("requirement_add", name="nothing", a="*nothing", b="*", gap=0.1)["id"]
+    assert [each["verdict"] for each in bench.document["requirements"]] == [None] * 3
+    left, peg, unknown = verified(bench)
+    assert (left["status"], left["gap"]) == ("violated", pytest.approx(0.001)) and left["parts"] in (
+        [PLATE, LEFT],
+        [LEFT, PLATE],
+    )
+    assert len(left["points"]) == 2 and left["moved"] == {}
+    assert peg["status"] == "violated" and peg["depth"] == pytest.approx(0.01, rel=2e-3)
+    assert unknown["status"] == "unknown" and "no part matches '*nothing'" in unknown["trouble"]
+    # Another name changes nothing; another distance has to be checked again.
+    bench.command("requirement_edit", id=first, name="the left post")
+    assert bench.document["requirements"][0]["verdict"] == left
+    bench.command("requirement_edit", id=first, gap=0.0005)
+    assert bench.document["requirements"][0]["verdict"] is None
+    bench.command("requirement_remove", id=nothing)
+    # The parts count where they lie now.
+    bench.command("grip", parts=[PEG])
+    left, peg = verified(bench)
+    assert (left["status"], peg["status"], peg["gripped"]) == ("holds", "holds", [PEG])
+    written = bench.session.job("export_requirements", {}).result(WAIT_S)
+    text = bench.session.export(written["name"]).decode()
+    assert 'name = "the left post"' in text and "gap = 0.0005" in text
+    for _ in range(9):
+        bench.command("undo")
+    assert bench.document["requirements"] == []
+    side = bench.session.ask("pair_side", {"parts": [PLATE, LEFT], "point": [-0.3, 0.0, 0.0]})
+    assert side is not None and side["direction"][2] > 0.0
+
+
+def test_requirements_that_are_written_are_read_by_the_command(tmp_path: Path) -> None:
+    bench = Bench(cube(), mockup=sunk())
+    for _ in range(2):
+        bench.command("requirement_add", name='a "post"', a="*left", b="*plate", gap=0.002)
+    written = bench.session.job("export_requirements", {}).result(WAIT_S)
+    (tmp_path / "r.toml").write_bytes(bench.session.export(written["name"]))
+    found = feeler.verify(sunk(), tmp_path / "r.toml")
+    assert [(each.requirement.name, each.status) for each in found] == [
+        ('a "post"', "violated"),
+        ('a "post" 2', "violated"),
+    ]
+
+
+def test_verdicts_that_are_none_are_refused() -> None:
+    bench = Bench(cube(), mockup=sunk())
+    number = bench.command("requirement_add", name="one", a="*left", b="*plate", gap=0.002)["id"]
+    (good,) = bench.session.job("verify", {}).result(WAIT_S)
+    for changes in ({"status": "so so"}, {"gap": "x"}, {"points": [[1, 2]]}, {"moved": []}, {"pairs": None}):
+        with pytest.raises(WorkbenchError, match="these are no verdicts"):
+            bench.command("requirements_checked", results=[{"id": number, "verdict": {**good["verdict"], **changes}}])
+    with pytest.raises(WorkbenchError, match="these are no verdicts"):
+        bench.command("requirements_checked", results=[{"id": number}])

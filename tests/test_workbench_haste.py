@@ -127,6 +127,6 @@ def test_a_look_at_findings_changes_no_document_and_is_left_as_it_was(
         settled(page)
         assert differing(picture(page), before) < 0.002
         assert document(page) == steps
-        press(page, "Control+z")
+        press(page, "Ctrl+z")
         wait(page, "() => window.feeler.document.hidden.length === 0")
         assert troubles(page) == []

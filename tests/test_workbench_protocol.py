@@ -119,6 +119,7 @@ DOCUMENT: protocol.DocumentFields = {
     "viewpoints": [],
     "findings": None,
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},
+    "requirements": [{"id": 3, "name": "pipes", "a": "*", "b": "*", "gap": 0.01, "verdict": None}],
     "material": "steel",
 }
 TEXT_FROM_SERVER = [

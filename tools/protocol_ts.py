@@ -36,8 +36,8 @@ ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1":
 
 SHARES = {
     "document/protocol": ("document/protocol_findings",),
-    "document/commands": ("document/finding_commands",),
-    "session/asking": ("session/finding_jobs",),
+    "document/commands": ("document/finding_commands", "document/requirement_commands"),
+    "session/asking": ("session/finding_jobs", "session/requirement_jobs"),
 }
 """Modules that hold a part of another one's messages or tables."""
 
@@ -250,7 +250,8 @@ def of(node: ast.expr) -> str:
             return of(inside)
         case ast.Subscript(value=ast.Name(id="list"), slice=inside):
             item = of(inside)
-            return f"readonly ({item})[]" if " " in item and "<" not in item else f"readonly {item}[]"
+            is_several = " " in item and "<" not in item and not item.startswith("[")
+            return f"readonly ({item})[]" if is_several else f"readonly {item}[]"
         case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):
             return f"[{', '.join(of(each) for each in items)}]"
         case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, inside])):

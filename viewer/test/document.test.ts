@@ -39,6 +39,7 @@ const DOCUMENT: Document = {
   viewpoints: [],
   findings: null,
   clash: { clearance: 0.002, contact: 0, rules: "" },
+  requirements: [],
   material: null,
 };
 

@@ -18,6 +18,7 @@ from feeler.workbench.document.protocol import (
     MeasureType,
     Mode,
     Pose,
+    RequirementResult,
     Unit,
     Vec3,
 )
@@ -222,6 +223,24 @@ class ViewCommands:
     def finding_ignore(self, name: str, a: str, b: str) -> CommandAnswer:
         """Adds an exclusion to the rules, for pairs of parts by two patterns, and hides the findings that it names."""
         return self.command("finding_ignore", name=name, a=a, b=b)
+
+    def requirement_add(self, name: str, a: str, b: str, gap: float) -> CommandAnswer:
+        """Adds a clearance that must hold: parts of pattern `a` at least `gap` metres away from those of `b`."""
+        return self.command("requirement_add", name=name, a=a, b=b, gap=gap)
+
+    def requirement_edit(
+        self, id: int, name: str | None = None, a: str | None = None, b: str | None = None, gap: float | None = None
+    ) -> CommandAnswer:
+        """Changes a requirement; it has to be checked again."""
+        return self._command("requirement_edit", id=id, name=name, a=a, b=b, gap=gap)
+
+    def requirement_remove(self, id: int) -> CommandAnswer:
+        """Removes a requirement."""
+        return self.command("requirement_remove", id=id)
+
+    def requirements_checked(self, results: list[RequirementResult]) -> CommandAnswer:
+        """Takes the verdicts of the job "verify"; requirements that are gone are left out."""
+        return self.command("requirements_checked", results=results)
 
     def clash_settings(
         self, clearance: float | None = None, contact: float | str | None = None, rules: str | None = None

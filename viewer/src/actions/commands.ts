@@ -20,6 +20,7 @@ import {
   stepFinding,
 } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
+import { addRequirement, checkRequirements } from "./requirements";
 import { addSection, flipped, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
@@ -439,6 +440,15 @@ export const COMMANDS: readonly PageCommand[] = [
     "",
     openBcf,
     (wb) => canChange(wb) && hasFindings(wb),
+  ),
+  command("Findings", "add-requirement", "Add a clearance that must hold", "", addRequirement, canChange),
+  command(
+    "Findings",
+    "check-requirements",
+    "Check the clearances that must hold",
+    "",
+    checkRequirements,
+    (wb) => canChange(wb) && (wb.store.document.value?.requirements.length ?? 0) > 0,
   ),
   command("Findings", "open-rules", "Open rules of clash checks", "", openRules, canChange),
   command("Findings", "next-finding", "Next finding", "N", (wb) => stepFinding(wb, 1), hasFindings),

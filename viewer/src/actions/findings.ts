@@ -1,6 +1,7 @@
 // Actions of findings: check, open and export, step and look, mark, ignore.
 
-import type { Commands, FindingFormat, FindingSide, FindingStatus, Taken } from "../link/protocol";
+import type { Job } from "../link/link";
+import type { Commands, FindingFormat, FindingSide, FindingStatus, Taken, Written } from "../link/protocol";
 import { add, type Box, centre, diagonal, include, isEmpty, normalize, scale, type Vec3 } from "../math/vectors";
 import type { Focus } from "../model/finding-state";
 import { type Finding, neighbour, partsOf, sentence } from "../model/findings";
@@ -51,7 +52,8 @@ async function take(wb: Workbench, taken: Taken): Promise<void> {
   wb.store.notify("info", `${taken.count} ${taken.count === 1 ? "finding" : "findings"}${gone}`);
 }
 
-function showPanel(wb: Workbench): void {
+/** The panel of findings is seen. */
+export function showPanel(wb: Workbench): void {
   wb.store.panel.value = "findings";
   wb.store.set({ are_panels_open: true });
 }
@@ -133,7 +135,11 @@ export const FORMATS: Readonly<Record<FindingFormat, string>> = {
 
 /** Lets the server write the findings, and downloads the file. */
 export async function exportFindings(wb: Workbench, format: FindingFormat): Promise<void> {
-  const job = wb.job("export_findings", { format }, `Export: ${FORMATS[format]}`);
+  await downloaded(wb, wb.job("export_findings", { format }, `Export: ${FORMATS[format]}`));
+}
+
+/** Downloads the file that a job writes. */
+export async function downloaded(wb: Workbench, job: Job<Written> | null): Promise<void> {
   if (!job) return;
   await wb.told(
     job.result.then(async ({ name }) => {
@@ -158,23 +164,29 @@ export async function lookAtFinding(wb: Workbench, row: number): Promise<void> {
   const list = findings.list.peek();
   if (!list) return;
   const finding = list.finding(row);
-  wb.store.panel.value = "findings";
   findings.current.value = finding.id;
   findings.chosen.value = new Set([row]);
   findings.ignoring.value = null;
   wb.say(sentence(finding, unit.peek()));
+  await lookAt(wb, finding, () => wb.ask("finding_side", { version: list.version, row }));
+}
+
+/** Shows two parts in two colours and all else faint, from where the server says. */
+export async function lookAt(wb: Workbench, finding: Finding, ask: () => Promise<FindingSide | null>): Promise<void> {
+  const { findings } = wb.store;
+  wb.store.panel.value = "findings";
   const look = findings.beginLook();
-  const side = await sideOf(wb, list.version, row);
+  const side = await sideOf(wb, ask);
   if (!findings.isLook(look)) return; // another one was chosen meanwhile, or it was left
   if (wb.store.selection.peek().size > 0) wb.select([]);
   findings.focus.value = focusOf(finding, side);
   aim(wb, finding, side?.direction ?? USUAL);
 }
 
-async function sideOf(wb: Workbench, version: string, row: number): Promise<FindingSide | null> {
+async function sideOf(wb: Workbench, ask: () => Promise<FindingSide | null>): Promise<FindingSide | null> {
   if (!wb.link) return null;
   try {
-    return await wb.ask("finding_side", { version, row });
+    return await ask();
   } catch {
     return null; // the link is down, or the findings have changed: any side will do
   }

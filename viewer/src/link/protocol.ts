@@ -58,6 +58,40 @@ export interface ClashSettings {
   readonly rules: string;
 }
 
+/** What a requirement was when it was checked last. Metres. */
+export interface RequirementVerdict {
+  readonly status: "holds" | "violated" | "unknown";
+  /** Pairs of parts that violate it; the others are of the worst of them. */
+  readonly pairs: number;
+  readonly gap: number | null;
+  readonly depth: number | null;
+  readonly parts: readonly number[];
+  readonly points: readonly [number, number, number][];
+  /** Why it is not known. */
+  readonly trouble: string | null;
+  /** Where parts lay, as in `Check`. */
+  readonly moved: Readonly<Record<string, readonly number[]>>;
+  readonly out: readonly number[];
+  readonly gripped: readonly number[];
+}
+
+/** The verdict of a requirement, by its id. */
+export interface RequirementResult {
+  readonly id: number;
+  readonly verdict: RequirementVerdict;
+}
+
+/** A clearance that must hold: parts of pattern `a` stay at least `gap` metres away from those of `b`. */
+export interface KeptClear {
+  readonly id: number;
+  readonly name: string;
+  readonly a: string;
+  readonly b: string;
+  readonly gap: number;
+  /** Null: it was not checked as it is. */
+  readonly verdict: RequirementVerdict | null;
+}
+
 /** Findings that the command "findings_take" opens. */
 export interface Taken {
   readonly key: string;
@@ -293,6 +327,7 @@ export interface Document {
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
   readonly clash: ClashSettings;
+  readonly requirements: readonly KeptClear[];
   readonly material: Material | null;
 }
 
@@ -820,6 +855,20 @@ export interface Commands {
   readonly finding_group_remove: { readonly id: number };
   /** Adds an exclusion to the rules, for pairs of parts by two patterns, and hides the findings that it names. */
   readonly finding_ignore: { readonly name: string; readonly a: string; readonly b: string };
+  /** Adds a clearance that must hold: parts of pattern `a` at least `gap` metres away from those of `b`. */
+  readonly requirement_add: { readonly name: string; readonly a: string; readonly b: string; readonly gap: number };
+  /** Changes a requirement; it has to be checked again. */
+  readonly requirement_edit: {
+    readonly id: number;
+    readonly name?: string;
+    readonly a?: string;
+    readonly b?: string;
+    readonly gap?: number;
+  };
+  /** Removes a requirement. */
+  readonly requirement_remove: { readonly id: number };
+  /** Takes the verdicts of the job "verify"; requirements that are gone are left out. */
+  readonly requirements_checked: { readonly results: readonly RequirementResult[] };
   /** Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML. */
   readonly clash_settings: { readonly clearance?: number; readonly contact?: number | string; readonly rules?: string };
   readonly undo: Record<string, never>;
@@ -854,6 +903,11 @@ export interface Questions {
     readonly args: { readonly version: string; readonly row: number };
     readonly answer: FindingSide | null;
   };
+  /** From where two parts are seen at a point between them. */
+  readonly pair_side: {
+    readonly args: { readonly parts: Selection; readonly point: Vec3 };
+    readonly answer: FindingSide;
+  };
   /** How many findings an exclusion with two patterns would hide. */
   readonly finding_hides: { readonly args: { readonly a: string; readonly b: string }; readonly answer: Hides };
 }
@@ -875,6 +929,10 @@ export interface Jobs {
   readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
   /** Takes statuses and comments of a BCF file that a page sent: `count` findings have changed. */
   readonly findings_bcf: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  /** Checks the requirements in the scene as it is now, as "clash" does; for the command "requirements_checked". */
+  readonly verify: { readonly args: Record<string, never>; readonly answer: readonly RequirementResult[] };
+  /** Writes the requirements as TOML, for `feeler verify`. */
+  readonly export_requirements: { readonly args: Record<string, never>; readonly answer: Written };
   /** Writes the findings with their statuses and notes, or the rules. */
   readonly export_findings: { readonly args: { readonly format: FindingFormat }; readonly answer: Written };
 }

@@ -40,6 +40,7 @@ export class FindingState {
   readonly focus = signal<Focus | null>(null);
   readonly ignoring = signal<Ignoring | null>(null);
   readonly are_settings_open = signal(false);
+  readonly are_requirements_open = signal(false);
   readonly facts: ReadonlySignal<Findings | null>;
   /** The findings of the present list: while another one is on its way there are none. */
   readonly shown = computed(() => {

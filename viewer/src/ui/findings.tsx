@@ -11,6 +11,7 @@ import { CommandButton } from "./fields";
 import { FindingCard } from "./finding-card";
 import { CheckSettings } from "./finding-check";
 import { FindingRows } from "./finding-rows";
+import { Requirements } from "./requirements";
 
 const ORDERS: Readonly<Record<FindingOrder, string>> = {
   depth: "Worst first",
@@ -55,6 +56,7 @@ function NoFindings() {
       <CommandButton id="check-clashes" icon="alert" text="Check clashes" />
       <CommandButton id="open-findings" icon="list" text="Open a file" />
       <CheckSettings />
+      <Requirements />
     </div>
   );
 }
@@ -82,6 +84,7 @@ function Head() {
       )}
       {check?.of && <p class="note">{`Only pairs with ${partsText(store, check.of)} were checked.`}</p>}
       <CheckSettings />
+      <Requirements />
     </section>
   );
 }

@@ -58,7 +58,13 @@ from feeler.workbench.document.protocol import (
     Unit,
     Vec3,
 )
-from feeler.workbench.document.protocol_findings import FindingStatus
+from feeler.workbench.document.protocol_findings import FindingStatus, RequirementResult
+from feeler.workbench.document.requirement_commands import (
+    requirement_add,
+    requirement_edit,
+    requirement_remove,
+    requirements_checked,
+)
 
 LEAST_MOVED_M = 1e-3
 """Parts that a release left nearer than this to where they were gripped add no line to the sequence."""
@@ -441,6 +447,13 @@ COMMANDS: dict[str, Command] = {
     "finding_group_rename": Command(finding_group_rename, {"id": int, "name": str}),
     "finding_group_remove": Command(finding_group_remove, {"id": int}),
     "finding_ignore": Command(finding_ignore, {"name": str, "a": str, "b": str}),
+    "requirement_add": Command(requirement_add, {"name": str, "a": str, "b": str, "gap": float}),
+    "requirement_edit": Command(
+        requirement_edit,
+        {"id": int, "name": Maybe(str), "a": Maybe(str), "b": Maybe(str), "gap": Maybe(float)},
+    ),
+    "requirement_remove": Command(requirement_remove, {"id": int}),
+    "requirements_checked": Command(requirements_checked, {"results": list[RequirementResult]}),
     "clash_settings": Command(
         clash_settings, {"clearance": Maybe(float), "contact": Maybe(float | str), "rules": Maybe(str)}
     ),

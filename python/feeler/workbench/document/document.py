@@ -20,6 +20,7 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 """Metres of each available unit."""
 MODES = ("stop", "glide", "pass")
 MEASURES = ("point", "edge", "angle", "parts")
+NOTHING: Mapping[int, Row] = MappingProxyType({})
 MATERIALS = ("steel", "aluminium", "plastic", "rubber")
 """Materials of parts, for their sounds."""
 
@@ -175,6 +176,41 @@ class Findings:
 
 
 @dataclass(frozen=True)
+class Verdict:
+    """What a requirement was when it was checked last; lengths in metres. of: where parts lay, as in `Check`.
+
+    status: "holds", "violated", or "unknown" with the reason in `trouble`. pairs: how many pairs of parts violate it;
+    the others are of the worst of them.
+    """
+
+    status: str
+    pairs: int = 0
+    gap: float | None = None
+    depth: float | None = None
+    parts: tuple[int, ...] = ()
+    points: tuple[Point, ...] = ()
+    trouble: str | None = None
+    moved: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
+    out: tuple[int, ...] = ()
+    gripped: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class KeptClear:
+    """A clearance that must hold: parts of pattern `a` stay at least `gap` metres away from those of `b`.
+
+    verdict: None before it was checked as it is.
+    """
+
+    id: int
+    name: str
+    a: str
+    b: str
+    gap: float
+    verdict: Verdict | None = None
+
+
+@dataclass(frozen=True)
 class ClashSettings:
     """How the next clash check is made: metres, contact None for the chordal errors of both parts; rules as TOML."""
 
@@ -202,9 +238,6 @@ class Isolation:
 
     parts: tuple[int, ...]
     hidden_before: tuple[int, ...]
-
-
-NOTHING: Mapping[int, Row] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -243,6 +276,7 @@ class Document:
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None
     clash: ClashSettings = field(default_factory=ClashSettings)
+    requirements: tuple[KeptClear, ...] = ()
     material: str | None = None
     next_id: int = 1
 

@@ -23,7 +23,13 @@ from feeler.workbench.document.frames import (
     unpack,
     version_of,
 )
-from feeler.workbench.document.protocol_findings import ClashSettings, Findings, FindingStatus
+from feeler.workbench.document.protocol_findings import (
+    ClashSettings,
+    Findings,
+    FindingStatus,
+    KeptClear,
+    RequirementResult,
+)
 
 __all__ = [
     "FROM_PAGE",
@@ -37,6 +43,7 @@ __all__ = [
     "VERSION",
     "FindingStatus",
     "ProtocolError",
+    "RequirementResult",
     "decode_from_page",
     "decode_from_server",
     "encode",
@@ -230,6 +237,7 @@ class DocumentFields(TypedDict):
     viewpoints: list[Viewpoint]
     findings: Findings | None
     clash: ClashSettings
+    requirements: list[KeptClear]
     material: Material | None
 
 

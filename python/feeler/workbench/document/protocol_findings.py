@@ -72,6 +72,43 @@ class ClashSettings(TypedDict):
     """TOML, as for `feeler clash --rules`."""
 
 
+class RequirementVerdict(TypedDict):
+    """What a requirement was when it was checked last. Metres."""
+
+    status: Literal["holds", "violated", "unknown"]
+    pairs: int
+    """Pairs of parts that violate it; the others are of the worst of them."""
+    gap: float | None
+    depth: float | None
+    parts: list[int]
+    points: list[tuple[float, float, float]]
+    trouble: str | None
+    """Why it is not known."""
+    moved: dict[str, list[float]]
+    """Where parts lay, as in `Check`."""
+    out: list[int]
+    gripped: list[int]
+
+
+class RequirementResult(TypedDict):
+    """The verdict of a requirement, by its id."""
+
+    id: int
+    verdict: RequirementVerdict
+
+
+class KeptClear(TypedDict):
+    """A clearance that must hold: parts of pattern `a` stay at least `gap` metres away from those of `b`."""
+
+    id: int
+    name: str
+    a: str
+    b: str
+    gap: float
+    verdict: RequirementVerdict | None
+    """Null: it was not checked as it is."""
+
+
 class Taken(TypedDict):
     """Findings that the command "findings_take" opens."""
 

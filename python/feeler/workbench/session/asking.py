@@ -44,7 +44,9 @@ from feeler.workbench.session.finding_jobs import (
     finding_side,
     findings_bcf,
     findings_file,
+    pair_side,
 )
+from feeler.workbench.session.requirement_jobs import export_requirements, verified
 from feeler.workbench.session.uploads import Uploads
 
 PAGE = "mock-up.html"
@@ -174,6 +176,7 @@ ASKS: dict[str, Question[Any]] = {
     "part": Question(part, {"part": Selection}),
     "finding_alike": Question(finding_alike, {"version": str, "row": int}),
     "finding_side": Question(finding_side, {"version": str, "row": int}),
+    "pair_side": Question(pair_side, {"parts": Selection, "point": Vec3}),
     "finding_hides": Question(finding_hides, {"a": str, "b": str}),
 }
 JOBS: dict[str, Work[Any]] = {
@@ -186,5 +189,7 @@ JOBS: dict[str, Work[Any]] = {
     "clash": Work(clash, {"parts": Maybe(Selection)}),
     "findings_file": Work(findings_file, {"upload": str, "name": str}),
     "findings_bcf": Work(findings_bcf, {"upload": str, "name": str}),
+    "verify": Work(verified),
+    "export_requirements": Work(export_requirements),
     "export_findings": Work(export_findings, {"format": FindingFormat}),
 }

@@ -35,7 +35,7 @@ from feeler.workbench.document.frames import dumps
 from feeler.workbench.document.protocol import Written
 from feeler.workbench.document.protocol_findings import Alike, FindingSide, Hides, Taken
 from feeler.workbench.engine.parts import PartTools
-from feeler.workbench.session.finding_view import side_of
+from feeler.workbench.session.finding_view import side_of, side_of_pair
 from feeler.workbench.session.uploads import Uploads
 
 _MOST_TAKEN = 8
@@ -190,6 +190,13 @@ def finding_side(place: FindingPlace, given: Arguments) -> FindingSide | None:
     """From where a finding is seen; null if none of its parts is here."""
     found, row = _row(place, given)
     return side_of(found.table, row, place.scene, place.meshes, place.document.moved)
+
+
+def pair_side(place: FindingPlace, given: Arguments) -> FindingSide:
+    """From where two parts are seen at a point between them."""
+    parts = given.parts("parts", place.scene.mockup.parts, most=2)
+    point = np.array(given.point("point"))
+    return side_of_pair(list(parts), point, 0.0, np.zeros(3), place.scene, place.meshes, place.document.moved)
 
 
 def finding_hides(place: FindingPlace, given: Arguments) -> Hides:

@@ -30,9 +30,24 @@ def side_of(
     here = [part for part in parts if part >= 0]
     if not here:
         return None
+    point = _point(table, row, [_box(scene, part, moved) for part in here])
+    depth = float(np.nan_to_num(table.depth[row]))
+    return side_of_pair(parts, point, depth, np.nan_to_num(table.translation[row]), scene, meshes, moved)
+
+
+def side_of_pair(
+    parts: list[int],
+    point: Floats,
+    depth: float,
+    way: Floats,
+    scene: Scene,
+    meshes: PartTools,
+    moved: Mapping[int, Row],
+) -> FindingSide:
+    """The same of two parts (-1: not here) that are so deep in each other at a point, with a way out."""
+    here = [part for part in parts if part >= 0]
     boxes = {part: _box(scene, part, moved) for part in here}
     cover = _cover(parts, boxes)
-    point = _point(table, row, list(boxes.values()))
     low, high = np.min([box[0] for box in boxes.values()], axis=0), np.max([box[1] for box in boxes.values()], axis=0)
     reach = max(2.0 * float(np.linalg.norm(high - low)), 1e-6)
     sides = _directions()
@@ -41,9 +56,7 @@ def side_of(
         rays = each.rays(point + reach * sides, -sides)
         met = np.where(rays.triangles >= 0, reach - rays.distances, 0.0)
         hidden = np.maximum(hidden, met)
-    depth = float(np.nan_to_num(table.depth[row]))
     in_way = np.maximum(0.0, hidden - _NEAR * reach - 2.0 * depth) / reach
-    way = np.nan_to_num(table.translation[row])
     size = float(np.linalg.norm(way))
     across = 1.0 - np.abs(sides @ (way / size)) if size > 0.0 else np.zeros(len(sides))
     usual = USUAL / np.linalg.norm(USUAL)
@@ -70,7 +83,7 @@ def _box(scene: Scene, part: int, moved: Mapping[int, Row]) -> Floats:
 
 def _cover(parts: list[int], boxes: Mapping[int, Floats]) -> int | None:
     """The part around the other one, if one is: it is drawn see-through."""
-    if parts[0] == parts[1] or any(part not in boxes for part in parts):
+    if len(parts) < 2 or parts[0] == parts[1] or any(part not in boxes for part in parts):
         return None
     small, large = sorted(parts, key=lambda part: float(np.linalg.norm(boxes[part][1] - boxes[part][0])))
     one, other = boxes[small], boxes[large]
