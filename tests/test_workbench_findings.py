@@ -11,10 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, Bench, at, cube, stand
 
 import feeler
 from feeler.errors import WorkbenchError
+from feeler.workbench.document import patient_json
 from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.document.findings import findings_of_clashes, restored, saved
 from feeler.workbench.document.protocol_findings import FindingRows
@@ -393,3 +396,35 @@ def test_verdicts_that_are_none_are_refused() -> None:
             bench.command("requirements_checked", results=[{"id": number, "verdict": {**good["verdict"], **changes}}])
     with pytest.raises(WorkbenchError, match="these are no verdicts"):
         bench.command("requirements_checked", results=[{"id": number}])
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    value=st.recursive(
+        st.none() | st.booleans() | st.floats(allow_nan=False) | st.integers(-(2**60), 2**60) | st.text(max_size=5),
+        lambda inside: st.lists(inside, max_size=4) | st.dictionaries(st.text(max_size=3), inside, max_size=4),
+        max_leaves=20,
+    ),
+    indent=st.sampled_from([None, 1]),
+    cut=st.integers(0, 200),
+    junk=st.sampled_from(["", " ", ",", "]", "}", "x", '"', ":"]),
+)
+def test_patient_json_is_json(
+    monkeypatch: pytest.MonkeyPatch, value: Any, indent: int | None, cut: int, junk: str
+) -> None:
+    monkeypatch.setattr(patient_json, "LARGE", 0)
+    text = json.dumps({"clashes": value, "more": [value, value]}, indent=indent)
+    assert patient_json.patient_loads(text) == json.loads(text)
+    broken = text[: cut % len(text)] + junk + text[cut % len(text) :]
+    try:
+        expected = json.loads(broken)
+    except ValueError:
+        with pytest.raises(ValueError):
+            patient_json.patient_loads(broken)
+    else:
+        assert patient_json.patient_loads(broken) == expected
+    try:
+        json.loads(text[: cut % len(text)])
+    except ValueError:
+        with pytest.raises(ValueError):
+            patient_json.patient_loads(text[: cut % len(text)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.workbench.document.document import Check, Findings, OwnGroup
 from feeler.workbench.document.finding_table import clashes_in, table_of, table_of_clashes
+from feeler.workbench.document.patient_json import patient_loads
 
 
 def read_findings(path: str | Path) -> Any:
@@ -39,7 +39,7 @@ def parsed_findings(data: bytes, name: str) -> Any:
 
 def _parsed(text: str, name: str) -> Any:
     try:
-        data = json.loads(text)
+        data = patient_loads(text)
     except (ValueError, RecursionError) as error:
         raise LoadError(f"{name} cannot be read as JSON: {error}") from None
     clashes_in(data, name)
