@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import json
+import re
 import threading
 import zipfile
 from io import BytesIO
@@ -20,6 +23,8 @@ from feeler.errors import WorkbenchError
 from feeler.workbench.document import patient_json
 from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.document.findings import findings_of_clashes, restored, saved
+from feeler.workbench.document.frames import unpack
+from feeler.workbench.document.protocol import SavedPage
 from feeler.workbench.document.protocol_findings import FindingRows
 from feeler.workbench.session.finding_jobs import threads
 from feeler.workbench.session.jobs import JobCancelledError
@@ -428,3 +433,14 @@ def test_patient_json_is_json(
     except ValueError:
         with pytest.raises(ValueError):
             patient_json.patient_loads(text[: cut % len(text)])
+
+
+def test_one_file_to_send_has_the_rows() -> None:
+    bench = Bench(cube(), mockup=sunk())
+    checked(bench)
+    name = bench.session.job("page", {}).result(WAIT_S)["name"]
+    found = re.search(rb'id="feeler-page">\s*([^<]*)<', bench.session.export(name))
+    assert found is not None
+    saved_page = unpack(gzip.decompress(base64.b64decode(found[1])), (SavedPage,))
+    assert saved_page.findings.tobytes() == table_of(bench).frame()
+    assert saved_page.document["findings"]["version"] == table_of(bench).key
