@@ -643,3 +643,9 @@ def test_threads_change_nothing(mockup: feeler.Mockup) -> None:
 def test_the_package_is_not_hidden_by_the_function() -> None:
     code = "import feeler, feeler.clashes as room; assert callable(feeler.clash) and room.clash is feeler.clash"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_so_many_threads_are_refused_with_a_scene_too() -> None:
+    mockup = feeler.sample("gearbox", 40_000)
+    with pytest.raises(OptionError, match="threads"):
+        feeler.clash(mockup, scene=feeler.Scene(mockup), threads=2**63)

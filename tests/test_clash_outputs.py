@@ -27,7 +27,7 @@ from feeler.errors import OptionError
 from feeler.io import WriteError
 from feeler.io.body import LIGHT_GREY
 from feeler.words import length
-from feeler.workbench.document.findings import grouped, ids, read_findings
+from feeler.workbench.document.findings import findings_of, read_findings
 
 WHEN = datetime.datetime(2024, 5, 6, 7, 8, 9, tzinfo=datetime.timezone.utc)
 HOSTILE = "</script><script>alert(1)</script>&\"'\x01"
@@ -178,13 +178,16 @@ def test_the_workbench_shows_what_json_says(mockup: feeler.Mockup) -> None:
     document = json.loads(json.dumps(report(found)))
     assert document["counts"] == {"clash": 4, "contact": 2, "clearance": 1, "contained": 1, "duplicate": 1}
     assert document["statuses"]["reviewed"] == 1 and document["partial"] is False
-    shown = grouped(document, mockup.parts)
-    assert set(ids(shown.groups)) == set(found.ids) and dict(shown.status) == {found.ids[1]: "reviewed"}
-    assert {group["name"] for group in shown.groups} == {group.name for group in found.groups()}
-    by_id = {each["id"]: each for group in shown.groups for each in group["findings"]}
-    for row in found:
-        each = by_id[row.id]
-        assert (each["part_a"], each["part_b"]) in ((row.a, row.b), (None, row.b), (row.a, None))
+    table = findings_of(document, mockup.parts).table
+    assert table.ids == found.ids, "in the same order"
+    assert {name: table.status_of(name) for name in table.ids if table.status_of(name) != "new"} == {
+        found.ids[1]: "reviewed"
+    }
+    assert set(table.groups) == {group.name for group in found.groups()}
+    for place, row in enumerate(found):
+        each = table.row_json(place)
+        parts = [int(table.part_of_path[side[place]]) for side in (table.a, table.b)]
+        assert all(part in (-1, of) for part, of in zip(parts, (row.a, row.b), strict=True))
         assert each["depth"] == row.depth and each["point_a"] == list(row.point_a)
     assert [each["id"] for each in document["clashes"]] == list(found.ids)
 

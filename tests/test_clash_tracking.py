@@ -19,7 +19,7 @@ from feeler import Verdict
 from feeler.clashes.tracking import DEPTH_GROWTH_M, clash_id, part_keys
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io import WriteError
-from feeler.workbench.document.findings import grouped, read_findings
+from feeler.workbench.document.findings import findings_of, read_findings
 
 
 @pytest.fixture(scope="module")
@@ -373,11 +373,13 @@ def test_a_finding_twice(saved: Path) -> None:
 
 
 def test_the_workbench_reads_a_file(saved: Path, mockup: feeler.Mockup) -> None:
-    shown = grouped(read_findings(saved), mockup.parts)
-    members = [each for group in shown.groups for each in group["findings"]]
-    assert len(members) == len(FOUND) and all(each["part_a"] is not None for each in members)
+    table = findings_of(read_findings(saved), mockup.parts).table
+    members = [table.row_json(row) for row in range(len(table))]
+    assert len(members) == len(FOUND) and (table.part_of_path >= 0).all()
     assert {(each["a"], each["b"]): each["verdict"] for each in members} == FOUND
-    touching = {(each["a"], each["b"]) for each in members if each["is_touching"]}
+    touching = {
+        (each["a"], each["b"]) for each, is_touching in zip(members, table.is_touching, strict=True) if is_touching
+    }
     assert touching == {pair for pair, verdict in FOUND.items() if verdict == "contact"}
 
 

@@ -17,7 +17,10 @@ from feeler.cli.options import Option, in_command_line_words, in_text
 from feeler.io import write_glb, write_stl
 
 WRONG = ["", "x", "nan", "-1", "1e999", "\u00e9", "9" * 400, "5 parsec", "1,2", "0x10", "--", "\x00"]
-NEEDED = {"path": ["--poses", "p.txt"], "swept": ["--poses", "p.txt"], "access": ["--tool", "t.stl"]}
+NEEDED = {
+    **{"path": ["--poses", "p.txt"], "swept": ["--poses", "p.txt"], "access": ["--tool", "t.stl"]},
+    "verify": ["--requirements", "r.toml"],
+}
 NO_ARGUMENT = ("demo", "feel", "view", "bench", "study")
 
 
@@ -40,7 +43,7 @@ OPTIONS = [(name, option) for name in commands() for option in options_of(name).
 
 
 def test_the_table_is_whole() -> None:
-    assert len(commands()) == 21 and len(OPTIONS) > 200
+    assert len(commands()) == 22 and len(OPTIONS) > 200
 
 
 def test_every_option_with_a_number_has_a_value() -> None:
@@ -102,7 +105,8 @@ FILES: list[tuple[list[str], list[str]]] = [
     (["path", *MOVING], ["--poses"]),
     (["path", *MOVING, "--poses", "p.txt"], ["--csv", "--glb"]),
     (["clash", "m.glb"], ["--rules", "--previous", "--csv", "--xlsx", "--html", "--bcf", "--glb", "--save"]),
-    (["clash", "m.glb"], ["--write-rules", "--fail-on", "--only"]),
+    (["clash", "m.glb"], ["--write-rules", "--fail-on", "--only", "--bcf-in"]),
+    (["verify", "m.glb"], ["--requirements"]),
     (["remove", "m.glb"], ["--part", "--hand"]),
     (["remove", "m.glb", "--part", "m/a/part"], ["--ignore", "--csv", "--way", "--glb", "--without"]),
     (["remove", "m.glb", "--part", "m/a/part", "--insert"], ["--from", "--goal"]),

@@ -41,8 +41,10 @@ MADE_BY_FEELER = {
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
-    feeler.Verdict, feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
+    feeler.Verdict, feeler.Verified,
+    feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
+    clashes.BcfChanges, clashes.Comment, clashes.Topic,
     clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
     feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint, samples.Leg,
     samples.Step, samples.Truth, io.MeshLike, picture.Hits,
@@ -82,6 +84,8 @@ class World:
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
         self.project = feeler.open_project("project.feelproj", self.mockup)
+        Path("requirements.toml").write_text('[[requirement]]\nname = "one"\na = "post"\nb = "far"\ngap = 0.1\n')
+        clashes.write_bcf("topics.bcf", self.clashes, self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
         haptics_record(self)
 
@@ -174,6 +178,12 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.from_trimesh": lambda w: (feeler.from_trimesh, {"mesh": w.mockup}),
     "feeler.from_urdf": lambda w: (feeler.from_urdf, {"path": "robot.urdf"}),
     "feeler.insertion": plan(feeler.insertion),
+    "feeler.Requirement": lambda w: (feeler.Requirement, {"name": "one", "a": "*", "b": "*", "gap": 0.1}),
+    "feeler.read_requirements": lambda w: (feeler.read_requirements, {"path": "requirements.toml"}),
+    "feeler.verify": lambda w: (
+        feeler.verify,
+        {"scene": w.scene, "requirements": [feeler.Requirement("one", "post", "far", 0.1)]},
+    ),
     "feeler.load_clashes": lambda w: (feeler.load_clashes, {"path": "clashes.json"}),
     "feeler.load_mockup": lambda w: (feeler.load_mockup, {"path": "mesh.stl"}),
     "feeler.load_tool": lambda w: (feeler.load_tool, {"path": "mesh.stl"}),
@@ -225,6 +235,9 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.clashes.Rule": lambda w: (clashes.Rule, {"name": "all"}),
     "feeler.clashes.Rules": lambda w: (clashes.Rules, {"rules": (clashes.Rule("all"),)}),
     "feeler.clashes.Rules.read": lambda w: (clashes.Rules.read, {"path": "rules.toml"}),
+    "feeler.clashes.Rules.parse": lambda w: (clashes.Rules.parse, {"text": "version = 1"}),
+    "feeler.clashes.apply_bcf": lambda w: (clashes.apply_bcf, {"clashes": w.clashes, "topics": []}),
+    "feeler.clashes.read_bcf": lambda w: (clashes.read_bcf, {"path": "topics.bcf"}),
     "feeler.clashes.report": lambda w: (clashes.report, {"clashes": w.clashes}),
     "feeler.clashes.write_bcf": written(clashes.write_bcf, "out.bcf"),
     "feeler.clashes.write_clash_glb": written(clashes.write_clash_glb, "out.glb"),
@@ -372,6 +385,13 @@ def test_bad_arguments_are_refused_by_errors_of_feeler(name: str, world: World) 
 
 
 VIEW_ARGUMENTS: dict[str, object] = {
+    "a": "*post*",
+    "b": "*",
+    "gap": 0.01,
+    "key": "none",
+    "results": [],
+    "rows": [0],
+    "version": "00ff",
     "camera": {"pose": np.eye(4).ravel().tolist(), "distance": 1.0, "fov_deg": 40.0, "is_ortho": False},
     "findings": [],
     "hit": np.eye(4),
@@ -386,6 +406,7 @@ VIEW_ARGUMENTS: dict[str, object] = {
     "offset": 0.0,
     "parts": "sheet",
     "pose": np.eye(4).ravel().tolist(),
+    "question": "removal",
     "share": 0.0,
     "status": "approved",
     "type": "distance",

@@ -178,6 +178,8 @@ def samples() -> dict[str, list[Any]]:
     assert stats is not None
     return {
         "View": [view],
+        "Requirement": [feeler.Requirement("one", "post*", ["a", "b"], 0.1)],
+        "Verified": feeler.verify(scene, [feeler.Requirement("one", "*", "*", 0.1)]),
         "PartChanges": [feeler.PartChanges(changed=("a",), renamed={"b": "c"})],
         "Granted": [granted],
         "Trace": [trace],

@@ -94,8 +94,8 @@ def test_commands_leave_them_alone() -> None:
     made.session.load_findings(clash)
     made.command("findings_open", findings=clash)
     for depth in range(2):
-        (group,) = made.document["findings"]["groups"]
-        assert (group["findings"][0]["part_a"], group["findings"][0]["part_b"]) == (None, PEG), depth
+        table = made.session.current.findings.table
+        assert table.paths == (PATHS[PLATE], PATHS[PEG]) and table.part_of_path.tolist() == [-1, PEG], depth
         made.command("undo")
 
 

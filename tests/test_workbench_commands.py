@@ -12,13 +12,14 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cube
+from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cube, stand
 
 import feeler
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import COMMANDS
 from feeler.workbench.document.document import JSON_FIELDS, Document
+from feeler.workbench.document.findings import findings_of
 from feeler.workbench.document.frames import check
 from feeler.workbench.document.protocol import Camera, DocumentFields, Patch, Vec3, decode_from_server, encode
 
@@ -264,6 +265,8 @@ def test_commands_do_the_same_as_in_a_page_without_a_server(case: dict[str, Any]
 
 PARTS = st.one_of(st.integers(0, 4), st.sampled_from(PATHS), st.lists(st.integers(0, 4), min_size=1, max_size=5))
 POSES = st.tuples(*[st.floats(-0.6, 0.6)] * 3, st.floats(0, 3)).map(lambda each: at(*each).ravel().tolist())
+GIVEN = {"clashes": [{"id": "1", "a": PATHS[0], "b": PATHS[1], "depth": 0.01}]}
+VERSION = findings_of(GIVEN, stand().parts).table.key
 ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "parts": PARTS,
     "is_on": st.booleans(),
@@ -283,11 +286,24 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "status": st.sampled_from(["new", "resolved"]),
     "is_touching_hidden": st.booleans(),
     "material": st.sampled_from(["steel", "rubber", None]),
-    "findings": st.just({"clashes": [{"id": "1", "a": PATHS[0], "b": PATHS[1], "depth": 0.01}]}),
     "steps": st.none(),
     "ways": st.tuples(st.integers(0, 4), POSES).map(
         lambda way: [{"parts": [way[0]], "poses": [np.eye(4).ravel().tolist(), way[1]], "clearance": None}]
     ),
+    "key": st.just("none"),
+    "saved": st.none(),
+    "version": st.sampled_from([VERSION, "another"]),
+    "rows": st.sampled_from([[], [0], [1]]),
+    "note": st.sampled_from([None, "", "by design"]),
+    "group": st.sampled_from([None, 0, 1, 2]),
+    "a": st.sampled_from(["*plate", "*"]),
+    "b": st.just("*"),
+    "clearance": st.floats(0, 1),
+    "gap": st.floats(0, 1),
+    "results": st.sampled_from([[], [{"id": 1}], "none"]),
+    "contact": st.sampled_from([0.0, 0.001, "chord"]),
+    "rules": st.sampled_from(["", '[[exclude]]\nname = "one"\na = "*peg"\n', "not toml"]),
+    "findings": st.just(GIVEN),
 }
 # Undo leaves cards as they are.
 STEPS = st.sampled_from(sorted(name for name, command in COMMANDS.items() if not command.is_of_cards)).flatmap(

@@ -20,6 +20,7 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 import feeler
 from feeler.errors import LoadError, MeshError, OptionError, WorkbenchError
 from feeler.io import write_glb
+from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Engine
 from feeler.workbench.session.events import MOST_KEPT
@@ -411,30 +412,37 @@ CLASHES = {
 }
 
 
-def test_findings_in_groups_the_deepest_first() -> None:
+def table_of(bench: Bench) -> FindingTable:
+    found = bench.session.current.findings
+    assert found is not None and bench.document["findings"]["version"] == found.table.key
+    return found.table
+
+
+def test_findings_the_worst_first() -> None:
     bench = Bench(cube())
     bench.session.load_findings(CLASHES)
-    findings = bench.document["findings"]
-    assert findings["is_touching_hidden"] and findings["status"] == {"4": "approved"}
-    assert findings["groups"][0]["name"] == "g"
-    worst, second = findings["groups"][0]["findings"]
-    assert (worst["id"], worst["depth"], worst["point_a"]) == ("c", 0.02, None)
-    assert worst["sentence"] == "left is 20 mm deep in sheet."
-    assert second["sentence"] == "peg is 1 mm deep in nowhere, against the rule fasteners."
-    assert (second["x"], second["part_a"], second["part_b"]) == ([1], PEG, None)
-    touching = next(each for group in findings["groups"] for each in group["findings"] if each["id"] == "a")
-    assert touching["is_touching"] and touching["sentence"] == "peg touches plate."
+    findings, table = bench.document["findings"], table_of(bench)
+    assert findings["is_touching_hidden"] and findings["status"] == {} and table.status_of("4") == "approved"
+    assert findings["count"] == 4 and findings["counts"] == {"clash": 2, "touching": 1, "clearance": 1}
+    assert table.ids == ("c", "b", "a", "4") and table.groups[0] == "g"
+    worst, second, touching, _ = (table.row_json(row) for row in range(4))
+    assert (worst["depth"], worst.get("point_a")) == (0.02, None), "a point that is none is not known"
+    assert (second["x"], second["rule"], second["b"]) == ([1], "fasteners", "nowhere")
+    assert table.part_of_path[list(table.paths).index("nowhere")] == -1
+    assert touching["verdict"] == "touching" and table.is_touching.tolist() == [False, False, True, False]
     bench.command("finding_status", id="b", status="resolved")
-    assert bench.document["findings"]["status"] == {"4": "approved", "b": "resolved"}
+    assert bench.document["findings"]["status"] == {"b": "resolved"}
+    bench.command("finding_status", id="4", status="approved")
+    assert bench.document["findings"]["status"] == {"b": "resolved"}, "as the file says"
     bench.command("finding_filter", is_touching_hidden=False)
-    bench.command("undo")
-    bench.command("undo")
+    for _ in range(3):
+        bench.command("undo")
     assert bench.document["findings"] == findings
     with pytest.raises(WorkbenchError, match="there is no finding 'z'"):
         bench.command("finding_status", id="z", status="new")
 
 
-def test_duplicates_are_shown_first() -> None:
+def test_duplicates_are_first() -> None:
     pair = {"a": "stand/peg", "b": "stand/plate", "gap": 0.0}
     clashes = [
         {**pair, "id": "deep", "verdict": "clash", "depth": 0.02},
@@ -442,13 +450,12 @@ def test_duplicates_are_shown_first() -> None:
         {**pair, "id": "unmeasured", "verdict": "clash", "depth": None},
         {**pair, "id": "contact", "verdict": "contact", "depth": 0.03},
         {**pair, "id": "old", "depth": 0.0},
+        {**pair, "id": "critical", "verdict": "clash", "depth": 0.001, "severity": "critical"},
     ]
     bench = Bench(cube())
-    bench.session.load_findings({"version": 1, "clashes": [{**each, "group": each["id"]} for each in clashes]})
-    groups = bench.document["findings"]["groups"]
-    assert [group["name"] for group in groups][:2] == ["same", "deep"]
-    assert {group["name"] for group in groups if group["is_touching"]} == {"contact", "old"}
-    assert groups[0]["findings"][0]["sentence"] == "peg and plate have the same surface."
+    bench.session.load_findings({"version": 1, "clashes": clashes})
+    assert table_of(bench).ids == ("critical", "same", "deep", "unmeasured", "contact", "old")
+    assert table_of(bench).is_touching.tolist() == [False] * 4 + [True] * 2
 
 
 def test_findings_that_a_page_opens_are_a_change_and_those_at_the_start_are_none() -> None:
@@ -459,11 +466,13 @@ def test_findings_that_a_page_opens_are_a_change_and_those_at_the_start_are_none
     assert bench.document["findings"] is not None and bench.document["hidden"] == []
     other = {"clashes": [{"id": "only", "a": "sheet", "b": "stand/plate", "depth": 0.5}]}
     bench.command("findings_open", findings=other)
-    assert [group["findings"][0]["id"] for group in bench.document["findings"]["groups"]] == ["only"]
+    assert table_of(bench).ids == ("only",)
     bench.command("undo")
-    assert len(bench.document["findings"]["groups"]) == 3
+    assert len(table_of(bench)) == 4
     with pytest.raises(WorkbenchError, match="holds no list"):
         bench.command("findings_open", findings={"rows": []})
+    bench.command("findings_close")
+    assert bench.document["findings"] is None
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"clashes": 3}', '{"version": 2, "clashes": []}', "{"])

@@ -10,7 +10,7 @@ import socket
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any
+from typing import IO, Any
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -73,6 +73,7 @@ class FakeSession:
         self.shots: queue.Queue[tuple[int, bytes]] = queue.Queue()
         self.figures: queue.Queue[tuple[int, dict[str, Any]]] = queue.Queue()
         self.gone = threading.Event()
+        self.uploads: list[bytes] = []
         self.go_on = threading.Event()
         self.began = threading.Event()
         self.jobs: list[Future[Any]] = []
@@ -179,6 +180,17 @@ class FakeSession:
         if number != 7:
             raise WorkbenchError(f"card {number} has no answer", "cards")
         return b"\x07\x08"
+
+    def finding_rows(self, version: str) -> bytes:
+        if version != "00ff":
+            raise WorkbenchError("the findings are others now", "findings")
+        return b"rows"
+
+    def upload(self, file: IO[bytes]) -> str:
+        file.seek(0)
+        self.uploads.append(file.read())
+        file.close()
+        return f"upload-{len(self.uploads)}"
 
     def export(self, name: str) -> bytes:
         if name != "a.csv":

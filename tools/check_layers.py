@@ -310,42 +310,21 @@ ROOMS: dict[str, set[str]] = {
     # `io` for its CSV.
     "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
-    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "plan", "project", "samples", "feeler"},
+    "workbench": {
+        *(*BASE, "clashes", "haptics", "ignored", "io", "parts", "picture", "plan", "project", "requirements"),
+        *("samples", "feeler"),
+    },
+    # Clearances that must hold.
+    "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.
     "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
     "cli": {
-        *(
-            *BASE,
-            "agent",
-            "clashes",
-            "haptics",
-            "io",
-            "picture",
-            "plan",
-            "project",
-            "samples",
-            "saved",
-            "study",
-            "workbench",
-        ),
-        "feeler",
+        *(*BASE, "agent", "clashes", "haptics", "io", "picture", "plan", "project", "requirements", "samples"),
+        *("saved", "study", "workbench", "feeler"),
     },
     "__init__": {
-        *(
-            "_core",
-            "ignored",
-            *BASE,
-            "clashes",
-            "depths",
-            "haptics",
-            "interchange",
-            "io",
-            "picture",
-            "plan",
-            "project",
-            "samples",
-        ),
-        *("parts", "spreading", "study", "types", "workbench"),
+        *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan"),
+        *("parts", "project", "requirements", "samples", "spreading", "study", "types", "workbench"),
     },
     "__main__": {"cli"},
 }

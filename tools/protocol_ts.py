@@ -37,6 +37,14 @@ Object = dict[str, "str | Object"]
 ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1": "Uint8Array"}
 
 
+SHARES = {
+    "document/protocol": ("document/protocol_findings", "document/answers"),
+    "document/commands": ("document/finding_commands", "document/requirement_commands", "document/cards"),
+    "session/asking": ("session/finding_jobs", "session/requirement_jobs"),
+}
+"""Modules that hold a part of another one's messages or tables."""
+
+
 TABLES = """\
 /** What is sent of a command: its name and its arguments. */
 export type CommandRequest = { [Name in keyof Commands]: Request<Name, Commands[Name]> }[keyof Commands];
@@ -315,18 +323,8 @@ def comment(doc: str, indent: str) -> str:
 
 
 def source(name: str) -> str:
-    """The text of a module of the workbench."""
-    return (WORKBENCH / f"{name}.py").read_text(encoding="utf-8")
-
-
-def protocol() -> str:
-    """The messages, and the objects in them."""
-    return "\n".join(source(f"document/{name}") for name in ("protocol", "answers"))
-
-
-def commands() -> str:
-    """The table of commands, and all modules that have their functions."""
-    return "\n".join(source(f"document/{name}") for name in ("commands", "cards"))
+    """A module of the workbench, after those that hold a part of it."""
+    return "\n".join((WORKBENCH / f"{each}.py").read_text(encoding="utf-8") for each in (*SHARES.get(name, ()), name))
 
 
 def main() -> int:
@@ -334,8 +332,11 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
     openings = source("document/openings")
-    sources = [protocol(), source("document/frames"), commands(), source("session/asking"), openings]
-    texts = {WRITTEN: document(*sources), OPENINGS: "\n".join([HEAD, *messages(openings)[0]])}
+    names = ("document/protocol", "document/frames", "document/commands", "session/asking")
+    texts = {
+        WRITTEN: document(*map(source, names), openings),
+        OPENINGS: "\n".join([HEAD, *messages(openings)[0]]),
+    }
     if not is_check:
         for path, text in texts.items():
             path.write_text(text, encoding="utf-8", newline="\n")

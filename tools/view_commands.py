@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from protocol_ts import WORKBENCH, Tables, commands
+from protocol_ts import WORKBENCH, Tables, source
 
 WRITTEN = WORKBENCH / "view_commands.py"
 HEAD = '''"""The page's commands as methods.
@@ -96,7 +96,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Writes python/feeler/workbench/view_commands.py.")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if it differs")
     is_check = parser.parse_args().check
-    text = formatted(written(commands()))
+    text = formatted(written(source("document/commands")))
     if not is_check:
         WRITTEN.write_text(text, encoding="utf-8", newline="\n")
         return 0

@@ -71,6 +71,7 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.swept import swept
     from feeler.poses import nearest_rigid
     from feeler.project import PartChanges, Project, open_project
+    from feeler.requirements import Requirement, Verified, read_requirements, verify
     from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
@@ -135,6 +136,7 @@ __all__ = [
     "RemovalStep",
     "Removals",
     "RemovalsInterrupted",
+    "Requirement",
     "Scene",
     "Screw",
     "SectionOutline",
@@ -144,6 +146,7 @@ __all__ = [
     "VariantsError",
     "VariantsInterrupted",
     "Verdict",
+    "Verified",
     "View",
     "WorkbenchError",
     "WorkerLost",
@@ -165,6 +168,7 @@ __all__ = [
     "open_project",
     "open_scene",
     "optimal_voxel_size",
+    "read_requirements",
     "removal",
     "removal_order",
     "removals",
@@ -174,6 +178,7 @@ __all__ = [
     "sample_tool",
     "sample_truth",
     "swept",
+    "verify",
     "view",
 ]
 
@@ -285,6 +290,12 @@ _HOMES = {
         "PartChanges",
         "Project",
         "open_project",
+    ),
+    "feeler.requirements": (
+        "Requirement",
+        "Verified",
+        "read_requirements",
+        "verify",
     ),
     "feeler.samples": (
         "sample",

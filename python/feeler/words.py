@@ -39,7 +39,14 @@ def counted(number: int, sentence: str) -> str:
     return "1 " + " ".join(words) + rest
 
 
-_PLURALS = {"vertex": "vertices", "mesh": "meshes", "geometry": "geometries", "index": "indices", "box": "boxes"}
+_PLURALS = {
+    "vertex": "vertices",
+    "mesh": "meshes",
+    "geometry": "geometries",
+    "index": "indices",
+    "box": "boxes",
+    "status": "statuses",
+}
 _SINGULARS = {many: one for one, many in _PLURALS.items()}
 _PLURAL = re.compile(r"[a-z]+[a-rt-z]s")
 _VERBS = {

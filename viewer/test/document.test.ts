@@ -4,12 +4,11 @@ import { base64 } from "../src/actions/exports";
 import { measureArgs, nearestEdge } from "../src/actions/measures";
 import { marksOf } from "../src/app/marks";
 import { partStates, withLit } from "../src/app/part-states";
-import type { Document, Findings, Manifest, State } from "../src/link/protocol";
+import type { Document, Manifest, State } from "../src/link/protocol";
 import { IDENTITY } from "../src/math/matrix";
 import type { Vec3 } from "../src/math/vectors";
 import { touchedParts } from "../src/model/contact";
 import { patched } from "../src/model/document";
-import { neighbour, shownGroups } from "../src/model/findings";
 import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/model/sections";
 import { DEFAULTS, loadSettings } from "../src/model/settings";
 import { Store } from "../src/model/store";
@@ -44,6 +43,8 @@ const DOCUMENT: Document = {
   viewpoints: [],
   findings: null,
   cards: [],
+  clash: { clearance: 0.002, contact: 0, rules: "" },
+  requirements: [],
   material: null,
   doubts: [],
 };
@@ -168,52 +169,6 @@ test("a cut keeps what is farther along the view, and its range is that of the m
   assert.deepEqual(offsetRange([-1, -2, -3], [4, 5, 6], [0, -1, 0]), [-5, 2]);
   assert.deepEqual(offsetRange([-1, -2, -3], [4, 5, 6], [1, 0, 0]), [-1, 4]);
   assert.deepEqual([senseOf([0, -1, 0]), senseOf([0.1, 0, 0.9])], [-1, 1]);
-});
-
-const finding = (id: string, depth: number | null, is_touching = false) => ({
-  id,
-  a: "x/a",
-  b: "x/b",
-  part_a: 0,
-  part_b: 1,
-  verdict: is_touching ? "touching" : "clash",
-  depth,
-  gap: is_touching ? 0 : null,
-  point_a: null,
-  point_b: null,
-  is_touching,
-  sentence: `sentence ${id}`,
-});
-const FINDINGS: Findings = {
-  groups: [
-    { name: "pumps", findings: [finding("p1", 0.001), finding("p2", 0.004)] },
-    { name: "brackets", findings: [finding("b1", 0.009), finding("b2", null, true)] },
-    { name: "seats", findings: [finding("s1", null, true)] },
-  ],
-  status: { p1: "approved" },
-  is_touching_hidden: true,
-};
-
-test("findings stand deepest first, what only touches is hidden until it is asked for", () => {
-  const ids = (groups: ReturnType<typeof shownGroups>) => groups.map((group) => group.findings.map((each) => each.id));
-  assert.deepEqual(ids(shownGroups(FINDINGS, "", "depth")), [["b1"], ["p2", "p1"]]);
-  assert.deepEqual(ids(shownGroups(FINDINGS, "", "group")), [["p2", "p1"], ["b1"]]);
-  assert.deepEqual(ids(shownGroups({ ...FINDINGS, is_touching_hidden: false }, "", "group")), [
-    ["p2", "p1"],
-    ["b1", "b2"],
-    ["s1"],
-  ]);
-  assert.deepEqual(ids(shownGroups(FINDINGS, "approved pumps", "depth")), [["p1"]]);
-});
-
-test("next and previous go round, and begin at an end", () => {
-  const groups = shownGroups(FINDINGS, "", "depth");
-  assert.equal(neighbour(groups, null, 1)?.id, "b1");
-  assert.equal(neighbour(groups, null, -1)?.id, "p1");
-  assert.equal(neighbour(groups, "b1", 1)?.id, "p2");
-  assert.equal(neighbour(groups, "p1", 1)?.id, "b1");
-  assert.equal(neighbour(groups, "b1", -1)?.id, "p1");
-  assert.equal(neighbour([], "b1", 1), null);
 });
 
 test("a measure asks for what its type needs", () => {

@@ -16,7 +16,18 @@ const DOCUMENT = {
   sections: [],
   measures: [],
   replaying: null,
-  findings: { groups: [], status: {}, is_touching_hidden: true },
+  findings: {
+    version: "00ff",
+    count: 0,
+    counts: {},
+    hidden: {},
+    status: {},
+    notes: {},
+    own_groups: [],
+    members: {},
+    is_touching_hidden: true,
+    check: null,
+  },
 } as unknown as Document;
 
 interface Case {

@@ -11,6 +11,7 @@ from feeler.clashes.as_glb import write_clash_glb
 from feeler.clashes.as_html import write_html
 from feeler.clashes.as_json import report
 from feeler.clashes.as_xlsx import write_xlsx
+from feeler.clashes.bcf_in import BcfChanges, Comment, Topic, apply_bcf, read_bcf
 from feeler.clashes.finding import ClashInterrupted, clash
 from feeler.clashes.matching import PartMatch
 from feeler.clashes.result import Changes, Clashes, Group, load_clashes
@@ -21,22 +22,27 @@ from feeler.clashes.variants import VariantsError, VariantsInterrupted, clash_va
 from feeler.clashes.verdict import Verdict
 
 __all__ = [
+    "BcfChanges",
     "Changes",
     "Clash",
     "ClashInterrupted",
     "Clashes",
+    "Comment",
     "Exclusion",
     "Facts",
     "Group",
     "PartMatch",
     "Rule",
     "Rules",
+    "Topic",
     "VariantsError",
     "VariantsInterrupted",
     "Verdict",
+    "apply_bcf",
     "clash",
     "clash_variants",
     "load_clashes",
+    "read_bcf",
     "report",
     "write_bcf",
     "write_clash_glb",

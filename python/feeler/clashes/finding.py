@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_flag, check_length, check_progress
+from feeler.arguments import check_flag, check_length, check_progress, check_threads
 from feeler.choices import Chord
 from feeler.clashes.fastener_rule import shape_of
-from feeler.clashes.limits import Limits, limits
+from feeler.clashes.limits import Limits, limits, only_with
 from feeler.clashes.openness import open_holders
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike, is_chord, rules_from
@@ -55,6 +55,7 @@ def clash(
     scene: Scene | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    parts: PartsLike | None = None,
 ) -> Clashes:
     """All pairs of parts that overlap, touch, contain each other, or are nearer than `clearance`; the worst first.
 
@@ -67,6 +68,7 @@ def clash(
       indices. Skipped pairs are not counted.
     - `volume`: also measure the shared volume of closed parts. Needs manifold3d, `pip install "feeler[volume]"`.
     - `scene`: a scene of this mock-up, to reuse its index; only its parts are checked. Default: a new one.
+    - `parts`: only pairs with at least one of these parts. Default: all pairs.
     - `threads`: default all. `progress`: called with the share done (0 to 1) and the stage.
 
     The result does not depend on the number of threads. docs/clash.md explains verdicts and depths. Memory: the index;
@@ -81,9 +83,14 @@ def clash(
         raise OptionError(f"scene is {scene!r}: give a feeler.Scene of the mock-up, or leave it out")
     check_progress(progress)
     near, touch = checked_limits(clearance, contact, volume)
+    check_threads(threads)
     if scene is not None and scene.mockup is not mockup:
         raise OptionError("scene is of another mock-up: give a scene of this mock-up, or leave it out")
     found = _limits(mockup, near, touch, rules, ignore)
+    if parts is not None:
+        chosen = np.zeros(mockup.part_count, dtype=bool)
+        chosen[mockup.parts.select(parts)] = True
+        found = only_with(found, chosen)
     started = time.perf_counter()
     if scene is None:
         scene = Scene(mockup, threads=threads, progress=_share(progress, 0.0, _INDEXED))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -114,6 +114,31 @@ def limits(
         tuple((rule.name, float(near[i]), float(touch[i])) for i, rule in enumerate(every)),
         tuple(hider for _, hider in hiders),
     )
+
+
+def only_with(found: Limits, chosen: npt.NDArray[np.bool_]) -> Limits:
+    """The limits for pairs with at least one chosen part; others are skipped. chosen: `(parts,)`."""
+    twice = np.concatenate([found.of_classes, found.of_classes])
+    every = np.concatenate([twice, twice], axis=1)
+    count = len(found.of_classes)
+    every[:count, :count] = -1
+    asked = every >= 0
+
+    def doubled(table: npt.NDArray[np.float64], skipped: float) -> npt.NDArray[np.float64]:
+        return np.where(asked, np.tile(table, (2, 2)), skipped)
+
+    return replace(
+        found,
+        of_classes=every,
+        class_of_part=found.class_of_part + np.where(chosen, count, 0).astype(np.uint32),
+        clearance=doubled(found.clearance, NOT_ASKED),
+        contact=doubled(found.contact, 0.0),
+    )
+
+
+def both_sides(parts: Parts, each: Rule | Exclusion) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """The parts that the patterns `a` and `b` name, as masks. Raises `OptionError` for patterns that name none."""
+    return _Named(parts, [part.path for part in parts], "rules").both(repr(each.name), each)
 
 
 def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | None) -> list[tuple[str, _Hider]]:

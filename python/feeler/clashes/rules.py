@@ -154,6 +154,15 @@ class Rules:
         except OptionError as error:
             raise LoadError(str(error)) from None
 
+    @classmethod
+    def parse(cls, text: str, where: str = "rules") -> Rules:
+        """Reads the text of such a file. Raises `LoadError` if it is invalid."""
+        check_text("text", text)
+        try:
+            return cls(**_parsed(_toml(text, where), where))
+        except OptionError as error:
+            raise LoadError(str(error)) from None
+
 
 RulesLike = Rules | Mapping[str, object] | str | os.PathLike[str]
 """Rules, a dict of them, or the path of a file."""
@@ -184,11 +193,17 @@ def is_chord(contact: object) -> bool:
 def _read(file: Path) -> dict[str, Any]:
     """The contents of a TOML file: see `Rules.read`."""
     try:
-        data: dict[str, Any] = tomllib.loads(text_of(file))
+        text = text_of(file)
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
+    return _toml(text, str(file))
+
+
+def _toml(text: str, where: str) -> dict[str, Any]:
+    try:
+        data: dict[str, Any] = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise LoadError(f"{file} is not valid TOML: {error}") from None
+        raise LoadError(f"{where}: not valid TOML: {error}") from None
     return data
 
 

@@ -104,6 +104,10 @@ class Marks:
             self.of(clash).changed,
         )
 
+    def put(self, clash: str, mark: Mark) -> None:
+        """Replaces the mark of a finding."""
+        self._by_id[clash] = mark
+
     def replace(self, marks: Mapping[str, Mark]) -> None:
         """Replaces all marks."""
         self._by_id = dict(marks)

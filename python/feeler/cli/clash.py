@@ -126,6 +126,9 @@ def clash(
     ] = None,
     bcf: Annotated[Path | None, typer.Option(help="Write a BCF 3.0 topic for each of the worst groups.")] = None,
     glb: Annotated[Path | None, typer.Option(help="Write the mock-up with coloured findings as GLB.")] = None,
+    bcf_in: Annotated[
+        Path | None, typer.Option("--bcf-in", help="Take over statuses and comments of topics from this BCF file.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Finds every pair of parts that overlap, touch, or are too near; classifies them exactly, and measures them.
@@ -154,6 +157,7 @@ def clash(
     wanted = _wanted(fail_on)
     given = None if rules is None else room.Rules.read(rules)
     before = None if previous is None else room.load_clashes(previous)
+    topics = None if bcf_in is None else room.read_bcf(bcf_in)
     is_interrupted = False
     world: feeler.Mockup | None = None
     book: Book | None = None
@@ -201,6 +205,9 @@ def clash(
         match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
         if match.is_doubtful:
             outputs.warn(f"{match}; is {previous or named} of this mock-up?")
+    changes = None if topics is None else room.apply_bcf(found, topics)
+    if changes is not None and changes.unknown:
+        outputs.warn(f"{len(changes.unknown):,} of {len(topics or ()):,} topics of {bcf_in} are of no finding here")
     written = _write(world, found, targets, group_by)
     if book is not None:
         book.write_clashes(found, group_by)
@@ -210,9 +217,19 @@ def clash(
         facts = {"mockup": None if world is None else mesh_facts(world), "written": written, "failed": is_found}
         if match is not None:
             facts["previous"] = asdict(match)
+        if changes is not None:
+            facts["bcf"] = {
+                "topics": len(topics or ()),
+                "statuses": len(changes.statuses),
+                "notes": len(changes.notes),
+                "unknown": len(changes.unknown),
+            }
         outputs.print_json({**room.report(found, by=group_by), **facts})
     else:
         _print(found, group_by, match, written)
+        if changes is not None:
+            taken = f"{plural(len(changes.statuses), 'status')} and {plural(len(changes.notes), 'note')} taken over"
+            outputs.say(outputs.console(), f"{bcf_in}: {taken}")
     if is_interrupted:
         fail("interrupted: these are the findings so far")
         raise typer.Exit(INTERRUPTED)

@@ -20,6 +20,7 @@ from feeler.workbench.document.protocol import (
     MeasureType,
     Mode,
     Pose,
+    RequirementResult,
     Unit,
     Vec3,
 )
@@ -182,17 +183,76 @@ class ViewCommands:
         """Opens the findings of a clash check, as `feeler clash --json` writes them."""
         return self.command("findings_open", findings=findings)
 
+    def findings_take(self, key: str, saved: Any | None = None) -> CommandAnswer:
+        """Opens the findings that a job found. `saved`: these findings, for a record that is replayed."""
+        return self._command("findings_take", key=key, saved=saved)
+
+    def findings_close(self) -> CommandAnswer:
+        """Closes the findings."""
+        return self.command("findings_close")
+
     def finding_status(self, id: str, status: FindingStatus) -> CommandAnswer:
         """Sets the status of a finding."""
         return self.command("finding_status", id=id, status=status)
 
-    def accept_revision(self) -> CommandAnswer:
-        """Accepts the present revision of the mock-up: the project's answers are about its parts from now on."""
-        return self.command("accept_revision")
+    def finding_mark(
+        self,
+        version: str,
+        rows: list[int],
+        status: FindingStatus | None = None,
+        note: str | None = None,
+        group: int | None = None,
+    ) -> CommandAnswer:
+        """Sets the status, the note or the own group (0: none) of rows of the findings of a version."""
+        return self._command("finding_mark", version=version, rows=rows, status=status, note=note, group=group)
 
     def finding_filter(self, is_touching_hidden: bool) -> CommandAnswer:
         """Hides or shows findings that only touch."""
         return self.command("finding_filter", is_touching_hidden=is_touching_hidden)
+
+    def finding_group_add(self, version: str, rows: list[int], name: str) -> CommandAnswer:
+        """Makes a group by hand, of rows of the findings of a version."""
+        return self.command("finding_group_add", version=version, rows=rows, name=name)
+
+    def finding_group_rename(self, id: int, name: str) -> CommandAnswer:
+        """Renames a group that was made by hand."""
+        return self.command("finding_group_rename", id=id, name=name)
+
+    def finding_group_remove(self, id: int) -> CommandAnswer:
+        """Removes a group that was made by hand; its findings go back to where they were."""
+        return self.command("finding_group_remove", id=id)
+
+    def finding_ignore(self, name: str, a: str, b: str) -> CommandAnswer:
+        """Adds an exclusion to the rules, for pairs of parts by two patterns, and hides the findings that it names."""
+        return self.command("finding_ignore", name=name, a=a, b=b)
+
+    def requirement_add(self, name: str, a: str, b: str, gap: float) -> CommandAnswer:
+        """Adds a clearance that must hold: parts of pattern `a` at least `gap` metres away from those of `b`."""
+        return self.command("requirement_add", name=name, a=a, b=b, gap=gap)
+
+    def requirement_edit(
+        self, id: int, name: str | None = None, a: str | None = None, b: str | None = None, gap: float | None = None
+    ) -> CommandAnswer:
+        """Changes a requirement; it has to be checked again."""
+        return self._command("requirement_edit", id=id, name=name, a=a, b=b, gap=gap)
+
+    def requirement_remove(self, id: int) -> CommandAnswer:
+        """Removes a requirement."""
+        return self.command("requirement_remove", id=id)
+
+    def requirements_checked(self, results: list[RequirementResult]) -> CommandAnswer:
+        """Takes the verdicts of the job "verify"; requirements that are gone are left out."""
+        return self.command("requirements_checked", results=results)
+
+    def clash_settings(
+        self, clearance: float | None = None, contact: float | str | None = None, rules: str | None = None
+    ) -> CommandAnswer:
+        """Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML."""
+        return self._command("clash_settings", clearance=clearance, contact=contact, rules=rules)
+
+    def accept_revision(self) -> CommandAnswer:
+        """Accepts the present revision of the mock-up: the project's answers are about its parts from now on."""
+        return self.command("accept_revision")
 
     def ask(
         self,

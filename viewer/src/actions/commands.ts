@@ -1,6 +1,7 @@
 // All commands of the page: their titles, their keys, when they can run. Keys, palette, menus, help and the tooltips of
 // buttons read this table; no other code binds a key.
 
+import type { FindingFormat } from "../link/protocol";
 import { UNIT_NAMES, UNITS } from "../math/units";
 import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
@@ -8,10 +9,21 @@ import { STYLES } from "../model/navigation";
 import { type Dialog, PANELS, type Panel } from "../model/page-state";
 import { ask } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
-import { openFindings, stepFinding } from "./findings";
+import {
+  checkClashes,
+  clashesOf,
+  exportFindings,
+  FORMATS,
+  leaveFinding,
+  openBcf,
+  openFindings,
+  openRules,
+  stepFinding,
+} from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
 import { isStale, project, saveProject, selectStale } from "./project";
+import { addRequirement, checkRequirements } from "./requirements";
 import { addSection, flipped, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
@@ -52,6 +64,7 @@ const canAskAccess = (wb: Workbench): boolean => canChange(wb) && wb.store.docum
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
+const hasRules = (wb: Workbench): boolean => (wb.store.document.value?.clash.rules ?? "") !== "";
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
 const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
@@ -178,6 +191,7 @@ function endNearest(wb: Workbench): void {
   else if (store.drawer.peek()) store.drawer.value = null;
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
+  else if (store.findings.isLooking) leaveFinding(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
 }
 
@@ -452,9 +466,61 @@ export const COMMANDS: readonly PageCommand[] = [
 
   command("Sequence", "replay", "Replay the record", "", replayRecord, hasRecord),
 
+  command(
+    "Findings",
+    "check-clashes",
+    "Check clashes",
+    "",
+    (wb) => checkClashes(wb),
+    (wb) => canChange(wb) && hasMockup(wb),
+  ),
+  command(
+    "Findings",
+    "clashes-of",
+    "What clashes with it?",
+    "",
+    (wb) => clashesOf(wb, wb.targets()),
+    (wb) => canChange(wb) && hasTargets(wb),
+  ),
   command("Findings", "open-findings", "Open findings of a clash check", "", openFindings, canChange),
+  command(
+    "Findings",
+    "open-bcf",
+    "Open statuses and comments of a BCF file",
+    "",
+    openBcf,
+    (wb) => canChange(wb) && hasFindings(wb),
+  ),
+  command("Findings", "add-requirement", "Add a clearance that must hold", "", addRequirement, canChange),
+  command(
+    "Findings",
+    "check-requirements",
+    "Check the clearances that must hold",
+    "",
+    checkRequirements,
+    (wb) => canChange(wb) && (wb.store.document.value?.requirements.length ?? 0) > 0,
+  ),
+  command("Findings", "open-rules", "Open rules of clash checks", "", openRules, canChange),
   command("Findings", "next-finding", "Next finding", "N", (wb) => stepFinding(wb, 1), hasFindings),
   command("Findings", "previous-finding", "Previous finding", "P", (wb) => stepFinding(wb, -1), hasFindings),
+  ...(Object.entries(FORMATS) as [FindingFormat, string][]).map(([format, title]) =>
+    command(
+      "Findings",
+      `findings-${format}`,
+      `Export findings: ${title}`,
+      "",
+      (wb) => exportFindings(wb, format),
+      (wb) => canChange(wb) && (format === "rules" ? hasRules(wb) : hasFindings(wb)),
+    ),
+  ),
+  command(
+    "Findings",
+    "close-findings",
+    "Close the findings",
+    "",
+    (wb) => wb.run("findings_close"),
+    (wb) => canChange(wb) && hasFindings(wb),
+  ),
 
   command(
     "Edit",

@@ -72,7 +72,8 @@ export function base64(bytes: Uint8Array): string {
 
 const fileName = (text: string): string => text.replace(/[^\w.-]+/g, "-").replace(/^-+|-+$/g, "") || "feeler";
 
-function download(blob: Blob, name: string): void {
+/** Lets the browser save a file. */
+export function download(blob: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;

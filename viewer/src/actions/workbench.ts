@@ -103,7 +103,8 @@ export class Workbench {
     return this.turns.take(() => this.sendNow(request));
   }
 
-  private async told(done: Promise<unknown>): Promise<boolean> {
+  /** Whether it was done; what went wrong is shown. */
+  async told(done: Promise<unknown>): Promise<boolean> {
     try {
       await done;
       return true;

@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";
 import { saveSettings } from "../model/settings";
 import type { Loop } from "./loop";
-import { partStates } from "./part-states";
+import { findingTints, partStates, reachTints } from "./part-states";
 
 /** Follows the store from now on; the function returned ends it. */
 export function followStore(wb: Workbench, loop: Loop): () => void {
@@ -13,7 +13,16 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
     effect(() => {
       const document = store.document.value;
       const count = store.paths.value.length;
-      if (document) loop.setPartStates(partStates(count, document, store.selection.value));
+      const focus = store.findings.focus.value;
+      if (document) loop.setPartStates(partStates(count, document, store.selection.value, focus));
+    }),
+    effect(() => {
+      // Another mock-up in the stage has its own colours.
+      void store.manifest.value;
+      const focus = store.findings.focus.value;
+      const answer = store.card.value === null ? undefined : store.answers.value.get(store.card.value);
+      stage.setTints(focus ? findingTints(focus) : reachTints(answer?.reaches ?? []));
+      loop.remark();
     }),
     effect(() => {
       void store.manifest.value;

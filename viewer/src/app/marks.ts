@@ -5,6 +5,7 @@ import { carry, position } from "../math/matrix";
 import { formatForce, formatLength, type Unit } from "../math/units";
 import { distance, length, type Vec3 } from "../math/vectors";
 import { touchedParts } from "../model/contact";
+import { depthText, wayText } from "../model/findings";
 import type { Hand } from "../model/hand";
 import type { Store } from "../model/store";
 import type { Marks } from "../scene/marks";
@@ -35,6 +36,7 @@ export function marksOf(store: Store, state: State | null, hand: HandPlace): Mar
   }));
   const first = picks[0];
   const pending = first ? [{ id: "pending", points: [first.point], text: "", isSelected: true }] : [];
+  const focus = store.findings.focus.peek();
   return {
     ...contactMarks(store, state, unit),
     band: state && bandOf(state, hand, unit),
@@ -42,6 +44,12 @@ export function marksOf(store: Store, state: State | null, hand: HandPlace): Mar
     measures: [...measures, ...pending],
     snap: store.snap.peek(),
     way: wayOf(store, unit),
+    finding: focus && {
+      points: focus.points,
+      arrow: focus.arrow,
+      text: depthText(focus.finding, unit),
+      arrow_text: wayText(focus.finding, unit),
+    },
   };
 }
 

@@ -14,6 +14,7 @@ import { isSame } from "../math/same";
 import { formatCount } from "../math/units";
 import { corners, emptyBox, include, scale, transform, union, type Vec3 } from "../math/vectors";
 import { patched } from "../model/document";
+import { FindingList } from "../model/findings";
 import { Hand } from "../model/hand";
 import { OfflineReplay } from "../model/offline-replay";
 import { Store } from "../model/store";
@@ -23,6 +24,7 @@ import { createApi, type FeelerApi } from "./api";
 import { createDevices, type Devices } from "./devices";
 import { followStore } from "./effects";
 import { followFilm } from "./film";
+import { followFindings, takeRows } from "./follow-findings";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 
@@ -84,9 +86,9 @@ export class Page {
       hand,
       link,
       redraw,
-      fetchFile: (name) => fetchSecret(base, token, `exports/${encodeURIComponent(name)}`),
+      fetchFile: (name) => fetchFile(base, token, name),
     });
-    if (token) this.wb.fetchRoom = async (card) => (await fetchSecret(base, token, `cards/${card}`)).arrayBuffer();
+    if (token) this.wb.fetchRoom = (card) => fetchBytes(base, token, `cards/${card}`);
     this.wb.canvas = picture.canvas;
     const pointer = new Pointer(this.wb, picture.canvas);
     this.loop = new Loop(this.wb, pointer, picture);
@@ -94,6 +96,7 @@ export class Page {
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
+    followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
     listenToKeys(this.wb);
     listenToDrops(this.wb);
     stage.onRestored(redraw);
@@ -107,13 +110,14 @@ export class Page {
   }
 
   /** Shows the content of one file, without a server. */
-  showOffline({ document, manifest, pieces, camera, left_out }: OfflinePage): void {
+  showOffline({ document, manifest, pieces, camera, left_out, findings }: OfflinePage): void {
     const { store, wb } = this;
     store.connection.value = "offline";
     const replay = new OfflineReplay(store);
     this.loop.each_frame.add((now) => replay.frame(now));
     // The hand and its load stayed with the engine.
     store.document.value = { ...document, tool: null, gripped: [], held_version: 0 };
+    if (findings) takeRows(wb, FindingList.decoded(findings));
     wb.stage.setManifest(manifest);
     store.manifest.value = manifest;
     if (camera) {
@@ -252,7 +256,7 @@ export class Page {
         // What was looked for and measured was in another one.
         if (this.last_hash !== null && this.last_hash !== manifest.hash) {
           store.search.value = "";
-          store.finding.value = null;
+          store.findings.current.value = null;
           store.measuring.value = null;
         }
         this.last_hash = manifest.hash;
@@ -357,9 +361,12 @@ function recallCamera(hash: string): Camera | null {
   return kept?.hash === hash ? kept.camera : null;
 }
 
-async function fetchSecret(base: URL, token: string | null, name: string): Promise<Blob> {
-  const url = new URL(name, base);
-  const response = await fetch(url, { headers: { Authorization: `Bearer ${token ?? ""}` } });
-  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, name, "Ask for it again");
-  return response.blob();
+async function fetchFile(base: URL, token: string | null, name: string): Promise<Blob> {
+  return new Blob([await fetchBytes(base, token, `exports/${encodeURIComponent(name)}`)]);
+}
+
+async function fetchBytes(base: URL, token: string | null, path: string): Promise<ArrayBuffer> {
+  const response = await fetch(new URL(path, base), { headers: { Authorization: `Bearer ${token ?? ""}` } });
+  if (!response.ok) throw new LinkError(`the server answered ${response.status}`, path, "Try it again");
+  return response.arrayBuffer();
 }

@@ -1,7 +1,8 @@
 // One byte per part: how it is drawn, by the document and the engine's contacts. Pure.
 
-import type { Document, State } from "../link/protocol";
+import type { CardAnswer, Document, State } from "../link/protocol";
 import { touchedParts } from "../model/contact";
+import type { Focus } from "../model/finding-state";
 import { PartState } from "../scene/stage";
 
 /** The states of `count` parts, as `PartState` bits. */
@@ -9,10 +10,18 @@ export function partStates(
   count: number,
   document: Pick<Document, "hidden" | "ghost" | "gripped" | "isolated">,
   selection: ReadonlySet<number>,
+  focus: Pick<Focus, "parts" | "cover"> | null = null,
 ): Uint8Array {
   const states = new Uint8Array(count);
-  mark(states, document.hidden, PartState.hidden);
-  mark(states, document.ghost, PartState.ghost);
+  if (focus) {
+    // A finding is looked at: its parts are seen, whatever is hidden, and all else is faint.
+    states.fill(PartState.ghost);
+    mark(states, document.hidden, PartState.hidden);
+    for (const part of focus.parts) states[part] = part === focus.cover ? PartState.ghost : 0;
+  } else {
+    mark(states, document.hidden, PartState.hidden);
+    mark(states, document.ghost, PartState.ghost);
+  }
   mark(states, selection, PartState.selected);
   mark(states, document.gripped, PartState.away);
   return states;
@@ -29,4 +38,29 @@ export function withLit(base: Uint8Array, state: State | null): Uint8Array {
 
 function mark(states: Uint8Array, parts: Iterable<number>, bit: number): void {
   for (const part of parts) if (part < states.length) states[part] = (states[part] ?? 0) | bit;
+}
+
+/** As `feeler clash --html` draws them: the first part blue, the second orange. */
+const TINTS = [0x4580cc, 0xff850d] as const;
+
+/** Heads of fasteners by the answer: reached, partly or not. */
+export const REACHED = { yes: 0x5fbf6b, partly: 0xe0b040, no: 0xd9583f } as const;
+
+/** The colours of fasteners in an answer of access. */
+export function reachTints(reaches: CardAnswer["reaches"]): Map<number, number> {
+  const tints = new Map<number, number>();
+  for (const { part, is_reachable, swing_deg } of reaches) {
+    if (part === null) continue;
+    tints.set(part, is_reachable ? REACHED.yes : swing_deg > 0 ? REACHED.partly : REACHED.no);
+  }
+  return tints;
+}
+
+/** The colours of the parts of a finding. */
+export function findingTints(focus: Focus | null): Map<number, number> {
+  const { part_a = null, part_b = null } = focus?.finding ?? {};
+  const tints = new Map<number, number>();
+  if (part_a !== null) tints.set(part_a, TINTS[0]);
+  if (part_b !== null) tints.set(part_b, TINTS[1]);
+  return tints;
 }

@@ -12,6 +12,8 @@ import type { SavedPage } from "./protocol";
 export interface OfflinePage extends Pick<SavedPage, "document" | "camera" | "manifest" | "left_out"> {
   /** In the manifest's order, as `GET /scene/pieces/K` answers. */
   pieces: ArrayBuffer[];
+  /** The frame of the rows of findings; null: there are none. */
+  findings: ArrayBuffer | null;
 }
 
 /** The file cannot be read: it is cut short, or of another version. */
@@ -33,7 +35,7 @@ export async function readOffline(
 
 /** The same from the bytes after decompression. */
 export function unpackOffline(data: ArrayBuffer): OfflinePage {
-  const { document, camera, manifest, left_out, grid, pieces: filtered } = saved(data);
+  const { document, camera, manifest, left_out, grid, findings, pieces: filtered } = saved(data);
   let offset = 0;
   const pieces = manifest.pieces.map(({ triangles, vertices }) => {
     const end = offset + 13 * vertices + 6 * triangles;
@@ -42,7 +44,8 @@ export function unpackOffline(data: ArrayBuffer): OfflinePage {
     offset = end;
     return piece(planes, vertices, triangles, manifest.part_bytes, grid.lower, grid.step);
   });
-  return { document, camera, manifest, pieces, left_out };
+  const rows = findings.length > 0 ? findings.slice().buffer : null;
+  return { document, camera, manifest, pieces, left_out, findings: rows };
 }
 
 function saved(data: ArrayBuffer): SavedPage {

@@ -6,6 +6,302 @@ import { MOST_PIECE_BYTES, type OpeningRequest, type Opens } from "./openings";
 /** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;
 
+export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
+
+export type FindingFormat = "json" | "csv" | "xlsx" | "html" | "bcf" | "rules";
+
+/** A group of findings that somebody made. */
+export interface OwnGroup {
+  readonly id: number;
+  readonly name: string;
+}
+
+/** A clash check that was run here. */
+export interface Check {
+  /** Metres. */
+  readonly clearance: number;
+  /** Metres; null: the chordal errors of both parts. */
+  readonly contact: number | null;
+  /** The parts whose pairs were checked; null: all. */
+  readonly of: readonly number[] | null;
+  /** Where parts lay, as `moved`, `out` and `gripped` of the document: the findings are stale if that changed. */
+  readonly moved: Readonly<Record<string, readonly number[]>>;
+  readonly out: readonly number[];
+  readonly gripped: readonly number[];
+}
+
+/** The findings of a clash check, without their rows, which are `GET /findings/VERSION`: see `FindingRows`. */
+export interface Findings {
+  readonly version: string;
+  readonly count: number;
+  /** Number of findings by verdict. */
+  readonly counts: Readonly<Record<string, number>>;
+  /** Number of findings that each exclusion of the rules hides, by its name. */
+  readonly hidden: Readonly<Record<string, number>>;
+  /** By the finding's id, where it is not that of its row. */
+  readonly status: Readonly<Record<string, FindingStatus>>;
+  /** The same. */
+  readonly notes: Readonly<Record<string, string>>;
+  readonly own_groups: readonly OwnGroup[];
+  /** The own group of a finding, by the finding's id. */
+  readonly members: Readonly<Record<string, number>>;
+  readonly is_touching_hidden: boolean;
+  /** Null: the findings are of a file. */
+  readonly check: Check | null;
+}
+
+/** How the next clash check is made. */
+export interface ClashSettings {
+  /** Metres. */
+  readonly clearance: number;
+  /** Metres; null: the chordal errors of both parts. */
+  readonly contact: number | null;
+  /** TOML, as for `feeler clash --rules`. */
+  readonly rules: string;
+}
+
+/** What a requirement was when it was checked last. Metres. */
+export interface RequirementVerdict {
+  readonly status: "holds" | "violated" | "unknown";
+  /** Pairs of parts that violate it; the others are of the worst of them. */
+  readonly pairs: number;
+  readonly gap: number | null;
+  readonly depth: number | null;
+  readonly parts: readonly number[];
+  readonly points: readonly [number, number, number][];
+  /** Why it is not known. */
+  readonly trouble: string | null;
+  /** Where parts lay, as in `Check`. */
+  readonly moved: Readonly<Record<string, readonly number[]>>;
+  readonly out: readonly number[];
+  readonly gripped: readonly number[];
+}
+
+/** The verdict of a requirement, by its id. */
+export interface RequirementResult {
+  readonly id: number;
+  readonly verdict: RequirementVerdict;
+}
+
+/** A clearance that must hold: parts of pattern `a` stay at least `gap` metres away from those of `b`. */
+export interface KeptClear {
+  readonly id: number;
+  readonly name: string;
+  readonly a: string;
+  readonly b: string;
+  readonly gap: number;
+  /** Null: it was not checked as it is. */
+  readonly verdict: RequirementVerdict | null;
+}
+
+/** Findings that the command "findings_take" opens. */
+export interface Taken {
+  readonly key: string;
+  readonly count: number;
+  /** Findings of before that were not found again. */
+  readonly gone: number;
+  /** What the check did not do, for people. */
+  readonly notes: readonly string[];
+}
+
+/** Patterns of paths for pairs like that of a finding, and how many findings they hide. */
+export interface Alike {
+  readonly a: string;
+  readonly b: string;
+  readonly count: number;
+}
+
+/** From where a finding is seen. */
+export interface FindingSide {
+  /** From the contact to the eye, unit. */
+  readonly direction: [number, number, number];
+  /** The part around the other one: to be drawn see-through. */
+  readonly cover: number | null;
+}
+
+/** How many findings an exclusion would hide. */
+export interface Hides {
+  readonly count: number;
+  /** What is wrong with the patterns. */
+  readonly trouble: string | null;
+}
+
+/** The rows of the findings, `GET /findings/VERSION`; it is never sent by the socket. The worst come first. */
+export interface FindingRows {
+  readonly kind: "findings";
+  readonly version: string;
+  /** JSON: `FindingWords`. */
+  readonly words: Uint8Array;
+  /** The part of each of the words' paths; 4294967295: none in this mock-up. */
+  readonly part_of_path: Uint32Array;
+  /** Indices into the paths. */
+  readonly pairs: Uint32Array;
+  /** Indices into verdicts, rules and groups. */
+  readonly labels: Uint32Array;
+  /** Severity (critical, major, minor), status, kind of depth (none, measured, estimate, bound, exact), touches. */
+  readonly codes: Uint8Array;
+  /** Depth, its error, gap, shared volume: metres, NaN where not known. */
+  readonly sizes: Float32Array;
+  /** Point of the first part, of the second, translation of the first out of the second; NaN where not known. */
+  readonly places: Float32Array;
+}
+
+/** The texts of findings. */
+export interface FindingWords {
+  readonly ids: readonly string[];
+  readonly paths: readonly string[];
+  readonly verdicts: readonly string[];
+  readonly rules: readonly string[];
+  readonly groups: readonly string[];
+  /** By id. */
+  readonly notes: Readonly<Record<string, string>>;
+}
+
+/** The first visible hit of a ray. */
+export interface RayHit {
+  readonly distance: number;
+  readonly point: Vec3;
+  readonly normal: Vec3;
+  readonly part: number;
+  /** Of the mock-up; -1: the fill of a section. */
+  readonly triangle: number;
+}
+
+/** The same, with the point snapped to a near corner or edge. */
+export interface Snapped extends RayHit {
+  readonly type: "vertex" | "edge" | "face";
+  /** Of the triangle, at its present place. */
+  readonly corners: [Vec3, Vec3, Vec3];
+}
+
+/** The value of a measure. */
+export interface Measured {
+  readonly type: MeasureType;
+  readonly points: readonly Vec3[];
+  readonly value: number;
+  readonly unit: "m" | "rad";
+  readonly is_exact: boolean;
+  readonly parts: readonly number[];
+}
+
+/** Facts about a part. */
+export interface PartFacts {
+  readonly part: number;
+  readonly name: string;
+  readonly path: string;
+  readonly triangles: number;
+  /** Null: the part has no triangle that can be queried. */
+  readonly lower: Vec3 | null;
+  readonly upper: Vec3 | null;
+  /** Each edge has as many triangles on one side as on the other. */
+  readonly is_closed: boolean;
+  /** Cubic metres; null: it is not closed. */
+  readonly volume: number | null;
+  /** Square metres. */
+  readonly area: number;
+  readonly state: "gripped" | "moved" | "in place" | "left out";
+  readonly is_hidden: boolean;
+}
+
+/** The cuts of the mock-up by planes. */
+export interface Outline {
+  readonly count: number;
+  /** Base64 of little-endian float32 `(count, 2, 3)`: metres, world. */
+  readonly segments: string;
+  /** Base64 of little-endian uint32 `(count,)`. */
+  readonly parts: string;
+}
+
+/** A file to fetch: `GET /exports/NAME`. */
+export interface Written {
+  readonly name: string;
+  readonly bytes: number;
+}
+
+/** One HTML file with the mock-up inside. */
+export interface WrittenPage extends Written {
+  /** Triangles that did not fit. */
+  readonly left_out: number;
+}
+
+/** The result of a replay. */
+export interface Replayed {
+  readonly is_same: boolean;
+  readonly verdict: string;
+}
+
+/** The nearest neighbour at one pose of a way, without parts in contact since the start. */
+export interface Gap {
+  /** Of the length of the way, 0 to 1. */
+  readonly share: number;
+  /** Metres; null: none within the distance looked at. */
+  readonly gap: number | null;
+  readonly part: number | null;
+  /** On the part, world. */
+  readonly point: Vec3 | null;
+}
+
+/** A way that was found, with what it passes. */
+export interface WayFacts extends GivenWay {
+  readonly legs: readonly string[];
+  /** The travel of the middle of the parts, metres. */
+  readonly length: number;
+  /** Radians in total. */
+  readonly rotation: number;
+  /** At some poses of it, in order: between them the gap may be smaller, but never below `clearance`. */
+  readonly gaps: readonly Gap[];
+}
+
+/** A part that stops others. */
+export interface BlockerFacts {
+  readonly part: number;
+  /** How many attempts it stopped; 0 for one that holds them by proof. */
+  readonly attempts: number;
+  /** No path exists while it stays. */
+  readonly is_proof: boolean;
+  /** The motion of the moving parts where it stopped the best attempt. */
+  readonly pose: Pose;
+}
+
+/** Whether a tool reaches a fastener. */
+export interface ReachFacts {
+  readonly part: number | null;
+  readonly name: string;
+  readonly kind: string;
+  readonly is_reachable: boolean;
+  readonly swing_deg: number;
+  readonly because: string;
+  /** world_from_tool of the tool in its seat, in the middle of the swing. */
+  readonly pose: Pose;
+  /** The way in; empty: none was found. */
+  readonly way: readonly Pose[];
+  readonly point: Vec3;
+  /** Out of the joint. */
+  readonly axis: Vec3;
+  /** The path of the tool's far end over its free swing; empty without one. */
+  readonly fan: readonly Vec3[];
+  readonly blockers: readonly number[];
+}
+
+/** A figure with its name, in words. */
+export interface Fact {
+  readonly name: string;
+  readonly figure: string;
+}
+
+/** The whole answer of a card. */
+export interface CardAnswer {
+  readonly id: number;
+  /** One after the other; for an order, the last one is of the parts asked for. */
+  readonly ways: readonly WayFacts[];
+  readonly blockers: readonly BlockerFacts[];
+  readonly reaches: readonly ReachFacts[];
+  /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
+  readonly room: HeldManifest | null;
+  /** What else is to be said. */
+  readonly facts: readonly Fact[];
+}
+
 /** Closes a socket without the token, or past a limit. */
 export const NOT_ALLOWED = 1008;
 
@@ -23,6 +319,9 @@ export const MOST_PLANES = 32;
 
 /** Clearance rows listed in a state. */
 export const MOST_CLEARANCES = 16;
+
+/** Bytes of one piece of a file. */
+export const MOST_UPLOAD_PIECE = 524288;
 
 export type Vec3 = [number, number, number];
 
@@ -53,8 +352,6 @@ export type Material = "steel" | "aluminium" | "plastic" | "rubber";
 export type CardQuestion = "removal" | "order" | "access" | "swept";
 
 export type CardState = "waiting" | "running" | "done" | "failed" | "cancelled";
-
-export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
 
 export type DepthKind = "exact" | "bound" | "estimate";
 
@@ -167,39 +464,6 @@ export interface Viewpoint {
   readonly camera: Camera;
 }
 
-/** One finding of a clash check. */
-export interface Finding {
-  readonly id: string;
-  /** A part path, as is `b`. */
-  readonly a: string;
-  readonly b: string;
-  /** Null: the part is not in this mock-up, or was excluded from the scene. */
-  readonly part_a: number | null;
-  readonly part_b: number | null;
-  readonly verdict: string;
-  /** Metres, as is `gap`. */
-  readonly depth: number | null;
-  readonly gap: number | null;
-  readonly point_a: Vec3 | null;
-  readonly point_b: Vec3 | null;
-  readonly is_touching: boolean;
-  readonly sentence: string;
-}
-
-/** Findings of one group, the deepest first. */
-export interface FindingGroup {
-  readonly name: string;
-  readonly findings: readonly Finding[];
-}
-
-/** The findings of a clash check, in groups, with the status of each. */
-export interface Findings {
-  readonly groups: readonly FindingGroup[];
-  /** By the finding's id; "new" if missing. */
-  readonly status: Readonly<Record<string, FindingStatus>>;
-  readonly is_touching_hidden: boolean;
-}
-
 /** A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest. */
 export interface Card {
   readonly id: number;
@@ -271,6 +535,8 @@ export interface Document {
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
   readonly cards: readonly Card[];
+  readonly clash: ClashSettings;
+  readonly requirements: readonly KeptClear[];
   readonly material: Material | null;
   /** What puts answers about mock-up and tool in doubt, as their loaders found. */
   readonly doubts: readonly string[];
@@ -410,7 +676,7 @@ export interface Job {
   readonly args: Readonly<Record<string, unknown>>;
 }
 
-/** Cancels a job of this page; its reply is then an error. */
+/** Cancels a job of this page, whose reply is then an error; or drops a file of which pieces came. */
 export interface Cancel {
   readonly kind: "cancel";
   readonly id: number;
@@ -425,6 +691,16 @@ export interface Shot {
   readonly png_base64: string;
   /** Another piece follows. */
   readonly more: boolean;
+}
+
+/** The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file. */
+export interface Upload {
+  readonly kind: "upload";
+  /** The same for all pieces of a file. */
+  readonly id: number;
+  /** Another piece follows. */
+  readonly more: boolean;
+  readonly data: Uint8Array;
 }
 
 /** The measurements for a "benchmark" event. */
@@ -614,160 +890,17 @@ export interface SavedPage {
   /** Triangles that had no room in the file. */
   readonly left_out: number;
   readonly grid: Grid;
+  /** The frame of `FindingRows`; empty: there are none. */
+  readonly findings: Uint8Array;
   /** The pieces of the manifest in order, filtered: see `page.py`. */
   readonly pieces: Uint8Array;
 }
 
-export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest;
+export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked | OpeningRequest;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
 export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal;
-
-/** The first visible hit of a ray. */
-export interface RayHit {
-  readonly distance: number;
-  readonly point: Vec3;
-  readonly normal: Vec3;
-  readonly part: number;
-  /** Of the mock-up; -1: the fill of a section. */
-  readonly triangle: number;
-}
-
-/** The same, with the point snapped to a near corner or edge. */
-export interface Snapped extends RayHit {
-  readonly type: "vertex" | "edge" | "face";
-  /** Of the triangle, at its present place. */
-  readonly corners: [Vec3, Vec3, Vec3];
-}
-
-/** The value of a measure. */
-export interface Measured {
-  readonly type: MeasureType;
-  readonly points: readonly Vec3[];
-  readonly value: number;
-  readonly unit: "m" | "rad";
-  readonly is_exact: boolean;
-  readonly parts: readonly number[];
-}
-
-/** Facts about a part. */
-export interface PartFacts {
-  readonly part: number;
-  readonly name: string;
-  readonly path: string;
-  readonly triangles: number;
-  /** Null: the part has no triangle that can be queried. */
-  readonly lower: Vec3 | null;
-  readonly upper: Vec3 | null;
-  /** Each edge has as many triangles on one side as on the other. */
-  readonly is_closed: boolean;
-  /** Cubic metres; null: it is not closed. */
-  readonly volume: number | null;
-  /** Square metres. */
-  readonly area: number;
-  readonly state: "gripped" | "moved" | "in place" | "left out";
-  readonly is_hidden: boolean;
-}
-
-/** The cuts of the mock-up by planes. */
-export interface Outline {
-  readonly count: number;
-  /** Base64 of little-endian float32 `(count, 2, 3)`: metres, world. */
-  readonly segments: string;
-  /** Base64 of little-endian uint32 `(count,)`. */
-  readonly parts: string;
-}
-
-/** A file to fetch: `GET /exports/NAME`. */
-export interface Written {
-  readonly name: string;
-  readonly bytes: number;
-}
-
-/** One HTML file with the mock-up inside. */
-export interface WrittenPage extends Written {
-  /** Triangles that did not fit. */
-  readonly left_out: number;
-}
-
-/** The result of a replay. */
-export interface Replayed {
-  readonly is_same: boolean;
-  readonly verdict: string;
-}
-
-/** The nearest neighbour at one pose of a way, without parts in contact since the start. */
-export interface Gap {
-  /** Of the length of the way, 0 to 1. */
-  readonly share: number;
-  /** Metres; null: none within the distance looked at. */
-  readonly gap: number | null;
-  readonly part: number | null;
-  /** On the part, world. */
-  readonly point: Vec3 | null;
-}
-
-/** A way that was found, with what it passes. */
-export interface WayFacts extends GivenWay {
-  readonly legs: readonly string[];
-  /** The travel of the middle of the parts, metres. */
-  readonly length: number;
-  /** Radians in total. */
-  readonly rotation: number;
-  /** At some poses of it, in order: between them the gap may be smaller, but never below `clearance`. */
-  readonly gaps: readonly Gap[];
-}
-
-/** A part that stops others. */
-export interface BlockerFacts {
-  readonly part: number;
-  /** How many attempts it stopped; 0 for one that holds them by proof. */
-  readonly attempts: number;
-  /** No path exists while it stays. */
-  readonly is_proof: boolean;
-  /** The motion of the moving parts where it stopped the best attempt. */
-  readonly pose: Pose;
-}
-
-/** Whether a tool reaches a fastener. */
-export interface ReachFacts {
-  readonly part: number | null;
-  readonly name: string;
-  readonly kind: string;
-  readonly is_reachable: boolean;
-  readonly swing_deg: number;
-  readonly because: string;
-  /** world_from_tool of the tool in its seat, in the middle of the swing. */
-  readonly pose: Pose;
-  /** The way in; empty: none was found. */
-  readonly way: readonly Pose[];
-  readonly point: Vec3;
-  /** Out of the joint. */
-  readonly axis: Vec3;
-  /** The path of the tool's far end over its free swing; empty without one. */
-  readonly fan: readonly Vec3[];
-  readonly blockers: readonly number[];
-}
-
-/** A figure with its name, in words. */
-export interface Fact {
-  readonly name: string;
-  readonly figure: string;
-}
-
-/** The whole answer of a card. */
-export interface CardAnswer {
-  readonly id: number;
-  /** One after the other; for an order, the last one is of the parts asked for. */
-  readonly ways: readonly WayFacts[];
-  readonly blockers: readonly BlockerFacts[];
-  readonly reaches: readonly ReachFacts[];
-  /** The swept volume, in the world's frame: its pieces are `GET /cards/ID`. */
-  readonly room: HeldManifest | null;
-  /** What else is to be said. */
-  readonly facts: readonly Fact[];
-}
 
 /** The arguments of commands. */
 export interface Commands {
@@ -844,12 +977,48 @@ export interface Commands {
   readonly sequence_replay: { readonly id: number };
   /** Opens the findings of a clash check, as `feeler clash --json` writes them. */
   readonly findings_open: { readonly findings: unknown };
+  /** Opens the findings that a job found. `saved`: these findings, for a record that is replayed. */
+  readonly findings_take: { readonly key: string; readonly saved?: unknown };
+  /** Closes the findings. */
+  readonly findings_close: Record<string, never>;
   /** Sets the status of a finding. */
   readonly finding_status: { readonly id: string; readonly status: FindingStatus };
-  /** Accepts the present revision of the mock-up: the project's answers are about its parts from now on. */
-  readonly accept_revision: Record<string, never>;
+  /** Sets the status, the note or the own group (0: none) of rows of the findings of a version. */
+  readonly finding_mark: {
+    readonly version: string;
+    readonly rows: readonly number[];
+    readonly status?: FindingStatus;
+    readonly note?: string;
+    readonly group?: number;
+  };
   /** Hides or shows findings that only touch. */
   readonly finding_filter: { readonly is_touching_hidden: boolean };
+  /** Makes a group by hand, of rows of the findings of a version. */
+  readonly finding_group_add: { readonly version: string; readonly rows: readonly number[]; readonly name: string };
+  /** Renames a group that was made by hand. */
+  readonly finding_group_rename: { readonly id: number; readonly name: string };
+  /** Removes a group that was made by hand; its findings go back to where they were. */
+  readonly finding_group_remove: { readonly id: number };
+  /** Adds an exclusion to the rules, for pairs of parts by two patterns, and hides the findings that it names. */
+  readonly finding_ignore: { readonly name: string; readonly a: string; readonly b: string };
+  /** Adds a clearance that must hold: parts of pattern `a` at least `gap` metres away from those of `b`. */
+  readonly requirement_add: { readonly name: string; readonly a: string; readonly b: string; readonly gap: number };
+  /** Changes a requirement; it has to be checked again. */
+  readonly requirement_edit: {
+    readonly id: number;
+    readonly name?: string;
+    readonly a?: string;
+    readonly b?: string;
+    readonly gap?: number;
+  };
+  /** Removes a requirement. */
+  readonly requirement_remove: { readonly id: number };
+  /** Takes the verdicts of the job "verify"; requirements that are gone are left out. */
+  readonly requirements_checked: { readonly results: readonly RequirementResult[] };
+  /** Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML. */
+  readonly clash_settings: { readonly clearance?: number; readonly contact?: number | string; readonly rules?: string };
+  /** Accepts the present revision of the mock-up: the project's answers are about its parts from now on. */
+  readonly accept_revision: Record<string, never>;
   /** Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need. */
   readonly ask: {
     readonly question: CardQuestion;
@@ -898,6 +1067,20 @@ export interface Questions {
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
+  /** Patterns for the parts of a finding and their numbered siblings, and how many findings they hide. */
+  readonly finding_alike: { readonly args: { readonly version: string; readonly row: number }; readonly answer: Alike };
+  /** From where a finding is seen; null if none of its parts is here. */
+  readonly finding_side: {
+    readonly args: { readonly version: string; readonly row: number };
+    readonly answer: FindingSide | null;
+  };
+  /** From where two parts are seen at a point between them. */
+  readonly pair_side: {
+    readonly args: { readonly parts: Selection; readonly point: Vec3 };
+    readonly answer: FindingSide;
+  };
+  /** How many findings an exclusion with two patterns would hide. */
+  readonly finding_hides: { readonly args: { readonly a: string; readonly b: string }; readonly answer: Hides };
 }
 
 /** The arguments of jobs, and their results. */
@@ -913,6 +1096,18 @@ export interface Jobs {
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
   /** Replays the record that the workbench was opened with. */
   readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
+  /** Checks the scene as it is now: parts taken out and parts in the hand do not count, hidden ones do. */
+  readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
+  /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */
+  readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  /** Takes statuses and comments of a BCF file that a page sent: `count` findings have changed. */
+  readonly findings_bcf: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  /** Checks the requirements in the scene as it is now, as "clash" does; for the command "requirements_checked". */
+  readonly verify: { readonly args: Record<string, never>; readonly answer: readonly RequirementResult[] };
+  /** Writes the requirements as TOML, for `feeler verify`. */
+  readonly export_requirements: { readonly args: Record<string, never>; readonly answer: Written };
+  /** Writes the findings with their statuses and notes, or the rules. */
+  readonly export_findings: { readonly args: { readonly format: FindingFormat }; readonly answer: Written };
 }
 
 /** What is sent of a command: its name and its arguments. */
@@ -926,8 +1121,20 @@ export const ARRAYS = {
   file_piece: {
     data: ["u1", ["bytes"], MOST_PIECE_BYTES],
   },
+  findings: {
+    words: ["u1", ["bytes"], null],
+    part_of_path: ["u4", ["paths"], null],
+    pairs: ["u4", ["rows", 2], null],
+    labels: ["u4", ["rows", 3], null],
+    codes: ["u1", ["rows", 4], null],
+    sizes: ["f4", ["rows", 4], null],
+    places: ["f4", ["rows", 9], null],
+  },
   pose: {
     pose: ["f8", [4, 4], null],
+  },
+  upload: {
+    data: ["u1", ["bytes"], MOST_UPLOAD_PIECE],
   },
   state: {
     pose: ["f8", [4, 4], null],
@@ -940,6 +1147,7 @@ export const ARRAYS = {
     clearance_parts: ["u4", ["clearances"], MOST_CLEARANCES],
   },
   page: {
+    findings: ["u1", ["findings"], null],
     pieces: ["u1", ["n"], null],
   },
 } as const;

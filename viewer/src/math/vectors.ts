@@ -23,6 +23,10 @@ export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2
 export const length = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
 export const distance = (a: Vec3, b: Vec3): number => length(subtract(a, b));
 
+/** The middle of two points; of one that is missing, the other. */
+export const middleOf = (a: Vec3 | null, b: Vec3 | null): Vec3 =>
+  a && b ? scale(add(a, b), 0.5) : (a ?? b ?? [0, 0, 0]);
+
 export function cross(a: Vec3, b: Vec3): Vec3 {
   return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 }

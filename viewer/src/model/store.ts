@@ -6,7 +6,7 @@ import type { CardAnswer, Document, Manifest, MeasureType, State } from "../link
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
 import type { Film } from "./film";
-import type { FindingOrder } from "./findings";
+import { FindingState } from "./finding-state";
 import {
   type Connection,
   type ContextMenu,
@@ -101,10 +101,8 @@ export class Store {
   readonly measuring = signal<Measuring | null>(null);
   readonly snap = signal<{ point: Vec3; type: "vertex" | "edge" | "face" } | null>(null);
   readonly section_draft = signal<SectionDraft | null>(null);
-  readonly finding = signal<string | null>(null);
-  /** Which findings are shown and stepped through, and in which order. */
-  readonly finding_query = signal("");
-  readonly finding_order = signal<FindingOrder>("depth");
+  /** The findings, and how they are shown. */
+  readonly findings = new FindingState(this.document);
   /** The card whose answer is open. */
   readonly card = signal<number | null>(null);
   /** The answers that were fetched, by card. */

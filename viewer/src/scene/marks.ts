@@ -37,6 +37,14 @@ export interface Marks {
     gap: { point: Vec3; text: string } | null;
     fan: { centre: Vec3; rim: Vec3[]; isGood: boolean } | null;
   } | null;
+  /** A finding that is looked at: the points of both parts, and the way that separates them. */
+  finding: {
+    points: readonly Vec3[];
+    arrow: readonly [Vec3, Vec3] | null;
+    text: string;
+    /** How long the way is. */
+    arrow_text: string;
+  } | null;
 }
 
 export const NO_MARKS: Marks = {
@@ -50,6 +58,7 @@ export const NO_MARKS: Marks = {
   measures: [],
   snap: null,
   way: null,
+  finding: null,
 };
 
 // Orange for contacts, blue for near parts, yellow for measures: distinct without seeing red.
@@ -59,6 +68,8 @@ const MEASURE: Tint = [0.98, 0.86, 0.35, 0.95];
 const CHOSEN: Tint = [1.0, 1.0, 1.0, 1.0];
 const WAY: Tint = [0.25, 0.85, 0.8, 0.9];
 const SWING: Tint = [0.45, 0.85, 0.4, 0.9];
+// Red, as in the pictures of reports: no other mark is.
+const FINDING: Tint = [0.95, 0.2, 0.2, 0.95];
 const SNAP: Tint = [1.0, 1.0, 1.0, 0.95];
 
 // Sizes in CSS pixels: marks are as large from afar as from near.
@@ -119,7 +130,19 @@ export class MarkLayer {
 
   /** Builds the strokes for the camera: sizes in pixels become metres at each mark's depth. */
   build(camera: CameraRig): void {
-    const { planes, force, clearances, distance: nearest, touches, band, typed, measures, snap, way } = this.#marks;
+    const {
+      planes,
+      force,
+      clearances,
+      distance: nearest,
+      touches,
+      band,
+      typed,
+      measures,
+      snap,
+      way,
+      finding,
+    } = this.#marks;
     this.#lines.clear();
     this.#discs.clear();
     this.anchors = [];
@@ -145,6 +168,7 @@ export class MarkLayer {
     if (typed) this.anchors.push({ key: "typed", point: typed.at, text: typed.text, kind: "hand", rank: 8 });
     for (const measure of measures) this.#addMeasure(measure, pixel);
     if (way) this.#addWay(way, pixel);
+    if (finding) this.#addFinding(finding, camera, pixel);
     if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
     this.#lines.commit();
     this.#discs.commit();
@@ -247,6 +271,27 @@ export class MarkLayer {
     const tint = fan.isGood ? SWING : HIT;
     for (let k = 1; k < fan.rim.length; k++) this.#lines.add(fan.rim[k - 1] as Vec3, fan.rim[k] as Vec3, tint, 3);
     for (const end of [fan.rim[0], fan.rim.at(-1)]) if (end) this.#lines.add(fan.centre, end, tint, 1.5);
+  }
+
+  /** A ring around each point, a line between them, and the arrow, as long as the way is, or long enough to be seen. */
+  #addFinding(finding: NonNullable<Marks["finding"]>, camera: CameraRig, pixel: (at: Vec3) => number): void {
+    const { points, arrow, text, arrow_text } = finding;
+    for (const point of points) {
+      const radius = SNAP_RADIUS * pixel(point);
+      this.#discs.add(point, scale(camera.right, radius), scale(camera.top, radius), FINDING, 0.65);
+      this.#lines.add(point, point, FINDING, 4);
+    }
+    const [one, other] = points;
+    if (one && other) this.#lines.add(one, other, FINDING, 1.6);
+    if (arrow) {
+      const [from, to] = arrow;
+      const way = add(to, scale(from, -1));
+      const size = length(way);
+      const tip = add(from, scale(way, Math.max(size, LEAST_ARROW * pixel(from)) / size));
+      this.#lines.addArrow(from, tip, HEAD * pixel(from), FINDING, 2.6);
+      this.anchors.push({ key: "finding way", point: tip, text: arrow_text, kind: "hit", rank: 5 });
+    }
+    if (one && text !== "") this.anchors.push({ key: "finding", point: one, text, kind: "hit", rank: 6 });
   }
 
   /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */

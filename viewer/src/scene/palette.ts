@@ -21,6 +21,28 @@ export function toned(stated: unknown): [number, number, number] | null {
   }) as [number, number, number];
 }
 
+/** The opacity of a texel that stands for a part in a finding: its ghost has the colour, too. */
+export const TINTED = 153;
+
+/** Puts colours (0xRRGGBB) in place of some parts' own; the map returned puts these back. */
+export function tint(texture: DataTexture, colours: ReadonlyMap<number, number>): Map<number, Uint8Array> {
+  const data = texture.image.data as Uint8Array;
+  const before = new Map<number, Uint8Array>();
+  for (const [part, colour] of colours) {
+    if (4 * part + 4 > data.length) continue;
+    before.set(part, data.slice(4 * part, 4 * part + 4));
+    data.set([(colour >> 16) & 255, (colour >> 8) & 255, colour & 255, TINTED], 4 * part);
+  }
+  texture.needsUpdate = true;
+  return before;
+}
+
+/** Undoes `tint`. */
+export function untint(texture: DataTexture, before: ReadonlyMap<number, Uint8Array>): void {
+  for (const [part, texel] of before) (texture.image.data as Uint8Array).set(texel, 4 * part);
+  texture.needsUpdate = true;
+}
+
 /** A texel a part, by its id; of no opacity where the part has no colour, and the shader gives one. */
 export function paletteTexture(count: number, stated: readonly unknown[] | undefined): DataTexture {
   const data = new Uint8Array(4 * Math.max(1, Math.ceil(count / WIDTH)) * WIDTH);

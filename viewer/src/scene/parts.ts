@@ -22,7 +22,7 @@ import {
   transform,
   type Vec3,
 } from "../math/vectors";
-import { paletteTexture } from "./palette";
+import { paletteTexture, tint, untint } from "./palette";
 
 /** The bits of a part's state. `away`: in the hand, or taken out of the mock-up. */
 export const PartState = { hidden: 1, ghost: 2, hit: 8, selected: 16, away: 32 } as const;
@@ -55,7 +55,7 @@ export class PartTable {
   /** Version of the drawn shapes: grows with each change of hidden, ghost or moved parts. */
   shapeVersion = 0;
   isAnyLit = false;
-  readonly coloursTexture: Texture;
+  readonly coloursTexture: DataTexture;
   readonly #count: number;
   readonly #middle: Vec3;
   readonly #boxes: Box[];
@@ -65,6 +65,7 @@ export class PartTable {
   #places: Float32Array | null = null;
   #moved = new Map<number, number[]>();
   #explode = 0;
+  #tinted = new Map<number, Uint8Array>();
 
   /**
    * `boxes`: of each part, world metres, where it was loaded. `middle`: where the scene's origin lies. `colours`: as of
@@ -106,6 +107,15 @@ export class PartTable {
     if ((changed & SHAPE) !== 0) this.shapeVersion++;
     this.isAnyLit = this.#states.some((state) => (state & LIT) !== 0);
     this.#statesTexture.needsUpdate = true;
+    return true;
+  }
+
+  /** Draws some parts in other colours (0xRRGGBB), and all others in their own. Returns whether any changed. */
+  setTints(tints: ReadonlyMap<number, number>): boolean {
+    if (tints.size === 0 && this.#tinted.size === 0) return false;
+    untint(this.coloursTexture, this.#tinted);
+    this.#tinted = tint(this.coloursTexture, tints);
+    this.shapeVersion++;
     return true;
   }
 

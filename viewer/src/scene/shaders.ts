@@ -62,6 +62,11 @@ vec3 colourOf(uint part) {
   vec4 stated = texelFetch(colours, ivec2(int(part & 1023u), int(part >> 10)), 0);
   return stated.a > 0.5 ? stated.rgb : calm(part);
 }
+// A part of a finding that is looked at: its ghost is seen, too.
+bool isTinted(uint part) {
+  float opacity = texelFetch(colours, ivec2(int(part & 1023u), int(part >> 10)), 0).a;
+  return opacity > 0.5 && opacity < 0.7;
+}
 `;
 
 export const pieceVertex = `${PRECISION}${PARTS}${PALETTE}${STATED}/* glsl */
@@ -71,6 +76,9 @@ in vec3 position;
 in uint part;
 out vec3 vView;
 flat out vec3 vColour;
+#ifdef GHOST
+flat out vec4 vGhost;
+#endif
 flat out uint vPart;
 #if SECTIONS > 0
 out vec3 vWorld;
@@ -92,6 +100,9 @@ void main() {
   vWorld = p;
 #endif
   vColour = colourOf(part);
+#ifdef GHOST
+  vGhost = isTinted(part) ? vec4(0.3 + 0.7 * vColour, 0.14) : vec4(0.62, 0.70, 0.80, 0.035);
+#endif
   vPart = part;
   gl_Position = projectionMatrix * view;
 }
@@ -120,6 +131,9 @@ bool isEyeCut() {
 export const pieceFragment = `${PRECISION}${LIGHT}${PALETTE}${CUT}/* glsl */
 in vec3 vView;
 flat in vec3 vColour;
+#ifdef GHOST
+flat in vec4 vGhost;
+#endif
 flat in uint vPart;
 #if SECTIONS > 0
 in vec3 vWorld;
@@ -144,8 +158,8 @@ void main() {
 #endif
 #ifdef GHOST
   float edge = 1.0 - abs(dot(n, towards(vView)));
-  float alpha = 0.035 + 0.30 * edge * edge * edge;
-  outColour = vec4(vec3(0.62, 0.70, 0.80) * alpha, alpha);
+  float alpha = vGhost.a + 0.30 * edge * edge * edge;
+  outColour = vec4(vGhost.rgb * alpha, alpha);
 #else
   outColour = vec4(lit(vColour, n, vView), 1.0);
   #if SECTIONS > 0

@@ -239,6 +239,11 @@ export class Stage {
     if (this.#model.table?.setMoved(moved)) this.#followTable();
   }
 
+  /** Draws some parts in other colours, 0xRRGGBB, and all others in their own. */
+  setTints(tints: ReadonlyMap<number, number>): void {
+    if (this.#model.table?.setTints(tints)) this.#followTable();
+  }
+
   /** Moves the parts apart, by `share` from 0 to 1. */
   setExplode(share: number): void {
     if (!this.#model.table?.setExplode(share)) return;

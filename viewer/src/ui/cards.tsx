@@ -40,6 +40,7 @@ export function AskPanel() {
           {(Object.keys(QUESTIONS) as CardQuestion[]).map((question) => (
             <CommandButton key={question} id={`ask-${question}`} icon={ICONS[question]} text={QUESTIONS[question]} />
           ))}
+          <CommandButton id="clashes-of" icon="alert" text="What clashes with it?" />
         </div>
       </section>
       <section>

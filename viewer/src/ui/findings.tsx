@@ -1,142 +1,251 @@
-// Findings of a clash check: groups, the deepest first; N and P step through them.
+// The panel of findings: the check, the filter, the list, and the card of the chosen ones.
 
-import { useSignal } from "@preact/signals";
-import { lookAtFinding } from "../actions/findings";
-import type { Finding, FindingGroup, FindingStatus } from "../link/protocol";
-import { formatLength, type Unit } from "../math/units";
-import { STATUSES, shownGroups } from "../model/findings";
+import { runCommand } from "../actions/commands";
+import { exportFindings, FORMATS } from "../actions/findings";
+import type { FindingFormat } from "../link/protocol";
+import { formatCount } from "../math/units";
+import { type FindingOrder, type Grouping, STATUSES, statusOf } from "../model/findings";
+import type { Store } from "../model/store";
 import { useWorkbench } from "./context";
-import { Choice, CommandButton } from "./fields";
-import { counted } from "./words";
+import { CommandButton } from "./fields";
+import { FindingCard } from "./finding-card";
+import { CheckSettings } from "./finding-check";
+import { FindingRows } from "./finding-rows";
+import { Requirements } from "./requirements";
 
-/** So many findings of a group are in the page at once; more by a button. */
-const FIRST = 20;
+const ORDERS: Readonly<Record<FindingOrder, string>> = {
+  depth: "Worst first",
+  part: "By part name",
+  status: "By status",
+};
+const GROUPINGS: Readonly<Record<Grouping, string>> = {
+  group: "Groups",
+  part: "By part",
+  rule: "By rule",
+  verdict: "By verdict",
+  none: "No groups",
+};
 
 export function FindingPanel() {
+  const { store } = useWorkbench();
+  const { facts, list, failed } = store.findings;
+  if (!facts.value) return <NoFindings />;
+  return (
+    <div class="panel-body findings-body">
+      <Head />
+      {list.value?.version === facts.value.version ? (
+        <>
+          <Filter />
+          <FindingRows />
+          <FindingCard />
+        </>
+      ) : (
+        <p class="note" role="status">
+          {failed.value ? `The findings did not come: ${failed.value}` : "Loading the findings"}
+        </p>
+      )}
+    </div>
+  );
+}
+
+function NoFindings() {
+  return (
+    <div class="panel-body empty">
+      <p>No findings are open.</p>
+      <p class="note">A clash check finds the parts that overlap, touch, or are too near each other.</p>
+      <CommandButton id="check-clashes" icon="alert" text="Check clashes" />
+      <CommandButton id="open-findings" icon="list" text="Open a file" />
+      <CheckSettings />
+      <Requirements />
+    </div>
+  );
+}
+
+function Head() {
+  const { store } = useWorkbench();
+  const { facts, is_stale } = store.findings;
+  const check = facts.value?.check;
+  return (
+    <section>
+      <div class="select-row">
+        <CommandButton id="previous-finding" icon="up" />
+        <CommandButton id="next-finding" icon="down" />
+        <CommandButton id="check-clashes" icon="alert" text={check ? "Check again" : "Check clashes"} />
+      </div>
+      <div class="select-row">
+        <OpenChoice />
+        <ExportChoice />
+        <CommandButton id="close-findings" icon="close" />
+      </div>
+      {is_stale.value && (
+        <p class="hint-bar" role="status">
+          Parts lie elsewhere since this check.
+        </p>
+      )}
+      {check?.of && <p class="note">{`Only pairs with ${partsText(store, check.of)} were checked.`}</p>}
+      <CheckSettings />
+      <Requirements />
+    </section>
+  );
+}
+
+const partsText = (store: Store, parts: readonly number[]): string =>
+  parts.length === 1 ? store.nameOf(parts[0] ?? -1) : `${formatCount(parts.length)} parts`;
+
+/** A menu of files to open. */
+function OpenChoice() {
+  const wb = useWorkbench();
+  return (
+    <select
+      aria-label="Open a file"
+      value=""
+      disabled={wb.store.is_read_only.value}
+      onChange={(event) => {
+        const id = event.currentTarget.value;
+        event.currentTarget.value = "";
+        if (id !== "") runCommand(wb, id);
+      }}
+    >
+      <option value="">Open…</option>
+      <option value="open-findings">Findings (JSON)</option>
+      <option value="open-bcf">Statuses and comments (BCF)</option>
+      <option value="open-rules">Rules (TOML)</option>
+    </select>
+  );
+}
+
+/** A menu of files: choosing one writes it. */
+function ExportChoice() {
   const wb = useWorkbench();
   const { store } = wb;
-  const { finding_query: query, finding_order: order } = store;
-  const findings = store.document.value?.findings;
-  if (!findings) {
-    return (
-      <div class="panel-body empty">
-        <p>No findings are open.</p>
-        <p class="note">
-          A clash check writes them (feeler clash MOCKUP --json); the workbench then steps through them.
-        </p>
-        <CommandButton id="open-findings" icon="list" text="Open a file" />
-      </div>
-    );
-  }
-  const groups = shownGroups(findings, query.value, order.value);
-  const count = groups.reduce((sum, group) => sum + group.findings.length, 0);
+  const has_rules = (store.document.value?.clash.rules ?? "") !== "";
   return (
-    <div class="panel-body">
-      <section>
-        <div class="button-row">
-          <CommandButton id="previous-finding" icon="up" text="Previous" />
-          <CommandButton id="next-finding" icon="down" text="Next" />
-          <CommandButton id="open-findings" icon="list" text="Open" />
+    <select
+      aria-label="Export findings"
+      value=""
+      disabled={store.is_read_only.value}
+      onChange={(event) => {
+        const format = event.currentTarget.value;
+        event.currentTarget.value = "";
+        if (format !== "") void exportFindings(wb, format as FindingFormat);
+      }}
+    >
+      <option value="">Export…</option>
+      {Object.entries(FORMATS).map(([format, title]) => (
+        <option key={format} value={format} disabled={format === "rules" && !has_rules}>
+          {title}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+function Filter() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const { findings } = store;
+  const [facts, list] = [findings.facts.value, findings.list.value];
+  const { query, verdict, status, part, order, grouping } = findings.filter.value;
+  if (!facts || !list) return null;
+  const count = findings.shown.value.rows.length;
+  const hidden = Object.values(facts.hidden).reduce((sum, each) => sum + each, 0);
+  return (
+    <section>
+      <input
+        type="search"
+        class="text-field"
+        placeholder="Filter by words"
+        aria-label="Filter findings"
+        value={query}
+        onInput={(event) => findings.set({ query: event.currentTarget.value })}
+      />
+      <div class="select-row">
+        <select
+          aria-label="Verdict"
+          value={verdict}
+          onChange={(event) => findings.set({ verdict: event.currentTarget.value })}
+        >
+          <option value="">All verdicts</option>
+          {list.verdicts.map((each) => (
+            <option key={each} value={each}>
+              {`${each} (${formatCount(facts.counts[each] ?? 0)})`}
+            </option>
+          ))}
+        </select>
+        <StatusFilter status={status} />
+      </div>
+      <div class="select-row">
+        <select
+          aria-label="Order of findings"
+          value={order}
+          onChange={(event) => findings.set({ order: event.currentTarget.value as FindingOrder })}
+        >
+          {Object.entries(ORDERS).map(([value, text]) => (
+            <option key={value} value={value}>
+              {text}
+            </option>
+          ))}
+        </select>
+        <select
+          aria-label="Groups of findings"
+          value={grouping}
+          onChange={(event) => findings.set({ grouping: event.currentTarget.value as Grouping })}
+        >
+          {Object.entries(GROUPINGS).map(([value, text]) => (
+            <option key={value} value={value}>
+              {text}
+            </option>
+          ))}
+        </select>
+      </div>
+      {part >= 0 && (
+        <div class="hint-bar">
+          <span>{`Only with ${store.nameOf(part)}`}</span>
+          <button type="button" class="button" onClick={() => findings.set({ part: -1 })}>
+            All
+          </button>
         </div>
-        <input
-          type="search"
-          class="text-field"
-          placeholder="Filter by words or status"
-          aria-label="Filter findings"
-          value={query.value}
-          onInput={(event) => {
-            query.value = event.currentTarget.value;
-          }}
-        />
-        <Choice
-          label="Order of findings"
-          value={order.value}
-          options={[
-            { value: "depth", text: "Deepest first" },
-            { value: "group", text: "By group" },
-          ]}
-          choose={(value) => {
-            order.value = value;
-          }}
-        />
+      )}
+      <div class="finding-line">
+        <p class="note" role="status">
+          {`${formatCount(count)} of ${formatCount(facts.count)}${hidden > 0 ? `; rules hide ${formatCount(hidden)}` : ""}`}
+        </p>
         <label class="check">
           <input
             type="checkbox"
-            checked={findings.is_touching_hidden}
+            checked={facts.is_touching_hidden}
             disabled={!store.can_look.value}
             onChange={(event) => wb.run("finding_filter", { is_touching_hidden: event.currentTarget.checked })}
           />
           Hide contacts
         </label>
-        <p class="note" role="status">{`${counted(count, "finding")} in ${counted(groups.length, "group")}`}</p>
-      </section>
-      {groups.map((group) => (
-        <Group key={group.name} group={group} />
-      ))}
-    </div>
-  );
-}
-
-function Group({ group }: { group: FindingGroup }) {
-  const shown = useSignal(FIRST);
-  return (
-    <details class="group" open>
-      <summary>
-        <span class="row-name">{group.name}</span>
-        <span class="row-count">{group.findings.length}</span>
-      </summary>
-      <ul class="card-list">
-        {group.findings.slice(0, shown.value).map((finding) => (
-          <FindingCard key={finding.id} finding={finding} />
-        ))}
-      </ul>
-      {group.findings.length > shown.value && (
-        <button
-          type="button"
-          class="button"
-          onClick={() => {
-            shown.value += 5 * FIRST;
-          }}
-        >
-          {`${group.findings.length - shown.value} more`}
-        </button>
-      )}
-    </details>
-  );
-}
-
-function FindingCard({ finding }: { finding: Finding }) {
-  const wb = useWorkbench();
-  const { store } = wb;
-  const status = store.document.value?.findings?.status[finding.id] ?? "new";
-  const isCurrent = store.finding.value === finding.id;
-  return (
-    <li class={`card finding ${isCurrent ? "playing" : ""} status-${status}`} aria-current={isCurrent}>
-      <button type="button" class="finding-text" onClick={() => lookAtFinding(wb, finding)}>
-        {finding.sentence}
-      </button>
-      <div class="finding-line">
-        <span class="note">{factsOf(finding, store.unit.value)}</span>
-        <select
-          aria-label={`Status of ${finding.sentence}`}
-          value={status}
-          disabled={store.is_read_only.value}
-          onChange={(event) =>
-            wb.run("finding_status", { id: finding.id, status: event.currentTarget.value as FindingStatus })
-          }
-        >
-          {STATUSES.map((each) => (
-            <option key={each} value={each}>
-              {each}
-            </option>
-          ))}
-        </select>
       </div>
-    </li>
+    </section>
   );
 }
 
-function factsOf(finding: Finding, unit: Unit): string {
-  if (finding.depth) return `${finding.verdict} · ${formatLength(finding.depth, unit)} deep`;
-  return finding.gap ? `${finding.verdict} · ${formatLength(finding.gap, unit)} apart` : finding.verdict;
+/** With the number of findings of each status. */
+function StatusFilter({ status }: { status: string }) {
+  const { findings } = useWorkbench().store;
+  const [facts, list] = [findings.facts.value, findings.list.value];
+  if (!facts || !list) return null;
+  const counts = new Map<string, number>();
+  for (let row = 0; row < list.count; row++) {
+    const each = statusOf(list, facts, row);
+    counts.set(each, (counts.get(each) ?? 0) + 1);
+  }
+  return (
+    <select
+      aria-label="Status"
+      value={status}
+      onChange={(event) => findings.set({ status: event.currentTarget.value })}
+    >
+      <option value="">All statuses</option>
+      {STATUSES.map((each) => (
+        <option key={each} value={each}>
+          {`${each} (${formatCount(counts.get(each) ?? 0)})`}
+        </option>
+      ))}
+    </select>
+  );
 }

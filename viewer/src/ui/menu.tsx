@@ -8,7 +8,7 @@ import { addSection } from "../actions/sections";
 import { useWorkbench } from "./context";
 import { Name } from "./names";
 
-const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit"] as const;
+const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit", "clashes-of"] as const;
 const ASK_ITEMS = ["ask-removal", "ask-order", "ask-access", "ask-swept"] as const;
 const EMPTY_ITEMS = ["fit", "show-all", "undo", "redo", "snapshot", "palette"] as const;
 

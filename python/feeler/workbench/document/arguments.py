@@ -19,9 +19,9 @@ from feeler.poses import PoseLike, one_pose
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Point
 from feeler.workbench.document.protocol import Pose, Selection, Vec3
+from feeler.workbench.document.values import LARGEST, is_number, is_sequence
 
 _MOST_TEXT = 10_000
-_LARGEST = 1e9
 
 Item = TypeVar("Item")
 
@@ -111,7 +111,7 @@ class Arguments:
             raise self.fail(name, f"{_shown(value)} is neither true nor false", "send true or false")
         return value
 
-    def number(self, name: str, low: float = -_LARGEST, high: float = _LARGEST) -> float:
+    def number(self, name: str, low: float = -LARGEST, high: float = LARGEST) -> float:
         """A finite number within bounds."""
         value: Any = self.raw(name, float)
         if not is_number(value) or not low <= value <= high:
@@ -158,7 +158,7 @@ class Arguments:
         """A direction, normalised."""
         x, y, z = self.point(name)
         length = math.sqrt(x * x + y * y + z * z)
-        if not 1e-12 < length < _LARGEST:
+        if not 1e-12 < length < LARGEST:
             raise self.fail(name, f"{_shown([x, y, z])} has no direction", "send three numbers that are not all 0")
         return (x / length, y / length, z / length)
 
@@ -213,16 +213,6 @@ def replaced(items: tuple[Item, ...], place: int, item: Item) -> tuple[Item, ...
 def without(items: tuple[Item, ...], place: int) -> tuple[Item, ...]:
     """The items without one."""
     return (*items[:place], *items[place + 1 :])
-
-
-def is_number(value: Any) -> bool:
-    """Whether it is a finite number within the range of lengths."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
-
-
-def is_sequence(value: Any) -> bool:
-    """Whether it is a list."""
-    return isinstance(value, (list, tuple))
 
 
 def _shown(value: Any) -> str:

@@ -16,10 +16,11 @@ from feeler.choices import GRIP_AXES
 from feeler.errors import WorkbenchError
 from feeler.words import plural
 from feeler.workbench.document import motion
-from feeler.workbench.document.arguments import Arguments, is_sequence, replaced, without
+from feeler.workbench.document.arguments import Arguments, replaced, without
 from feeler.workbench.document.document import Card, Document, Removal
 from feeler.workbench.document.known import Known, Way
 from feeler.workbench.document.protocol import CardQuestion, GivenWay, Pose, Selection
+from feeler.workbench.document.values import is_sequence
 
 QUESTIONS: tuple[CardQuestion, ...] = get_args(CardQuestion)
 MOST_CARDS = 100

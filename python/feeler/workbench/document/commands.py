@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from feeler.arguments import near
-from feeler.errors import LoadError, WorkbenchError
+from feeler.errors import WorkbenchError
 from feeler.poses import inverse
-from feeler.workbench.document import cards, findings, motion
+from feeler.workbench.document import cards, motion
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape, replaced, without
 from feeler.workbench.document.document import (
     MATERIALS,
@@ -32,12 +32,24 @@ from feeler.workbench.document.document import (
     Trip,
     Viewpoint,
 )
+from feeler.workbench.document.finding_commands import (
+    clash_settings,
+    finding_filter,
+    finding_group_add,
+    finding_group_remove,
+    finding_group_rename,
+    finding_ignore,
+    finding_mark,
+    finding_status,
+    findings_close,
+    findings_open,
+    findings_take,
+)
 from feeler.workbench.document.known import Known, Measured
 from feeler.workbench.document.motion import Row
 from feeler.workbench.document.protocol import (
     Camera,
     CardQuestion,
-    FindingStatus,
     GivenWay,
     Material,
     MeasureType,
@@ -46,6 +58,13 @@ from feeler.workbench.document.protocol import (
     Selection,
     Unit,
     Vec3,
+)
+from feeler.workbench.document.protocol_findings import FindingStatus, RequirementResult
+from feeler.workbench.document.requirement_commands import (
+    requirement_add,
+    requirement_edit,
+    requirement_remove,
+    requirements_checked,
 )
 
 LEAST_MOVED_M = 1e-3
@@ -358,30 +377,6 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
     return replace(grip(home, inner, known), replaying=line.id)
 
 
-def findings_open(document: Document, given: Arguments, known: Known) -> Document:
-    """Opens the findings of a clash check, as `feeler clash --json` writes them."""
-    try:
-        return replace(document, findings=findings.grouped(given.raw("findings", Any), known.parts, known.absent))
-    except LoadError as error:
-        raise given.fail("findings", str(error), "give findings of feeler.clash, or choose another file") from None
-
-
-def finding_status(document: Document, given: Arguments, _known: Known) -> Document:
-    """Sets the status of a finding."""
-    found = _findings(document, given)
-    name = given.text("id")
-    if name not in findings.ids(found.groups):
-        raise given.fail("id", f"there is no finding {name!r}", near(name, findings.ids(found.groups)))
-    status = {**found.status, name: given.choice("status", findings.STATUS)}
-    return replace(document, findings=replace(found, status=MappingProxyType(status)))
-
-
-def finding_filter(document: Document, given: Arguments, _known: Known) -> Document:
-    """Hides or shows findings that only touch."""
-    found = replace(_findings(document, given), is_touching_hidden=given.flag("is_touching_hidden"))
-    return replace(document, findings=found)
-
-
 def accept_revision(document: Document, given: Arguments, _known: Known) -> Document:
     """Accepts the present revision of the mock-up: the project's answers are about its parts from now on."""
     facts = document.project
@@ -404,6 +399,9 @@ ASKED: Shape = {
     "seconds": Maybe(float),
 }
 """A question of a card: which, of what, and how."""
+
+ROWS: Shape = {"version": str, "rows": list[int]}
+"""Findings by their rows, in the findings of a version."""
 
 COMMANDS: dict[str, Command] = {
     "hide": Command(hide, {"parts": Selection}),
@@ -436,9 +434,28 @@ COMMANDS: dict[str, Command] = {
     "sequence_remove": Command(sequence_remove, {"id": int}),
     "sequence_replay": Command(sequence_replay, {"id": int}, moves_hand=True),
     "findings_open": Command(findings_open, {"findings": Any}),
+    "findings_take": Command(findings_take, {"key": str, "saved": Maybe(Any)}),
+    "findings_close": Command(findings_close),
     "finding_status": Command(finding_status, {"id": str, "status": FindingStatus}),
-    "accept_revision": Command(accept_revision),
+    "finding_mark": Command(
+        finding_mark, {**ROWS, "status": Maybe(FindingStatus), "note": Maybe(str), "group": Maybe(int)}
+    ),
     "finding_filter": Command(finding_filter, {"is_touching_hidden": bool}),
+    "finding_group_add": Command(finding_group_add, {**ROWS, "name": str}),
+    "finding_group_rename": Command(finding_group_rename, {"id": int, "name": str}),
+    "finding_group_remove": Command(finding_group_remove, {"id": int}),
+    "finding_ignore": Command(finding_ignore, {"name": str, "a": str, "b": str}),
+    "requirement_add": Command(requirement_add, {"name": str, "a": str, "b": str, "gap": float}),
+    "requirement_edit": Command(
+        requirement_edit,
+        {"id": int, "name": Maybe(str), "a": Maybe(str), "b": Maybe(str), "gap": Maybe(float)},
+    ),
+    "requirement_remove": Command(requirement_remove, {"id": int}),
+    "requirements_checked": Command(requirements_checked, {"results": list[RequirementResult]}),
+    "clash_settings": Command(
+        clash_settings, {"clearance": Maybe(float), "contact": Maybe(float | str), "rules": Maybe(str)}
+    ),
+    "accept_revision": Command(accept_revision),
     "ask": Command(cards.ask, {**ASKED}, is_of_cards=True),
     "card_again": Command(cards.card_again, {"id": int}, is_of_cards=True),
     "card_cancel": Command(cards.card_cancel, {"id": int}, is_of_cards=True),
@@ -486,9 +503,3 @@ def _measured(given: Arguments, known: Known) -> Measured:
 
 def _measure(number: int, name: str, found: Measured) -> Measure:
     return Measure(number, name, found.type, found.points, found.value, found.unit, found.is_exact, found.parts)
-
-
-def _findings(document: Document, given: Arguments) -> Any:
-    if document.findings is None:
-        raise WorkbenchError("there are no findings", given.command, "open findings of feeler clash --json")
-    return document.findings

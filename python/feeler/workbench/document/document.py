@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any, cast
 
+from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.document.motion import HOME, Row
 from feeler.workbench.document.protocol import DocumentFields
 
@@ -19,6 +20,7 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 """Metres of each available unit."""
 MODES = ("stop", "glide", "pass")
 MEASURES = ("point", "edge", "angle", "parts")
+NOTHING: Mapping[int, Row] = MappingProxyType({})
 MATERIALS = ("steel", "aluminium", "plastic", "rubber")
 """Materials of parts, for their sounds."""
 
@@ -145,12 +147,98 @@ class Viewpoint:
 
 
 @dataclass(frozen=True)
-class Findings:
-    """The findings of a clash check. groups: as made by `findings.grouped`; status: by the finding's id."""
+class OwnGroup:
+    """A group of findings that somebody made."""
 
-    groups: tuple[Mapping[str, Any], ...]
+    id: int
+    name: str
+
+
+@dataclass(frozen=True)
+class Check:
+    """A clash check that was run here.
+
+    clearance, contact: metres; contact None: the chordal errors of both parts. of: the parts whose pairs were checked;
+    None: all. moved, out, gripped: where parts lay, as in `Document`: the findings are stale when that is no longer so.
+    """
+
+    clearance: float
+    contact: float | None
+    of: tuple[int, ...] | None
+    moved: Mapping[int, Row]
+    out: tuple[int, ...]
+    gripped: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Findings:
+    """The findings of a clash check, and what people did with them.
+
+    table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. own_groups:
+    made by hand, and `members` the group of a finding by its id. check: None for findings of a file.
+    """
+
+    table: FindingTable
     status: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    notes: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    own_groups: tuple[OwnGroup, ...] = ()
+    members: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
     is_touching_hidden: bool = True
+    check: Check | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """All but the rows, which pages fetch by their version."""
+        return {
+            "version": self.table.key,
+            "count": len(self.table),
+            "counts": self.table.counts,
+            "hidden": dict(self.table.hidden),
+            **{f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name != "table"},
+        }
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a requirement was when it was checked last; lengths in metres. of: where parts lay, as in `Check`.
+
+    status: "holds", "violated", or "unknown" with the reason in `trouble`. pairs: how many pairs of parts violate it;
+    the others are of the worst of them.
+    """
+
+    status: str
+    pairs: int = 0
+    gap: float | None = None
+    depth: float | None = None
+    parts: tuple[int, ...] = ()
+    points: tuple[Point, ...] = ()
+    trouble: str | None = None
+    moved: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
+    out: tuple[int, ...] = ()
+    gripped: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class KeptClear:
+    """A clearance that must hold: parts of pattern `a` stay at least `gap` metres away from those of `b`.
+
+    verdict: None before it was checked as it is.
+    """
+
+    id: int
+    name: str
+    a: str
+    b: str
+    gap: float
+    verdict: Verdict | None = None
+
+
+@dataclass(frozen=True)
+class ClashSettings:
+    """How the next clash check is made: metres, contact None for the chordal errors of both parts; rules as TOML."""
+
+    clearance: float = 0.002
+    contact: float | None = 0.0
+    rules: str = ""
 
 
 @dataclass(frozen=True)
@@ -198,9 +286,6 @@ class Isolation:
     hidden_before: tuple[int, ...]
 
 
-NOTHING: Mapping[int, Row] = MappingProxyType({})
-
-
 @dataclass(frozen=True)
 class Document:
     """The whole visible state.
@@ -238,6 +323,8 @@ class Document:
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None
     cards: tuple[Card, ...] = ()
+    clash: ClashSettings = field(default_factory=ClashSettings)
+    requirements: tuple[KeptClear, ...] = ()
     material: str | None = None
     doubts: tuple[str, ...] = ()
     next_id: int = 1
@@ -293,5 +380,7 @@ def plain(value: Any) -> Any:
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (tuple, list)):
         return [plain(item) for item in value]
+    if isinstance(value, Findings):
+        return value.to_json()
     kept_back = _KEPT_BACK_OF.get(type(value), ())
     return {f.name: plain(getattr(value, f.name)) for f in fields(value) if f.name not in kept_back}

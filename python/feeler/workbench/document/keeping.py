@@ -16,15 +16,17 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
+
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
 from feeler.project.book import dumps, row_id
 from feeler.project.layout import TABLES
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
-from feeler.workbench.document.arguments import is_number
 from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Card, Document, Findings, Isolation, Trip
-from feeler.workbench.document.findings import STATUS, VERSION, grouped
+from feeler.workbench.document.finding_table import STATUS, table_of
+from feeler.workbench.document.values import is_number
 
 NOT_KEPT = frozenset(
     ("mockup", "loading", "failed", "tools", "record", "absent", "project"),
@@ -32,7 +34,7 @@ NOT_KEPT = frozenset(
 """Fields of one run of the program."""
 
 _RENAMED = {"viewpoints": "views"}
-_FINDINGS, _CARDS = "findings", "cards"
+_FINDINGS, _TABLE, _CARDS = "findings", "table", "cards"
 _OPEN = ("waiting", "running")
 _INTERRUPTED = "Interrupted: ask again."
 _SLICE = 16
@@ -96,7 +98,8 @@ def changes(before: Document | None, after: Document) -> Iterator[Change]:
             continue
         if name == _FINDINGS:
             rest = None if now is None else {key: value for key, value in _fields_of(now) if not _is_by_id(now, key)}
-            rest = rest and {key: value for key, value in rest.items() if key != "groups"}
+            if rest is not None:
+                rest[_TABLE] = now.table.facts_json()
             yield put("document", name, 0, encoded(rest))
         elif name == _CARDS:
             yield from _list_changes(_CARDS, () if before is None else _cards(before), _cards(after))
@@ -118,13 +121,19 @@ def _list_changes(table: str, before: Sequence[Any], now: Sequence[Any]) -> Iter
 
 def finding_rows(found: Findings | None) -> list[Mapping[str, Any]]:
     """All findings, in display order."""
-    return [] if found is None else [each for group in found.groups for each in group["findings"]]
+    return [] if found is None else [found.table.whole_row_json(row) for row in range(len(found.table))]
 
 
 def finding_marks(found: Findings | None) -> dict[str, dict[str, Any]]:
     """What people said of findings, by id: the status, and whatever else the document has by id."""
+    if found is None:
+        return {}
+    table = found.table
     marks: dict[str, dict[str, Any]] = {}
-    for name, by_id in _fields_of(found) if found is not None else ():
+    # The table's own: those of the document are only what differs from them.
+    for row in np.flatnonzero(table.status).tolist():
+        marks.setdefault(table.ids[row], {})["status"] = STATUS[table.status[row]]
+    for name, by_id in _fields_of(found):
         if _is_by_id(found, name):
             for key, value in by_id.items():
                 marks.setdefault(key, {})[name] = _plain(value)
@@ -207,14 +216,18 @@ def restored(
 def _findings(
     rest: Any, rows: list[Any], marks: Mapping[str, Mapping[str, Any]], base: Document, parts: Parts
 ) -> Findings:
-    made = grouped({"version": VERSION, "clashes": rows}, parts, base.absent, _FINDINGS)
+    facts = rest.get(_TABLE) if isinstance(rest, dict) else None
+    table = table_of({**(facts if isinstance(facts, dict) else {}), "clashes": rows}, parts, base.absent, _FINDINGS)
+    made = Findings(table)
     values: dict[str, Any] = {}
     for name, kind in _hints(Findings).items():
         where = f"{name} of the findings"
         if get_origin(kind) is Mapping:
-            by_id = {key: _decoded(mark[name], get_args(kind)[1], where) for key, mark in marks.items() if name in mark}
-            values[name] = MappingProxyType(by_id)
-        elif name != "groups" and isinstance(rest, dict) and name in rest:
+            there = {key: mark[name] for key, mark in marks.items() if name in mark and key in table.row_of}
+            by_id = {key: _decoded(value, get_args(kind)[1], where) for key, value in there.items()}
+            own = {"status": table.status_of, "notes": table.note_of}.get(name)
+            values[name] = MappingProxyType({key: each for key, each in by_id.items() if not own or own(key) != each})
+        elif name != _TABLE and isinstance(rest, dict) and name in rest:
             values[name] = _decoded(rest[name], kind, where)
     if not all(status in STATUS for status in values["status"].values()):
         raise LoadError("a finding has a status that does not exist: the project is damaged; use a copy")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from feeler.parts import Parts
 from feeler.workbench.document import motion
-from feeler.workbench.document.document import Trip
+from feeler.workbench.document.document import Findings, Trip
 from feeler.workbench.document.motion import Row
 
 
@@ -41,7 +41,8 @@ class Known:
 
     bounds: `(2, 3)` of the parts in the scene. tools: triangles by name, of the tools made so far. pose: of the hand.
     tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
-    absent: parts that were excluded when the mock-up was opened. ways: of answered cards, by their number.
+    absent: parts that were excluded when the mock-up was opened. findings: those that a job found. ways: of
+    answered cards, by their number.
     """
 
     parts: Parts
@@ -53,6 +54,7 @@ class Known:
     least_clearance: float | None = None
     absent: frozenset[int] = frozenset()
     measured: Measured | None = None
+    findings: Findings | None = None
     ways: Mapping[int, tuple[Way, ...]] = field(default_factory=dict)
 
     @property

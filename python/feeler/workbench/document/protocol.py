@@ -16,7 +16,6 @@ import numpy.typing as npt
 from feeler.workbench.document.frames import (
     VERSION,
     Array,
-    Open,
     Partial,
     ProtocolError,
     id_of,
@@ -25,6 +24,13 @@ from feeler.workbench.document.frames import (
     version_of,
 )
 from feeler.workbench.document.openings import FilePiece, OpeningRequest, OpenMockup, Opens, SendFiles
+from feeler.workbench.document.protocol_findings import (
+    ClashSettings,
+    Findings,
+    FindingStatus,
+    KeptClear,
+    RequirementResult,
+)
 
 __all__ = [
     "FROM_PAGE",
@@ -32,11 +38,14 @@ __all__ = [
     "MOST_CLEARANCES",
     "MOST_HITS",
     "MOST_PLANES",
+    "MOST_UPLOAD_PIECE",
     "NOT_ALLOWED",
     "RELOAD",
     "TOO_MANY_PAGES",
     "VERSION",
+    "FindingStatus",
     "ProtocolError",
+    "RequirementResult",
     "decode_from_page",
     "decode_from_server",
     "encode",
@@ -61,6 +70,9 @@ MOST_PLANES = 32
 
 MOST_CLEARANCES = 16
 """Clearance rows listed in a state."""
+
+MOST_UPLOAD_PIECE = 524_288
+"""Bytes of one piece of a file."""
 
 F8 = npt.NDArray[np.float64]
 F4 = npt.NDArray[np.float32]
@@ -91,7 +103,6 @@ MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
 CardQuestion = Literal["removal", "order", "access", "swept"]
 CardState = Literal["waiting", "running", "done", "failed", "cancelled"]
-FindingStatus = Literal["new", "active", "reviewed", "approved", "resolved"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
 
@@ -217,42 +228,6 @@ class Viewpoint(TypedDict):
     camera: Camera
 
 
-class Finding(TypedDict):
-    """One finding of a clash check."""
-
-    id: str
-    a: str
-    """A part path, as is `b`."""
-    b: str
-    part_a: int | None
-    """Null: the part is not in this mock-up, or was excluded from the scene."""
-    part_b: int | None
-    verdict: str
-    depth: float | None
-    """Metres, as is `gap`."""
-    gap: float | None
-    point_a: Vec3 | None
-    point_b: Vec3 | None
-    is_touching: bool
-    sentence: str
-
-
-class FindingGroup(TypedDict):
-    """Findings of one group, the deepest first."""
-
-    name: str
-    findings: list[Annotated[dict[str, Any], Open(Finding)]]
-
-
-class Findings(TypedDict):
-    """The findings of a clash check, in groups, with the status of each."""
-
-    groups: list[Annotated[dict[str, Any], Open(FindingGroup)]]
-    status: dict[str, FindingStatus]
-    """By the finding's id; "new" if missing."""
-    is_touching_hidden: bool
-
-
 class Card(TypedDict):
     """A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest."""
 
@@ -327,6 +302,8 @@ class DocumentFields(TypedDict):
     viewpoints: list[Viewpoint]
     findings: Findings | None
     cards: list[Card]
+    clash: ClashSettings
+    requirements: list[KeptClear]
     material: Material | None
     doubts: list[str]
     """What puts answers about mock-up and tool in doubt, as their loaders found."""
@@ -488,7 +465,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Cancel:
-    """Cancels a job of this page; its reply is then an error."""
+    """Cancels a job of this page, whose reply is then an error; or drops a file of which pieces came."""
 
     KIND: ClassVar[str] = "cancel"
     id: int
@@ -505,6 +482,18 @@ class Shot:
     """A multiple of 4 characters in each piece but the last."""
     more: bool
     """Another piece follows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Upload:
+    """The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file."""
+
+    KIND: ClassVar[str] = "upload"
+    id: int
+    """The same for all pieces of a file."""
+    more: bool
+    """Another piece follows."""
+    data: Annotated[U1, Array("u1", ("bytes",), MOST_UPLOAD_PIECE)]
 
 
 @dataclass(frozen=True)
@@ -722,16 +711,18 @@ class SavedPage:
     left_out: int
     """Triangles that had no room in the file."""
     grid: Grid
+    findings: Annotated[U1, Array("u1", ("findings",))]
+    """The frame of `FindingRows`; empty: there are none."""
     pieces: Annotated[U1, Array("u1", ("n",))]
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked | OpeningRequest
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
 FROM_PAGE: tuple[type, ...] = (
-    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Upload, Benchmarked),
     *(SendFiles, FilePiece, OpenMockup),
 )
 FROM_SERVER: tuple[type, ...] = (

@@ -227,6 +227,8 @@ class Server:
                 return ANY, lambda: session.held(int(version))
             case ["cards", number] if _is_number(number):
                 return ANY, lambda: session.card_room(int(number))
+            case ["findings", version] if version:
+                return ANY, lambda: session.finding_rows(version)
             case ["exports", name] if name:
                 return type_of(name), lambda: session.export(name)
         return None

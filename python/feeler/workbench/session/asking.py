@@ -29,11 +29,25 @@ from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
 from feeler.workbench.document.document import Document, plain
 from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
+from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
 from feeler.workbench.session import export, page, saving
+from feeler.workbench.session.finding_jobs import (
+    TakenFindings,
+    clash,
+    export_findings,
+    finding_alike,
+    finding_hides,
+    finding_side,
+    findings_bcf,
+    findings_file,
+    pair_side,
+)
+from feeler.workbench.session.requirement_jobs import export_requirements, verified
+from feeler.workbench.session.uploads import Uploads
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
@@ -45,7 +59,8 @@ Found = TypeVar("Found")
 class Place:
     """The subject of questions and jobs.
 
-    exports: files written by jobs, by name. cards: the answer of a card. replay: replays the record, if there is one.
+    exports: files written by jobs, by name. uploads: files of pages. taken: findings of jobs. cards: the answer of a
+    card. replay: replays the record, if there is one.
     """
 
     document: Document
@@ -54,6 +69,8 @@ class Place:
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]
+    uploads: Uploads
+    taken: TakenFindings
     cards: Callable[[int], CardAnswer]
     replay: Callable[[Progress], dict[str, Any]] | None = None
 
@@ -128,8 +145,15 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     """One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view."""
     document, geometry = place.document, place.geometry
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
+    rows = b"" if document.findings is None else document.findings.table.frame()
     data, left_out = page.page(
-        {**document.to_json(), "project": None}, camera, geometry.manifest(), geometry.piece, static_files(), progress
+        {**document.to_json(), "project": None},
+        camera,
+        geometry.manifest(),
+        geometry.piece,
+        static_files(),
+        progress,
+        findings=rows,
     )
     place.exports[PAGE] = data
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
@@ -173,6 +197,10 @@ ASKS: dict[str, Question[Any]] = {
     "measure": Question(measure, {"type": MeasureType, **MEASURED}),
     "part": Question(part, {"part": Selection}),
     "card": Question(card, {"id": int}),
+    "finding_alike": Question(finding_alike, {"version": str, "row": int}),
+    "finding_side": Question(finding_side, {"version": str, "row": int}),
+    "pair_side": Question(pair_side, {"parts": Selection, "point": Vec3}),
+    "finding_hides": Question(finding_hides, {"a": str, "b": str}),
 }
 JOBS: dict[str, Work[Any]] = {
     "outline": Work(outline, {"normal": Maybe(Vec3), "offset": Maybe(float)}),
@@ -182,4 +210,10 @@ JOBS: dict[str, Work[Any]] = {
     "export_project": Work(project_file),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay),
+    "clash": Work(clash, {"parts": Maybe(Selection)}),
+    "findings_file": Work(findings_file, {"upload": str, "name": str}),
+    "findings_bcf": Work(findings_bcf, {"upload": str, "name": str}),
+    "verify": Work(verified),
+    "export_requirements": Work(export_requirements),
+    "export_findings": Work(export_findings, {"format": FindingFormat}),
 }

@@ -50,12 +50,14 @@ def page(
     files: Mapping[str, File],
     progress: Progress,
     most_bytes: int = MOST_BYTES,
+    findings: bytes = b"",
 ) -> tuple[bytes, int]:
     """The file, and the number of triangles left out. piece: the bytes of a piece, by its number.
 
-    files: the page's own, `static_files()`. Raises `WorkbenchError` if its script is missing.
+    files: the page's own, `static_files()`. findings: the frame of their rows. Raises `WorkbenchError` if its script is
+    missing.
     """
-    packed, left_out = container(document, camera, manifest, piece, progress, most_bytes)
+    packed, left_out = container(document, camera, manifest, piece, progress, most_bytes, findings)
     progress(0.9, "writing")
     return _document(manifest["name"], files, gzip.compress(packed, 9, mtime=0)), left_out
 
@@ -67,6 +69,7 @@ def container(
     piece: Callable[[int], bytes],
     progress: Progress,
     most_bytes: int = MOST_BYTES,
+    findings: bytes = b"",
 ) -> tuple[bytes, int]:
     """The frame before compression, and the number of triangles left out."""
     # From the pieces' own boxes: triangles that are not drawn have no place on the grid.
@@ -95,6 +98,7 @@ def container(
         manifest={**manifest, "triangles": triangles, "vertices": vertices, "pieces": inside},
         left_out=left_out,
         grid={"lower": (float(lower[0]), float(lower[1]), float(lower[2])), "step": step},
+        findings=np.frombuffer(findings, np.uint8),
         pieces=np.frombuffer(b"".join(blocks), np.uint8),
     )
     frame = pack(saved)

@@ -16,7 +16,9 @@ from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.asking import ASKS, JOBS, Place
+from feeler.workbench.session.finding_jobs import TakenFindings
 from feeler.workbench.session.jobs import Job, Jobs
+from feeler.workbench.session.uploads import Uploads
 
 Replay = Callable[[Progress], dict[str, Any]]
 Places = Callable[[], Place]
@@ -31,6 +33,10 @@ class Requests:
         self._jobs: Jobs | None = None
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
+        self.uploads = Uploads()
+        """Files that pages opened."""
+        self.taken = TakenFindings()
+        """Findings of jobs, for the command "findings_take"."""
         self.replay: Replay | None = None
         """Replays the record, if there is one."""
 
@@ -38,6 +44,7 @@ class Requests:
         """Another mock-up is open: drops files and caches of the previous one."""
         with self._lock:
             self._exports, self._sight = {}, None
+            self.taken = TakenFindings()
 
     def place(self, document: Document, hands: Hands, geometry: Geometry, cards: Callable[[int], CardAnswer]) -> Place:
         """The subject of questions and jobs: immutable, so that nothing waits for them."""
@@ -47,7 +54,18 @@ class Requests:
             if self._sight is None or self._sight[0] != key:
                 self._sight = (key, measuring.Sight(world, document))
             sight = self._sight[1]
-            return Place(document, hands.scene, hands.meshes, sight, geometry, self._exports, cards, self.replay)
+            return Place(
+                document,
+                hands.scene,
+                hands.meshes,
+                sight,
+                geometry,
+                self._exports,
+                self.uploads,
+                self.taken,
+                cards,
+                self.replay,
+            )
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
         """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""
@@ -81,6 +99,7 @@ class Requests:
         return data
 
     def close(self) -> None:
-        """Cancels all jobs."""
+        """Cancels all jobs, and drops files."""
+        self.uploads.close()
         if self._jobs is not None:
             self._jobs.close()

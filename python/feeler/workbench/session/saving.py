@@ -180,7 +180,7 @@ class Saver:
         before = self._written
         yield from keeping.changes(before, target)
         old, new = (None if before is None else before.findings), target.findings
-        if before is None or (old is not new and (old is None or new is None or old.groups is not new.groups)):
+        if before is None or (old is not new and (old is None or new is None or old.table is not new.table)):
             yield from self._all_findings(target)
         elif old is not new:
             yield from self._some_marks(keeping.finding_marks(old), keeping.finding_marks(new))

@@ -14,7 +14,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +31,7 @@ from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.cards import told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
-from feeler.workbench.document.findings import grouped, read_findings
+from feeler.workbench.document.findings import findings_of, read_findings, saved
 from feeler.workbench.document.history import History
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
@@ -168,7 +168,7 @@ class Session:
         """Opens findings of `feeler clash --json`, a file or its content. Raises `LoadError`."""
         data = read_findings(given) if isinstance(given, (str, Path)) else given
         with self._lock:
-            found = grouped(data, self._opened().scene.mockup.parts, self._document.absent)
+            found = findings_of(data, self._opened().scene.mockup.parts, self._document.absent)
             # The user did not make this change: undo does not revert it.
             self._history.revise(lambda each: each if each.findings else replace(each, findings=found))
             self._show(replace(self._document, findings=found), None)
@@ -272,6 +272,17 @@ class Session:
         with self._lock:
             return self._opened().geometry(version).data()
 
+    def finding_rows(self, version: str) -> bytes:
+        """The rows of the findings of a version, packed. Raises `WorkbenchError` if there are none such."""
+        found = self._document.findings
+        if found is None or found.table.key != version:
+            raise WorkbenchError("the findings are others now", "findings", "fetch those of the document")
+        return found.table.frame()
+
+    def upload(self, file: IO[bytes]) -> str:
+        """Takes a whole file from a page; the result is its name for jobs."""
+        return self._requests.uploads.keep(file)
+
     def export(self, name: str) -> bytes:
         """A file written by a job. Raises `WorkbenchError`."""
         return self._requests.export(name)
@@ -331,6 +342,8 @@ class Session:
             if after.held_version != before.held_version:
                 self._tell_held(after)
             if self._recorder is not None and not is_of_cards:
+                if name == "findings_take" and after.findings is not None:
+                    args = {**args, "saved": saved(after.findings)}  # a replay has no jobs
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
@@ -445,6 +458,8 @@ class Session:
             if name == "measure_add" or given.has("type"):
                 found = measuring.measured(given, before, hands.scene, hands.meshes)
                 known = replace(known, measured=found)
+        elif name == "findings_take" and isinstance(args, dict):
+            known = replace(known, findings=self._requests.taken.of(args.get("key"), before))
         after = applied(before, name, args, known)
         after = replace(after, held_version=hands.version(after))
         if name != "place":

@@ -1,0 +1,330 @@
+"""Reads BCF (2.0, 2.1, 3.0): what people decided about topics elsewhere goes back to the findings.
+
+The file is a stranger's: nothing is unpacked to disk, sizes are counted while they are read, and XML with a document
+type is refused, since entities can grow without bound.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import zipfile
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import IO
+from xml.parsers import expat
+
+from feeler.arguments import check_kind, check_list, check_path
+from feeler.choices import GROUPS_BY, Status
+from feeler.clashes.result import Clashes
+from feeler.clashes.tracking import derived_id
+from feeler.errors import LoadError, MissingFileError
+
+MOST_BYTES = 1 << 30
+"""Bytes of a file."""
+MOST_MEMBERS = 50_000
+"""Members of an archive."""
+MOST_TOPICS = 10_000
+"""Topics that are read."""
+MOST_MEMBER_BYTES = 4 << 20
+"""Bytes of one XML document, unpacked."""
+MOST_UNPACKED_BYTES = 256 << 20
+"""Bytes of all XML documents, unpacked."""
+_MOST_LEVELS = 64
+_MOST_ELEMENTS = 200_000  # of one document
+_MOST_NOTE = 10_000  # characters of the note of a finding
+_BLOCK_BYTES = 1 << 16
+
+_UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
+
+_STATUSES: dict[str, Status] = {
+    **dict.fromkeys(("new", "open", "opened", "unassigned"), "new"),
+    **dict.fromkeys(("active", "in progress", "assigned", "reopened", "re-opened", "ongoing"), "active"),
+    **dict.fromkeys(("reviewed", "in review", "review", "resolved", "done", "fixed", "closed"), "reviewed"),
+    **dict.fromkeys(("approved", "accepted", "ignored", "not an issue", "void"), "approved"),
+}
+"""What the words of trackers mean here. Whether a resolved clash is gone, the next check finds."""
+
+
+@dataclass(frozen=True)
+class Comment:
+    """A comment on a topic; author and date may be empty."""
+
+    text: str
+    author: str = ""
+    date: str = ""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of a BCF file.
+
+    status: as the file has it. parts: the texts that name selected components, which are part paths in files of feeler.
+    ids: the ids of findings that the description names.
+    """
+
+    guid: str
+    title: str
+    status: str
+    description: str = ""
+    assigned_to: str = ""
+    comments: tuple[Comment, ...] = ()
+    parts: tuple[str, ...] = ()
+    ids: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class BcfChanges:
+    """What `apply_bcf` did: ids of findings that got another status, and another note; topics of no finding here."""
+
+    statuses: tuple[str, ...]
+    notes: tuple[str, ...]
+    unknown: tuple[Topic, ...]
+
+
+def read_bcf(path: str | os.PathLike[str]) -> tuple[Topic, ...]:
+    """The topics of a BCF file (`.bcf`, `.bcfzip`) of versions 2.0 to 3.0, in the order of their titles and GUIDs.
+
+    Raises `MissingFileError` if the file does not exist, and `LoadError` if it is no BCF file, is damaged, or is too
+    large to be one.
+    """
+    file = check_path("path", path)
+    try:
+        with file.open("rb") as opened:
+            return topics_in(opened, str(file))
+    except FileNotFoundError:
+        raise MissingFileError(f"{file} does not exist: give a BCF file") from None
+    except OSError as error:
+        raise LoadError(f"{file} cannot be read: {error.strerror or error}") from None
+
+
+def topics_in(opened: IO[bytes], name: str) -> tuple[Topic, ...]:
+    """The topics of an open file; see `read_bcf`."""
+    opened.seek(0, io.SEEK_END)
+    if opened.tell() > MOST_BYTES:
+        raise LoadError(f"{name} has {opened.tell():,} bytes, and {MOST_BYTES:,} are the most of a BCF file")
+    opened.seek(0)
+    try:
+        with zipfile.ZipFile(opened) as archive:
+            return tuple(_Archive(archive, name).topics())
+    except (
+        zipfile.BadZipFile,
+        zipfile.LargeZipFile,
+        EOFError,
+        NotImplementedError,
+        RuntimeError,
+        ValueError,
+        OSError,
+        zlib.error,
+    ) as error:
+        raise LoadError(f"{name} is not a BCF file, or is damaged ({error}): export it again") from None
+
+
+def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
+    """Sets the statuses and notes of findings by the topics of a BCF file, as `read_bcf` reads them.
+
+    A topic belongs to the findings that its description names, else to those of its group (`write_bcf` derives GUIDs
+    from groups), else to those of the pair of parts that its viewpoint selects. Comments become the note, newest last;
+    one that the note has already is not added again. A status without a counterpart here goes into the note. Statuses
+    of trackers: open and new become new; active and in progress, active; resolved and closed, reviewed (the next check
+    finds what is gone); approved and accepted, approved.
+    """
+    check_kind("clashes", clashes, Clashes, "feeler.Clashes")
+    given = check_list("topics", topics, "a list of feeler.clashes.Topic")
+    finder = _Finder(clashes)
+    statuses, notes, unknown = [], [], []
+    for topic in given:
+        topic = check_kind("topics", topic, Topic, "a list of feeler.clashes.Topic")
+        found = finder.of(topic)
+        if not found:
+            unknown.append(topic)
+        status = _STATUSES.get(topic.status.strip().lower())
+        for each in found:
+            before = clashes.marks.of(each)
+            after = replace(before, note=noted(before.note, topic))
+            if status is not None and status != before.status and before.status != "resolved":
+                by = topic.comments[-1].author if topic.comments else before.by
+                clashes.marks.set(each, status, finder.depth(each), by, after.note)
+                statuses.append(each)
+            elif after != before:
+                clashes.marks.put(each, after)
+            if after.note != before.note:
+                notes.append(each)
+    return BcfChanges(tuple(dict.fromkeys(statuses)), tuple(dict.fromkeys(notes)), tuple(unknown))
+
+
+def noted(note: str, topic: Topic) -> str:
+    """A note with the comments of a topic, each once."""
+    lines = [note] if note else []
+    if topic.status.strip() and topic.status.strip().lower() not in _STATUSES:
+        lines.append(f"BCF: {topic.status.strip()}")
+    for comment in topic.comments:
+        text = " ".join(comment.text.split())
+        lines.append(f"{comment.author}: {text}" if comment.author else text)
+    kept: list[str] = []
+    for line in lines:
+        if line and not any(line in before.split("; ") or line == before for before in kept):
+            kept.append(line)
+    return "; ".join(kept)[:_MOST_NOTE]
+
+
+class _Finder:
+    """Finds the findings of topics."""
+
+    def __init__(self, clashes: Clashes) -> None:
+        self._ids = set(clashes.ids)
+        self._row = {each: row for row, each in enumerate(clashes.ids)}
+        self._depths = clashes.signed_depths
+        self._groups: dict[str, tuple[str, ...]] = {}
+        for by in GROUPS_BY:
+            for group in clashes.groups(by):
+                self._groups[derived_id("topic", by, group.name)] = group.clashes.ids
+        self._pairs: dict[frozenset[str], list[str]] = {}
+        for each, a, b in zip(clashes.ids, clashes.paths_a.tolist(), clashes.paths_b.tolist(), strict=True):
+            self._pairs.setdefault(frozenset((a, b)), []).append(each)
+
+    def of(self, topic: Topic) -> tuple[str, ...]:
+        """The ids of a topic's findings."""
+        named = tuple(each for each in topic.ids if each in self._ids)
+        if named:
+            return named
+        if topic.guid in self._groups:
+            return self._groups[topic.guid]
+        return tuple(self._pairs.get(frozenset(topic.parts), ()))
+
+    def depth(self, each: str) -> float:
+        """The signed depth of a finding."""
+        return float(self._depths[self._row[each]])
+
+
+@dataclass
+class _Element:
+    tag: str
+    attributes: dict[str, str]
+    children: list[_Element] = field(default_factory=list)
+    text: str = ""
+
+    def first(self, tag: str) -> _Element | None:
+        return next((each for each in self.children if each.tag == tag), None)
+
+    def said(self, tag: str) -> str:
+        found = self.first(tag)
+        return "" if found is None else found.text.strip()
+
+    def every(self, tag: str) -> Iterator[_Element]:
+        """All elements of a name below, in order."""
+        waiting = [*reversed(self.children)]
+        while waiting:
+            each = waiting.pop()
+            if each.tag == tag:
+                yield each
+            waiting += reversed(each.children)
+
+
+class _Archive:
+    def __init__(self, archive: zipfile.ZipFile, name: str) -> None:
+        self._archive, self._name = archive, name
+        self._unpacked = 0
+        infos = archive.infolist()
+        if len(infos) > MOST_MEMBERS:
+            raise self.fail(f"it has {len(infos):,} members, and {MOST_MEMBERS:,} are the most")
+        self._members = {info.filename.replace("\\", "/"): info for info in infos}
+
+    def fail(self, what: str) -> LoadError:
+        return LoadError(f"{self._name}: {what}; export it again")
+
+    def topics(self) -> Iterator[Topic]:
+        markups = sorted(each for each in self._members if each.lower().endswith("/markup.bcf"))
+        if not markups and "bcf.version" not in self._members:
+            raise self.fail("there is no bcf.version and no topic: it is not a BCF file")
+        if len(markups) > MOST_TOPICS:
+            raise self.fail(f"it has {len(markups):,} topics, and {MOST_TOPICS:,} are the most")
+        found = [topic for each in markups if (topic := self._topic(each)) is not None]
+        yield from sorted(found, key=lambda topic: (topic.title, topic.guid))
+
+    def _topic(self, member: str) -> Topic | None:
+        root = self._document(member)
+        topic = root.first("Topic")
+        if topic is None:
+            return None
+        # BCF 3.0 has the comments inside of the topic, earlier versions beside it.
+        comments = [*topic.every("Comment"), *(each for each in root.children if each.tag == "Comment")]
+        description = topic.said("Description")
+        return Topic(
+            guid=topic.attributes.get("Guid", "").strip().lower() or member.split("/")[0],
+            title=topic.said("Title"),
+            status=topic.attributes.get("TopicStatus", "").strip(),
+            description=description,
+            assigned_to=topic.said("AssignedTo"),
+            comments=tuple(_comment(each) for each in comments if each.said("Comment")),
+            parts=self._parts(member, root),
+            ids=tuple(dict.fromkeys(_UUID.findall(description.lower()))),
+        )
+
+    def _parts(self, member: str, root: _Element) -> tuple[str, ...]:
+        """The components that the first viewpoint selects."""
+        folder = member.rpartition("/")[0]
+        named = [each.text.strip() for each in root.every("Viewpoint") if each.text.strip()]
+        for name in [*named, "viewpoint.bcfv"]:
+            path = f"{folder}/{name}"
+            if path not in self._members:
+                continue
+            for selection in self._document(path).every("Selection"):
+                found = [each.said("AuthoringToolId") for each in selection.every("Component")]
+                return tuple(dict.fromkeys(each for each in found if each))
+            return ()
+        return ()
+
+    def _document(self, member: str) -> _Element:
+        """The root of an XML document."""
+        parser = expat.ParserCreate(namespace_separator=" ")
+        parser.buffer_text = True
+        root = _Element("", {})
+        open_now, count = [root], 0
+        text: list[list[str]] = [[]]
+
+        def start(tag: str, attributes: dict[str, str]) -> None:
+            nonlocal count
+            count += 1
+            if len(open_now) > _MOST_LEVELS or count > _MOST_ELEMENTS:
+                raise self.fail(f"{member!r} has too many or too deeply nested elements")
+            element = _Element(tag.rpartition(" ")[2], attributes)
+            open_now[-1].children.append(element)
+            open_now.append(element)
+            text.append([])
+
+        def end(_tag: str) -> None:
+            open_now.pop().text = "".join(text.pop())
+
+        def doctype(*_: object) -> None:
+            raise self.fail(f"{member!r} declares a document type, which BCF has no use for: it was not opened")
+
+        parser.StartElementHandler = start
+        parser.EndElementHandler = end
+        parser.CharacterDataHandler = lambda piece: text[-1].append(piece)
+        parser.StartDoctypeDeclHandler = doctype
+        try:
+            for block in self._blocks(member):
+                parser.Parse(block)
+            parser.Parse(b"", True)
+        except expat.ExpatError as error:
+            raise self.fail(f"the XML of {member!r} is damaged ({error})") from None
+        return root.children[0]
+
+    def _blocks(self, member: str) -> Iterable[bytes]:
+        """The bytes of a member, counted as they come: the sizes in the archive may lie."""
+        size = 0
+        with self._archive.open(self._members[member]) as opened:
+            while block := opened.read(_BLOCK_BYTES):
+                size += len(block)
+                self._unpacked += len(block)
+                if size > MOST_MEMBER_BYTES or self._unpacked > MOST_UNPACKED_BYTES:
+                    raise self.fail(f"{member!r} unpacks to more than a BCF file needs: it was not opened")
+                yield block
+
+
+def _comment(element: _Element) -> Comment:
+    author = element.said("ModifiedAuthor") or element.said("Author")
+    return Comment(element.said("Comment"), author, element.said("ModifiedDate") or element.said("Date"))

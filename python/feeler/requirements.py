@@ -1,0 +1,255 @@
+"""Clearances that must hold: named requirements on pairs of parts, and whether a mock-up keeps them.
+
+version = 1
+
+[[requirement]]
+name = "fuel pipe to exhaust"
+a = "*fuel_pipe*"                 # a pattern of paths, a path with all below it, or several
+b = ["*exhaust*", "re:.*/hot_[0-9]+"]
+gap = 0.02                        # metres: the least distance
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Literal, cast
+
+from feeler.arguments import (
+    check_kind,
+    check_length,
+    check_list,
+    check_path,
+    check_progress,
+    check_text,
+    check_threads,
+    near,
+    shown,
+)
+from feeler.clashes import Clash, Rule, Rules, Verdict, clash
+from feeler.errors import LoadError, MeshError, MissingFileError, OptionError
+from feeler.io.text import text_of
+from feeler.mockup import Mockup
+from feeler.progress import Progress
+from feeler.scene import Scene
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+VERSION = 1
+Words = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """Some parts stay at least `gap` metres away from others.
+
+    a, b: patterns as `Parts.select` takes them, or `re:` and a regular expression for whole paths; one, or several. The
+    order of the two sides does not matter, and a part is not compared with itself. gap: metres; 0: they may touch, but
+    not overlap. optional: patterns may match nothing.
+    """
+
+    name: str
+    a: Words
+    b: Words
+    gap: float
+    optional: bool = False
+
+    def __post_init__(self) -> None:
+        check_text("the name of a requirement", self.name)
+        if not self.name.strip():
+            raise OptionError("a requirement has no name: give one")
+        # A rule has the same patterns, and its own checks name what is wrong.
+        rule = Rule(self.name, self.a, self.b, optional=self.optional)
+        object.__setattr__(self, "a", rule.a)
+        object.__setattr__(self, "b", rule.b)
+        check_length(f"requirement {self.name!r}: gap", self.gap)
+
+
+@dataclass(frozen=True)
+class Verified:
+    """Whether a requirement holds.
+
+    status: "holds" or "violated". pairs: how many pairs of parts violate it; the other fields are of the worst of them,
+    and None if it holds. gap: their distance, metres, 0 if they touch or overlap. depth: how deep they overlap, metres,
+    at least; 0 if they do not. point_a, point_b: where, world.
+    """
+
+    requirement: Requirement
+    status: Literal["holds", "violated"]
+    pairs: int = 0
+    gap: float | None = None
+    depth: float | None = None
+    path_a: str | None = None
+    path_b: str | None = None
+    point_a: tuple[float, float, float] | None = None
+    point_b: tuple[float, float, float] | None = None
+
+    def __bool__(self) -> bool:
+        return self.status == "holds"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain Python values, for JSON."""
+        given = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "requirement"}
+        asked = {each.name: getattr(self.requirement, each.name) for each in fields(self.requirement)}
+        return {
+            "name": asked["name"],
+            "a": list(asked["a"]),
+            "b": list(asked["b"]),
+            "required_gap": asked["gap"],
+            **{name: list(value) if isinstance(value, tuple) else value for name, value in given.items()},
+        }
+
+
+RequirementsLike = Iterable[Requirement] | Mapping[str, object] | str | os.PathLike[str]
+"""Requirements, a dict of the form of their TOML file, or the path of such a file."""
+
+
+def read_requirements(path: str | os.PathLike[str]) -> tuple[Requirement, ...]:
+    """The requirements of a TOML file. Raises `MissingFileError`, and `LoadError` if the file is invalid."""
+    file = check_path("path", path)
+    try:
+        return _parsed(_toml(file), str(file))
+    except OptionError as error:
+        raise LoadError(str(error)) from None
+
+
+def verify(
+    scene: Scene | Mockup,
+    requirements: RequirementsLike,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> tuple[Verified, ...]:
+    """Whether each requirement holds in a scene, in their order. Parts that the scene is without do not count.
+
+    Distances are exact up to rounding, as in `feeler.clash`. Parts that overlap, or of which one is inside the other,
+    violate every requirement. threads: default all. progress: called with the share done (0 to 1) and the stage. Raises
+    `OptionError` for invalid requirements, and patterns that match no part; `MissingFileError` and `LoadError` for
+    their file.
+    """
+    given: object = scene
+    if not isinstance(given, (Scene, Mockup)):
+        raise MeshError(f"verify needs a feeler.Scene or feeler.Mockup, not {type(given).__name__}")
+    check_progress(progress)
+    check_threads(threads)
+    asked = _requirements(requirements)
+    if isinstance(scene, Mockup):
+        scene = Scene(scene, threads=threads)
+    found = []
+    for number, each in enumerate(asked):
+        if progress is not None:
+            progress(number / len(asked), each.name)
+        found.append(_verified(scene, each, threads))
+    if progress is not None:
+        progress(1.0, "done")
+    return tuple(found)
+
+
+def _verified(scene: Scene, asked: Requirement, threads: int | None) -> Verified:
+    rule = Rule(asked.name, asked.a, asked.b, clearance=asked.gap, optional=asked.optional)
+    rules = Rules((rule,), others=False, where=f"requirement {asked.name!r}")
+    try:
+        found = clash(scene.mockup, asked.gap, 0.0, rules, scene=scene, threads=threads)
+    except OptionError as error:
+        raise OptionError(str(error).replace(f", rule {asked.name!r}", "")) from None
+    wrong = [each for each in found if _is_wrong(each, asked.gap)]
+    if not wrong:
+        return Verified(asked, "holds")
+    worst = min(wrong, key=_order)
+    depth = 0.0 if worst.verdict in (Verdict.CLEARANCE, Verdict.CONTACT) else _finite(worst.depth)
+    return Verified(
+        asked,
+        "violated",
+        len(wrong),
+        _finite(worst.gap),
+        depth,
+        worst.path_a,
+        worst.path_b,
+        worst.point_a,
+        worst.point_b,
+    )
+
+
+def _is_wrong(each: Clash, gap: float) -> bool:
+    if each.verdict in (Verdict.CLEARANCE, Verdict.CONTACT):
+        return each.gap < gap
+    return True
+
+
+def _order(each: Clash) -> tuple[float, ...]:
+    """The deepest overlap first, then the smallest gap."""
+    is_apart = each.verdict in (Verdict.CLEARANCE, Verdict.CONTACT)
+    return (float(is_apart), 0.0 if is_apart else -_finite(each.depth), _finite(each.gap), each.a, each.b)
+
+
+def _finite(value: float) -> float:
+    return value if math.isfinite(value) else 0.0
+
+
+def _requirements(given: RequirementsLike) -> tuple[Requirement, ...]:
+    if isinstance(given, (str, os.PathLike)):
+        return read_requirements(given)
+    if isinstance(given, Mapping):
+        return _parsed(given, "requirements")
+    wanted = "a list of feeler.Requirement, a dict, or the path of a file"
+    every = check_list("requirements", given, wanted)
+    found = tuple(check_kind("requirements", each, Requirement, wanted) for each in every)
+    _check_names(found, "requirements")
+    return found
+
+
+def _toml(file: Path) -> Mapping[str, Any]:
+    try:
+        return cast("Mapping[str, Any]", tomllib.loads(text_of(file)))
+    except FileNotFoundError:
+        raise MissingFileError(f"{file} does not exist: docs/requirements.md has the form") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise LoadError(f"{file} is not valid TOML: {error}") from None
+
+
+def _parsed(data: Mapping[str, object], where: str) -> tuple[Requirement, ...]:
+    _check_keys(data, ("version", "requirement"), where)
+    if data.get("version", VERSION) != VERSION:
+        raise OptionError(f"{where} is of version {data['version']!r}, and this feeler reads {VERSION}")
+    tables = data.get("requirement", [])
+    if not isinstance(tables, list) or not all(isinstance(each, Mapping) for each in tables):
+        raise OptionError(f"{where}: requirement is not a list of tables: write [[requirement]] above each")
+    found = tuple(_made(each, f"{where}, requirement {number}") for number, each in enumerate(tables, 1))
+    if not found:
+        raise OptionError(f"{where} has no requirement: write [[requirement]] with name, a, b and gap")
+    _check_names(found, where)
+    return found
+
+
+def _made(table: Mapping[str, Any], where: str) -> Requirement:
+    known = [each.name for each in fields(Requirement)]
+    _check_keys(table, known, where)
+    for name in ("name", "a", "b", "gap"):
+        if name not in table:
+            raise OptionError(f"{where}: it has no {name}")
+    if not isinstance(table.get("optional", False), bool):
+        raise OptionError(f"{where}: optional is {shown(table['optional'])}: give true or false")
+    try:
+        return Requirement(**table)
+    except OptionError as error:
+        raise OptionError(f"{where}, {error}") from None
+
+
+def _check_keys(table: Mapping[str, object], known: Iterable[str], where: str) -> None:
+    for key in table:
+        if key not in known:
+            raise OptionError(f"{where}: there is no {shown(key)}: {near(str(key), [*known])}")
+
+
+def _check_names(found: tuple[Requirement, ...], where: str) -> None:
+    names = [each.name for each in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise OptionError(f"{where}: two requirements are called {name!r}: give each a name of its own")

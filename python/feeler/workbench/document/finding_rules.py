@@ -1,0 +1,70 @@
+"""Rules made from a finding: "ignore like this"."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes import Exclusion, Rules
+from feeler.clashes.limits import both_sides
+from feeler.errors import OptionError
+from feeler.parts import Parts
+from feeler.workbench.document.document import Findings
+from feeler.workbench.document.finding_table import FindingTable
+
+_DIGITS = re.compile(r"\d+")
+_SPECIAL = re.compile(r"([*?\[\]])")
+
+
+def alike(path: str) -> str:
+    """A pattern for the part and its numbered siblings: `a/bolt_012` -> `a/bolt_*`."""
+    folder, _, name = path.rpartition("/")
+    pattern = _DIGITS.sub("*", _SPECIAL.sub(r"?", name))
+    return f"{_SPECIAL.sub('?', folder)}/{pattern}" if folder else pattern
+
+
+def with_exclusion(rules: str, name: str, a: str, b: str) -> str:
+    """The text of rules with one more exclusion. Raises `OptionError` for a name that is there, or wrong patterns."""
+    exclusion = Exclusion(name, (a,), (b,))
+    if name in {each.name for each in Rules.parse(rules).exclusions}:
+        raise OptionError(f"there is an exclusion {name!r} already: give another name")
+    lines = ["[[exclude]]", f"name = {_quoted(exclusion.name)}", f"a = {_quoted(a)}", f"b = {_quoted(b)}"]
+    made = "\n".join([*([rules.rstrip("\n"), ""] if rules.strip() else []), *lines]) + "\n"
+    Rules.parse(made)
+    return made
+
+
+def mask_of(table: FindingTable, parts: Parts, a: str, b: str) -> npt.NDArray[np.bool_]:
+    """The rows whose pair of parts two patterns name. Raises `OptionError` for patterns that match no part."""
+    one, other = both_sides(parts, Exclusion("alike", (a,), (b,)))
+    known = table.part_of_path
+    if not len(table):
+        return np.zeros(0, bool)
+    first, second = known[table.a], known[table.b]
+    is_here = (first >= 0) & (second >= 0)
+    return is_here & ((one[first] & other[second]) | (other[first] & one[second]))
+
+
+def excluded(found: Findings, parts: Parts, name: str, a: str, b: str) -> Findings:
+    """The findings without those that an exclusion names, which are counted in `hidden`."""
+    mask = mask_of(found.table, parts, a, b)
+    hidden = {**found.table.hidden, name: found.table.hidden.get(name, 0) + int(mask.sum())}
+    return replace(found, table=found.table.rows(~mask, hidden))
+
+
+def unused(name: str, taken: Iterable[str]) -> str:
+    """The name, or with a number if it is taken."""
+    names, number, made = {*taken}, 2, name
+    while made in names:
+        made, number = f"{name} {number}", number + 1
+    return made
+
+
+def _quoted(text: str) -> str:
+    """A basic string of TOML."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

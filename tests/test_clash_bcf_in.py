@@ -1,0 +1,254 @@
+"""BCF comes back: statuses and comments go to their findings, and files of strangers do no harm."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from clash_scene import mockup_of
+from commands import run
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from shapes import box
+from workbench_scene import Bench, cube
+
+import feeler
+from feeler.clashes import Comment, Topic, apply_bcf, bcf_in, read_bcf, write_bcf
+from feeler.errors import LoadError, MissingFileError, OptionError
+
+TOPIC = '<Markup><Topic Guid="{guid}" TopicStatus="{status}"><Title>t</Title>{more}</Topic>{beside}</Markup>'
+
+
+def mockup() -> feeler.Mockup:
+    """Two pins, each in a plate of its own, and a plate that both plates touch."""
+    return mockup_of(
+        {
+            "a/plate": box((0, 0, 0), (1, 1, 1)),
+            "a/pin": box((0.4, 0.4, 0.5), (0.6, 0.6, 2)),
+            "b/plate": box((5, 0, 0), (6, 1, 1)),
+            "b/pin": box((5.4, 0.4, 0.5), (5.6, 0.6, 2)),
+        }
+    )
+
+
+def archive(path: Path, members: Mapping[str, str | bytes]) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as opened:
+        for name, data in {"bcf.version": "<Version/>", **members}.items():
+            opened.writestr(name, data)
+    return path
+
+
+def edited(path: Path, status: str, *comments: tuple[str, str]) -> Path:
+    """A BCF file as another program gives it back: each topic with another status and some comments."""
+    out = path.with_name("back.bcfzip")
+    with zipfile.ZipFile(path) as before, zipfile.ZipFile(out, "w") as after:
+        for name in before.namelist():
+            data = before.read(name)
+            if name.endswith("markup.bcf"):
+                root = ElementTree.fromstring(data)
+                topic = root.find("Topic")
+                assert topic is not None
+                topic.set("TopicStatus", status)
+                inside = ElementTree.SubElement(topic, "Comments")
+                for author, text in comments:
+                    comment = ElementTree.SubElement(inside, "Comment", {"Guid": "c"})
+                    for tag, value in (("Date", "2026-01-01T00:00:00"), ("Author", author), ("Comment", text)):
+                        ElementTree.SubElement(comment, tag).text = value
+                data = ElementTree.tostring(root)
+            after.writestr(name, data)
+    return out
+
+
+def test_statuses_and_comments_come_back(tmp_path: Path) -> None:
+    found = feeler.clash(mockup())
+    write_bcf(tmp_path / "out.bcf", found, mockup())
+    assert {topic.status for topic in read_bcf(tmp_path / "out.bcf")} == {"new"}
+    back = edited(tmp_path / "out.bcf", "In Progress", ("ada", "move  the\npin"), ("bob", "done"))
+    topics = read_bcf(back)
+    assert len(topics) == len(found.groups()) and topics[0].comments == (
+        Comment("move  the\npin", "ada", "2026-01-01T00:00:00"),
+        Comment("done", "bob", "2026-01-01T00:00:00"),
+    )
+    assert set(topics[0].parts) <= set(mockup().part_paths)
+    changes = apply_bcf(found, topics)
+    assert set(changes.statuses) == set(changes.notes) == set(found.ids) and changes.unknown == ()
+    assert {(row.status, row.note, row.by) for row in found} == {("active", "ada: move the pin; bob: done", "bob")}
+    assert apply_bcf(found, topics).notes == (), "a comment is noted once"
+    found.save(tmp_path / "now.json")
+    assert feeler.load_clashes(tmp_path / "now.json")[0].note == "ada: move the pin; bob: done"
+
+
+@pytest.mark.parametrize(
+    ("word", "status"),
+    [
+        *(("Open", "new"), ("ACTIVE", "active"), ("Resolved", "reviewed"), ("closed", "reviewed")),
+        *(("Approved", "approved"), (" in review ", "reviewed"), ("Waiting for the customer", "new"), ("", "new")),
+    ],
+)
+def test_the_words_of_trackers(word: str, status: str) -> None:
+    found = feeler.clash(mockup())
+    apply_bcf(found, [Topic(guid="x", title="t", status=word, ids=(found.ids[0],))])
+    assert found[0].status == status
+    assert found[0].note == ("BCF: Waiting for the customer" if word.startswith("Waiting") else "")
+
+
+def test_an_approval_holds_for_the_depth_of_now() -> None:
+    found = feeler.clash(mockup())
+    apply_bcf(found, [Topic(guid="x", title="t", status="approved", ids=found.ids)])
+    assert found.marks.of(found.ids[0]).approved_depth == found.signed_depths[0]
+
+
+def test_topics_are_found_by_id_else_by_group_else_by_parts() -> None:
+    found = feeler.clash(mockup())
+    (group, *_) = found.groups()
+    first = found[0]
+    by_parts = Topic(guid="x", title="t", status="approved", parts=(first.path_b, first.path_a))
+    assert apply_bcf(found, [by_parts]).statuses == (first.id,)
+    from feeler.clashes.tracking import derived_id
+
+    by_group = Topic(guid=derived_id("topic", "part", group.name), title="t", status="active")
+    assert set(apply_bcf(found, [by_group]).statuses) == set(group.clashes.ids)
+    stranger = Topic(guid="x", title="t", status="active", parts=("nowhere", "else"))
+    assert apply_bcf(found, [stranger]).unknown == (stranger,)
+    with pytest.raises(OptionError):
+        apply_bcf(found, ["no topic"])  # type: ignore[list-item]
+
+
+def test_comments_beside_the_topic_as_in_earlier_versions(tmp_path: Path) -> None:
+    beside = "<Comment Guid='c'><Date>d</Date><Author>ada</Author><Comment>hm</Comment></Comment>"
+    text = TOPIC.format(guid="G", status="Open", more="<AssignedTo>bob</AssignedTo>", beside=beside)
+    (topic,) = read_bcf(archive(tmp_path / "a.bcfzip", {"g/markup.bcf": text}))
+    assert topic == Topic("g", "t", "Open", "", "bob", (Comment("hm", "ada", "d"),))
+
+
+def test_the_command_takes_them_over(tmp_path: Path) -> None:
+    found = feeler.clash(mockup())
+    write_bcf(tmp_path / "out.bcf", found, mockup())
+    found.save(tmp_path / "last.json")
+    back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
+    done = run("clash", tmp_path / "last.json", "--bcf-in", back, "--save", tmp_path / "now.json", "--json")
+    answer = json.loads(done.stdout)
+    assert answer["bcf"] == {"topics": 2, "statuses": 2, "notes": 2, "unknown": 0}
+    assert {each["status"] for each in answer["clashes"]} == {"approved"}
+    assert {row.note for row in feeler.load_clashes(tmp_path / "now.json")} == {"ada: fits"}
+    assert "2 statuses and 2 notes taken over" in run("clash", tmp_path / "last.json", "--bcf-in", back).stdout
+    wrong = run("clash", tmp_path / "last.json", "--bcf-in", tmp_path / "last.json", code=2)
+    assert "is not a BCF file" in wrong.stderr
+
+
+def test_the_page_takes_them_over_in_one_step_of_undo(tmp_path: Path) -> None:
+    bench = Bench(cube(), mockup=mockup())
+    bench.command("findings_take", key=bench.session.job("clash", {}).result(60)["key"])
+    written = bench.session.job("export_findings", {"format": "bcf"}).result(60)
+    (tmp_path / "out.bcf").write_bytes(bench.session.export(written["name"]))
+    back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
+    upload = bench.session.upload(io.BytesIO(back.read_bytes()))
+    taken = bench.session.job("findings_bcf", {"upload": upload, "name": "back.bcfzip"}).result(60)
+    assert taken["count"] == 2
+    bench.command("findings_take", key=taken["key"])
+    findings = bench.document["findings"]
+    assert [*findings["status"].values()] == ["approved"] * 2 and [*findings["notes"].values()] == ["ada: fits"] * 2
+    bench.command("undo")
+    assert bench.document["findings"]["status"] == {}
+
+
+# ---- strangers ----
+
+BOMB = '<!DOCTYPE m [<!ENTITY a "{}">{}]><Markup><Topic Guid="g"><Title>&j;</Title></Topic></Markup>'.format(
+    "x" * 1000, "".join(f'<!ENTITY {chr(98 + k)} "{(f"&{chr(97 + k)};") * 10}">' for k in range(9))
+)
+FILE = '<!DOCTYPE m [<!ENTITY a SYSTEM "file:///etc/passwd">]><Markup><Topic><Title>&a;</Title></Topic></Markup>'
+
+
+@pytest.mark.parametrize(
+    ("members", "words"),
+    [
+        ({"g/markup.bcf": BOMB}, "declares a document type"),
+        ({"g/markup.bcf": FILE}, "declares a document type"),
+        ({"g/markup.bcf": BOMB.encode("utf-16")}, "declares a document type|damaged"),
+        ({"g/markup.bcf": "<Markup>" + " " * (5 << 20) + "</Markup>"}, "unpacks to more"),
+        ({"g/markup.bcf": "<a>" * 100_000}, "too deeply nested"),
+        ({"g/markup.bcf": "<Markup>" + "<a/>" * 250_000 + "</Markup>"}, "too many"),
+        ({"g/markup.bcf": "<Markup>"}, "the XML of 'g/markup.bcf' is damaged"),
+        ({"g/markup.bcf": "<Markup>&nothing;</Markup>"}, "damaged"),
+        ({"g/markup.bcf": b"\xff\xfe<"}, "damaged"),
+        ({"g/markup.bcf": ""}, "damaged"),
+        ({f"{k}/markup.bcf": "<M/>" for k in range(20)}, "20 topics, and 10 are the most"),
+        ({f"{k}.png": "" for k in range(40)}, "41 members, and 30 are the most"),
+    ],
+    ids=lambda each: each if isinstance(each, str) else None,
+)
+def test_hostile_archives_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, members: dict[str, str], words: str
+) -> None:
+    monkeypatch.setattr(bcf_in, "MOST_TOPICS", 10)
+    monkeypatch.setattr(bcf_in, "MOST_MEMBERS", 30)
+    path = archive(tmp_path / "a.bcf", members)
+    with pytest.raises(LoadError, match=words):
+        read_bcf(path)
+
+
+def test_many_documents_that_unpack_to_little_each_are_refused_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bcf_in, "MOST_UNPACKED_BYTES", 1 << 20)
+    text = "<Markup>" + " " * (300 << 10) + "</Markup>"
+    with pytest.raises(LoadError, match="unpacks to more"):
+        read_bcf(archive(tmp_path / "a.bcf", {f"{k}/markup.bcf": text for k in range(5)}))
+
+
+def test_a_member_that_lies_about_its_size_is_counted(tmp_path: Path) -> None:
+    path = archive(tmp_path / "a.bcf", {"g/markup.bcf": "<Markup>" + " " * (8 << 20) + "</Markup>"})
+    data = bytearray(path.read_bytes())
+    size = (8 << 20) + 17
+    at = data.rfind(size.to_bytes(4, "little"))
+    data[at : at + 4] = (100).to_bytes(4, "little")
+    path.write_bytes(data)
+    with pytest.raises(LoadError):
+        read_bcf(path)
+
+
+def test_names_that_lead_elsewhere_are_names(tmp_path: Path) -> None:
+    view = "<Viewpoints><ViewPoint><Viewpoint>../../x</Viewpoint></ViewPoint></Viewpoints>"
+    text = TOPIC.format(guid="", status="", more=view, beside="")
+    (topic,) = read_bcf(archive(tmp_path / "a.bcf", {"../../etc/markup.bcf": text, "..\\..\\x": "no"}))
+    assert (topic.guid, topic.parts) == ("..", ()) and [each.name for each in tmp_path.iterdir()] == ["a.bcf"]
+
+
+def test_what_is_no_bcf_file(tmp_path: Path) -> None:
+    with pytest.raises(MissingFileError):
+        read_bcf(tmp_path / "nothing.bcf")
+    for data in (b"", b"PK", b"no zip at all" * 100):
+        (tmp_path / "a.bcf").write_bytes(data)
+        with pytest.raises(LoadError, match="is not a BCF file"):
+            read_bcf(tmp_path / "a.bcf")
+    with zipfile.ZipFile(tmp_path / "other.bcf", "w") as other:
+        other.writestr("readme.txt", "hello")
+    with pytest.raises(LoadError, match="it is not a BCF file"):
+        read_bcf(tmp_path / "other.bcf")
+    with pytest.raises(LoadError):
+        read_bcf(tmp_path)
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@given(at=st.integers(0, 10**6), value=st.integers(0, 255), cut=st.integers(0, 10**6), how=st.booleans())
+def test_damaged_files_raise_errors_of_feeler(tmp_path: Path, at: int, value: int, cut: int, how: bool) -> None:
+    path = tmp_path / "whole.bcf"
+    if not path.exists():
+        write_bcf(path, feeler.clash(mockup()), mockup())
+    data = bytearray(path.read_bytes())
+    if how:
+        data[at % len(data)] = value
+    else:
+        del data[cut % len(data) :]
+    (tmp_path / "broken.bcf").write_bytes(data)
+    try:
+        topics = read_bcf(tmp_path / "broken.bcf")
+    except LoadError:
+        return
+    apply_bcf(feeler.clash(mockup()), topics)

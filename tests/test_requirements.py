@@ -1,0 +1,153 @@
+"""Clearances that must hold: told by distances that are known, read from files, and by the command."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clash_scene import mockup_of
+from commands import run
+from shapes import box
+
+import feeler
+from feeler.errors import LoadError, MeshError, MissingFileError, OptionError
+from feeler.io import write_glb
+
+
+def yard() -> feeler.Mockup:
+    """A pipe 10 mm beside a duct, one that touches it, one 2 mm inside it, and a core within the duct."""
+    return mockup_of(
+        {
+            "duct/wall": box((0, 0, 0), (1, 1, 1)),
+            "duct/core": box((0.4, 0.4, 0.4), (0.6, 0.6, 0.6)),
+            "pipes/near": box((1.0078125, 0, 0), (1.1, 1, 1)),
+            "pipes/flush": box((0, 1, 0), (1, 1.1, 1)),
+            "pipes/sunk": box((0, 0, 0.998046875), (1, 1, 1.1)),
+        }
+    )
+
+
+def asked(a: str, b: str, gap: float) -> feeler.Requirement:
+    return feeler.Requirement("one", a, b, gap)
+
+
+@pytest.mark.parametrize(
+    ("a", "gap", "holds"),
+    [
+        *(("*near", 0.0078125, True), ("*near", 0.0078126, False), ("*near", 0.0, True)),
+        *(("*flush", 0.0, True), ("*flush", 1e-9, False)),
+        *(("*sunk", 0.0, False), ("duct/core", 0.0, False)),
+    ],
+)
+def test_a_requirement_holds_from_its_gap_on(a: str, gap: float, holds: bool) -> None:
+    (found,) = feeler.verify(yard(), [asked(a, "duct/wall", gap)])
+    assert bool(found) is holds and found.status == ("holds" if holds else "violated")
+    assert (found.gap is None) == (found.path_a is None) == (found.pairs == 0) == holds
+    (turned,) = feeler.verify(yard(), [asked("duct/wall", a, gap)])
+    assert turned.status == found.status, "the order of the sides does not matter"
+
+
+def test_the_worst_pair_is_reported() -> None:
+    (found,) = feeler.verify(yard(), [asked("pipes", "duct/wall", 0.02)])
+    assert (found.pairs, {found.path_a, found.path_b}) == (3, {"pipes/sunk", "duct/wall"})
+    assert found.depth == pytest.approx(0.001953125, rel=2e-3) and found.gap == 0.0
+    scene = feeler.Scene(yard()).without("*sunk")
+    (found,) = feeler.verify(scene, [asked("pipes", "duct/wall", 0.02)])
+    assert (found.pairs, found.depth, found.gap) == (2, 0.0, 0.0) and "pipes/flush" in (found.path_a, found.path_b)
+    scene = scene.without("*flush")
+    (found,) = feeler.verify(scene, [asked("pipes", "duct/wall", 0.02)])
+    assert (found.pairs, found.gap) == (1, 0.0078125)
+    assert found.point_a is not None and found.point_b is not None
+    assert np.linalg.norm(np.subtract(found.point_a, found.point_b)) == pytest.approx(0.0078125)
+
+
+def test_each_requirement_is_asked_for_itself() -> None:
+    both = [asked("*near", "duct", 0.005), feeler.Requirement("two", "*near", "*wall", 0.05)]
+    assert [each.status for each in feeler.verify(yard(), both)] == ["holds", "violated"]
+    (alone,) = feeler.verify(yard(), [asked("duct/wall", "duct/wall", 1.0)])
+    assert alone, "a part is not compared with itself"
+
+
+def test_a_random_box_is_as_far_as_its_coordinates_say() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(40):
+        away = random.uniform(0.001, 0.2)
+        mockup = mockup_of({"one": box((0, 0, 0), (1, 1, 1)), "other": box((1 + away, 0, 0), (2, 1, 1))})
+        real = float(mockup.part_bounds.reshape(-1, 2, 3)[1, 0, 0]) - 1.0
+        gap = random.uniform(0.0, 0.25)
+        (found,) = feeler.verify(mockup, [asked("one", "other", gap)])
+        assert bool(found) == (real >= gap), (real, gap)
+
+
+FILE = """
+version = 1
+[[requirement]]
+name = "near pipe"
+a = ["*near", "re:.*/nothing"]
+b = "duct"
+gap = 0.005
+optional = true
+[[requirement]]
+name = "flush pipe"
+a = "*flush"
+b = "*wall"
+gap = 0.001
+"""
+
+
+def test_files(tmp_path: Path) -> None:
+    path = tmp_path / "requirements.toml"
+    path.write_text(FILE)
+    near, flush = feeler.read_requirements(path)
+    assert near == feeler.Requirement("near pipe", ("*near", "re:.*/nothing"), ("duct",), 0.005, True)
+    found = feeler.verify(yard(), path)
+    assert [each.status for each in found] == ["holds", "violated"] and found[1].requirement == flush
+    assert pickle.loads(pickle.dumps(found)) == found
+    said = found[1].to_dict()
+    assert (said["name"], said["required_gap"], said["gap"]) == ("flush pipe", 0.001, 0.0)
+    assert json.loads(json.dumps(said)) == said
+    with pytest.raises(MissingFileError):
+        feeler.read_requirements(tmp_path / "nothing.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[[requirement", "not valid TOML"),
+        ("version = 2", "of version 2"),
+        ("", "has no requirement"),
+        ("[requirement]\nname = 1", "write \\[\\[requirement\\]\\]"),
+        ('[[requirement]]\nname = "x"\na = "*"\nb = "*"', "requirement 1: it has no gap"),
+        ('[[requirement]]\nname = "x"\na = "*"\nb = "*"\ngap = -1', "gap"),
+        ('[[requirement]]\nname = "x"\na = "*"\nb = 3\ngap = 1', "b is 3"),
+        ('[[requirement]]\nname = "x"\na = "*"\nb = "*"\ngap = 1\ngab = 2', "there is no 'gab'.*gap"),
+        (FILE + FILE.replace("version = 1", ""), "two requirements are called 'near pipe'"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_said(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(LoadError, match=words):
+        feeler.read_requirements(tmp_path / "a.toml")
+
+
+def test_what_cannot_be_asked() -> None:
+    with pytest.raises(OptionError, match=r"requirement 'one', a: .*nothing"):
+        feeler.verify(yard(), [asked("nothing", "*", 0.1)])
+    with pytest.raises(MeshError):
+        feeler.verify("engine.step", [])  # type: ignore[arg-type]
+    assert feeler.verify(yard(), []) == ()
+
+
+def test_the_command(tmp_path: Path) -> None:
+    write_glb(tmp_path / "yard.glb", yard())
+    (tmp_path / "r.toml").write_text(FILE.replace('"duct"', '"*wall"'))
+    done = run("verify", tmp_path / "yard.glb", "--requirements", tmp_path / "r.toml", code=1)
+    assert "2 requirements: 1 violated, 1 holds" in done.stdout
+    assert "violated  flush pipe: " in done.stdout and "1 mm required" in done.stdout
+    words = ("verify", tmp_path / "yard.glb", "--requirements", tmp_path / "r.toml", "--json")
+    answer = json.loads(run(*words, code=1).stdout)
+    assert answer["holds"] is False and [each["status"] for each in answer["requirements"]] == ["holds", "violated"]
+    assert json.loads(run(*words, "--without", "*flush").stdout)["holds"] is True

@@ -1,0 +1,81 @@
+// How the next clash check is made: clearance, contact, rules.
+
+import { useState } from "preact/hooks";
+import { openRules, setCheck } from "../actions/findings";
+import { useWorkbench } from "./context";
+import { Figure } from "./fields";
+
+export function CheckSettings() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const { are_settings_open } = store.findings;
+  const clash = store.document.value?.clash;
+  if (!clash) return null;
+  const is_locked = store.is_read_only.value;
+  return (
+    <details
+      class="check-settings"
+      open={are_settings_open.value}
+      onToggle={(event) => {
+        are_settings_open.value = event.currentTarget.open;
+      }}
+    >
+      <summary>Clearance, contact, rules</summary>
+      <Figure
+        label="Clearance"
+        kind="length"
+        unit={store.unit.value}
+        value={clash.clearance}
+        step={1e-3}
+        disabled={is_locked}
+        change={(clearance) => setCheck(wb, { clearance: Math.max(0, clearance) })}
+      />
+      <Figure
+        label="Contact"
+        kind="length"
+        unit={store.unit.value}
+        value={clash.contact ?? 0}
+        step={1e-4}
+        disabled={is_locked || clash.contact === null}
+        change={(contact) => setCheck(wb, { contact: Math.max(0, contact) })}
+      />
+      <label class="check">
+        <input
+          type="checkbox"
+          checked={clash.contact === null}
+          disabled={is_locked}
+          onChange={(event) => setCheck(wb, { contact: event.currentTarget.checked ? "chord" : 0 })}
+        />
+        Contact within the chordal errors (STEP)
+      </label>
+      <RulesField key={clash.rules} value={clash.rules} />
+      <button type="button" class="button" disabled={is_locked} onClick={() => openRules(wb)}>
+        Open rules
+      </button>
+    </details>
+  );
+}
+
+/** Rules as TOML; a mistake is told, and the text stays to be mended. */
+function RulesField({ value }: { value: string }) {
+  const wb = useWorkbench();
+  const [draft, setDraft] = useState(value);
+  const [is_wrong, setWrong] = useState(false);
+  return (
+    <textarea
+      class="text-field rules"
+      rows={6}
+      spellcheck={false}
+      placeholder={'[[exclude]]\nname = "seals in their grooves"\na = "*o-ring*"\nb = "*housing*"'}
+      aria-label="Rules"
+      aria-invalid={is_wrong}
+      value={draft}
+      disabled={wb.store.is_read_only.value}
+      onInput={(event) => setDraft(event.currentTarget.value)}
+      onKeyDown={(event) => event.stopPropagation()}
+      onBlur={() => {
+        if (draft !== value) void setCheck(wb, { rules: draft }).then((is_done) => setWrong(!is_done));
+      }}
+    />
+  );
+}

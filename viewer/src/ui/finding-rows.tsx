@@ -1,0 +1,243 @@
+// The list of findings: a hundred thousand of them, at most eighty rows in the page. Groups fold.
+
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { lookAtFinding } from "../actions/findings";
+import { formatCount } from "../math/units";
+import { factsText, lineOf, middleCut, nameA, nameB, relation, sentence, statusOf } from "../model/findings";
+import { useWorkbench } from "./context";
+import { NameField } from "./fields";
+import { Icon } from "./icons";
+import { scrollTo, visibleRows } from "./virtual";
+
+const ROW_PX = 42;
+/** Characters of a part's name in a row; the whole is in its tooltip. */
+const MOST_NAME = 22;
+
+export function FindingRows() {
+  const wb = useWorkbench();
+  const { findings } = wb.store;
+  const scroll_top = useSignal(0);
+  const height = useSignal(300);
+  const active = useSignal(0);
+  const list = useRef<HTMLDivElement>(null);
+  const is_focus_due = useRef(false);
+
+  useEffect(() => {
+    const element = list.current;
+    if (!element) return;
+    const observer = new ResizeObserver(() => {
+      height.value = element.clientHeight;
+    });
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, []);
+
+  const show = (line: number): void => {
+    active.value = line;
+    const element = list.current;
+    if (element) element.scrollTop = scrollTo(line, element.scrollTop, element.clientHeight, ROW_PX);
+  };
+
+  // The current one comes into sight.
+  useSignalEffect(() => {
+    const row = findings.row.value;
+    const line = row < 0 ? -1 : lineOf(findings.shown.value, row);
+    if (line >= 0) show(line);
+  });
+
+  useLayoutEffect(() => {
+    if (!is_focus_due.current) return;
+    is_focus_due.current = false;
+    list.current?.querySelector<HTMLElement>("[role=treeitem][tabindex='0']")?.focus({ preventScroll: true });
+  });
+
+  const { lines } = findings.shown.value;
+  const groupAt = (line: number) => findings.shown.peek().groups[-1 - (findings.shown.peek().lines[line] ?? 0)];
+
+  const choose = (line: number, event: MouseEvent | KeyboardEvent): void => {
+    const row = lines[line] ?? -1;
+    const group = groupAt(line);
+    if (event.target instanceof HTMLInputElement) return; // the name of a group is written
+    show(line);
+    if (group) findings.fold(group.key);
+    else if (event.shiftKey || event.ctrlKey || event.metaKey) alsoChoose(line, event.shiftKey);
+    else void lookAtFinding(wb, row);
+  };
+
+  /** Ctrl adds one or takes it out, Shift adds all up to it. */
+  const alsoChoose = (line: number, is_range: boolean): void => {
+    const chosen = new Set(findings.chosen.peek());
+    const row = lines[line] ?? -1;
+    const from = is_range ? lineOf(findings.shown.peek(), findings.row.peek()) : -1;
+    if (from >= 0) {
+      for (const each of lines.subarray(Math.min(from, line), Math.max(from, line) + 1))
+        if (each >= 0) chosen.add(each);
+    } else if (!chosen.delete(row)) chosen.add(row);
+    findings.chosen.value = chosen;
+  };
+
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.altKey || event.ctrlKey || event.metaKey || event.target instanceof HTMLInputElement) return;
+    const at = active.peek();
+    const page = Math.max(1, Math.floor(height.peek() / ROW_PX) - 1);
+    const group = groupAt(at);
+    const is_folded = group !== undefined && findings.folded.peek().has(group.key);
+    const moves: Record<string, number> = {
+      ArrowDown: at + 1,
+      ArrowUp: at - 1,
+      PageDown: at + page,
+      PageUp: at - page,
+      Home: 0,
+      End: lines.length - 1,
+    };
+    const to = moves[event.key];
+    if (to !== undefined) show(Math.max(0, Math.min(lines.length - 1, to)));
+    else if (event.key === "ArrowRight" && group && is_folded) findings.fold(group.key);
+    else if (event.key === "ArrowLeft" && group && !is_folded) findings.fold(group.key);
+    else if (event.key === "Enter" || event.key === " ") choose(at, event);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+    is_focus_due.current = true;
+  };
+
+  const count = lines.length;
+  const current = Math.min(active.value, Math.max(0, count - 1));
+  const { first, end } = visibleRows(scroll_top.value, height.value, ROW_PX, count);
+  const shown: number[] = [];
+  for (let k = first; k < end; k++) shown.push(k);
+  if (count > 0 && (current < first || current >= end)) shown.push(current);
+  return (
+    <div
+      ref={list}
+      class="finding-list"
+      role="tree"
+      aria-label="Findings"
+      aria-multiselectable="true"
+      onScroll={(event) => {
+        scroll_top.value = event.currentTarget.scrollTop;
+      }}
+      onKeyDown={onKey}
+    >
+      <div class="finding-space" role="none" style={{ height: `${count * ROW_PX}px` }}>
+        {shown.map((line) => {
+          const at = lines[line] ?? -1;
+          const props = { line, isActive: line === current, choose: (event: MouseEvent) => choose(line, event) };
+          return at < 0 ? (
+            <GroupLine key={`g${at}`} index={-1 - at} {...props} />
+          ) : (
+            <FindingLine key={at} row={at} {...props} />
+          );
+        })}
+      </div>
+    </div>
+  );
+}
+
+interface LineProps {
+  line: number;
+  isActive: boolean;
+  choose: (event: MouseEvent) => void;
+}
+
+const placeOf = (line: number) => ({ transform: `translateY(${line * ROW_PX}px)`, height: `${ROW_PX}px` });
+
+function GroupLine({ index, line, isActive, choose }: LineProps & { index: number }) {
+  const wb = useWorkbench();
+  const { findings } = wb.store;
+  const group = findings.shown.value.groups[index];
+  if (!group) return null;
+  const is_open = !findings.folded.value.has(group.key);
+  const { own } = group;
+  return (
+    // biome-ignore lint/a11y/useKeyWithClickEvents: the list takes the keys of all its rows
+    <div
+      role="treeitem"
+      class="finding-group"
+      tabIndex={isActive ? 0 : -1}
+      aria-level={1}
+      aria-selected={false}
+      aria-expanded={is_open}
+      title={group.name}
+      style={placeOf(line)}
+      onClick={choose}
+    >
+      <span class={`twist ${is_open ? "open" : ""}`} aria-hidden="true">
+        <Icon name="chevron" size={12} />
+      </span>
+      {own > 0 ? (
+        <span class="row-name">
+          <NameField
+            label="Name of the group"
+            value={group.name}
+            disabled={wb.store.is_read_only.value}
+            change={(name) => wb.run("finding_group_rename", { id: own, name })}
+          />
+        </span>
+      ) : (
+        <bdi class="row-name">{middleCut(group.name, 40)}</bdi>
+      )}
+      {own > 0 && (
+        <button
+          type="button"
+          class="button square quiet"
+          title="Dissolve the group"
+          aria-label={`Dissolve ${group.name}`}
+          tabIndex={-1}
+          disabled={wb.store.is_read_only.value}
+          onClick={(event) => {
+            event.stopPropagation();
+            void wb.run("finding_group_remove", { id: own });
+          }}
+        >
+          <Icon name="close" size={14} />
+        </button>
+      )}
+      <span class="row-count">{formatCount(group.count)}</span>
+    </div>
+  );
+}
+
+function FindingLine({ row, line, isActive, choose }: LineProps & { row: number }) {
+  const { store } = useWorkbench();
+  const { findings } = store;
+  const [list, facts] = [findings.list.value, findings.facts.value];
+  if (!list || !facts) return null;
+  const finding = list.finding(row);
+  const unit = store.unit.value;
+  const status = statusOf(list, facts, row);
+  const is_current = findings.row.value === row;
+  const whole = sentence(finding, unit);
+  const classes = ["finding", `status-${status}`, is_current ? "current" : "", `severity-${finding.severity}`];
+  return (
+    // biome-ignore lint/a11y/useKeyWithClickEvents: the list takes the keys of all its rows
+    <div
+      role="treeitem"
+      class={classes.join(" ")}
+      tabIndex={isActive ? 0 : -1}
+      aria-level={2}
+      aria-selected={findings.chosen.value.has(row)}
+      aria-current={is_current}
+      aria-label={`${whole}, ${status}`}
+      title={`${finding.path_a}\n${finding.path_b}`}
+      style={placeOf(line)}
+      onClick={choose}
+    >
+      <span class="finding-text">
+        {finding.verdict === "contained" ? (
+          <bdi>{whole}</bdi>
+        ) : (
+          <>
+            <bdi class="first">{middleCut(nameA(finding), MOST_NAME)}</bdi> {relation(finding, unit)}{" "}
+            <bdi class="second">{middleCut(nameB(finding), MOST_NAME)}</bdi>
+          </>
+        )}
+      </span>
+      <span class="finding-line">
+        <span class="note">{factsText(finding)}</span>
+        {status !== "new" && <span class="tag">{status}</span>}
+      </span>
+    </div>
+  );
+}
