@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import logging
 import os
 import re
@@ -11,7 +12,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, InvalidStateError, ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from importlib import import_module
 from multiprocessing.context import SpawnContext, SpawnProcess
@@ -174,21 +175,21 @@ class _Pool(ProcessPoolExecutor):
 
 def _end(context: _Context) -> None:
     """Ends all workers at once, and what serves them in this process."""
-    told = threading.excepthook
+    told, serving, queues = threading.excepthook, [], []
 
     def tell(args: Any) -> None:
-        # The thread of a pool finds its workers gone, and tells those whose tasks were cancelled before.
-        if not issubclass(args.exc_type, InvalidStateError):
+        # The thread of a pool finds its workers gone, and fails with what nobody waits for.
+        if args.thread not in serving:
             told(args)
 
     threading.excepthook = tell
-    serving = []
     for pool in context.pools:
         inner: Any = pool
         if inner._executor_manager_thread is not None:
             serving.append(inner._executor_manager_thread)
         if inner._call_queue is not None:
             inner._call_queue.cancel_join_thread()  # nobody will read what is in it
+            queues.append(inner._call_queue)
         pool.shutdown(wait=False, cancel_futures=True)
     workers = [each for each in context.workers if each.pid is not None]
     for worker in workers:
@@ -200,6 +201,14 @@ def _end(context: _Context) -> None:
             worker.kill()
     for thread in serving:
         thread.join(ENDS_WITHIN_S)
+    for queue in queues:
+        feeding = queue._thread
+        queue.close()
+        if feeding is not None:
+            feeding.join(ENDS_WITHIN_S)
+    # Their names in the system go here, not in a thread that the end of the program may stop half-way.
+    queues.clear()
+    gc.collect()
     threading.excepthook = told
 
 
