@@ -64,7 +64,7 @@ def test_a_cut_is_dragged_by_its_arrow_and_then_outlined(context: Any, stand: Pa
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
         press(page, CORNER)
-        page.keyboard.press("Alt+2")
+        page.keyboard.press("Alt+3")
         page.get_by_role("button", name="Across X").click()
         wait(page, "() => window.feeler.document.sections.length === 1")
         wait(page, "() => document.querySelectorAll('.cut-arrow').length === 1")
@@ -141,7 +141,7 @@ def test_measures_of_known_values_by_the_panel(context: Any, stand: Path, cube: 
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
         press(page, CORNER)
-        page.keyboard.press("Alt+3")
+        page.keyboard.press("Alt+4")
 
         def measured(name: str, *points: tuple[float, float, float]) -> dict[str, Any]:
             count = len(document(page)["measures"])
@@ -172,7 +172,7 @@ def test_measures_of_known_values_by_the_panel(context: Any, stand: Path, cube: 
         page.get_by_role("radiogroup", name="Unit of lengths").get_by_text("cm").click()
         wait(page, "() => document.querySelector('[aria-label=Measures]').innerText.includes('16 cm')")
         # Parts that are drawn apart have no distances.
-        page.keyboard.press("Alt+2")
+        page.keyboard.press("Alt+3")
         page.locator("#panel input[aria-label=Explode]").fill("0.5")
         wait(page, "() => window.feeler.document.explode === 0.5")
         press(page, "m")
@@ -200,7 +200,7 @@ CLASHES = {
 def stepped_through(page: Any) -> None:
     """The findings of `CLASHES`, from where they are open."""
     wait(page, "() => window.feeler.document.findings !== null")
-    page.keyboard.press("Alt+5")
+    page.keyboard.press("Alt+6")
     cards = page.locator(".finding")
     cards.first.wait_for()
     # What only touches is hidden at first; the deepest comes first, as a sentence.
@@ -246,7 +246,7 @@ def test_findings_are_opened_in_the_page(context: Any, stand: Path, tmp_path: Pa
     broken.write_text('{"rows": []}')
     with program(stand) as started:
         page = opened(context, started)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         for file in (broken, good):
             with page.expect_file_chooser() as chooser:
                 page.locator("#panel").get_by_role("button", name="Open a file").click()
@@ -310,7 +310,7 @@ def taken_out(page: Any) -> None:
 
 
 def downloaded(page: Any, name: str, folder: Path) -> Path:
-    page.keyboard.press("Alt+4")
+    page.keyboard.press("Alt+5")
     with page.expect_download() as download:
         page.get_by_role("button", name=name).click()
     path = folder / download.value.suggested_filename
@@ -372,7 +372,7 @@ def test_one_html_file_shows_the_mockup_anywhere(context: Any, browser: Any, sta
         keep(alone.screenshot(), "one_file.png")
         assert differing(picture(alone), before) < 0.01
         # What was taken out goes its way again, and ends where it was put down.
-        alone.keyboard.press("Alt+4")
+        alone.keyboard.press("Alt+5")
         end = document(alone)["moved"]["3"]
         alone.get_by_role("button", name=re.compile("^Replay ")).click()
         wait(alone, "() => window.feeler.document.replaying !== null")

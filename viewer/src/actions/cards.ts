@@ -2,7 +2,7 @@
 
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { carry, type Pose } from "../math/matrix";
-import { corners, type Vec3 } from "../math/vectors";
+import { corners, subtract, type Vec3 } from "../math/vectors";
 import { type Film, placesAt } from "../model/film";
 import type { Workbench } from "./workbench";
 
@@ -114,18 +114,18 @@ export function showPart(wb: Workbench, part: number): void {
   wb.fit([part]);
 }
 
-/** Puts the tool into its seat on a fastener, and looks at it. */
+/** Puts the tool into its seat on a fastener that it reaches, and looks at it. */
 export async function seatTool(wb: Workbench, card: number, reach: Reach): Promise<void> {
   const { store } = wb;
   const tool = cardOf(wb, card)?.options.tool;
   store.reach.value = reach;
   if (reach.part !== null) wb.select([reach.part]);
-  if (typeof tool === "string" && store.document.peek()?.tool?.name !== tool) await wb.run("take_tool", { name: tool });
-  await wb.run("seat", { pose: [...reach.pose] });
-  const { camera } = wb.stage;
-  const from = camera.target;
-  camera.translate([reach.point[0] - from[0], reach.point[1] - from[1], reach.point[2] - from[2]]);
-  wb.redraw();
+  if (reach.is_reachable) {
+    const held = store.document.peek()?.tool?.name;
+    if (typeof tool === "string" && held !== tool) await wb.run("take_tool", { name: tool });
+    await wb.run("seat", { pose: [...reach.pose] });
+  }
+  wb.look((camera) => camera.translate(subtract(reach.point, camera.target)));
 }
 
 /** Corners of the boxes of parts at home: how far they travel. */

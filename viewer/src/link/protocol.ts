@@ -248,7 +248,7 @@ export interface WayFacts extends GivenWay {
   readonly length: number;
   /** Radians in total. */
   readonly rotation: number;
-  /** At some poses of it, in order: between them the gap may be smaller, but never below `clearance`. */
+  /** At some poses of it, in order: between them the gap may be smaller. */
   readonly gaps: readonly Gap[];
 }
 

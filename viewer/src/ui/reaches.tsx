@@ -25,7 +25,7 @@ export function ReachList({ card, answer }: { card: Card; answer: CardAnswer }) 
               type="button"
               class="link"
               disabled={store.is_read_only.value}
-              title="Puts the tool into its seat there"
+              title={row.is_reachable ? "Puts the tool into its seat there" : "Looks at it"}
               onClick={() => seatTool(wb, card.id, row)}
             >
               {row.name.split("/").at(-1)}

@@ -2,7 +2,7 @@
 
 import { playFilm, scrub, showPart, takeWay } from "../actions/cards";
 import type { Card, CardAnswer, Gap } from "../link/protocol";
-import { formatAngle, formatLength, type Unit } from "../math/units";
+import { formatAngle, formatLength, formatShare, type Unit } from "../math/units";
 import { gapAt, tightest } from "../model/film";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
@@ -139,7 +139,7 @@ function GapCurve({
 
 function placeText(way: Way, share: number, unit: Unit, nameOf: (part: number) => string): string {
   const gap = gapAt(way.gaps, share);
-  const there = `${formatLength(share * way.length, unit)} of ${formatLength(way.length, unit)}`;
+  const there = `${formatShare(share)} of ${formatLength(way.length, unit)}`;
   if (!gap) return there;
   if (gap.gap === null || gap.part === null) return `${there} · nothing near`;
   return `${there} · ${formatLength(gap.gap, unit)} to ${nameOf(gap.part)}`;

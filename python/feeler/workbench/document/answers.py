@@ -109,7 +109,7 @@ class WayFacts(GivenWay):
     rotation: float
     """Radians in total."""
     gaps: list[Gap]
-    """At some poses of it, in order: between them the gap may be smaller, but never below `clearance`."""
+    """At some poses of it, in order: between them the gap may be smaller."""
 
 
 class BlockerFacts(TypedDict):

@@ -98,16 +98,33 @@ def card_remove(document: Document, given: Arguments, _known: Known) -> Document
 def way_take(document: Document, given: Arguments, known: Known) -> Document:
     """Takes parts out along the ways of a card, and adds them to the sequence.
 
-    `steps`: how many of its ways, all by default. `ways`: these instead of the card's, as a record has them.
+    `steps`: how many of its ways that were not taken yet, all by default. `ways`: these instead of the card's, as a
+    record has them.
     """
-    ways = _given_ways(given, known) if given.has("ways") else known.ways.get(given.whole("id"), ())
+    ways = _given_ways(given, known) if given.has("ways") else ()
     if not ways:
-        raise given.fail("id", "this card has no way", "ask how the parts come out")
+        card = document.cards[given.place_of(document.cards)]
+        ways = known.ways.get(card.id, ())
+        if not ways:
+            raise given.fail("id", "this card has no way", "ask how the parts come out")
+        ways = _ways_left(document, card, ways, given)
     if given.has("steps"):
         ways = ways[: given.whole("steps", 1, len(ways))]
     for way in ways:
         document = _taken(document, way, given, known)
     return replace(document, pose=known.pose)
+
+
+def _ways_left(document: Document, card: Card, ways: tuple[Way, ...], given: Arguments) -> tuple[Way, ...]:
+    """The ways that were not taken yet. Raises `WorkbenchError` if anything else was moved since it was asked."""
+    taken = [way for way in ways if all(part in document.out for part in way.parts)]
+    moved, gripped = card.world
+    expected = {**dict(moved), **{part: document.moved.get(part) for way in taken for part in way.parts}}
+    if taken == [*ways]:
+        raise given.fail("id", "these parts are out already", "put them back, or ask again")
+    if dict(document.moved) != expected or tuple(document.gripped) != gripped or taken != [*ways[: len(taken)]]:
+        raise given.fail("id", "parts were moved since this was asked", "ask again, or undo that")
+    return ways[len(taken) :]
 
 
 def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Document:
@@ -142,6 +159,10 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
 
 def _options(document: Document, given: Arguments, known: Known, question: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
+    other = ("clearance", "seconds") if question == "access" else ("tool", "grip", "swing_deg")
+    for each in other:
+        if given.has(each):
+            raise given.fail(each, f"this question has no {each}", "leave it out")
     if given.has("clearance"):
         found["clearance"] = given.number("clearance", 0.0, 1e3)
     if given.has("seconds"):

@@ -84,8 +84,11 @@ class Hands:
         return None if key == (None, ()) else self._tool(key)
 
     def world(self, document: Document) -> World:
-        """The world around the hand."""
+        """The world around the hand. Where a removal is replayed, parts that are out do not hinder it."""
         moved, gone = document.world
+        if document.replaying is not None:
+            gone = (*gone, *(part for part, _ in moved if part in document.out))
+            moved = tuple((part, at) for part, at in moved if part not in document.out)
         return _kept(self._worlds, (moved, gone), lambda: World(self.scene, self.meshes, dict(moved), gone))
 
     def geometry(self, version: int) -> HeldGeometry:

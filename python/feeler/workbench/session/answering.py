@@ -24,7 +24,7 @@ from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, WayFacts
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
-from feeler.workbench.document.protocol import Vec3
+from feeler.workbench.document.protocol import HeldManifest, Vec3
 from feeler.workbench.engine.geometry import HeldGeometry
 
 SECONDS, ORDER_SECONDS = 30.0, 120.0
@@ -35,8 +35,11 @@ WITHIN_M = 0.05
 """Gaps along a way are looked for up to this distance."""
 MOST_GAPS = 121
 """Poses of a way at which the gap is looked for."""
-ROOM_SHARE = 1.0 / 60.0
-"""The swept volume may exceed the true one by this share of the moving parts' size."""
+ROOM_SHARE, ROOM_STEPS = 1.0 / 60.0, 300.0
+"""The swept volume may exceed the true one by this share of the moving parts' size, and by an eighth of their smallest
+side, but not less than its own size over `ROOM_STEPS`: it would take long, and gigabytes."""
+CLEARANCE_ERROR = 0.05
+"""The clearance of a way may be too large by this share (`Removal.clearance`)."""
 MOST_BLOCKERS = 20
 MOST_REACHES = 5000
 _GRIPS: dict[str, GripAxis] = {"wrench": "y"}  # of built-in tools that do not sit along z
@@ -65,6 +68,14 @@ class Asked:
 
 
 @dataclass(frozen=True, eq=False)
+class Room:
+    """A swept volume, packed for the page."""
+
+    manifest: HeldManifest
+    data: bytes
+
+
+@dataclass(frozen=True, eq=False)
 class Answered:
     """An answer: in a sentence, in figures, and its ways. room: the swept volume, packed."""
 
@@ -74,7 +85,7 @@ class Answered:
     way_facts: tuple[WayFacts, ...] = ()
     blockers: tuple[BlockerFacts, ...] = ()
     reaches: tuple[ReachFacts, ...] = ()
-    room: HeldGeometry | None = None
+    room: Room | None = None
     facts: tuple[tuple[str, str], ...] = field(default=())
 
     def to_json(self, number: int) -> CardAnswer:
@@ -84,7 +95,7 @@ class Answered:
             "ways": list(self.way_facts),
             "blockers": list(self.blockers),
             "reaches": list(self.reaches),
-            "room": None if self.room is None else self.room.manifest(),
+            "room": None if self.room is None else self.room.manifest,
             "facts": [{"name": name, "figure": figure} for name, figure in self.facts],
         }
 
@@ -94,12 +105,16 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     found = _removal(asked, progress)
     if not found.is_found:
         return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
-    way = _way(asked.parts, found)
     gaps = _gaps(asked.scene, asked.parts, found, progress)
-    what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
+    way = _way(asked.parts, found, gaps)
+    what, wanted = _names(asked.mockup, asked.parts), asked.number("clearance", 0.0)
+    if not found.legs:
+        return Answered(f"{what} {'is' if len(asked.parts) == 1 else 'are'} out already.", True, (way,))
+    is_kept = way.clearance is None or way.clearance >= wanted * (1.0 - CLEARANCE_ERROR)
+    short = "" if is_kept else f", less than the {length(wanted)} that you asked for"
     return Answered(
-        f"{what}: {_way_words(found)}{_nearest(asked, found, gaps)}.",
-        True,
+        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found)}{_nearest(asked, way, gaps)}{short}.",
+        is_kept,
         (way,),
         (_way_facts(way, found, gaps),),
         _blockers(asked, found),
@@ -122,7 +137,7 @@ def order(asked: Asked, progress: Progress) -> Answered:
         blockers = () if last is None else _blockers(asked, last)
         names = _list([asked.mockup.part_names[each["part"]] for each in blockers])
         return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
-    ways = tuple(_way(step.parts, step.removal) for step in found.steps)
+    ways = tuple(_way(step.parts, step.removal, []) for step in found.steps)
     facts = tuple(_way_facts(way, step.removal, []) for way, step in zip(ways, found.steps, strict=True))
     what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
     others = [asked.mockup.part_names[part] for step in found.steps[:-1] for part in step.parts]
@@ -172,16 +187,16 @@ def room(asked: Asked, progress: Progress) -> Answered:
     if not found.is_found:
         return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
     moving = Tool.of_parts(asked.mockup, list(asked.parts))
-    size = float(np.linalg.norm(np.diff(moving.bounds, axis=0)))
+    error = _room_error(moving, found)
     volume = swept(
         moving,
         found.poses,
-        max(size * ROOM_SHARE, 1e-6),
+        error,
         threads=asked.threads,
         progress=_share(progress, 0.6, 1.0),
     )
     low, high = volume.bounds
-    way = _way(asked.parts, found)
+    way = _way(asked.parts, found, [])
     litres = _volume(volume) * 1e3
     sides = " x ".join(f"{1e3 * side:.0f}" for side in (high - low))
     return Answered(
@@ -190,8 +205,13 @@ def room(asked: Asked, progress: Progress) -> Answered:
         True,
         (way,),
         (_way_facts(way, found, []),),
-        room=HeldGeometry(_as_tool(volume), 0),
-        facts=(("volume, at most", _litres(litres)), ("box", f"{sides} mm"), ("way", _way_words(found))),
+        room=_packed(volume),
+        facts=(
+            ("volume, at most", _litres(litres)),
+            ("drawn too large by at most", length(error)),
+            ("box", f"{sides} mm"),
+            ("way", _way_words(found)),
+        ),
     )
 
 
@@ -215,9 +235,26 @@ def _removal(asked: Asked, progress: Progress) -> Removal:
     )
 
 
-def _way(parts: tuple[int, ...], found: Removal) -> Way:
-    is_known = math.isfinite(found.clearance)
-    return Way(parts, tuple(motion.row(pose) for pose in found.poses), found.clearance if is_known else None)
+def _room_error(moving: Tool, found: Removal) -> float:
+    """By how much a swept volume may be too large: little beside the parts, but not so little that it takes long."""
+    low, high = moving.bounds
+    around = motion.corners(moving.bounds)
+    places = np.concatenate([around @ pose[:3, :3].T + pose[:3, 3] for pose in found.poses])
+    extent = float(np.ptp(places, axis=0).max())
+    fine = min(float(np.linalg.norm(high - low)) * ROOM_SHARE, float((high - low).min()) / 8.0)
+    return max(fine, extent / ROOM_STEPS, 1e-6)
+
+
+def _packed(volume: Mockup) -> Room:
+    geometry = HeldGeometry(Tool(volume.vertices, volume.faces, volume.part_names[0]), 0)
+    return Room(geometry.manifest(), geometry.data())
+
+
+def _way(parts: tuple[int, ...], found: Removal, gaps: list[Gap]) -> Way:
+    """With the smallest gap that is known: the search's own may be 5 % too large, and leaves out more seats."""
+    known = [each["gap"] for each in gaps if each["gap"] is not None]
+    least = min([found.clearance, *known]) if math.isfinite(found.clearance) else min(known, default=math.inf)
+    return Way(parts, tuple(motion.row(pose) for pose in found.poses), least if math.isfinite(least) else None)
 
 
 def _way_facts(way: Way, found: Removal, gaps: list[Gap]) -> WayFacts:
@@ -310,13 +347,16 @@ def _way_words(found: Removal) -> str:
     return f"{legs}, {length(found.path_length)}{turned}"
 
 
-def _nearest(asked: Asked, found: Removal, gaps: list[Gap]) -> str:
-    if not math.isfinite(found.clearance):
-        return ""
+def _nearest(asked: Asked, way: Way, gaps: list[Gap]) -> str:
+    """The tightest place, and of which neighbour it is, if that was seen."""
     known = [each for each in gaps if each["gap"] is not None and each["part"] is not None]
     near = min(known, key=lambda each: each["gap"] or 0.0, default=None)
-    where = "" if near is None or near["part"] is None else f" to {_list([asked.mockup.part_names[near['part']]])}"
-    return f"; nearest {length(found.clearance)}{where}"
+    if way.clearance is None or near is None or near["part"] is None or near["gap"] is None:
+        return ""
+    name = _list([asked.mockup.part_names[near["part"]]])
+    if near["gap"] <= way.clearance * (1.0 + CLEARANCE_ERROR):
+        return f"; nearest about {length(near['gap'])} to {name}"
+    return f"; nearest about {length(way.clearance)}"
 
 
 def _reach_facts(asked: Asked, row: Reach, bolt: Fastener) -> ReachFacts:
@@ -362,10 +402,6 @@ def _share(progress: Progress, start: float, end: float) -> Progress:
     return report
 
 
-def _as_tool(mockup: Mockup) -> Tool:
-    return Tool(mockup.vertices, mockup.faces, mockup.part_names[0])
-
-
 def _volume(mockup: Mockup) -> float:
     """Of a closed mesh, cubic metres."""
     corners = mockup.vertices[mockup.faces] - mockup.bounds.mean(axis=0)
@@ -377,7 +413,7 @@ def _litres(litres: float) -> str:
 
 
 def _names(mockup: Mockup, parts: tuple[int, ...]) -> str:
-    more = f" and {plural(len(parts) - 1, 'part')} more" if len(parts) > 2 else ""
+    more = f" and {len(parts) - 1} more parts" if len(parts) > 2 else ""
     if len(parts) == 2:
         return f"{mockup.part_names[parts[0]]} and {mockup.part_names[parts[1]]}"
     return f"{mockup.part_names[parts[0]]}{more}"

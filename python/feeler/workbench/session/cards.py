@@ -74,7 +74,7 @@ class Cards:
         found = self._answered(number).room
         if found is None:
             raise WorkbenchError(f"card {number} has no swept volume", "cards", "ask what room the parts need")
-        return found.data()
+        return found.data
 
     def close(self) -> None:
         """Gives up all questions."""

@@ -322,8 +322,6 @@ class Session:
         known = COMMANDS.get(name)
         moves_hand = name in STEPS if known is None else known.moves_hand
         is_of_cards = known is not None and known.is_of_cards
-        if name == "way_take":
-            args = self._with_ways(args)
         # The engine's lock always before the session's; without it if the hand stays, so that it can go on meanwhile.
         with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
@@ -344,6 +342,8 @@ class Session:
             if self._recorder is not None and not is_of_cards:
                 if name == "findings_take" and after.findings is not None:
                     args = {**args, "saved": saved(after.findings)}  # a replay has no jobs
+                if name == "way_take":
+                    args = self._with_ways(args, before, after)
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
@@ -517,13 +517,14 @@ class Session:
             trip=document.trip,
         )
 
-    def _with_ways(self, args: Any) -> Any:
-        """The arguments of `way_take` with the ways themselves, so that a record repeats them without the card."""
-        if not isinstance(args, dict) or args.get("ways") is not None or not isinstance(args.get("id"), int):
+    def _with_ways(self, args: Any, before: Document, after: Document) -> Any:
+        """The arguments of `way_take` with the ways that were taken, so that a record repeats them without the card."""
+        if args.get("ways") is not None:
             return args
         ways = self._cards.ways.get(args["id"], ())
-        plain = [{"parts": list(each.parts), "poses": each.poses, "clearance": each.clearance} for each in ways]
-        return {**args, "ways": plain} if plain else args
+        begin = sum(all(part in before.out for part in way.parts) for way in ways)
+        taken = ways[begin : begin + len(after.sequence) - len(before.sequence)]
+        return {"ways": [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in taken]}
 
     def _card_told(self, number: int, **changes: Any) -> None:
         with self._lock:
