@@ -88,7 +88,7 @@ class Cards:
             found = self._answers.get(number)
             if found is None:
                 there = [str(each) for each in self._answers]
-                raise WorkbenchError(f"card {number} has no answer", "cards", near(str(number), there, "ask first"))
+                raise WorkbenchError(f"card {number} has no answer", "cards", near(str(number), there, "ask again"))
             return found
 
     def _start(self, card: Card, document: Document, hands: Hands) -> None:
