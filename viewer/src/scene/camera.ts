@@ -40,7 +40,7 @@ export interface Projected {
 
 const LEAST_DISTANCE = 1e-6;
 // The least angle between the view direction and the vertical: at the pole itself a turntable has no heading.
-const LEAST_ANGLE_TO_POLE = 1e-3;
+const LEAST_ANGLE_TO_POLE = 1e-5;
 
 export class CameraRig {
   position: Vec3 = [2, -2, 1.5];
