@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -30,6 +31,7 @@ from feeler.workbench.session import saving
 from feeler.workbench.session.session import Session
 
 WAIT_S = 60.0
+AT_HOME = np.eye(4).ravel().tolist()
 CLASHES = {
     "version": 1,
     "clashes": [
@@ -657,4 +659,69 @@ def test_a_project_can_be_downloaded_without_one_on_the_disk(tmp_path: Path) -> 
         assert len(project.findings()) == 3
     session = opened(path, tool=cube())
     assert session.document()["hidden"] == [PLATE]
+    session.close()
+
+
+def answered(session: Session, question: str, parts: object) -> int:
+    """The card of a question, once it is answered."""
+    number = session.command("ask", {"question": question, "parts": parts})["id"]
+    end = time.monotonic() + 120.0
+    while next(card for card in session.current.cards if card.id == number).state != "done":
+        assert time.monotonic() < end
+        time.sleep(0.005)
+    return number
+
+
+def test_whole_answers_of_cards_are_kept_for_the_same_mock_up(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    way, room = answered(session, "removal", PEG), answered(session, "swept", PEG)
+    document = saved(session)
+    before = [session.ask("card", {"id": number}) for number in (way, room)]
+    volume = session.card_room(room)
+    session.close()
+    session = opened(path)
+    assert session.document()["cards"] == document["cards"]
+    assert json.dumps([session.ask("card", {"id": number}) for number in (way, room)]) == json.dumps(before)
+    assert session.card_room(room) == volume
+    session.command("way_take", {"id": way})
+    assert session.current.out == (PEG,)
+    session.command("undo", {})
+    session.command("card_remove", {"id": room})
+    saved(session)
+    session.close()
+    with contextlib.closing(open_or_make(path)) as book:
+        assert book.answer(f"card {way}") is not None and book.answer(f"card {room}") is None
+    # Of another revision they may be wrong: what is left is the sentence.
+    session = opened(path, revision(p1=("scale", 1.25)), tool=None)
+    with pytest.raises(WorkbenchError, match="has no answer"):
+        session.ask("card", {"id": way})
+    session.close()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ways": "x"},
+        {"ways": [{}]},
+        {"blockers": [{"part": 99, "attempts": 1, "is_proof": False, "pose": AT_HOME}]},
+        {"blockers": [{"part": -1, "attempts": 1, "is_proof": False, "pose": AT_HOME}]},
+        {"facts": [["a", "b"]]},
+        {"more": 1},
+        {"room": {"pieces": []}},
+        {"id": None},
+    ],
+)
+def test_answers_of_strangers_are_none(tmp_path: Path, change: dict[str, Any]) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    number = answered(session, "removal", PEG)
+    saved(session)
+    session.close()
+    with contextlib.closing(open_or_make(path)) as book:
+        facts, data = book.answer(f"card {number}")
+        book.write_answer(f"card {number}", "card", {**facts, **change}, data)
+    session = opened(path)
+    with pytest.raises(WorkbenchError, match="has no answer"):
+        session.ask("card", {"id": number})
     session.close()

@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from feeler.choices import GripAxis
+from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.plan.fasteners import Fastener, find_fasteners
 from feeler.plan.order import removal_order
@@ -22,6 +23,8 @@ from feeler.scene import Scene
 from feeler.words import length, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, WayFacts
+from feeler.workbench.document.document import Card
+from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import HeldManifest, Vec3
@@ -212,6 +215,44 @@ def room(asked: Asked, progress: Progress) -> Answered:
             ("box", f"{sides} mm"),
             ("way", _way_words(found)),
         ),
+    )
+
+
+def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answered | None:
+    """The answer that `to_json` gave, from a project file of anybody; None for anything else. parts: their number."""
+    try:
+        if not isinstance(facts, dict):
+            return None
+        given = {key: value for key, value in facts.items() if key != "kind"}
+        answer: CardAnswer = check(given, CardAnswer, "answer")
+        ways = tuple(
+            Way(
+                tuple(way["parts"]),
+                tuple(motion.row(motion.checked(pose, "pose")) for pose in way["poses"]),
+                way["clearance"],
+            )
+            for way in answer["ways"]
+        )
+    except WorkbenchError:
+        return None
+    named = [part for way in ways for part in way.parts]
+    named += [each["part"] for each in answer["blockers"]]
+    named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
+    named += [each["part"] for way in answer["ways"] for each in way["gaps"] if each["part"] is not None]
+    if not all(0 <= part < parts for part in named) or not all(way.poses and way.parts for way in ways):
+        return None
+    room = answer["room"]
+    if room is not None and (data is None or len(data) != sum(piece["bytes"] for piece in room["pieces"])):
+        return None
+    return Answered(
+        card.sentence,
+        card.is_good,
+        ways,
+        tuple(answer["ways"]),
+        tuple(answer["blockers"]),
+        tuple(answer["reaches"]),
+        None if room is None or data is None else Room(room, data),
+        tuple((each["name"], each["figure"]) for each in answer["facts"]),
     )
 
 

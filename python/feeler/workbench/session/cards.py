@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from feeler.arguments import near
 from feeler.errors import FeelerError, WorkbenchError
@@ -27,23 +27,27 @@ Told = Callable[..., None]
 """Changes fields of a card: `told(number, **changes)`."""
 
 
+Keep = Callable[[int, Answered], None]
+
+
 class Cards:
     """Thread-safe. The thread begins with the first question."""
 
-    def __init__(self, told: Told) -> None:
-        self._told = told
+    def __init__(self, told: Told, keep: Keep | None = None) -> None:
+        """keep: called with an answer before it is told."""
+        self._told, self._keep = told, keep
         self._lock = threading.Lock()
         self._jobs: Jobs | None = None
         self._running: dict[int, Job] = {}
         self._answers: dict[int, Answered] = {}
         self._standing: Standing | None = None
 
-    def open(self, hands: Hands) -> None:
-        """Another mock-up is open: earlier questions are given up."""
+    def open(self, hands: Hands, kept: Mapping[int, Answered] | None = None) -> None:
+        """Another mock-up is open: earlier questions are given up. kept: answers of its cards, from a project."""
         with self._lock:
             for job in self._running.values():
                 job.cancel()
-            self._running, self._answers = {}, {}
+            self._running, self._answers = {}, dict(kept or {})
             self._standing = Standing(hands.scene, hands.meshes)
 
     def follow(self, before: Document, after: Document, hands: Hands) -> None:
@@ -132,6 +136,8 @@ class Cards:
                 if job.is_given_up:
                     return
                 self._answers[card.id] = found
+            if self._keep is not None:
+                self._keep(card.id, found)
             self._told(card.id, state="done", sentence=found.sentence, is_good=found.is_good, share=1.0, stage="")
         finally:
             with self._lock:

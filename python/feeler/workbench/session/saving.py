@@ -48,6 +48,10 @@ class Saver:
         self._shown: Document | None = None
         self._first: Callable[[], Iterator[Change]] | None = None
         """The changes that the first write makes besides: what is new in the mock-up."""
+        self._answers: dict[int, Change] = {}
+        """Answers of cards that are not written yet."""
+        self._is_known = False
+        """Whether the mock-up is the one that the project was saved with, so that answers are about its parts."""
         self._is_begun = self._is_closed = self._has_trouble = False
         self._thread: threading.Thread | None = None
 
@@ -81,6 +85,7 @@ class Saver:
         elif project.parts():
             revision = project.revision(scene.mockup)
             facts = replace(facts, stale=_bounded(revision.stale), gone=_keys(revision.gone))
+        self._is_known = revision is None
         is_known, there = bool(project.rows("document")), None
         if is_known or project.rows("findings"):
             kept = keeping.restored(
@@ -122,6 +127,16 @@ class Saver:
             self._guard.notify_all()
             return self._newest
 
+    def answer(self, card: int) -> tuple[Any, bytes | None] | None:
+        """The facts of a card's answer, and its bytes; None if the project has none of this mock-up."""
+        return self._project.answer(_answer_id(card)) if self._is_known else None
+
+    def keep_answer(self, card: int, facts: Mapping[str, Any], data: bytes | None) -> None:
+        """Keeps the answer of a card, with the next change of the document."""
+        change = put("answers", row_id(_answer_id(card)), card, dumps({"kind": "card", **facts}), data)
+        with self._guard:
+            self._answers[card] = change
+
     def wait(self, seconds: float) -> bool:
         """Waits until all is saved and told; whether it is, in time."""
         with self._guard:
@@ -154,7 +169,10 @@ class Saver:
 
     def _save(self, target: Document, first: Callable[[], Iterator[Change]] | None) -> None:
         try:
+            with self._guard:
+                answers = dict(self._answers)
             changes = [] if first is None else [*first()]
+            changes += answers.values()
             changes += self._changes(target)
             self._project.write(changes)
         except Exception as error:
@@ -168,6 +186,9 @@ class Saver:
             self._told(target, "failed", text)
             return
         with self._guard:
+            for card, change in answers.items():
+                if self._answers.get(card) is change:
+                    del self._answers[card]
             self._written, self._has_trouble = target, False
             if self._first is first:
                 self._first = None
@@ -179,6 +200,10 @@ class Saver:
     def _changes(self, target: Document) -> Iterator[Change]:
         before = self._written
         yield from keeping.changes(before, target)
+        there = {card.id for card in target.cards if card.state == "done"}
+        for card in () if before is None else before.cards:
+            if card.id not in there:
+                yield drop("answers", row_id(_answer_id(card.id)))
         old, new = (None if before is None else before.findings), target.findings
         if before is None or (old is not new and (old is None or new is None or old.table is not new.table)):
             yield from self._all_findings(target)
@@ -240,6 +265,10 @@ class Saver:
         for place, (kind, text) in enumerate(aside, start=number):
             thing = f'{{"kind":{dumps(kind)},"at":{dumps(now())},"thing":{text}}}'
             yield put("aside", str(place), place, thing)
+
+
+def _answer_id(card: int) -> str:
+    return f"card {card}"
 
 
 def project_of(document: Document, mockup: Mockup) -> bytes:

@@ -42,6 +42,7 @@ from feeler.workbench.engine.geometry import Geometry, scene_bounds
 from feeler.workbench.engine.hand import Hands, held_key
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
+from feeler.workbench.session.answering import Answered, kept_answer
 from feeler.workbench.session.asking import Place
 from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
@@ -84,7 +85,7 @@ class Session:
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
         self._requests = Requests()
-        self._cards = Cards(self._card_told)
+        self._cards = Cards(self._card_told, self._keep_answer)
         self.openings = Openings()
         """Opens other mock-ups for pages, if somebody offers it."""
         self._clock, self._seed = clock, seed
@@ -149,7 +150,7 @@ class Session:
             self._hands, self._geometry = begun.hands, begun.geometry
             self._history = History()
             self._requests.forget()
-            self._cards.open(begun.hands)
+            self._cards.open(begun.hands, self._kept_answers(document, mockup))
             if self._recorder is not None:
                 self._recorder.header(begun.header)
             self._engine_to(document)
@@ -525,6 +526,20 @@ class Session:
         begin = sum(all(part in before.out for part in way.parts) for way in ways)
         taken = ways[begin : begin + len(after.sequence) - len(before.sequence)]
         return {"ways": [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in taken]}
+
+    def _keep_answer(self, number: int, found: Answered) -> None:
+        if self._saver is not None:
+            self._saver.keep_answer(number, found.to_json(number), None if found.room is None else found.room.data)
+
+    def _kept_answers(self, document: Document, mockup: Mockup) -> dict[int, Answered]:
+        """The answers that the project has of the document's cards."""
+        found = {}
+        for card in document.cards if self._saver is not None else ():
+            kept = self._saver.answer(card.id) if self._saver is not None and card.state == "done" else None
+            answer = None if kept is None else kept_answer(card, *kept, mockup.part_count)
+            if answer is not None:
+                found[card.id] = answer
+        return found
 
     def _card_told(self, number: int, **changes: Any) -> None:
         with self._lock:
