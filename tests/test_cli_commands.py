@@ -21,7 +21,7 @@ from feeler.cli import app
 from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
-COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "clash", "remove", "access", "swept"]
+COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "clash", "verify", "remove", "access", "swept"]
 COMMANDS += ["feel", "view", "mcp", "replay", "sample", "bench"]
 
 

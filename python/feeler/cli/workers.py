@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import gc
 import logging
@@ -228,6 +227,8 @@ def _begin(parent: int) -> None:
 def _client(address: str) -> Any:
     """A client of the scheduler there, which has answered. A client without a scheduler keeps trying long after it
     has failed, so the scheduler is asked before."""
+    import asyncio
+
     try:
         distributed = import_module("distributed")
     except ImportError:

@@ -470,7 +470,8 @@ class _Reader:
 def _worst_first(row: tuple[Any, ...], verdicts: Sequence[str]) -> tuple[Any, ...]:
     """As `Columns.order`: by severity; then duplicates, parts that overlap, contacts, and parts that are apart."""
     verdict, depth, gap = verdicts[row[2]], row[8], row[10]
-    rank = 0 if verdict == DUPLICATE else 2 if verdict in TOUCHING else 3 if gap > 0.0 else 1
+    # A part inside of another overlaps it, though their surfaces may be apart.
+    rank = 0 if verdict == DUPLICATE else 2 if verdict in TOUCHING else 3 if gap > 0.0 and not depth > 0.0 else 1
     return (row[5], rank, 0.0 if math.isnan(depth) else -depth, 0.0 if math.isnan(gap) else gap)
 
 
