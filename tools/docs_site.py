@@ -67,6 +67,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             "ClashInterrupted",
             "VariantsInterrupted",
             "VariantsError",
+            *("verify", "Verified", "Requirement", "read_requirements"),
         ],
     ),
     "removal": (
