@@ -216,10 +216,10 @@ else
 test-python: build
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
 endif
-test-python-first: build ## of these the files a to g
-	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[a-g]*.py
-test-python-second: build ## and the files h to z
-	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[h-z]*.py
+test-python-first: build ## of these the files a to m
+	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[a-m]*.py
+test-python-second: build ## and the files n to z
+	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[n-z]*.py
 
 .PHONY: exact
 exact: build ## ten million hard pairs, thousands of scenes, a million casts, bodies, contacts and depths (PAIRS=, CASTS=, BODIES=, CONTACTS=, DEPTHS=)
