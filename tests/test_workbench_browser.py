@@ -169,7 +169,7 @@ def test_a_part_is_taken_out_put_down_and_all_is_undone(context: Any, stand: Pat
         after = document(page)
         (line,) = after["sequence"]
         assert line["parts"] == [3] and after["gripped"] == [] and "3" in after["moved"]
-        page.keyboard.press("Alt+4")
+        page.keyboard.press("Alt+5")
         page.get_by_text("pump").first.wait_for()
         keep(page.screenshot(), "sequence.png")
         depth = 0
@@ -201,7 +201,7 @@ def test_two_clicks_measure(context: Any, stand: Path, cube: Path) -> None:
         assert measure["value"] > 0.01
         # What was clicked at is on the stand, to the last micrometre.
         assert (np.abs(ends) <= [0.2 + 1e-6, 0.1 + 1e-6, 0.221 + 1e-6]).all()
-        page.keyboard.press("Alt+3")
+        page.keyboard.press("Alt+4")
         keep(page.screenshot(), "measure.png")
         assert troubles(page) == []
 

@@ -54,7 +54,7 @@ def count_of(page: Any) -> int:
 def test_clashes_are_checked_looked_at_and_ignored_in_the_page(context: Any, pegs: Path, tmp_path: Path) -> None:
     with program(pegs) as started:
         page = opened(context, started)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         page.get_by_role("button", name="Check clashes").click()
         page.locator(".finding").first.wait_for()
         assert count_of(page) == 4 and page.locator(".finding").count() == 4
@@ -150,7 +150,7 @@ def test_what_clashes_with_a_part(context: Any, pegs: Path) -> None:
 def test_a_check_is_cancelled(context: Any) -> None:
     with program("sample:engine:400000") as started:
         page = opened(context, started)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         page.get_by_role("button", name="Check clashes").click()
         page.get_by_role("button", name="Cancel: Clash check").click()
         page.get_by_role("alert").get_by_text("cancelled").wait_for()
@@ -173,7 +173,7 @@ def test_a_hundred_thousand_findings_stay_smooth(context: Any, pegs: Path, tmp_p
     assert file.stat().st_size > 20_000_000
     with program(pegs) as started:
         page = opened(context, started)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         with page.expect_file_chooser() as chooser:
             page.get_by_role("button", name="Open a file").click()
         chooser.value.set_files(file)
@@ -221,7 +221,7 @@ def test_findings_say_how_sure_they_are_and_nothing_twice(context: Any, pegs: Pa
     file.write_text(json.dumps({"version": 1, "clashes": rows}))
     with program(pegs, "--findings", file) as started:
         page = opened(context, started)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         page.locator(".finding").first.wait_for()
         said = [each.inner_text().replace("\n", " ") for each in page.locator(".finding").all()]
         assert [each.split(" clash")[0] for each in said] == [
@@ -235,7 +235,7 @@ def test_findings_say_how_sure_they_are_and_nothing_twice(context: Any, pegs: Pa
 def test_a_clearance_that_must_hold_is_added_checked_and_looked_at(context: Any, pegs: Path) -> None:
     with program(pegs) as started:
         page = opened(context, started)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         page.get_by_text("Clearances that must hold").click()
         page.get_by_role("button", name="Add", exact=True).click()
         card = page.locator(".requirement")

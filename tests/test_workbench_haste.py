@@ -107,7 +107,7 @@ def test_a_look_at_findings_changes_no_document_and_is_left_as_it_was(
         wait(page, "() => window.feeler.document.hidden.length === 1")
         settled(page)
         before, steps = picture(page), document(page)
-        page.keyboard.press("Alt+5")
+        page.keyboard.press("Alt+6")
         page.locator(".finding").first.wait_for()
         press(page, "n", "n")
         page.locator(".finding[aria-current=true]", has_text="right").wait_for()

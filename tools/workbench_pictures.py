@@ -66,7 +66,7 @@ class Desk:
         """From a point to another, by a viewpoint that is there no longer than that."""
         camera = {"position": eye, "target": target, "up": [0, 0, 1], "fov_rad": 0.7}
         number = self.command("viewpoint_add", name="here", camera=camera)["id"]
-        self.press("Alt+3")
+        self.press("Alt+4")
         self.page.get_by_role("button", name="here", exact=True).click()
         self.command("viewpoint_remove", id=number)
 
@@ -134,7 +134,7 @@ def section(desk: Desk) -> None:
     desk.command("take_tool", name=None)
     desk.look((0.0, -0.5, 0.25), (0.05, 0.0, 0.05))
     desk.command("section_add", normal=[0.0, 1.0, 0.0], offset=float(desk.middle(f"{PUMP}/drive_shaft")[1]))
-    desk.press("Alt+2")
+    desk.press("Alt+3")
 
 
 def removal(desk: Desk) -> None:
@@ -149,7 +149,7 @@ def removal(desk: Desk) -> None:
         desk.command("sequence_rename", id=number, name=name)
     desk.command("grip", parts=[f"{STARTER}/{name}" for name in ("body", "o_ring", "terminal_*")])
     desk.shift(0.0, 0.0, 0.06)
-    desk.press("Alt+4")
+    desk.press("Alt+5")
 
 
 def measures(desk: Desk) -> None:
@@ -161,7 +161,7 @@ def measures(desk: Desk) -> None:
     desk.command("measure_add", type="point", points=[each["point"] for each in across], name="stud to stud")
     faces = desk.seen((0.12, -0.15, 0.05), (0, 1, 0)), desk.seen((0.12, -0.08, 0.5), (0, 0, -1))
     desk.command("measure_add", type="angle", triangles=[each["triangle"] for each in faces], name="housing")
-    desk.press("Alt+3")
+    desk.press("Alt+4")
 
 
 def findings(desk: Desk) -> None:
@@ -175,7 +175,7 @@ def findings(desk: Desk) -> None:
     desk.session.load_findings({"version": 1, "clashes": clashes})
     desk.command("take_tool", name=None)
     desk.look((0.22, -0.42, 0.30), (0.06, -0.1, 0.13))
-    desk.press("Alt+5")
+    desk.press("Alt+6")
     desk.press("n")
     desk.page.wait_for_timeout(1000)  # until the others are ghosts
 
