@@ -27,6 +27,7 @@ LARGE, SMALL = (1280, 720), (640, 360)
 SPEEDS_M_PER_S = (0.01, 0.1, 1.0, 10.0)
 STOP_WAY_M = 0.01
 PRESS_M = 0.02
+ABOVE_M = 0.005
 PARTS = 10_000
 CUT_MS = 2000
 RAYS = 1000
@@ -95,6 +96,7 @@ def page(browser: Any, mockup: str, move_s: float) -> Result:
             "opening_cpu_s": opening_cpu_s,
         }
         opened.wait_for_function("() => window.feeler.stats.isSettled")
+        go_above(opened, manifest)
         begun = stand.cpu_s(program)
         moved = opened.evaluate(_MOVE, move_s)
         found["tool_cpu_ms"] = 1e3 * (stand.cpu_s(program) - begun) / max(1, moved["frames"])
@@ -105,6 +107,17 @@ def page(browser: Any, mockup: str, move_s: float) -> Result:
         found["reconnect"] = opened.evaluate(_CUT, CUT_MS)
         found["lost_context_s"] = opened.evaluate(_LOSE) / 1000
         return found
+
+
+def go_above(opened: Any, manifest: dict[str, Any]) -> None:
+    """Moves the wrench from its start, beside the mock-up, to above the middle of it: up, and over."""
+    low, high = feeler.sample_tool("wrench").bounds
+    pose = opened.evaluate("() => [...window.feeler.pose]")
+    pose[11] = manifest["upper"][2] - low[2] + ABOVE_M
+    opened.evaluate("pose => window.feeler.moveTo(pose)", pose)
+    middle = (np.array(manifest["lower"]) + manifest["upper"] - low - high) / 2.0
+    pose[3], pose[7] = middle[:2].tolist()
+    opened.evaluate("pose => window.feeler.moveTo(pose)", pose)
 
 
 def contacts(opened: Any, contact: list[float], move_s: float) -> Result:
