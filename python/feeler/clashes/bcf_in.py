@@ -129,7 +129,7 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
     from groups), else to those of the pair of parts that its viewpoint selects. Comments become the note, newest last;
     one that the note has already is not added again. A status without a counterpart here goes into the note. Statuses
     of trackers: open and new become new; active and in progress, active; resolved and closed, reviewed (the next check
-    finds what is gone); approved and accepted, approved.
+    finds what is gone); approved and accepted become approved.
     """
     check_kind("clashes", clashes, Clashes, "feeler.Clashes")
     given = check_list("topics", topics, "a list of feeler.clashes.Topic")

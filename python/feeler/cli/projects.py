@@ -1,4 +1,4 @@
-"""Projects on the command line: which one is named, and what it says of its mock-up and tool."""
+"""Projects on the command line: finds the project that the user named, and the mock-up and tool that it names."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def tool_of(project: Book) -> tuple[str | None, str | None]:
 
 
 def keep_work(project: Book, work: Work) -> None:
-    """Notes in a project what it was opened with. Files by their place from the project, and from the root."""
+    """Writes into a project which files and options it was opened with. Paths are kept relative to it, and absolute."""
     from feeler.project.book import dumps
     from feeler.project.store import put
 

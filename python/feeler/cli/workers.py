@@ -187,7 +187,7 @@ def _end(context: _Context) -> None:
         if inner._executor_manager_thread is not None:
             serving.append(inner._executor_manager_thread)
         if inner._call_queue is not None:
-            inner._call_queue.cancel_join_thread()  # nobody will read what is in it
+            inner._call_queue.cancel_join_thread()  # its readers are ended
             queues.append(inner._call_queue)
         pool.shutdown(wait=False, cancel_futures=True)
     workers = [each for each in context.workers if each.pid is not None]

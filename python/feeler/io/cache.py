@@ -78,7 +78,7 @@ class Cache:
             ) from None
         try:
             Scene(mockup)._save_with(self.path, [(_INPUTS, json.dumps(inputs).encode("ascii"))])
-        except WriteError as error:  # a full disk, for one: what was loaded is good
+        except WriteError as error:  # such as a full disk; the mock-up itself was loaded
             warnings.warn(f"nothing is kept in the cache: {error}", RuntimeWarning, stacklevel=4)
             return mockup
         return Mockup._of_file(opened(str(self.path), False, free_memory() * 4 // 5, None))

@@ -1,4 +1,4 @@
-"""Projects: one file with what is known, asked and decided about a mock-up.
+"""Project files: findings, answers and decisions about a mock-up, in one SQLite file.
 
     layout (tables, versions, limits) -> opening (connections that trust nothing), lock (one writer) -> store (rows)
     -> parts (what a revision changed), project (findings, history, answers)

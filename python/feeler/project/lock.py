@@ -57,7 +57,7 @@ class Lock:
                 raise ProjectError(
                     f"{project} is open in {who}: close it there, or open it read-only (--read-only, read_only=True)"
                 )
-            # Whoever had it may have deleted the file between our opening and our locking.
+            # Its last owner may have deleted the file after it was opened here and before it was locked.
             if self._is_ours():
                 break
             os.close(self._file)
