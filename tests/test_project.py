@@ -22,6 +22,7 @@ from feeler.errors import FeelerError, LoadError, MissingFileError, ProjectError
 from feeler.project import layout
 from feeler.project.book import Book, open_or_make
 from feeler.project.lock import ENDING, Lock, holder
+from feeler.project.migrations import MIGRATIONS
 from feeler.project.store import Store, drop, put
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="of POSIX")
@@ -204,14 +205,61 @@ def test_the_layout_of_version_1_is_read_by_all_later_ones(testdata: Path, tmp_p
 
 def test_every_layout_has_a_fixture_and_a_migration(testdata: Path) -> None:
     versions = range(1, layout.VERSION + 1)
-    assert {each.name for each in (testdata / "projects").iterdir()} == {f"version-{k}.feelproj" for k in versions}
-    assert set(layout.MIGRATIONS) == set(versions[:-1])
+    there = {each.name for each in (testdata / "projects").iterdir()}
+    assert there == {*(f"version-{k}.feelproj" for k in versions), "version-1-notes.feelproj"}
+    assert set(MIGRATIONS) == set(versions[:-1])
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+@pytest.mark.parametrize("name", ["version-1-notes", "version-2"])
+def test_notes_of_all_layouts_are_read(testdata: Path, tmp_path: Path, name: str, read_only: bool) -> None:
+    """Version 1 had notes of the workbench as `notes`, beside older ones of scripts as `note`."""
+    path = tmp_path / "old.feelproj"
+    shutil.copy(testdata / "projects" / f"{name}.feelproj", path)
+    before = path.read_bytes()
+    with feeler.open_project(path, read_only=read_only) as project:
+        found = project._book.marks()
+        said = sorted((each["status"], each.get("by", ""), each.get("note", "")) for each in found.values())
+        assert said == [
+            ("approved", "Ada", "drawn so, says Bob"),
+            ("new", "", "only a note"),
+            ("reviewed", "Ada", "look"),
+        ]
+        assert sorted(each["members"] for each in found.values() if "members" in each) == [1, 1]
+        lines = [(line["status"], line["by"], line["note"]) for line in project.history()]
+        assert lines == [
+            ("reviewed", "Ada", "look"),
+            ("approved", "Ada", "drawn so"),
+            ("approved", "Ada", "drawn so, says Bob"),
+            ("new", "", "only a note"),
+        ]
+        clashes = project.clashes()
+        assert clashes is not None
+        again = feeler.clash(stand(), 0.01)
+        again.diff(clashes)
+        notes = {row.note for row in again if row.note}
+        assert notes == {"drawn so, says Bob", "only a note", "look"}, "that of an ignored finding, too"
+    assert not read_only or path.read_bytes() == before
+
+
+def test_damaged_files_of_older_layouts_are_refused(testdata: Path, tmp_path: Path) -> None:
+    for statement in ("UPDATE marks SET value = '{}'", "DELETE FROM history WHERE place = 3"):
+        path = tmp_path / "old.feelproj"
+        shutil.copy(testdata / "projects" / "version-1-notes.feelproj", path)
+        connection = sqlite3.connect(path)
+        connection.execute(statement)
+        connection.commit()
+        connection.close()
+        before = path.read_bytes()
+        with pytest.raises(LoadError, match=r"old\.feelproj.*damaged"):
+            feeler.open_project(path)
+        assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
-        ("PRAGMA user_version = 2", "layout 2, and this feeler reads layouts up to 1: use a newer feeler"),
+        ("PRAGMA user_version = 3", "layout 3, and this feeler reads layouts up to 2: use a newer feeler"),
         ("PRAGMA user_version = 0", "damaged: layout 0"),
         ("PRAGMA application_id = 5", "not a project of feeler"),
         ("CREATE TRIGGER t AFTER INSERT ON facts BEGIN DELETE FROM facts; END", "strange 'trigger t'"),

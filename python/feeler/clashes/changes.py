@@ -90,6 +90,7 @@ def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
         gone = [each.table[rows] for each, rows in zip(known, left, strict=True)]
         earlier = joined(gone, [table.keys for table in gone], None, "resolved")
     now.marks.replace(marks)
+    now.marks.aside = {each: mark for each, mark in before.marks.aside.items() if each not in marks}
     now._set_earlier(earlier)
     return known[0].match()
 
@@ -120,9 +121,11 @@ def _carried(
                 lost.append(row)
         left.append(np.array(lost, dtype=np.intp))
     after = {}
+    aside = known[0].table.marks.aside
     rows = zip(now.rules.tolist(), now.parts_a.tolist(), now.parts_b.tolist(), strict=True)
     for each_id, depth, (rule, a, b) in zip(now.ids, now.signed_depths.tolist(), rows, strict=True):
-        after[each_id] = followed(before.get(_pair(rule, keys[a], keys[b])), depth, growth)
+        known_mark = before.get(_pair(rule, keys[a], keys[b]), aside.get(each_id))
+        after[each_id] = followed(known_mark, depth, growth)
     return after, left
 
 
