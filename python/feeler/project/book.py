@@ -121,15 +121,19 @@ class Book:
         head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
         groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
         rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
+        ended = {row["id"]: {"status": "resolved"} for row in earlier if row["status"] == "resolved"}
+        waiting = {row["id"]: row for row in earlier if row["status"] != "resolved"}
         known, listed = self.marks(), {str(row.get("id")) for row in self.findings()}
-        here = {row["id"]: {name: row[name] for name in _MARKED if name in row} for row in rows}
+        every = {**{row["id"]: row for row in rows}, **waiting}
+        here = {key: {name: row[name] for name in _MARKED if name in row} for key, row in every.items()}
         marks = {}
-        for key in [*here, *(key for key in known if key not in here and key not in listed)]:  # ignored ones stay
+        others = {*here, *ended, *listed}
+        # Findings that the workbench ignores are not listed: their marks stay.
+        for key in [*here, *(key for key in known if key not in others)]:
             more = {name: value for name, value in known.get(key, {}).items() if key not in here or name not in _MARKED}
             mark = {**here.get(key, {}), **more}
             if mark != _NEW:
                 marks[key] = mark
-        ended = {row.id: {"status": "resolved"} for row in clashes.earlier() if row.status == "resolved"}
         changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
         self.write([*changes, *self._of_another_check(head)])
 

@@ -43,11 +43,12 @@ def _one_form_of_notes(connection: sqlite3.Connection) -> None:
     lines: list[tuple[str, int, dict[str, Any]]] = []
     last: dict[object, dict[str, Any]] = {}
     for _, line in _values(connection, "history"):
-        name, note = line.get("id"), line.pop("notes", line.get("note", ""))
+        finding, note = line.get("id"), line.pop("notes", line.get("note", ""))
         line.pop("members", None)
-        before = last.get(name) or {"status": "new"}
+        before = last.get(finding) or {"status": "new"}
         made_line = {"status": before["status"], **line, "by": line.get("by", ""), "note": note}
-        last[name] = said = {**made_line, "at": None}
+        said: dict[str, Any] = {**made_line, "at": None}
+        last[finding] = said
         if said != before:  # not only a group that was made by hand
             lines.append((str(len(lines)), len(lines), made_line))
     _rewrite(connection, "history", lines)

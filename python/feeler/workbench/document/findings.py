@@ -110,10 +110,13 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
     here = found.table.row_of
     before = Findings(now.table) if since is None else since
     names = {*now.status, *now.notes, *before.status, *before.notes}
-    changes = {name: (before.mark_of(name), now.mark_of(name)) for name in names if name in here}
-    status = {name: there.status for name, (then, there) in changes.items() if then.status != there.status}
-    notes = {name: there.note for name, (then, there) in changes.items() if then.note != there.note}
-    aside = {name: mark for name, mark in {**found.aside, **now.aside}.items() if name not in here}
+    changes = {name: (before.mark_of(name), now.mark_of(name)) for name in names}
+    differ = {name: there for name, (then, there) in changes.items() if then != there}
+    status = {
+        name: mark.status for name, mark in differ.items() if name in here and changes[name][0].status != mark.status
+    }
+    notes = {name: mark.note for name, mark in differ.items() if name in here and changes[name][0].note != mark.note}
+    aside = {name: mark for name, mark in {**found.aside, **now.aside, **differ}.items() if name not in here}
     return replace(
         found,
         status=changed(found.status, status, found.table.status_of),
