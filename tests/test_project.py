@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from workbench_scene import LEFT, PATHS, PEG, PLATE, stand
+from workbench_scene import LEFT, PATHS, PEG, PLATE, cube, stand
 
 import feeler
-from feeler.errors import FeelerError, LoadError, MissingFileError, ProjectError, WriteError
+from feeler.errors import FeelerError, LoadError, MissingFileError, OptionError, ProjectError, WriteError
 from feeler.project import layout
 from feeler.project.book import Book, open_or_make
 from feeler.project.lock import ENDING, Lock, holder
@@ -516,6 +516,109 @@ def test_a_copy_is_a_project(filled: Path, tmp_path: Path) -> None:
         expected = project.findings()
     with feeler.open_project(tmp_path / "b.feelproj") as copy:
         assert copy.findings() == expected
+
+
+def test_a_copy_takes_no_open_project_and_nothing_that_was_left(filled: Path, tmp_path: Path) -> None:
+    other = tmp_path / "b.feelproj"
+    with feeler.open_project(filled) as project, feeler.open_project(other, stand()):
+        for path in (filled, filled.parent / "." / filled.name):
+            with pytest.raises(OptionError, match="this project"):
+                project.save_copy(path)
+        with pytest.raises(ProjectError, match="is open"):
+            project.save_copy(other)
+        project.write_clashes(feeler.clash(stand()))
+    killed(other, 0.02)
+    assert other.with_name("b.feelproj-wal").stat().st_size
+    with feeler.open_project(filled) as project:
+        project.save_copy(other)
+        expected = project.findings()
+    with feeler.open_project(other) as copy:
+        assert copy.findings() == expected
+
+
+def killed(path: Path, clearance: float) -> None:
+    """A process that writes findings into a project and is killed then."""
+    code = f"""
+import os, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import feeler
+from workbench_scene import stand
+project = feeler.open_project({str(path)!r}, stand())
+project.write_clashes(feeler.clash(stand(), {clearance}))
+os.kill(os.getpid(), 9)
+"""
+    subprocess.run([sys.executable, "-c", code], check=False, timeout=120)
+
+
+@POSIX
+def test_changes_of_a_project_that_is_gone_do_not_come_back_in_a_new_one(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    killed(path, 0.02)
+    path.unlink()
+    with pytest.raises(WriteError, match=r"a\.feelproj-wal beside it has changes of a project that is not there"):
+        feeler.open_project(path, stand(["a", "b", "c", "d", "e"]))
+    path.with_name("a.feelproj-wal").unlink()
+    with feeler.open_project(path, stand(["a", "b", "c", "d", "e"])) as project:
+        assert project.part_paths() == ["a", "b", "c", "d", "e"] and project.findings() == []
+
+
+@POSIX
+def test_a_symbolic_link_is_no_way_around_the_lock(filled: Path, tmp_path: Path) -> None:
+    link = tmp_path / "link.feelproj"
+    link.symlink_to(filled.name)
+    with feeler.open_project(filled), pytest.raises(ProjectError, match=r"link\.feelproj is open in process"):
+        feeler.open_project(link)
+    with feeler.open_project(link) as project:
+        with pytest.raises(ProjectError, match="is open in process"):
+            feeler.open_project(filled)
+        copy = tmp_path / "copy.feelproj"
+        copy.symlink_to("there.feelproj")
+        project.save_copy(copy)
+    assert copy.is_symlink() and (tmp_path / "there.feelproj").exists()
+
+
+@pytest.mark.parametrize(
+    "statement", ["DELETE FROM facts WHERE id = 'clashes'", "DELETE FROM facts", "DELETE FROM answers"]
+)
+@pytest.mark.parametrize("read_only", [False, True])
+def test_a_lost_row_that_is_read_alone_is_told(filled: Path, statement: str, read_only: bool) -> None:
+    connection = sqlite3.connect(filled)
+    connection.execute(statement)
+    connection.commit()
+    connection.close()
+    with pytest.raises(LoadError, match=r"rows of (facts|answers) are missing"):  # noqa: SIM117
+        with feeler.open_project(filled, read_only=read_only) as project:
+            project._book.answer("long")
+
+
+def test_findings_of_another_mock_up_are_refused(filled: Path) -> None:
+    other = feeler.clash(stand(["v", "w", "x", "y", "z"]), 0.02)
+    with feeler.open_project(filled) as project:
+        before = project.findings()
+        project.write_clashes(other)  # renamed: the same triangles
+        tall = feeler.Mockup({str(size): (cube(size).vertices, cube(size).faces) for size in (0.4, 0.5)})
+        with pytest.raises(OptionError, match="another mock-up: none of their 2 parts is in"):
+            project.write_clashes(feeler.clash(tall, 0.02))
+        assert project.findings() != before and len(project.findings()) == len(other)
+
+
+def test_names_that_are_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OptionError, match="path is ''"):
+        feeler.open_project("", stand())
+    for path in (".", tmp_path):
+        with pytest.raises(LoadError, match="is a folder"):
+            feeler.open_project(path, stand())
+    assert list(tmp_path.iterdir()) == [] and not tmp_path.with_name(tmp_path.name + ENDING).exists()
+
+
+def test_the_document_has_all_lists(testdata: Path, tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    shutil.copy(testdata / "projects" / "version-1.feelproj", path)
+    with feeler.open_project(path) as project:
+        project._book.write([put("requirements", "1", 0, '{"id":1,"name":"gap"}'), put("cards", "2", 0, '{"id":2}')])
+        document = project.document()
+    assert document["requirements"] == [{"id": 1, "name": "gap"}] and {"id": 2} in document["cards"]
 
 
 def test_an_empty_project_is_deleted_when_it_is_closed(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from feeler.choices import GroupBy
 from feeler.clashes import saving
 from feeler.clashes.result import Clashes
 from feeler.clashes.tracking import Mark, mark_of_json
-from feeler.errors import LoadError
+from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 from feeler.project.layout import SUFFIX
 from feeler.project.parts import (
@@ -117,6 +117,7 @@ class Book:
 
         To keep statuses, compare first: `clashes.diff(project.clashes())`.
         """
+        self._check_parts(clashes)
         earlier = list(saving.rows(clashes.earlier()))
         head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
         groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
@@ -136,6 +137,18 @@ class Book:
                 marks[key] = mark
         changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
         self.write([*changes, *self._of_another_check(head)])
+
+    def _check_parts(self, clashes: Clashes) -> None:
+        """Raises `OptionError` for findings of another mock-up: no part is known by path or by content."""
+        parts, keys = self.parts(), {*clashes.keys}
+        if not parts or not keys or any(part.key in keys for part in parts):
+            return
+        contents = {f"{each:016x}" for each in clashes.shapes.content.tolist()}
+        if not any(part.content in contents for part in parts):
+            raise OptionError(
+                f"the clashes are of another mock-up: none of their {len(keys):,} parts is in {self.path}; give those "
+                "of the project's mock-up, or make another project"
+            )
 
     def _of_another_check(self, head: Mapping[str, Any]) -> Iterator[Change]:
         """What the workbench has of its findings besides rows: groups by hand stay, the facts are of the new check."""

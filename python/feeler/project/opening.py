@@ -53,7 +53,7 @@ _CHECKED_BYTES = 256 << 20  # of files: larger ones are checked row by row, as t
 
 def connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
     """Opens an existing project, checked. Raises `MissingFileError`, `LoadError`, `WriteError`."""
-    size = _size(path)
+    size = check_file(path)
     if size > layout.MOST_FILE_BYTES:
         raise LoadError(f"{path} has {size:,} bytes, and a project has at most {layout.MOST_FILE_BYTES:,}")
     try:
@@ -184,6 +184,13 @@ def leave_wal(connection: sqlite3.Connection) -> None:
 
 def create(path: Path) -> None:
     """Makes an empty project, completely or not at all. The caller has the lock. Raises `WriteError`."""
+    for beside in files_beside(path):
+        if not beside.name.endswith("-shm") and beside.stat().st_size:
+            raise WriteError(
+                f"cannot make {path}: {beside.name} beside it has changes of a project that is not there; put the "
+                f"project back, or delete {beside.name}"
+            )
+        beside.unlink()
     temporary = path.with_name(f".{path.name[:32]}.{secrets.token_hex(6)}.part")
     try:
         made = sqlite3.connect(f"file:{quote(_absolute(temporary))}?mode=rwc", isolation_level=None, uri=True)
@@ -199,6 +206,13 @@ def create(path: Path) -> None:
     finally:
         with contextlib.suppress(OSError):
             os.unlink(temporary)
+
+
+def files_beside(path: Path) -> list[Path]:
+    """Files of SQLite beside a project that is open, or was open when its process was killed."""
+    real = Path(os.path.realpath(path))
+    beside = [real.with_name(real.name + ending) for ending in ("-wal", "-shm", "-journal")]
+    return [each for each in beside if os.path.lexists(each)]
 
 
 def refusal(path: Path, error: Exception) -> LoadError:
@@ -221,7 +235,8 @@ def not_written(path: Path, error: Exception) -> FeelerError:
     return WriteError(f"cannot write {path}: {text[:120]}; check the disk and the permissions")
 
 
-def _size(path: Path) -> int:
+def check_file(path: Path) -> int:
+    """The size of a file. Raises `MissingFileError`, and `LoadError` for folders and devices."""
     try:
         there = os.stat(path)
     except (FileNotFoundError, NotADirectoryError):

@@ -53,6 +53,7 @@ class Saver:
         self._is_known = False
         """Whether the mock-up is the one that the project was saved with, so that answers are about its parts."""
         self._is_begun = self._is_closed = self._has_trouble = False
+        self._trouble: str | None = None
         self._thread: threading.Thread | None = None
 
     @property
@@ -151,6 +152,13 @@ class Saver:
             self._thread.join(_CLOSE_S)
         self._project.close()
 
+    @property
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are."""
+        with self._guard:
+            is_behind = self._newest is not None and (self._newest is not self._written or self._first is not None)
+            return (self._trouble or "writing takes too long") if is_behind else None
+
     # ---- the thread ----
 
     def _loop(self) -> None:
@@ -182,14 +190,14 @@ class Saver:
             for each in (str(path.absolute()), str(path)):
                 text = text.replace(each, path.name)
             with self._guard:
-                self._has_trouble = True
+                self._has_trouble, self._trouble = True, text
             self._told(target, "failed", text)
             return
         with self._guard:
             for card, change in answers.items():
                 if self._answers.get(card) is change:
                     del self._answers[card]
-            self._written, self._has_trouble = target, False
+            self._written, self._has_trouble, self._trouble = target, False, None
             if self._first is first:
                 self._first = None
         self._told(target, "saved", None)
