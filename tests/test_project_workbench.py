@@ -289,6 +289,31 @@ def test_what_cannot_be_saved_is_told_and_tried_again(tmp_path: Path, monkeypatc
     session.close()
 
 
+def test_closing_a_view_tells_what_is_not_saved(tmp_path: Path) -> None:
+    path, mockup = tmp_path / "a.feelproj", stand()
+    view = feeler.view(mockup, None, browser=False, project=str(path))
+    view.hide([PLATE])
+    assert view.session._saver is not None and view.session._saver.wait(WAIT_S)
+    path.rename(tmp_path / "b.feelproj")
+    view.hide([PEG])
+    with pytest.raises(feeler.WriteError, match=r"not saved: cannot write a\.feelproj: the file was moved"):
+        view.close()
+    view.close()
+    (tmp_path / "b.feelproj").rename(path)
+    with feeler.view(mockup, None, browser=False, project=str(path)) as view:
+        view.hide([LEFT])
+    with feeler.open_project(path) as project:
+        assert project.document()["hidden"] == [PLATE, LEFT]
+    with (
+        pytest.warns(UserWarning, match="not saved"),
+        pytest.raises(KeyError),
+        feeler.view(mockup, None, browser=False, project=str(path)) as view,
+    ):
+        path.unlink()
+        view.hide([PEG])
+        raise KeyError
+
+
 def test_a_read_only_project_is_shown_and_not_written(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     session = opened(path)

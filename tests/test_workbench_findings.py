@@ -431,9 +431,9 @@ def test_verdicts_that_are_none_are_refused() -> None:
     number = bench.command("requirement_add", name="one", a="*left", b="*plate", gap=0.002)["id"]
     (good,) = bench.session.job("verify", {}).result(WAIT_S)
     for changes in ({"status": "so so"}, {"gap": "x"}, {"points": [[1, 2]]}, {"moved": []}, {"pairs": None}):
-        with pytest.raises(WorkbenchError, match="these are no verdicts"):
+        with pytest.raises(WorkbenchError, match="they are not verdicts"):
             bench.command("requirements_checked", results=[{"id": number, "verdict": {**good["verdict"], **changes}}])
-    with pytest.raises(WorkbenchError, match="these are no verdicts"):
+    with pytest.raises(WorkbenchError, match="a verdict has no 'verdict'; send the results"):
         bench.command("requirements_checked", results=[{"id": number}])
 
 
