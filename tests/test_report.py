@@ -30,6 +30,7 @@ from feeler.workbench.report import as_html, media
 from feeler.workbench.report.as_json import report_json
 from feeler.workbench.report.as_xlsx import xlsx_bytes
 from feeler.workbench.report.content import report_of
+from feeler.workbench.report.drawing import Drawing
 from feeler.workbench.report.source import Source, of_book
 from feeler.workbench.report.values import Media
 
@@ -222,6 +223,24 @@ def test_ctrl_c_leaves_a_report_with_the_pictures_so_far(there: Path) -> None:
     assert "This report was stopped" in as_html.html_page(report, made).decode()
 
 
+def test_ctrl_c_in_the_command_writes_what_is_there(
+    there: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = list[object]()
+
+    def pair(self: Drawing, *given: object) -> bytes:
+        drawn.append(given)
+        if len(drawn) == 2:
+            raise KeyboardInterrupt
+        return b"\x89PNG" + bytes(30)
+
+    monkeypatch.setattr(Drawing, "pair", pair)
+    done = run("report", there, "--html", tmp_path / "r.html", "--xlsx", tmp_path / "r.xlsx", code=130)
+    assert "interrupted: the report has the pictures made so far" in done.stderr
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert page.count("<img") == 1 and "This report was stopped" in page and zipfile.is_zipfile(tmp_path / "r.xlsx")
+
+
 def test_json_has_the_documented_fields(there: Path) -> None:
     report = report_of(source_of(there), WHEN)
     found = json.loads(json.dumps(report_json(report)))
@@ -245,6 +264,9 @@ def test_json_has_the_documented_fields(there: Path) -> None:
 
 def test_the_command_writes_page_workbook_and_files(there: Path, tmp_path: Path) -> None:
     out = tmp_path / "a report.html"
+    (tmp_path / "a report-files").mkdir()
+    for name in ("question-99.glb", "mine.txt"):
+        (tmp_path / "a report-files" / name).write_text("of before")
     done = run("report", there, "--html", out, "--xlsx", tmp_path / "r.xlsx", "--pictures", "1")
     assert (
         "2 requirements" not in done.stdout
@@ -252,7 +274,7 @@ def test_the_command_writes_page_workbook_and_files(there: Path, tmp_path: Path)
         and "1 requirement violated" in done.stdout
     )
     files = sorted(each.name for each in (tmp_path / "a report-files").iterdir())
-    assert files == ["mock-up.html", "question-1.glb", "question-2.glb", "sequence.glb"]
+    assert files == ["mine.txt", "mock-up.html", "question-1.glb", "question-2.glb", "sequence.glb"]
     page = out.read_text(encoding="utf-8")
     assert 'href="a%20report-files/mock-up.html"' in page and 'href="a%20report-files/sequence.glb"' in page
     assert zipfile.is_zipfile(tmp_path / "r.xlsx")
@@ -365,7 +387,7 @@ FUZZED = ["facts", "document", "sequence", "cards", "requirements", "findings", 
 FUZZED += ["parts", "gone"]
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.DataObject) -> None:
     """Any value in any place of any row: a typed error, or a page without elements of strangers."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",)}
 _FILES = "-files"
 """At the end of the name of the folder beside the page."""
+_OWN_FILE = re.compile(r"question-\d+\.glb|sequence\.glb|mock-up\.html")
 
 
 @command(
@@ -39,13 +42,16 @@ feeler report gearbox.feelproj --json
 )
 def report(
     context: typer.Context,
-    project: Annotated[
-        list[str],
+    project: Annotated[str, typer.Argument(metavar="PROJECT", help="A project (.feelproj).")],
+    mockup: Annotated[
+        list[str] | None,
         typer.Argument(
-            metavar="PROJECT [MOCKUP]...",
-            help="A project (.feelproj), and its mock-up as it is now. Default: the mock-up that the project names.",
+            metavar="[MOCKUP]...",
+            help="Its mock-up as it is now: files or folders (several are one mock-up), or sample:NAME. Default: the "
+            "one that the project names.",
         ),
-    ],
+    ] = None,
+    *,
     html: Annotated[
         Path | None,
         typer.Option(
@@ -82,11 +88,10 @@ def report(
     from feeler.workbench.report.media import media_of
     from feeler.workbench.report.values import Media
 
-    path = named_project(project, None)
+    given = [project, *(mockup or [])]
+    path = named_project(given, None)
     if path is None:
-        raise OptionError(
-            f"{project[0]} is no project: give a project (.feelproj), then its mock-up if you want another"
-        )
+        raise OptionError(f"{project} is no project: give a project (.feelproj), then its mock-up if you want another")
     outputs.check_targets({"html": html, "xlsx": xlsx}, _ENDINGS)
     if one_file and html is None:
         raise OptionError("--one-file is of the page: give --html FILE, too")
@@ -95,7 +100,7 @@ def report(
     folder = None if html is None or one_file else _folder(html)
     book = open_named(path, read_only=True)
     context.call_on_close(book.close)
-    work = Work(files_of(project), None, None, unit, up, without, only)
+    work = Work(files_of(given), None, None, unit, up, without, only)
     source = _source(book, work)
     with bar("reading the project"):
         made = report_of(source)
@@ -201,9 +206,14 @@ def _write(made: Report, media: Media, html: Path | None, xlsx: Path | None, fol
 
 
 def _write_files(folder: Path, files: Mapping[str, bytes]) -> dict[str, str]:
-    """Writes the files into the folder; only files of this command are replaced there."""
+    """Writes the files into the folder, and removes those of an earlier report there."""
     from feeler.atomic import atomic_file
 
+    if folder.is_dir():
+        for there in folder.iterdir():
+            if _OWN_FILE.fullmatch(there.name) and there.name not in files:
+                with contextlib.suppress(OSError):
+                    there.unlink()
     if not files:
         return {}
     try:
