@@ -9,6 +9,7 @@ import json
 import re
 import sqlite3
 import zipfile
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -123,8 +124,11 @@ def test_a_film_that_would_make_the_page_too_large_is_left_out(there: Path, monk
 def test_the_first_findings_have_pictures_the_worst_of_each_group_first(there: Path) -> None:
     rows = report_of(source_of(there), WHEN).findings
     assert all(row.place is not None for row in rows)
-    heads = media.pictured(rows, 2)
-    assert len(heads) == 2 and len({(row.status, row.group) for row in heads}) == 2
+    row = next(row for row in rows if not row.is_touching)
+    grouped = [replace(row, id=str(number), group="ABABCC"[number]) for number in range(6)]
+    assert [each.id for each in media.pictured(grouped, 3)] == ["0", "1", "4"]
+    assert [each.id for each in media.pictured(grouped, 4)] == ["0", "1", "2", "4"], "in the order of the list"
+    assert media.pictured([replace(row, place=None)], 3) == []
     assert media.pictured(rows, 0) == [] and media.pictured(rows, 10**6) == list(rows)
     touching = [row for row in rows if row.is_touching]
     assert touching and not any(row.is_touching for row in media.pictured(rows, len(rows) - len(touching)))
