@@ -106,8 +106,9 @@ def _steps(text: str) -> str:
 def _part(path: str, kind: str = "") -> str:
     """A part by its name, and the folder that it is in."""
     folder = path.rstrip("/").rpartition("/")[0]
-    name = f'<bdi class="{kind}">{_text(name_of(path))}</bdi>' if kind else _named(name_of(path))
-    return f"<span class=part>{name}{f' <bdi class=folder>{_text(folder)}</bdi>' if folder else ''}</span>"
+    name = f'<bdi class="{kind}">{_steps(name_of(path))}</bdi>' if kind else _named(name_of(path))
+    where = f" <bdi class=folder>{_steps(folder)}</bdi>" if folder else ""
+    return f"<span class=part>{name}{where}</span>"
 
 
 def _chip(word: str, kind: str | None = None) -> str:
@@ -129,8 +130,8 @@ def _stale(text: str) -> str:
     return f"<p class=stale>Out of date: {_text(text)}.</p>" if text else ""
 
 
-def _moved(is_moved: bool) -> str:
-    return "<p class=soft>Parts were moved since.</p>" if is_moved else ""
+def _moved(is_moved: bool, text: str = "Parts were moved since.") -> str:
+    return f"<p class=soft>{text}</p>" if is_moved else ""
 
 
 def _bytes(count: int) -> str:
@@ -266,7 +267,7 @@ class _Page:
         where = f"{_part(row.path_a)}<br>{_part(row.path_b)}" if row.path_a and row.path_b else ""
         more = f"<br><span class=soft>and {plural(row.pairs - 1, 'pair')} more</span>" if row.pairs > 1 else ""
         return (
-            f"<tr><td>{_named(row.name)}<td><code>{_text(row.a)}</code><br><code>{_text(row.b)}</code>"
+            f"<tr><td>{_named(row.name)}<td class=between><code>{_text(row.a)}</code><br><code>{_text(row.b)}</code>"
             f"<td class=number>{length(row.required) if row.required else 'no overlap'}"
             f"<td>{_chip(row.status)}{_chip('out of date', 'warn') if row.stale else ''}<br>{_text(row.sentence)}"
             f"{_moved(row.is_moved)}{_stale(row.stale)}<td class=where>{where}{_place(row.point)}{more}</tr>"
@@ -294,7 +295,7 @@ class _Page:
         return [
             "<h2 id=findings>Findings</h2>",
             f"<p>Parts that overlap, touch or are too near. {_text(limits)}{of}{hides}</p>",
-            _moved(check.is_moved),
+            _moved(check.is_moved, "Parts were moved since this check."),
             self._counts(report.findings),
             *self._finding_cards(pictured),
             *self._finding_table(report.findings),
@@ -507,7 +508,7 @@ class _Page:
         if href is None:
             return f"<p class=soft>The film ({_bytes(len(data))}) is left out: this page would become too large.</p>"
         return (
-            f'<p><a href="{escape(href)}" download="{escape(key)}.glb">Film as animated GLB</a> '
+            f'<p class=link><a href="{escape(href)}" download="{escape(key)}.glb">Film as animated GLB</a> '
             f"<span class=soft>{_bytes(len(data))}; opens in viewers of glTF</span></p>"
         )
 

@@ -35,7 +35,8 @@ nav { display: flex; flex-wrap: wrap; gap: 4px 18px; margin: 18px 0 0; }
   border-radius: 4px; overflow-wrap: anywhere; }
 .notice p:last-child, .notice ul { margin: 0; } .notice ul { padding-left: 20px; }
 .notice.bad { border-color: var(--bad); background: var(--bad-back); }
-.where { min-width: 180px; }
+.where { min-width: 200px; } .between { min-width: 140px; } .link { margin: 8px 0 0; }
+td p { margin: 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 18px; margin: 10px 0; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; min-width: 0; }
 code { font: 13px ui-monospace, Consolas, monospace; overflow-wrap: anywhere; }
@@ -100,7 +101,8 @@ footer { color: var(--soft); font-size: 13px; padding-top: 28px; padding-bottom:
   h2, h3, h4, thead { break-after: avoid; }
   .card, .tile, ol.steps > li, tr, .film { break-inside: avoid; } .wide { break-inside: auto; }
   .cards { grid-template-columns: repeat(2, 1fr); }
-  .chip { border: 1px solid currentColor; }
+  .chip { border: 1px solid currentColor; font-size: inherit; padding: 0 6px; }
+  code { font-size: 8pt; }
   .live .frames { display: grid; } .live .frames img { display: block; }
   .tile b { font-size: 16pt; } table { font-size: 8.5pt; } thead th { position: static; } .folder { font-size: 8pt; }
   .rows tr { content-visibility: visible; }
