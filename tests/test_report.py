@@ -44,6 +44,11 @@ def there(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return project(tmp_path_factory.mktemp("project"))
 
 
+@pytest.fixture(scope="module")
+def world(there: Path) -> feeler.Mockup:
+    return feeler.load_mockup(there.with_name("stand.glb"))
+
+
 def source_of(path: Path, of: feeler.Mockup | None = None) -> Source:
     book = open_or_make(path, read_only=True)
     try:
@@ -393,7 +398,9 @@ FUZZED += ["parts", "gone"]
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.DataObject) -> None:
+def test_damaged_values_are_told_or_shown(
+    there: Path, world: feeler.Mockup, tmp_path: Path, data: st.DataObject
+) -> None:
     """Any value in any place of any row: a typed error, or a page without elements of strangers."""
     table = data.draw(st.sampled_from(FUZZED))
     at, junk = data.draw(st.integers(0, 400)), data.draw(JUNK)
@@ -410,7 +417,7 @@ def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.
 
     path = _changed(there, tmp_path, lambda each, value: changed(value) if each == table else value)
     try:
-        source = source_of(path, OF.setdefault("mockup", feeler.load_mockup(there.with_name("stand.glb"))))
+        source = source_of(path, world)
         report = report_of(source, WHEN)
         made = media.media_of(source, report, 1) if at % 10 == 0 else Media()
         page = as_html.html_page(report, made).decode()
@@ -420,6 +427,3 @@ def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.
     except FeelerError:
         return
     assert page.count("<script") == 1 and "onclick=alert(1)>" not in page
-
-
-OF: dict[str, feeler.Mockup] = {}

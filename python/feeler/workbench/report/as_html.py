@@ -8,6 +8,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
+from urllib.parse import quote
 
 from feeler.choices import STATUSES
 from feeler.words import length, plural
@@ -72,8 +73,6 @@ def _digest(text: str) -> str:
 
 
 def _linked(folder: str) -> FileLink:
-    from urllib.parse import quote
-
     return lambda name, _data: quote(f"{folder}/{name}")
 
 
@@ -189,6 +188,13 @@ class _Page:
             return ""
         href = self._link(PAGE, self._media.page)
         return f'<a href="{escape(href or "")}">Open the mock-up: look around, play the ways</a>'
+
+    def _finding_link(self, row: FindingRow) -> str:
+        """To the finding in the page with the mock-up."""
+        if self._media.page is None or self._folder is None:
+            return ""
+        href = f"{self._link(PAGE, self._media.page)}#finding={quote(row.id, safe='')}"
+        return f'<p><a href="{escape(href)}" target=_blank rel=noopener>Show it in the mock-up</a></p>'
 
     def _tiles(self) -> list[str]:
         report = self._report
@@ -352,7 +358,7 @@ class _Page:
             f"<p>{_chip(row.verdict)} {_chip(row.status, '')}{_severity(row)}</p>"
             f"<p>{_part(row.a, 'a')}<br>{_part(row.b, 'b')}</p>"
             f"{f'<p class=soft>Group: {_named(row.group)}</p>' if row.group else ''}{_note(row)}{history}"
-            f"{_stale(row.stale)}</div></article>"
+            f"{_stale(row.stale)}{self._finding_link(row)}</div></article>"
         )
 
     def _finding_table(self, rows: Sequence[FindingRow]) -> list[str]:
