@@ -23,6 +23,7 @@ from report_project import BOLD, WAIT_S, fill, loaded, mockup, project
 from workbench_scene import Bench
 
 import feeler
+from feeler.cli.projects import Work, keep_work
 from feeler.errors import FeelerError, LoadError
 from feeler.io import write_glb
 from feeler.project import layout
@@ -310,6 +311,15 @@ def test_without_the_mock_up_the_report_has_no_pictures_and_says_so(tmp_path: Pa
     other.mkdir()
     write_glb(other / "stand.glb", mockup(is_raised=True))
     assert run_json("report", path, other / "stand.glb")["changes"]["changed"] == ["stand/stand/block"]
+
+
+def test_the_tool_of_the_project_may_be_gone(tmp_path: Path) -> None:
+    path = project(tmp_path)
+    book = open_or_make(path)
+    keep_work(book, Work([str(tmp_path / "stand.glb")], str(tmp_path / "gone.stl"), "mm", without=["*sheet*"]))
+    book.close()
+    done = run("report", path, "--html", tmp_path / "r.html", "--pictures", "1")
+    assert done.stderr == "" and "pictures" in done.stdout
 
 
 def test_words_that_cannot_be(there: Path, tmp_path: Path) -> None:

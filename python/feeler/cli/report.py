@@ -6,6 +6,7 @@ import contextlib
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",)}
 _FILES = "-files"
 """At the end of the name of the folder beside the page."""
+_NO_TOOL = "sample:wrench"
+"""A report needs no tool: that of the project may be gone."""
 _OWN_FILE = re.compile(r"question-\d+\.glb|sequence\.glb|mock-up\.html")
 
 
@@ -127,7 +130,7 @@ def _source(book: Book, given: Work) -> Source:
     from feeler.workbench.session.record import digest
 
     try:
-        work = given if given.sources else work_of(book, given)
+        work = given if given.sources else work_of(book, replace(given, tool=_NO_TOOL))
     except (MissingFileError, OptionError) as error:
         text = "The files of the mock-up are not there: this report has no pictures and no films."
         warn(f"{str(error).partition(': give the mock-up')[0]}: the report has no pictures; give the mock-up, too")
@@ -143,10 +146,8 @@ def _source(book: Book, given: Work) -> Source:
 
 def _with_options(book: Book, given: Work) -> Work:
     """The given files with the options that the project was opened with."""
-    from dataclasses import replace
-
     try:
-        known = work_of(book, given)
+        known = work_of(book, replace(given, tool=_NO_TOOL))
     except (MissingFileError, OptionError, LoadError):
         return given
     return replace(known, sources=given.sources)

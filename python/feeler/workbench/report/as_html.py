@@ -434,7 +434,7 @@ class _Page:
     def _way(self, way: WayRow) -> str:
         legs = "; ".join(way.legs[:12]) + (f"; and {len(way.legs) - 12:,} more" if len(way.legs) > 12 else "")
         facts = [
-            ("parts", ", ".join(_part(path) for path in way.paths[:5]) + _more(len(way.paths) - 5)),
+            ("parts", ", ".join(map(_part, way.paths[:MOST_LISTED])) + _more(len(way.paths) - MOST_LISTED)),
             ("way", f"{length(way.length)}{_turn(way.rotation)}"),
             ("least clearance", _clearance(way)),
             ("legs", _text(legs)),
@@ -478,7 +478,7 @@ class _Page:
             ("touched", _names(row.touched)),
             ("legs", _text("; ".join(row.legs[:6]) + _more(len(row.legs) - 6))),
         ]
-        parts = ", ".join(_part(path) for path in row.paths[:6]) + _more(len(row.paths) - 6)
+        parts = ", ".join(map(_part, row.paths[:MOST_LISTED])) + _more(len(row.paths) - MOST_LISTED)
         return (
             f"<li><div><h4>{_named(row.title)}</h4><div>{parts}</div>{_facts(facts)}{_stale(row.stale)}</div>"
             f"{self._film(row)}</li>"
