@@ -22,6 +22,12 @@ MOST_LISTED = 300
 """Parts of a list in the text; the others are counted."""
 PAGE = "mock-up.html"
 """The name of the page with the mock-up, among the files of a report."""
+_LIST_HEAD = (
+    "<div class=chunk><table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
+    "<th>Note, history<th class=number>At, m</tr></thead>"
+)
+_CHUNK = 200
+"""Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
 _OPEN = ("new", "active")
 _CHIPS = {
     **{"holds": "good", "violated": "bad", "unknown": "warn", "not checked": "warn"},
@@ -99,7 +105,7 @@ def _named(text: str) -> str:
 
 def _steps(text: str) -> str:
     """A name that may be broken after the steps of its path."""
-    return _text(text).replace("/", "/<wbr>").replace("_", "_<wbr>")
+    return _text(text).replace("/", "/<wbr>")
 
 
 def _part(path: str, kind: str = "") -> str:
@@ -367,14 +373,18 @@ class _Page:
         found = [
             "<h3>All findings</h3>",
             "<p class=filter hidden><label>Filter <input type=search id=filter></label> <span id=count></span></p>",
-            "<div class=scroll><table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
-            "<th>Note and history<th class=number>At, m</tr></thead>",
+            "<div class=scroll>",
         ]
         for key, mine in _runs(rows):
-            found.append(f"<tbody><tr><th colspan=7>{_text(key)}: {len(mine):,}</tr>")
-            found += [self._finding_line(row) for row in mine]
-            found.append("</tbody>")
-        return [*found, "</table></div>"]
+            for begin in range(0, len(mine), _CHUNK):
+                some = mine[begin : begin + _CHUNK]
+                said = f"{key}: {len(mine):,}"
+                if len(mine) > _CHUNK:
+                    said += f" ({begin + 1:,} to {begin + len(some):,})"
+                found.append(f"{_LIST_HEAD}<tbody><tr><th colspan=7>{_text(said)}</tr>")
+                found += [self._finding_line(row) for row in some]
+                found.append("</tbody></table></div>")
+        return [*found, "</div>"]
 
     def _finding_line(self, row: FindingRow) -> str:
         number = self._number[id(row)]
