@@ -68,7 +68,8 @@ def test_a_page_plays_ways_filters_findings_and_runs_nothing_else(tmp_path: Path
 
         # The mock-up beside it is a page without a server, which has the ways in its sequence.
         page.get_by_text("Open the mock-up").click()
-        page.wait_for_function("window.feeler && window.feeler.triangles > 0")
+        page.wait_for_url("**/r-files/mock-up.html")
+        page.get_by_role("tab").first.wait_for()  # no function: the policy forbids to make one of text
         names = page.evaluate("window.feeler.document.sequence.map((line) => line.name)")
         assert names == ["peg"]
         browser.close()
