@@ -91,6 +91,7 @@ def test_a_report_has_everything_that_was_done(there: Path) -> None:
     assert [row.kind for row in report.questions] == ["removal", "order", "access"]
     way = report.questions[0].ways[0]
     assert way.paths == ("stand/stand/peg",) and way.length > 0.1 and len(way.poses) > 1
+    assert way.gaps and all(0.0 <= share <= 1.0 for share, _ in way.gaps)
     (step,) = report.steps
     assert step.paths == ("stand/stand/peg",) and step.length == pytest.approx(way.length)
 

@@ -26,6 +26,8 @@ _LIST_HEAD = (
     "<div class=chunk><table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
     "<th>Note, history<th class=number>At, m</tr></thead>"
 )
+_CURVE = (600, 90)
+"""Width and height of the drawing of gaps."""
 _CHUNK = 200
 """Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
 _OPEN = ("new", "active")
@@ -449,7 +451,7 @@ class _Page:
             ("least clearance", _clearance(way)),
             ("legs", _text(legs)),
         ]
-        return f"{_facts(facts)}{_stale(way.stale)}{self._film(way)}"
+        return f"{_facts(facts)}{_stale(way.stale)}{self._film(way)}{_curve(way)}"
 
     def _reaches(self, row: QuestionRow) -> str:
         lines = "".join(
@@ -587,6 +589,27 @@ def _place(point: Sequence[float] | None) -> str:
     if point is None:
         return ""
     return f"<br><span class=soft>at {', '.join(f'{value:.4f}' for value in point)} m</span>"
+
+
+def _curve(way: WayRow) -> str:
+    """The gap along a way, as a drawing; empty if it is not known."""
+    known = [(share, gap) for share, gap in way.gaps if gap is not None]
+    most = max((gap for _, gap in known), default=0.0)
+    if len(known) < 2 or most <= 0.0:
+        return ""
+    lines: list[list[str]] = [[]]
+    for share, gap in way.gaps:
+        if gap is None:
+            lines.append([])
+        else:
+            lines[-1].append(f"{_CURVE[0] * share:.1f},{_CURVE[1] * (1.0 - gap / most):.1f}")
+    drawn = "".join(f'<polyline points="{" ".join(line)}"/>' for line in lines if len(line) > 1)
+    share, least = min(known, key=lambda each: each[1])
+    said = f"Gap to the nearest neighbour; the smallest of those measured is {length(least)}, at {share:.0%} of the way"
+    return (
+        f'<figure class=curve><svg viewBox="0 -4 {_CURVE[0]} {_CURVE[1] + 8}" role=img aria-label="{_text(said)}">'
+        f'<path d="M0 {_CURVE[1]}H{_CURVE[0]}"/>{drawn}</svg><figcaption>{_text(said)}.</figcaption></figure>'
+    )
 
 
 def _turn(rotation: float | None) -> str:

@@ -78,6 +78,7 @@ def _way(row: WayRow) -> dict[str, Any]:
         "rotation": row.rotation,
         "clearance": row.clearance,
         "legs": list(row.legs),
+        "gaps": [{"share": share, "gap": gap} for share, gap in row.gaps],
         "touched": list(row.touched),
         "tool": row.tool or None,
         "stale": row.stale or None,

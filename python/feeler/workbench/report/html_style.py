@@ -81,6 +81,10 @@ td.number, .short { white-space: nowrap; } td.at { font-size: 12px; white-space:
 .rows { table-layout: fixed; margin: 0; } .rows tbody td { overflow-wrap: break-word; }
 .rows th:nth-child(1) { width: 6%; } .rows th:nth-child(2) { width: 10%; } .rows th:nth-child(3) { width: 12%; }
 .rows th:nth-child(4) { width: 28%; } .rows th:nth-child(5) { width: 18%; } .rows th:nth-child(6) { width: 16%; }
+.curve { margin: 12px 0 0; max-width: 640px; break-inside: avoid; }
+.curve svg { display: block; width: 100%; height: auto; }
+.curve path { stroke: var(--line); stroke-width: 1; } .curve polyline { fill: none; stroke: var(--a); stroke-width: 2; }
+figcaption { color: var(--soft); font-size: 13px; }
 ol.steps { list-style: none; padding: 0; margin: 0; counter-reset: step; }
 ol.steps > li { counter-increment: step; display: grid; grid-template-columns: 44px minmax(0, 1fr) minmax(0, 380px);
   gap: 6px 16px; padding: 14px 0; border-bottom: 1px solid var(--line); }
