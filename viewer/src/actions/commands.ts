@@ -7,7 +7,7 @@ import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
 import { type Dialog, PANELS, type Panel } from "../model/page-state";
-import { ask } from "./cards";
+import { ask, askTools } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import {
   checkClashes,
@@ -363,6 +363,7 @@ export const COMMANDS: readonly PageCommand[] = [
 
   command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), hasTargets),
   command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), hasTargets),
+  command("Ask", "ask-tools", "Which tool reaches its bolts?", "", askTools, canChange),
   command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
   command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),
 

@@ -263,11 +263,15 @@ export interface BlockerFacts {
   readonly pose: Pose;
 }
 
-/** Whether a tool reaches a fastener. */
+/** Which tools reach a fastener. */
 export interface ReachFacts {
   readonly part: number | null;
   readonly name: string;
   readonly kind: string;
+  /** The one that swings farthest; the other figures are of it. */
+  readonly tool: string;
+  /** All that reach it, of those that were tried. */
+  readonly tools: readonly string[];
   readonly is_reachable: boolean;
   readonly swing_deg: number;
   readonly because: string;
@@ -1025,6 +1029,7 @@ export interface Commands {
     readonly parts?: Selection;
     readonly without?: Selection;
     readonly tool?: string;
+    readonly tools?: readonly string[];
     readonly grip?: string;
     readonly swing_deg?: number;
     readonly clearance?: number;

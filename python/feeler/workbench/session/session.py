@@ -56,6 +56,8 @@ from feeler.workbench.session.wanted import Wanted
 
 LEAST_TICK_S = 0.004
 """The engine's thread starts at most one round per this time: 250 Hz."""
+IDLE_TICK_S = 0.05
+"""Time between rounds while nothing happens; a wish or a command ends the wait."""
 _CLOSE_S = 10.0  # for the current round of the engine
 
 
@@ -595,7 +597,7 @@ class Session:
             trouble = text
             if has_news:
                 self._tell_snapshot()
-            self._wake.wait(timeout=LEAST_TICK_S)
+            self._wake.wait(timeout=IDLE_TICK_S if self.engine.is_idle else LEAST_TICK_S)
             self._wake.clear()
             # From the start of the round, not from the call: it may have waited for a command.
             gone = self._clock() - self.engine.ticked_at
