@@ -281,7 +281,7 @@ def test_a_replay_is_nobody_elses_to_move() -> None:
         assert room.has_tool == ("page", other, False)
         assert not room.session.wish(START, 999, "mouse", one)
         room.wait(0.25)
-    assert room.bench.document["gripped"] == [] and room.bench.document["out"] == [PEG]
+    assert room.bench.document["gripped"] == [] and [*room.bench.document["moved"]] == [str(PEG)]
     room.wait(IDLE_S + 1)
     assert room.has_tool == ("page", other, True)
 
