@@ -10,15 +10,7 @@ import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
-import { isolated } from "./words";
-
-/** The first letters of the first two words. */
-export const initials = (name: string): string =>
-  name
-    .split(" ")
-    .slice(0, 2)
-    .map((word) => (Array.from(word)[0] ?? "").toUpperCase())
-    .join("");
+import { initials, isolated } from "./words";
 
 function Avatar({ person, hasTool }: { person: Person; hasTool: boolean }) {
   const classes = [
@@ -81,12 +73,16 @@ export function PeopleDialog() {
             </span>
             {each.id !== you.value && wb.store.people.seen.value.has(each.id) && (
               <button type="button" class="button" onClick={() => lookWhere(wb, each.id)}>
-                Look where <bdi>{each.name}</bdi> looks
+                <span>
+                  Look where <bdi>{each.name}</bdi> looks
+                </span>
               </button>
             )}
             {each.id !== you.value && is_mine.value && (
               <button type="button" class="button" onClick={() => wishTurn(wb, "give", each.id)}>
-                Give <bdi>{each.name}</bdi> the tool
+                <span>
+                  Give <bdi>{each.name}</bdi> the tool
+                </span>
               </button>
             )}
           </li>
@@ -128,6 +124,7 @@ export function NameSetting() {
     <label class="field">
       Your name
       <input
+        class="text-field"
         type="text"
         maxLength={MOST_NAME}
         autocomplete="off"
