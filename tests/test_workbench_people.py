@@ -260,6 +260,8 @@ def test_the_document_is_everybodys_and_the_hand_its_holders() -> None:
     room.wait(IDLE_S + 1)
     command("redo", {}, other)
     assert room.has_tool == ("page", other, False)
+    command("redo", {}, one)
+    command("redo", {}, one)
     with refused("there is nothing to redo"):
         command("redo", {}, one)
 
@@ -459,9 +461,10 @@ def test_pages_see_each_other_come_and_go(server: Server) -> None:
         first = page.next(protocol.People)
         assert about(first) == [(first.you, "Guest 1")]
         with Page(server.url) as other:
+            other.next(protocol.People)
             page.send(protocol.Named("<b>Ann</b>"))
             page.send(here(3, point=(0.5, 0.0, 0.25)))
-            both = other.next(protocol.People, lambda people: people.people[0]["name"] != "Guest 1")
+            both = other.next(protocol.People, lambda people: people.people[0]["name"] == "<b>Ann</b>")
             assert about(both) == [(first.you, "<b>Ann</b>"), (both.you, "Guest 2")]
             seen = other.next(protocol.Seen)
             assert (seen.person, seen.selection, seen.point) == (first.you, [3], (0.5, 0.0, 0.25))
