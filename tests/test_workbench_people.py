@@ -438,6 +438,50 @@ def test_there_is_one_holder_whatever_comes(given_steps: list[Any]) -> None:
         assert len({each["name"] for each in now.people}) == len({each["colour"] for each in now.people}) == len(there)
 
 
+numbers = st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from([0.0, 1.0, -1.0])
+points = st.tuples(numbers, numbers, numbers)
+cameras = st.fixed_dictionaries(
+    {"position": points, "target": points, "up": points, "fov_rad": numbers}, optional={"is_parallel": st.booleans()}
+)
+said = st.one_of(
+    st.builds(protocol.Named, st.text(max_size=60)),
+    st.builds(protocol.Here, st.none() | points, st.lists(st.integers(-2, 6), max_size=4), cameras, st.booleans()),
+    st.builds(
+        protocol.Turning,
+        st.integers(),
+        st.sampled_from(["take", "ask", "give", "keep", "let_go"]),
+        st.none() | st.integers(-2, 6),
+    ),
+)
+
+
+@given(st.lists(st.tuples(st.integers(0, 1), said), max_size=30))
+def test_whatever_a_page_says_others_can_show(messages: list[Any]) -> None:
+    people = PeopleOf(Clock(), parts=lambda: 5)
+    pages = [people.join(), people.join()]
+    for who, message in messages:
+        try:
+            if isinstance(message, protocol.Named):
+                people.name(pages[who], message.name)
+            elif isinstance(message, protocol.Here):
+                people.here(pages[who], message)
+            else:
+                people.turn(pages[who], message)
+        except WorkbenchError as error:
+            assert len(str(error)) < 300
+        for each in people.people(pages[0]).people:
+            assert 0 < len(each["name"]) <= MOST_NAME and each["name"].isprintable(), ascii(each["name"])
+        for page in pages:
+            seen = people.seen(page)
+            if seen is None:
+                continue
+            assert {*seen.selection} <= {*range(5)}
+            ahead = np.subtract(seen.camera["target"], seen.camera["position"])
+            assert np.isfinite(ahead).all() and np.linalg.norm(np.cross(ahead, seen.camera["up"])) > 0.0
+            decoded = protocol.decode_from_server(protocol.encode(seen))
+            assert decoded == seen
+
+
 # ---- through the sockets ----
 
 
