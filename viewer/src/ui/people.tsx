@@ -42,11 +42,11 @@ export function PeopleStrip() {
       type="button"
       class="people-strip"
       title={said.join("\n")}
-      aria-label={`People: ${said.join(", ")}`}
       onClick={() => {
         store.dialog.value = "people";
       }}
     >
+      <span class="visually-hidden">{`People: ${said.join(", ")}`}</span>
       {people.value.map((person) => (
         <Avatar key={person.id} person={person} hasTool={person.id === turn.value.person} />
       ))}
