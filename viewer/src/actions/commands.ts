@@ -22,6 +22,7 @@ import {
 } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
+import { changeTurn } from "./people";
 import { isStale, project, saveProject, selectStale } from "./project";
 import { addRequirement, checkRequirements } from "./requirements";
 import { addSection, flipped, toggleSections } from "./sections";
@@ -68,6 +69,7 @@ const hasRules = (wb: Workbench): boolean => (wb.store.document.value?.clash.rul
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
 const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
+const hasOthers = (wb: Workbench): boolean => canChange(wb) && wb.store.people.others.value.length > 0;
 const hasStale = (wb: Workbench): boolean => isStale(project(wb));
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
@@ -573,6 +575,17 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Page", "tour", "Two-minute tour", "", (wb) => {
     wb.store.tour_step.value = 0;
   }),
+  command(
+    "Page",
+    "people",
+    "People on this project",
+    "",
+    (wb) => {
+      wb.store.dialog.value = "people";
+    },
+    hasOthers,
+  ),
+  command("Tool", "take-turn", "Turn of the tool: take it, ask for it, let it go", "", changeTurn, hasOthers),
   command("Page", "settings", "Settings", "Ctrl+,", (wb) => {
     wb.store.dialog.value = "settings";
   }),

@@ -25,6 +25,8 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   search: ["find part", "filter", "look for"],
   move: ["translate", "shift", "drag", "position"],
   turn: ["rotate", "orient"],
+  "take-turn": ["give the tool", "whose turn", "control", "hand over"],
+  people: ["users", "guests", "colleagues", "my name", "look where"],
   grip: [
     "way out",
     "take",
