@@ -455,15 +455,15 @@ class _Page:
 
     def _reaches(self, row: QuestionRow) -> str:
         lines = "".join(
-            f"<tr><td>{_part(each.path)}<td>{_text(each.kind)}"
+            f"<tr><td>{_part(each.path)}<td>{_text(each.kind)}<td>{_names(each.tools) or _named(each.tool)}"
             f"<td>{_chip('reachable', 'good') if each.is_reachable else _chip('not reachable', 'bad')}"
             f"<td class=number>{each.swing_deg:.0f}°<td>{_text(each.because)}"
             f"{f'<br><span class=soft>{_names(each.blockers)}</span>' if each.blockers else ''}</tr>"
             for each in row.reaches
         )
         return (
-            "<div class=scroll><table><thead><tr><th>Fastener<th>Kind<th>Access<th class=number>Free swing<th>Why"
-            f"</tr></thead><tbody>{lines}</tbody></table></div>"
+            "<div class=scroll><table><thead><tr><th>Fastener<th>Kind<th>Tool<th>Access<th class=number>Free swing"
+            f"<th>Why</tr></thead><tbody>{lines}</tbody></table></div>"
         )
 
     # ---- steps ----

@@ -306,6 +306,8 @@ class _Writer:
             values.ReachRow(
                 self.path(each["part"]) or cut(each["name"]),
                 cut(each["kind"]),
+                cut(each["tool"]),
+                tuple(map(cut, each["tools"][:MOST_ROWS])),
                 each["is_reachable"],
                 each["swing_deg"],
                 cut(each["because"]),

@@ -130,10 +130,12 @@ class BlockerRow:
 
 @dataclass(frozen=True)
 class ReachRow:
-    """Whether a tool reaches a fastener."""
+    """Which tools reach a fastener. tool: the one that the figures are of; tools: all that reach it."""
 
     path: str
     kind: str
+    tool: str
+    tools: tuple[str, ...]
     is_reachable: bool
     swing_deg: float
     because: str
