@@ -43,7 +43,7 @@ SHARES = {
         *("document/protocol_findings", "document/answers"),
     ),
     "document/commands": ("document/finding_commands", "document/requirement_commands", "document/cards"),
-    "session/asking": ("session/finding_jobs", "session/requirement_jobs"),
+    "session/asking": ("session/finding_jobs", "session/report_jobs", "session/requirement_jobs"),
 }
 """Modules that hold a part of another one's messages or tables."""
 

@@ -463,7 +463,7 @@ export const COMMANDS: readonly PageCommand[] = [
       `Export: ${title}`,
       "",
       (wb) => exportFile(wb, name),
-      name === "page" || name === "export_project" ? canChange : hasSequence,
+      name === "page" || name === "report" || name === "export_project" ? canChange : hasSequence,
     ),
   ),
 

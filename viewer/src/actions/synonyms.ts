@@ -54,6 +54,7 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   export_csv: ["report", "save", "download", "spreadsheet", "excel"],
   export_html: ["report", "save", "download", "print"],
   export_glb: ["animation", "film", "video", "save", "download"],
+  report: ["requirements", "save", "download", "print", "summary"],
   page: ["share", "send", "report", "save", "download", "offline"],
   "open-file": ["load", "load a file", "import a file", "drop", "new mock-up"],
   "open-sample": ["example", "demo", "load a sample"],

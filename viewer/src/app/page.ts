@@ -1,6 +1,7 @@
 // The page of a running server: the link, the stage, the hand and the devices, joined.
 
 import { pictureFor } from "../actions/exports";
+import { lookAtFinding } from "../actions/findings";
 import { Workbench } from "../actions/workbench";
 import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
@@ -134,6 +135,10 @@ export class Page {
     if (left_out > 0) {
       store.notify("warning", `${formatCount(left_out)} triangles of small parts had no room in this file`);
     }
+    // A report links to its findings.
+    const wanted = new URLSearchParams(location.hash.slice(1)).get("finding");
+    const row = wanted === null ? -1 : (store.findings.list.peek()?.rowOf(wanted) ?? -1);
+    if (row >= 0) void lookAtFinding(wb, row);
     this.loop.request();
   }
 

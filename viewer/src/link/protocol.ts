@@ -1182,6 +1182,8 @@ export interface Jobs {
   readonly export_glb: { readonly args: Record<string, never>; readonly answer: Written };
   /** A project of the document, to download. It names the mock-up by its content, and no folder of this machine. */
   readonly export_project: { readonly args: Record<string, never>; readonly answer: Written };
+  /** One page of what was found and done, with its films inside. `pictures`: as of `feeler report`. */
+  readonly report: { readonly args: { readonly pictures?: number }; readonly answer: Written };
   /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
   /** Replays the record that the workbench was opened with. */

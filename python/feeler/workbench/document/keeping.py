@@ -24,7 +24,19 @@ from feeler.project.book import dumps, row_id
 from feeler.project.layout import TABLES
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
-from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Card, Document, Findings, Isolation, Trip
+from feeler.workbench.document.document import (
+    MATERIALS,
+    MODES,
+    UNITS,
+    Card,
+    Check,
+    Document,
+    Findings,
+    Isolation,
+    KeptClear,
+    Trip,
+    Verdict,
+)
 from feeler.workbench.document.finding_table import STATUS, table_of
 from feeler.workbench.document.values import is_number
 
@@ -207,14 +219,19 @@ def restored(
     rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
     if rest is not None or there:  # a clash check of the command line writes rows alone
         found = [loads(row.value, _FINDINGS) for row in there]
-        values[_FINDINGS] = _findings(rest, found, marks, base, parts)
+        values[_FINDINGS] = _findings(rest, found, marks, base, parts, renumber)
     document = replace(base, **values)
     _check(document, len(parts), aside)
     return Kept(document, tuple(aside))
 
 
 def _findings(
-    rest: Any, rows: list[Any], marks: Mapping[str, Mapping[str, Any]], base: Document, parts: Parts
+    rest: Any,
+    rows: list[Any],
+    marks: Mapping[str, Mapping[str, Any]],
+    base: Document,
+    parts: Parts,
+    renumber: Renumber | None,
 ) -> Findings:
     facts = rest.get(_TABLE) if isinstance(rest, dict) else None
     table = table_of({**(facts if isinstance(facts, dict) else {}), "clashes": rows}, parts, base.absent, _FINDINGS)
@@ -231,6 +248,10 @@ def _findings(
             values[name] = _decoded(rest[name], kind, where)
     if not all(status in STATUS for status in values["status"].values()):
         raise LoadError("a finding has a status that does not exist: the project is damaged; use a copy")
+    check = values.get("check")
+    if renumber is not None and check is not None:
+        of = None if check.of is None else _numbers(check.of, renumber)
+        values["check"] = replace(check, of=of, **_places(check, renumber))
     return replace(made, **values)
 
 
@@ -292,6 +313,30 @@ def _damaged(where: str, what: str) -> LoadError:
 # ---- another revision of the mock-up ----
 
 
+def _numbers(parts: Iterable[int], renumber: Renumber) -> tuple[int, ...]:
+    return tuple(now for part in parts if (now := renumber(part)) is not None)
+
+
+def _places(checked: Check | Verdict, renumber: Renumber) -> dict[str, Any]:
+    """Where parts lay at a check, by their numbers now."""
+    moved = {now: place for part, place in checked.moved.items() if (now := renumber(part)) is not None}
+    return {
+        "moved": MappingProxyType(dict(sorted(moved.items()))),
+        "out": tuple(sorted(_numbers(checked.out, renumber))),
+        "gripped": _numbers(checked.gripped, renumber),
+    }
+
+
+def _requirement(each: KeptClear, renumber: Renumber) -> KeptClear:
+    """With the numbers of parts now; as if it was not checked if a part of its verdict is gone."""
+    verdict = each.verdict
+    if verdict is None:
+        return each
+    parts = _numbers(verdict.parts, renumber)
+    is_whole = len(parts) == len(verdict.parts)
+    return replace(each, verdict=replace(verdict, parts=parts, **_places(verdict, renumber)) if is_whole else None)
+
+
 def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """The values with the numbers of parts now, and the things whose parts are gone."""
 
@@ -347,6 +392,7 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
         else:
             aside.append((_CARDS, encoded(card)))
     found[_CARDS] = tuple(cards)
+    found["requirements"] = tuple(_requirement(each, renumber) for each in values.get("requirements", ()))
     if not found["gripped"] or found.get("replaying") not in {line.id for line in lines}:
         found["replaying"] = None
     if not found["gripped"]:
@@ -425,6 +471,9 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
             raise _damaged("sequence", "a line without a way")
     for measure in document.measures:
         check.there(measure.parts, "measures")
+    for each in document.requirements:
+        if each.verdict is not None:
+            check.there(each.verdict.parts, "requirements")
     for card in document.cards:
         check.there([*card.parts, *card.without, *(part for part, _ in card.world[0]), *card.world[1]], _CARDS)
         check.poses((row for _, row in card.world[0]), _CARDS)

@@ -34,7 +34,7 @@ from feeler.workbench.document.document import Check, Document, Findings
 from feeler.workbench.document.finding_table import STATUS, FindingTable
 from feeler.workbench.document.frames import dumps
 from feeler.workbench.document.protocol_findings import Alike, FindingSide, Hides, Taken
-from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.parts import PartTools, with_places
 from feeler.workbench.session.finding_view import side_of, side_of_pair
 from feeler.workbench.session.uploads import Uploads
 
@@ -228,31 +228,9 @@ def placed(place: FindingPlace, progress: Progress) -> tuple[Mockup, Scene]:
     moved = {part: at for part, at in document.moved.items() if part not in gone}
     if moved:
         progress(0.0, "placing parts")
-        mockup = _with_places(mockup, place.meshes, moved)
+        mockup = with_places(mockup, moved, place.meshes)
         scene = Scene(mockup, threads=threads()).without(list(document.absent))
     return mockup, scene.without(sorted(gone)) if gone else scene
-
-
-def _with_places(mockup: Mockup, meshes: PartTools, moved: Any) -> Mockup:
-    """The mock-up with some parts elsewhere. Their vertices are added, since others may share the old ones."""
-    vertices, faces = [mockup.vertices], np.array(mockup.faces)
-    count = len(mockup.vertices)
-    for part, at in moved.items():
-        there, own = meshes.at(part, at)
-        triangles = meshes.of(part)[1]
-        is_there = own < len(there)
-        faces[triangles] = np.where(is_there, own + count, faces[triangles])
-        vertices.append(there)
-        count += len(there)
-    made = Mockup(
-        np.concatenate(vertices),
-        faces,
-        mockup.part_of_face,
-        mockup.part_names,
-        part_paths=mockup.part_paths,
-        source=mockup.source,
-    )
-    return made
 
 
 def _tolerant(rules: Rules) -> Rules:
@@ -297,7 +275,7 @@ def _mockup_of(place: FindingPlace, found: Findings) -> Mockup:
         return place.scene.mockup
     gone = {*check.out, *check.gripped}
     moved = {part: at for part, at in check.moved.items() if part not in gone}
-    return _with_places(place.scene.mockup, place.meshes, moved) if moved else place.scene.mockup
+    return with_places(place.scene.mockup, moved, place.meshes) if moved else place.scene.mockup
 
 
 def _as_json(found: Findings, mockup: Mockup, _progress: Progress) -> bytes:

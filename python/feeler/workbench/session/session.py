@@ -88,6 +88,8 @@ class Session:
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
         self._requests = Requests()
+        if project is not None:
+            self._requests.history = project.history
         self._cards = Cards(self._card_told, self._keep_answer)
         self.openings = Openings()
         """Opens other mock-ups for pages, if somebody offers it."""
