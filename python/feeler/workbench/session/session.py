@@ -448,6 +448,10 @@ class Session:
                 self.engine.flush()
             self._recorder.close()
 
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are, or if there is no project."""
+        return None if self._saver is None else self._saver.unsaved
+
     def __enter__(self) -> Session:
         return self
 
