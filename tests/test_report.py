@@ -9,6 +9,7 @@ import json
 import re
 import sqlite3
 import zipfile
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from report_project import BOLD, WAIT_S, fill, loaded, mockup, project
 from workbench_scene import Bench
 
 import feeler
+from feeler.cli.projects import Work, keep_work
 from feeler.errors import FeelerError, LoadError
 from feeler.io import write_glb
 from feeler.project import layout
@@ -30,6 +32,7 @@ from feeler.workbench.report import as_html, media
 from feeler.workbench.report.as_json import report_json
 from feeler.workbench.report.as_xlsx import xlsx_bytes
 from feeler.workbench.report.content import report_of
+from feeler.workbench.report.drawing import Drawing
 from feeler.workbench.report.source import Source, of_book
 from feeler.workbench.report.values import Media
 
@@ -40,6 +43,11 @@ HOSTILE = [BOLD, "</script><script>alert(1)</script>", "=cmd|' /C calc'!A0", "@x
 @pytest.fixture(scope="module")
 def there(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return project(tmp_path_factory.mktemp("project"))
+
+
+@pytest.fixture(scope="module")
+def world(there: Path) -> feeler.Mockup:
+    return feeler.load_mockup(there.with_name("stand.glb"))
 
 
 def source_of(path: Path, of: feeler.Mockup | None = None) -> Source:
@@ -83,6 +91,7 @@ def test_a_report_has_everything_that_was_done(there: Path) -> None:
     assert [row.kind for row in report.questions] == ["removal", "order", "access"]
     way = report.questions[0].ways[0]
     assert way.paths == ("stand/stand/peg",) and way.length > 0.1 and len(way.poses) > 1
+    assert way.gaps and all(0.0 <= share <= 1.0 for share, _ in way.gaps)
     (step,) = report.steps
     assert step.paths == ("stand/stand/peg",) and step.length == pytest.approx(way.length)
 
@@ -122,8 +131,11 @@ def test_a_film_that_would_make_the_page_too_large_is_left_out(there: Path, monk
 def test_the_first_findings_have_pictures_the_worst_of_each_group_first(there: Path) -> None:
     rows = report_of(source_of(there), WHEN).findings
     assert all(row.place is not None for row in rows)
-    heads = media.pictured(rows, 2)
-    assert len(heads) == 2 and len({(row.status, row.group) for row in heads}) == 2
+    row = next(row for row in rows if not row.is_touching)
+    grouped = [replace(row, id=str(number), group="ABABCC"[number]) for number in range(6)]
+    assert [each.id for each in media.pictured(grouped, 3)] == ["0", "1", "4"]
+    assert [each.id for each in media.pictured(grouped, 4)] == ["0", "1", "2", "4"], "in the order of the list"
+    assert media.pictured([replace(row, place=None)], 3) == []
     assert media.pictured(rows, 0) == [] and media.pictured(rows, 10**6) == list(rows)
     touching = [row for row in rows if row.is_touching]
     assert touching and not any(row.is_touching for row in media.pictured(rows, len(rows) - len(touching)))
@@ -222,6 +234,24 @@ def test_ctrl_c_leaves_a_report_with_the_pictures_so_far(there: Path) -> None:
     assert "This report was stopped" in as_html.html_page(report, made).decode()
 
 
+def test_ctrl_c_in_the_command_writes_what_is_there(
+    there: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = list[object]()
+
+    def pair(self: Drawing, *given: object) -> bytes:
+        drawn.append(given)
+        if len(drawn) == 2:
+            raise KeyboardInterrupt
+        return b"\x89PNG" + bytes(30)
+
+    monkeypatch.setattr(Drawing, "pair", pair)
+    done = run("report", there, "--html", tmp_path / "r.html", "--xlsx", tmp_path / "r.xlsx", code=130)
+    assert "interrupted: the report has the pictures made so far" in done.stderr
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert page.count("<img") == 1 and "This report was stopped" in page and zipfile.is_zipfile(tmp_path / "r.xlsx")
+
+
 def test_json_has_the_documented_fields(there: Path) -> None:
     report = report_of(source_of(there), WHEN)
     found = json.loads(json.dumps(report_json(report)))
@@ -245,6 +275,9 @@ def test_json_has_the_documented_fields(there: Path) -> None:
 
 def test_the_command_writes_page_workbook_and_files(there: Path, tmp_path: Path) -> None:
     out = tmp_path / "a report.html"
+    (tmp_path / "a report-files").mkdir()
+    for name in ("question-99.glb", "mine.txt"):
+        (tmp_path / "a report-files" / name).write_text("of before")
     done = run("report", there, "--html", out, "--xlsx", tmp_path / "r.xlsx", "--pictures", "1")
     assert (
         "2 requirements" not in done.stdout
@@ -252,7 +285,7 @@ def test_the_command_writes_page_workbook_and_files(there: Path, tmp_path: Path)
         and "1 requirement violated" in done.stdout
     )
     files = sorted(each.name for each in (tmp_path / "a report-files").iterdir())
-    assert files == ["mock-up.html", "question-1.glb", "question-2.glb", "sequence.glb"]
+    assert files == ["mine.txt", "mock-up.html", "question-1.glb", "question-2.glb", "sequence.glb"]
     page = out.read_text(encoding="utf-8")
     assert 'href="a%20report-files/mock-up.html"' in page and 'href="a%20report-files/sequence.glb"' in page
     assert zipfile.is_zipfile(tmp_path / "r.xlsx")
@@ -279,6 +312,15 @@ def test_without_the_mock_up_the_report_has_no_pictures_and_says_so(tmp_path: Pa
     other.mkdir()
     write_glb(other / "stand.glb", mockup(is_raised=True))
     assert run_json("report", path, other / "stand.glb")["changes"]["changed"] == ["stand/stand/block"]
+
+
+def test_the_tool_of_the_project_may_be_gone(tmp_path: Path) -> None:
+    path = project(tmp_path)
+    book = open_or_make(path)
+    keep_work(book, Work([str(tmp_path / "stand.glb")], str(tmp_path / "gone.stl"), "mm", without=["*sheet*"]))
+    book.close()
+    done = run("report", path, "--html", tmp_path / "r.html", "--pictures", "1")
+    assert done.stderr == "" and "pictures" in done.stdout
 
 
 def test_words_that_cannot_be(there: Path, tmp_path: Path) -> None:
@@ -365,9 +407,11 @@ FUZZED = ["facts", "document", "sequence", "cards", "requirements", "findings", 
 FUZZED += ["parts", "gone"]
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.DataObject) -> None:
+def test_damaged_values_are_told_or_shown(
+    there: Path, world: feeler.Mockup, tmp_path: Path, data: st.DataObject
+) -> None:
     """Any value in any place of any row: a typed error, or a page without elements of strangers."""
     table = data.draw(st.sampled_from(FUZZED))
     at, junk = data.draw(st.integers(0, 400)), data.draw(JUNK)
@@ -384,7 +428,7 @@ def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.
 
     path = _changed(there, tmp_path, lambda each, value: changed(value) if each == table else value)
     try:
-        source = source_of(path, OF.setdefault("mockup", feeler.load_mockup(there.with_name("stand.glb"))))
+        source = source_of(path, world)
         report = report_of(source, WHEN)
         made = media.media_of(source, report, 1) if at % 10 == 0 else Media()
         page = as_html.html_page(report, made).decode()
@@ -394,6 +438,3 @@ def test_damaged_values_are_told_or_shown(there: Path, tmp_path: Path, data: st.
     except FeelerError:
         return
     assert page.count("<script") == 1 and "onclick=alert(1)>" not in page
-
-
-OF: dict[str, feeler.Mockup] = {}

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,6 +29,9 @@ if TYPE_CHECKING:
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",)}
 _FILES = "-files"
 """At the end of the name of the folder beside the page."""
+_NO_TOOL = "sample:wrench"
+"""A report needs no tool: that of the project may be gone."""
+_OWN_FILE = re.compile(r"question-\d+\.glb|sequence\.glb|mock-up\.html")
 
 
 @command(
@@ -39,13 +45,16 @@ feeler report gearbox.feelproj --json
 )
 def report(
     context: typer.Context,
-    project: Annotated[
-        list[str],
+    project: Annotated[str, typer.Argument(metavar="PROJECT", help="A project (.feelproj).")],
+    mockup: Annotated[
+        list[str] | None,
         typer.Argument(
-            metavar="PROJECT [MOCKUP]...",
-            help="A project (.feelproj), and its mock-up as it is now. Default: the mock-up that the project names.",
+            metavar="[MOCKUP]...",
+            help="Its mock-up as it is now: files or folders (several are one mock-up), or sample:NAME. Default: the "
+            "one that the project names.",
         ),
-    ],
+    ] = None,
+    *,
     html: Annotated[
         Path | None,
         typer.Option(
@@ -82,11 +91,10 @@ def report(
     from feeler.workbench.report.media import media_of
     from feeler.workbench.report.values import Media
 
-    path = named_project(project, None)
+    given = [project, *(mockup or [])]
+    path = named_project(given, None)
     if path is None:
-        raise OptionError(
-            f"{project[0]} is no project: give a project (.feelproj), then its mock-up if you want another"
-        )
+        raise OptionError(f"{project} is no project: give a project (.feelproj), then its mock-up if you want another")
     outputs.check_targets({"html": html, "xlsx": xlsx}, _ENDINGS)
     if one_file and html is None:
         raise OptionError("--one-file is of the page: give --html FILE, too")
@@ -95,7 +103,7 @@ def report(
     folder = None if html is None or one_file else _folder(html)
     book = open_named(path, read_only=True)
     context.call_on_close(book.close)
-    work = Work(files_of(project), None, None, unit, up, without, only)
+    work = Work(files_of(given), None, None, unit, up, without, only)
     source = _source(book, work)
     with bar("reading the project"):
         made = report_of(source)
@@ -122,7 +130,7 @@ def _source(book: Book, given: Work) -> Source:
     from feeler.workbench.session.record import digest
 
     try:
-        work = given if given.sources else work_of(book, given)
+        work = given if given.sources else work_of(book, replace(given, tool=_NO_TOOL))
     except (MissingFileError, OptionError) as error:
         text = "The files of the mock-up are not there: this report has no pictures and no films."
         warn(f"{str(error).partition(': give the mock-up')[0]}: the report has no pictures; give the mock-up, too")
@@ -138,10 +146,8 @@ def _source(book: Book, given: Work) -> Source:
 
 def _with_options(book: Book, given: Work) -> Work:
     """The given files with the options that the project was opened with."""
-    from dataclasses import replace
-
     try:
-        known = work_of(book, given)
+        known = work_of(book, replace(given, tool=_NO_TOOL))
     except (MissingFileError, OptionError, LoadError):
         return given
     return replace(known, sources=given.sources)
@@ -201,9 +207,14 @@ def _write(made: Report, media: Media, html: Path | None, xlsx: Path | None, fol
 
 
 def _write_files(folder: Path, files: Mapping[str, bytes]) -> dict[str, str]:
-    """Writes the files into the folder; only files of this command are replaced there."""
+    """Writes the files into the folder, and removes those of an earlier report there."""
     from feeler.atomic import atomic_file
 
+    if folder.is_dir():
+        for there in folder.iterdir():
+            if _OWN_FILE.fullmatch(there.name) and there.name not in files:
+                with contextlib.suppress(OSError):
+                    there.unlink()
     if not files:
         return {}
     try:

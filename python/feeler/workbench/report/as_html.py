@@ -8,6 +8,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
+from urllib.parse import quote
 
 from feeler.choices import STATUSES
 from feeler.words import length, plural
@@ -21,6 +22,14 @@ MOST_LISTED = 300
 """Parts of a list in the text; the others are counted."""
 PAGE = "mock-up.html"
 """The name of the page with the mock-up, among the files of a report."""
+_LIST_HEAD = (
+    "<div class=chunk><table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
+    "<th>Note, history<th class=number>At, m</tr></thead>"
+)
+_CURVE = (600, 90)
+"""Width and height of the drawing of gaps."""
+_CHUNK = 200
+"""Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
 _OPEN = ("new", "active")
 _CHIPS = {
     **{"holds": "good", "violated": "bad", "unknown": "warn", "not checked": "warn"},
@@ -72,8 +81,6 @@ def _digest(text: str) -> str:
 
 
 def _linked(folder: str) -> FileLink:
-    from urllib.parse import quote
-
     return lambda name, _data: quote(f"{folder}/{name}")
 
 
@@ -100,14 +107,15 @@ def _named(text: str) -> str:
 
 def _steps(text: str) -> str:
     """A name that may be broken after the steps of its path."""
-    return _text(text).replace("/", "/<wbr>").replace("_", "_<wbr>")
+    return _text(text).replace("/", "/<wbr>")
 
 
 def _part(path: str, kind: str = "") -> str:
     """A part by its name, and the folder that it is in."""
     folder = path.rstrip("/").rpartition("/")[0]
-    name = f'<bdi class="{kind}">{_text(name_of(path))}</bdi>' if kind else _named(name_of(path))
-    return f"<span class=part>{name}{f' <bdi class=folder>{_text(folder)}</bdi>' if folder else ''}</span>"
+    name = f'<bdi class="{kind}">{_steps(name_of(path))}</bdi>' if kind else _named(name_of(path))
+    where = f" <bdi class=folder>{_steps(folder)}</bdi>" if folder else ""
+    return f"<span class=part>{name}{where}</span>"
 
 
 def _chip(word: str, kind: str | None = None) -> str:
@@ -129,8 +137,8 @@ def _stale(text: str) -> str:
     return f"<p class=stale>Out of date: {_text(text)}.</p>" if text else ""
 
 
-def _moved(is_moved: bool) -> str:
-    return "<p class=soft>Parts were moved since.</p>" if is_moved else ""
+def _moved(is_moved: bool, text: str = "Parts were moved since.") -> str:
+    return f"<p class=soft>{text}</p>" if is_moved else ""
 
 
 def _bytes(count: int) -> str:
@@ -188,6 +196,13 @@ class _Page:
             return ""
         href = self._link(PAGE, self._media.page)
         return f'<a href="{escape(href or "")}">Open the mock-up: look around, play the ways</a>'
+
+    def _finding_link(self, row: FindingRow) -> str:
+        """To the finding in the page with the mock-up."""
+        if self._media.page is None or self._folder is None:
+            return ""
+        href = f"{self._link(PAGE, self._media.page)}#finding={quote(row.id, safe='')}"
+        return f'<p><a href="{escape(href)}" target=_blank rel=noopener>Show it in the mock-up</a></p>'
 
     def _tiles(self) -> list[str]:
         report = self._report
@@ -266,7 +281,7 @@ class _Page:
         where = f"{_part(row.path_a)}<br>{_part(row.path_b)}" if row.path_a and row.path_b else ""
         more = f"<br><span class=soft>and {plural(row.pairs - 1, 'pair')} more</span>" if row.pairs > 1 else ""
         return (
-            f"<tr><td>{_named(row.name)}<td><code>{_text(row.a)}</code><br><code>{_text(row.b)}</code>"
+            f"<tr><td>{_named(row.name)}<td class=between><code>{_text(row.a)}</code><br><code>{_text(row.b)}</code>"
             f"<td class=number>{length(row.required) if row.required else 'no overlap'}"
             f"<td>{_chip(row.status)}{_chip('out of date', 'warn') if row.stale else ''}<br>{_text(row.sentence)}"
             f"{_moved(row.is_moved)}{_stale(row.stale)}<td class=where>{where}{_place(row.point)}{more}</tr>"
@@ -294,7 +309,7 @@ class _Page:
         return [
             "<h2 id=findings>Findings</h2>",
             f"<p>Parts that overlap, touch or are too near. {_text(limits)}{of}{hides}</p>",
-            _moved(check.is_moved),
+            _moved(check.is_moved, "Parts were moved since this check."),
             self._counts(report.findings),
             *self._finding_cards(pictured),
             *self._finding_table(report.findings),
@@ -351,7 +366,7 @@ class _Page:
             f"<p>{_chip(row.verdict)} {_chip(row.status, '')}{_severity(row)}</p>"
             f"<p>{_part(row.a, 'a')}<br>{_part(row.b, 'b')}</p>"
             f"{f'<p class=soft>Group: {_named(row.group)}</p>' if row.group else ''}{_note(row)}{history}"
-            f"{_stale(row.stale)}</div></article>"
+            f"{_stale(row.stale)}{self._finding_link(row)}</div></article>"
         )
 
     def _finding_table(self, rows: Sequence[FindingRow]) -> list[str]:
@@ -360,14 +375,18 @@ class _Page:
         found = [
             "<h3>All findings</h3>",
             "<p class=filter hidden><label>Filter <input type=search id=filter></label> <span id=count></span></p>",
-            "<div class=scroll><table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
-            "<th>Note and history<th class=number>At, m</tr></thead>",
+            "<div class=scroll>",
         ]
         for key, mine in _runs(rows):
-            found.append(f"<tbody><tr><th colspan=7>{_text(key)}: {len(mine):,}</tr>")
-            found += [self._finding_line(row) for row in mine]
-            found.append("</tbody>")
-        return [*found, "</table></div>"]
+            for begin in range(0, len(mine), _CHUNK):
+                some = mine[begin : begin + _CHUNK]
+                said = f"{key}: {len(mine):,}"
+                if len(mine) > _CHUNK:
+                    said += f" ({begin + 1:,} to {begin + len(some):,})"
+                found.append(f"{_LIST_HEAD}<tbody><tr><th colspan=7>{_text(said)}</tr>")
+                found += [self._finding_line(row) for row in some]
+                found.append("</tbody></table></div>")
+        return [*found, "</div>"]
 
     def _finding_line(self, row: FindingRow) -> str:
         number = self._number[id(row)]
@@ -427,24 +446,24 @@ class _Page:
     def _way(self, way: WayRow) -> str:
         legs = "; ".join(way.legs[:12]) + (f"; and {len(way.legs) - 12:,} more" if len(way.legs) > 12 else "")
         facts = [
-            ("parts", ", ".join(_part(path) for path in way.paths[:5]) + _more(len(way.paths) - 5)),
+            ("parts", ", ".join(map(_part, way.paths[:MOST_LISTED])) + _more(len(way.paths) - MOST_LISTED)),
             ("way", f"{length(way.length)}{_turn(way.rotation)}"),
             ("least clearance", _clearance(way)),
             ("legs", _text(legs)),
         ]
-        return f"{_facts(facts)}{_stale(way.stale)}{self._film(way)}"
+        return f"{_facts(facts)}{_stale(way.stale)}{self._film(way)}{_curve(way)}"
 
     def _reaches(self, row: QuestionRow) -> str:
         lines = "".join(
-            f"<tr><td>{_part(each.path)}<td>{_text(each.kind)}"
+            f"<tr><td>{_part(each.path)}<td>{_text(each.kind)}<td>{_names(each.tools) or _named(each.tool)}"
             f"<td>{_chip('reachable', 'good') if each.is_reachable else _chip('not reachable', 'bad')}"
             f"<td class=number>{each.swing_deg:.0f}°<td>{_text(each.because)}"
             f"{f'<br><span class=soft>{_names(each.blockers)}</span>' if each.blockers else ''}</tr>"
             for each in row.reaches
         )
         return (
-            "<div class=scroll><table><thead><tr><th>Fastener<th>Kind<th>Access<th class=number>Free swing<th>Why"
-            f"</tr></thead><tbody>{lines}</tbody></table></div>"
+            "<div class=scroll><table><thead><tr><th>Fastener<th>Kind<th>Tool<th>Access<th class=number>Free swing"
+            f"<th>Why</tr></thead><tbody>{lines}</tbody></table></div>"
         )
 
     # ---- steps ----
@@ -471,7 +490,7 @@ class _Page:
             ("touched", _names(row.touched)),
             ("legs", _text("; ".join(row.legs[:6]) + _more(len(row.legs) - 6))),
         ]
-        parts = ", ".join(_part(path) for path in row.paths[:6]) + _more(len(row.paths) - 6)
+        parts = ", ".join(map(_part, row.paths[:MOST_LISTED])) + _more(len(row.paths) - MOST_LISTED)
         return (
             f"<li><div><h4>{_named(row.title)}</h4><div>{parts}</div>{_facts(facts)}{_stale(row.stale)}</div>"
             f"{self._film(row)}</li>"
@@ -507,7 +526,7 @@ class _Page:
         if href is None:
             return f"<p class=soft>The film ({_bytes(len(data))}) is left out: this page would become too large.</p>"
         return (
-            f'<p><a href="{escape(href)}" download="{escape(key)}.glb">Film as animated GLB</a> '
+            f'<p class=link><a href="{escape(href)}" download="{escape(key)}.glb">Film as animated GLB</a> '
             f"<span class=soft>{_bytes(len(data))}; opens in viewers of glTF</span></p>"
         )
 
@@ -570,6 +589,27 @@ def _place(point: Sequence[float] | None) -> str:
     if point is None:
         return ""
     return f"<br><span class=soft>at {', '.join(f'{value:.4f}' for value in point)} m</span>"
+
+
+def _curve(way: WayRow) -> str:
+    """The gap along a way, as a drawing; empty if it is not known."""
+    known = [(share, gap) for share, gap in way.gaps if gap is not None]
+    most = max((gap for _, gap in known), default=0.0)
+    if len(known) < 2 or most <= 0.0:
+        return ""
+    lines: list[list[str]] = [[]]
+    for share, gap in way.gaps:
+        if gap is None:
+            lines.append([])
+        else:
+            lines[-1].append(f"{_CURVE[0] * share:.1f},{_CURVE[1] * (1.0 - gap / most):.1f}")
+    drawn = "".join(f'<polyline points="{" ".join(line)}"/>' for line in lines if len(line) > 1)
+    share, least = min(known, key=lambda each: each[1])
+    said = f"Gap to the nearest neighbour; the smallest of those measured is {length(least)}, at {share:.0%} of the way"
+    return (
+        f'<figure class=curve><svg viewBox="0 -4 {_CURVE[0]} {_CURVE[1] + 8}" role=img aria-label="{_text(said)}">'
+        f'<path d="M0 {_CURVE[1]}H{_CURVE[0]}"/>{drawn}</svg><figcaption>{_text(said)}.</figcaption></figure>'
+    )
 
 
 def _turn(rotation: float | None) -> str:

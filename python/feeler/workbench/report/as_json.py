@@ -65,7 +65,9 @@ def _question(row: QuestionRow) -> dict[str, Any]:
         "is_moved": row.is_moved,
         "ways": [_way(way) for way in row.ways],
         "blockers": [asdict(each) for each in row.blockers],
-        "access": [{**asdict(each), "blockers": list(each.blockers)} for each in row.reaches],
+        "access": [
+            {**asdict(each), "tools": list(each.tools), "blockers": list(each.blockers)} for each in row.reaches
+        ],
         "facts": [{"name": name, "figure": figure} for name, figure in row.facts],
     }
 
@@ -78,6 +80,7 @@ def _way(row: WayRow) -> dict[str, Any]:
         "rotation": row.rotation,
         "clearance": row.clearance,
         "legs": list(row.legs),
+        "gaps": [{"share": share, "gap": gap} for share, gap in row.gaps],
         "touched": list(row.touched),
         "tool": row.tool or None,
         "stale": row.stale or None,

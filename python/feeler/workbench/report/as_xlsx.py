@@ -106,12 +106,23 @@ def _finding(number: int, row: FindingRow) -> list[Cell]:
     return [*facts, row.a, row.b, row.group, row.rule, row.by, row.note, *_xyz(row.point), row.stale, history]
 
 
-_ACCESS = ("question", "fastener", "kind", "reachable", "free swing, degrees", "why", "parts")
+_ACCESS = (
+    "question",
+    "fastener",
+    "kind",
+    "tool",
+    "tools that reach it",
+    "reachable",
+    "free swing, degrees",
+    "why",
+    "parts",
+)
 
 
 def _reach(row: ReachRow) -> list[Cell]:
     is_reachable = "yes" if row.is_reachable else "no"
-    return [row.path, row.kind, is_reachable, row.swing_deg, row.because, "; ".join(row.blockers)]
+    tools, blockers = "; ".join(row.tools), "; ".join(row.blockers)
+    return [row.path, row.kind, row.tool, tools, is_reachable, row.swing_deg, row.because, blockers]
 
 
 _WAY = ("name", "parts", "way, m", "turned, degrees", "least clearance, m", "touched", "tool", "out of date")

@@ -294,6 +294,7 @@ class _Writer:
             rotation=way["rotation"],
             clearance=way["clearance"],
             stale=self.changed(way["parts"]),
+            gaps=_gaps(way),
         )
 
     def _blockers(self, answer: CardAnswer) -> tuple[values.BlockerRow, ...]:
@@ -305,6 +306,8 @@ class _Writer:
             values.ReachRow(
                 self.path(each["part"]) or cut(each["name"]),
                 cut(each["kind"]),
+                cut(each["tool"]),
+                tuple(map(cut, each["tools"][:MOST_ROWS])),
                 each["is_reachable"],
                 each["swing_deg"],
                 cut(each["because"]),
@@ -346,6 +349,11 @@ class _Writer:
         names = [name_of(self.path(part)) for part in parts[:3]]
         more = f" and {len(parts) - 3:,} more" if len(parts) > 3 else ""
         return ", ".join(names) + more
+
+
+def _gaps(way: WayFacts) -> tuple[tuple[float, float | None], ...]:
+    rows = ((each["share"], each["gap"]) for each in way["gaps"][:MOST_ROWS] if 0.0 <= each["share"] <= 1.0)
+    return tuple((share, None if gap is None else max(0.0, gap)) for share, gap in rows)
 
 
 def _sizes(verdict: Any) -> tuple[float | None, float | None]:

@@ -30,6 +30,8 @@ FRAMES = 6
 """Pictures along a way."""
 _MOST_GHOSTS = 80_000
 """Triangles of the parts around; the smallest parts are left out first."""
+_FEW = 100
+"""Triangles for which it is not worth to look for more parts."""
 _MOST_CONTEXT = 400_000
 """Triangles of the parts around in a film."""
 _GHOST_REACH = 1.5  # of the extent of a picture
@@ -153,6 +155,8 @@ class Drawing:
         found: list[Floats] = []
         left = _MOST_GHOSTS
         for part in parts[np.argsort(-self._sizes[parts], kind="stable")].tolist():
+            if left < _FEW:
+                break
             corners = self._meshes.corners(part)
             if len(corners) > left:
                 low, high = corners.min(axis=1), corners.max(axis=1)

@@ -35,7 +35,8 @@ nav { display: flex; flex-wrap: wrap; gap: 4px 18px; margin: 18px 0 0; }
   border-radius: 4px; overflow-wrap: anywhere; }
 .notice p:last-child, .notice ul { margin: 0; } .notice ul { padding-left: 20px; }
 .notice.bad { border-color: var(--bad); background: var(--bad-back); }
-.where { min-width: 180px; }
+.where { min-width: 200px; } .between { min-width: 140px; } .link { margin: 8px 0 0; }
+td p { margin: 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 18px; margin: 10px 0; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; min-width: 0; }
 code { font: 13px ui-monospace, Consolas, monospace; overflow-wrap: anywhere; }
@@ -73,9 +74,17 @@ th, td { padding: 6px 10px; text-align: left; vertical-align: top; border-bottom
 bdi { overflow-wrap: anywhere; } .wide thead th { background: var(--card); }
 thead th { border-bottom: 2px solid var(--line); background: var(--paper); position: sticky; top: 0; }
 tbody th { background: var(--card); font-size: 14px; }
-td.number, th.number { text-align: right; } td.number, .short { white-space: nowrap; } .at { font-size: 12px; }
+td.number, th.number { text-align: right; }
+td.number, .short { white-space: nowrap; } td.at { font-size: 12px; white-space: normal; }
 .narrow { width: auto; min-width: 340px; }
-.rows tr { content-visibility: auto; contain-intrinsic-size: auto 44px; }
+.chunk { content-visibility: auto; contain-intrinsic-size: auto 14000px; }
+.rows { table-layout: fixed; margin: 0; } .rows tbody td { overflow-wrap: break-word; }
+.rows th:nth-child(1) { width: 6%; } .rows th:nth-child(2) { width: 10%; } .rows th:nth-child(3) { width: 12%; }
+.rows th:nth-child(4) { width: 28%; } .rows th:nth-child(5) { width: 18%; } .rows th:nth-child(6) { width: 16%; }
+.curve { margin: 12px 0 0; max-width: 640px; break-inside: avoid; }
+.curve svg { display: block; width: 100%; height: auto; }
+.curve path { stroke: var(--line); stroke-width: 1; } .curve polyline { fill: none; stroke: var(--a); stroke-width: 2; }
+figcaption { color: var(--soft); font-size: 13px; }
 ol.steps { list-style: none; padding: 0; margin: 0; counter-reset: step; }
 ol.steps > li { counter-increment: step; display: grid; grid-template-columns: 44px minmax(0, 1fr) minmax(0, 380px);
   gap: 6px 16px; padding: 14px 0; border-bottom: 1px solid var(--line); }
@@ -87,7 +96,7 @@ footer { color: var(--soft); font-size: 13px; padding-top: 28px; padding-bottom:
 [hidden] { display: none !important; }
 @media (max-width: 760px) {
   ol.steps > li { grid-template-columns: 44px 1fr; } ol.steps .film { grid-column: 2; }
-  .scroll { overflow-x: auto; }
+  .scroll { overflow-x: auto; } .rows { min-width: 900px; }
 }
 @media print {
   :root { color-scheme: light; --ink: #000; --soft: #444; --paper: #fff; --card: #fff; --line: #bbb; --link: #000;
@@ -100,10 +109,11 @@ footer { color: var(--soft); font-size: 13px; padding-top: 28px; padding-bottom:
   h2, h3, h4, thead { break-after: avoid; }
   .card, .tile, ol.steps > li, tr, .film { break-inside: avoid; } .wide { break-inside: auto; }
   .cards { grid-template-columns: repeat(2, 1fr); }
-  .chip { border: 1px solid currentColor; }
+  .chip { border: 1px solid currentColor; font-size: inherit; padding: 0 6px; }
+  code { font-size: 8pt; }
   .live .frames { display: grid; } .live .frames img { display: block; }
   .tile b { font-size: 16pt; } table { font-size: 8.5pt; } thead th { position: static; } .folder { font-size: 8pt; }
-  .rows tr { content-visibility: visible; }
+  .chunk { content-visibility: visible; }
 }
 """
 
@@ -137,7 +147,7 @@ const filter = document.getElementById("filter");
 if (filter) {
   const rows = [...document.querySelectorAll(".rows tbody tr[id]")];
   const texts = rows.map((row) => row.textContent.toLowerCase());
-  const heads = [...document.querySelectorAll(".rows tbody")];
+  const heads = [...document.querySelectorAll(".chunk")];
   const count = document.getElementById("count");
   filter.closest(".filter").hidden = false;
   filter.addEventListener("input", () => {

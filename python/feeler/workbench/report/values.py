@@ -98,7 +98,8 @@ class Check:
 class WayRow:
     """A way of parts. poses: their motion, the first the identity; starts: their places before, if not home.
 
-    gone: parts that are not there, or elsewhere. length, clearance: metres; rotation: radians.
+    gone: parts that are not there, or elsewhere. length, clearance: metres; rotation: radians. gaps: to the nearest
+    neighbour, metres, at shares of the way; None: none is near.
     """
 
     key: str
@@ -115,6 +116,7 @@ class WayRow:
     touched: tuple[str, ...] = ()
     tool: str = ""
     stale: str = ""
+    gaps: tuple[tuple[float, float | None], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -128,10 +130,12 @@ class BlockerRow:
 
 @dataclass(frozen=True)
 class ReachRow:
-    """Whether a tool reaches a fastener."""
+    """Which tools reach a fastener. tool: the one that the figures are of; tools: all that reach it."""
 
     path: str
     kind: str
+    tool: str
+    tools: tuple[str, ...]
     is_reachable: bool
     swing_deg: float
     because: str
