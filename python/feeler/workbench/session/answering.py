@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, cast
@@ -13,10 +13,11 @@ import numpy as np
 from feeler.choices import GripAxis
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
+from feeler.parts import Part
 from feeler.plan.fasteners import Fastener, find_fasteners
-from feeler.plan.order import removal_order
+from feeler.plan.order import RemovalOrder, removal_order
 from feeler.plan.reaching import Reach, access
-from feeler.plan.removal import Removal, removal
+from feeler.plan.removal import Removal, RemovalBlocker, removal
 from feeler.plan.swept import swept
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -107,7 +108,7 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     """Whether parts come out."""
     found = _removal(asked, progress)
     if not found.is_found:
-        return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
+        return Answered(_blocked(asked, found), False, blockers=_blockers(found.held_by, found.blocked_by))
     gaps = _gaps(asked.scene, asked.parts, found, progress)
     way = _way(asked.parts, found, gaps)
     what, wanted = _names(asked.mockup, asked.parts), asked.number("clearance", 0.0)
@@ -120,7 +121,7 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
         is_kept,
         (way,),
         (_way_facts(way, found, gaps),),
-        _blockers(asked, found),
+        _blockers(found.held_by, found.blocked_by),
     )
 
 
@@ -134,12 +135,8 @@ def order(asked: Asked, progress: Progress) -> Answered:
         threads=asked.threads,
         progress=progress,
     )
-    last = found.steps[-1].removal if found.steps else None
     if not found.is_found:
-        said = f"No order was found in {found.seconds:.0f} s"
-        blockers = () if last is None else _blockers(asked, last)
-        names = _list([asked.mockup.part_names[each["part"]] for each in blockers])
-        return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
+        return _no_order(asked, found)
     ways = tuple(_way(step.parts, step.removal, []) for step in found.steps)
     facts = tuple(_way_facts(way, step.removal, []) for way, step in zip(ways, found.steps, strict=True))
     what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
@@ -149,6 +146,20 @@ def order(asked: Asked, progress: Progress) -> Answered:
     go = "goes" if len(others) == 1 else "go"
     sentence = f"{what} after {_list(others)} {go}: {plural(len(found.steps), 'step')}."
     return Answered(sentence, True, ways, facts)
+
+
+def _no_order(asked: Asked, found: RemovalOrder) -> Answered:
+    last = found.steps[-1].removal
+    said = f"No order was found in {found.seconds:.0f} s"
+    if last.held_by or not found.blocked_by:
+        blockers = _blockers(last.held_by, last.blocked_by)
+    else:
+        blockers = _blockers((), found.blocked_by)
+        if found.stuck != asked.parts:
+            do = "does" if len(found.stuck) == 1 else "do"
+            said += f": {_names(asked.mockup, found.stuck)} {do} not come out"
+    names = _list([asked.mockup.part_names[each["part"]] for each in blockers])
+    return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
 
 
 def reach(asked: Asked, progress: Progress) -> Answered:
@@ -188,7 +199,7 @@ def room(asked: Asked, progress: Progress) -> Answered:
     """The room that parts need on their way out."""
     found = _removal(asked, _share(progress, 0.0, 0.6))
     if not found.is_found:
-        return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
+        return Answered(_blocked(asked, found), False, blockers=_blockers(found.held_by, found.blocked_by))
     moving = Tool.of_parts(asked.mockup, list(asked.parts))
     error = _room_error(moving, found)
     volume = swept(
@@ -355,15 +366,15 @@ def _spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
     return np.array([spread[each] for each in kept]), [shares[each] for each in kept]
 
 
-def _blockers(asked: Asked, found: Removal) -> tuple[BlockerFacts, ...]:
+def _blockers(held_by: Sequence[Part], blocked_by: Sequence[RemovalBlocker]) -> tuple[BlockerFacts, ...]:
     home = list(motion.HOME)
     proofs: list[BlockerFacts] = [
-        {"part": part.index, "attempts": 0, "is_proof": True, "pose": home} for part in found.held_by
+        {"part": part.index, "attempts": 0, "is_proof": True, "pose": home} for part in held_by
     ]
-    proven = {part.index for part in found.held_by}
+    proven = {part.index for part in held_by}
     stopped: list[BlockerFacts] = [
         {"part": each.part, "attempts": each.count, "is_proof": False, "pose": list(motion.row(each.pose))}
-        for each in found.blocked_by
+        for each in blocked_by
         if each.part not in proven
     ]
     return tuple([*proofs, *stopped][:MOST_BLOCKERS])
