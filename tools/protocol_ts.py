@@ -39,7 +39,9 @@ ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1":
 
 SHARES = {
     "document/protocol": ("document/protocol_findings", "document/answers"),
-    "document/commands": ("document/finding_commands", "document/requirement_commands", "document/cards"),
+    "document/commands": tuple(
+        f"document/{name}" for name in ("finding_commands", "requirement_commands", "cards", "line_cards")
+    ),
     "session/asking": ("session/finding_jobs", "session/requirement_jobs"),
 }
 """Modules that hold a part of another one's messages or tables."""

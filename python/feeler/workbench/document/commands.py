@@ -46,6 +46,7 @@ from feeler.workbench.document.finding_commands import (
     findings_take,
 )
 from feeler.workbench.document.known import Known, Measured
+from feeler.workbench.document.line_cards import way_check, way_keep, way_shorten
 from feeler.workbench.document.motion import Row
 from feeler.workbench.document.protocol import (
     Camera,
@@ -462,6 +463,11 @@ COMMANDS: dict[str, Command] = {
     "card_remove": Command(cards.card_remove, {"id": int}, is_of_cards=True),
     "way_take": Command(
         cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True
+    ),
+    "way_check": Command(way_check, {"id": int}, is_of_cards=True),
+    "way_shorten": Command(way_shorten, {"id": int}, is_of_cards=True),
+    "way_keep": Command(
+        way_keep, {"id": Maybe(int), "is_added": Maybe(bool), "line": Maybe(int), "ways": Maybe(list[GivenWay])}
     ),
     "seat": Command(seat, {"pose": Pose}, moves_hand=True),
 }

@@ -6,13 +6,16 @@ that differ. Lengths are metres, poses 16 numbers row by row (`motion.Row`), par
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, cast
 
+from feeler.poses import inverse
 from feeler.workbench.document.finding_table import FindingTable
-from feeler.workbench.document.motion import HOME, Row
+from feeler.workbench.document.motion import HOME, Row, matrix, row
 from feeler.workbench.document.protocol import DocumentFields
 
 Point = tuple[float, float, float]
@@ -110,6 +113,23 @@ class Removal:
     touched: tuple[str, ...]
     tool: str | None
     starts: tuple[tuple[int, Row], ...] = ()
+
+    @cached_property
+    def before(self) -> Mapping[int, Row]:
+        """Where its parts begin."""
+        return {part: dict(self.starts).get(part, HOME) for part in self.parts}
+
+    @cached_property
+    def after(self) -> Mapping[int, Row]:
+        """Where its parts end."""
+        moves = matrix(self.way[-1]) @ inverse(matrix(self.way[0]))
+        return {part: row(moves @ matrix(start)) for part, start in self.before.items()}
+
+    @cached_property
+    def way_key(self) -> str:
+        """The same for the same parts on the same way, with the same tool."""
+        told = repr((self.parts, self.way, self.starts, self.tool))
+        return hashlib.blake2b(told.encode(), digest_size=8).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -247,7 +267,8 @@ class Card:
 
     without: parts left out for this question. options: tool, grip, swing_deg, clearance, seconds, as far as given.
     setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
-    is_good: whether the answer is what one hopes for; None before it, and if it is neither.
+    is_good: whether the answer is what one hopes for; None before it, and if it is neither. line: the line of the
+    sequence that it is about, and way its `way_key`; world is that of `line_world` then.
     """
 
     id: int
@@ -263,6 +284,8 @@ class Card:
     stage: str = ""
     sentence: str = ""
     is_good: bool | None = None
+    line: int | None = None
+    way: str = ""
 
 
 @dataclass(frozen=True)
@@ -346,8 +369,37 @@ class Document:
 
 # The fields that the page gets. Only commands need the others.
 _KEPT_BACK = {"isolation", "next_card", "next_id", "trip"}
-_KEPT_BACK_OF = {Card: {"world"}, Removal: {"starts"}, Measure: {"parts"}}
+_KEPT_BACK_OF = {Card: {"way", "world"}, Removal: {"starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
+
+
+def line_places(document: Document, at: int) -> dict[int, Row]:
+    """Where parts lie when a line of the sequence begins, as far as they are not where they were loaded: those of the
+    lines before it at their ends, those of later ones where they begin, others where they lie now."""
+    places = dict(document.moved)
+    seen: set[int] = set()
+    for number, line in enumerate(document.sequence):
+        if number < at:
+            places.update(line.after)
+            seen.update(line.parts)
+        else:
+            places.update({part: start for part, start in line.before.items() if part not in seen})
+            seen.update(line.parts)
+    return {part: place for part, place in sorted(places.items()) if place != HOME}
+
+
+def line_world(document: Document, at: int) -> World:
+    """A key of the same."""
+    places = line_places(document, at)
+    return tuple((part, tuple(round(each, 9) for each in place)) for part, place in places.items()), ()
+
+
+def is_stale(document: Document, card: Card) -> bool:
+    """Whether the answer of a card is about another mock-up, or another way."""
+    if card.line is None:
+        return card.world != document.world
+    at = next((at for at, line in enumerate(document.sequence) if line.id == card.line), None)
+    return at is None or card.way != document.sequence[at].way_key or card.world != line_world(document, at)
 
 
 def patch(before: Document, after: Document) -> dict[str, Any]:
@@ -359,8 +411,7 @@ def _value(document: Document, name: str) -> Any:
     if name == "isolated":
         return document.isolation is not None
     if name == "cards":
-        world = document.world
-        return tuple((card, card.world != world) for card in document.cards)
+        return tuple((card, is_stale(document, card)) for card in document.cards)
     return getattr(document, name)
 
 

@@ -102,6 +102,8 @@ UpAxis = Literal["x", "y", "z"]
 MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
 CardQuestion = Literal["removal", "order", "access", "swept"]
+LineQuestion = Literal["way", "shorten"]
+CardKind = Literal["removal", "order", "access", "swept", "way", "shorten"]
 CardState = Literal["waiting", "running", "done", "failed", "cancelled"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
@@ -232,7 +234,7 @@ class Card(TypedDict):
     """A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest."""
 
     id: int
-    question: CardQuestion
+    question: CardKind
     parts: list[int]
     """Empty: all fasteners."""
     without: list[int]
@@ -251,7 +253,9 @@ class Card(TypedDict):
     is_good: bool | None
     """Whether the answer is what one hopes for; null before it, and if it is neither."""
     is_stale: bool
-    """Parts were moved since it was asked."""
+    """Parts were moved since it was asked; of a line: its way, what is before it, or parts outside of the sequence."""
+    line: int | None
+    """The line of the sequence that it is about; null for questions about parts."""
 
 
 class GivenWay(TypedDict):

@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 
+from feeler._core import Clearance
 from feeler.choices import GripAxis
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
@@ -117,7 +118,7 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     is_kept = way.clearance is None or way.clearance >= wanted * (1.0 - CLEARANCE_ERROR)
     short = "" if is_kept else f", less than the {length(wanted)} that you asked for"
     return Answered(
-        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found)}{_nearest(asked, way, gaps)}{short}.",
+        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found)}{nearest(asked.mockup, way, gaps)}{short}.",
         is_kept,
         (way,),
         (_way_facts(way, found, gaps),),
@@ -144,7 +145,7 @@ def order(asked: Asked, progress: Progress) -> Answered:
     if not others:
         return Answered(f"{what} with nothing before: one step.", True, ways, facts)
     go = "goes" if len(others) == 1 else "go"
-    sentence = f"{what} after {_list(others)} {go}: {plural(len(found.steps), 'step')}."
+    sentence = f"{what} after {listed(others)} {go}: {plural(len(found.steps), 'step')}."
     return Answered(sentence, True, ways, facts)
 
 
@@ -158,14 +159,14 @@ def _no_order(asked: Asked, found: RemovalOrder) -> Answered:
         if found.stuck != asked.parts:
             do = "does" if len(found.stuck) == 1 else "do"
             said += f": {_names(asked.mockup, found.stuck)} {do} not come out"
-    names = _list([asked.mockup.part_names[each["part"]] for each in blockers])
+    names = listed([asked.mockup.part_names[each["part"]] for each in blockers])
     return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
 
 
 def reach(asked: Asked, progress: Progress) -> Answered:
     """Whether a tool reaches fasteners."""
     assert asked.tool is not None, "a question of access has a tool"
-    bolts = find_fasteners(asked.scene, list(asked.parts) or None, _share(progress, 0.0, 0.2))
+    bolts = find_fasteners(asked.scene, list(asked.parts) or None, part_of(progress, 0.0, 0.2))
     if not len(bolts):
         return Answered("None of these parts looks like a fastener.", None)
     grip = asked.options.get("grip") or _GRIPS.get(asked.options["tool"])
@@ -176,7 +177,7 @@ def reach(asked: Asked, progress: Progress) -> Answered:
         asked.number("swing_deg", 60.0),
         grip=cast("GripAxis | None", grip),
         threads=asked.threads,
-        progress=_share(progress, 0.2, 1.0),
+        progress=part_of(progress, 0.2, 1.0),
     )
     good = sum(row.is_reachable for row in found)
     tool = asked.options["tool"]
@@ -197,7 +198,7 @@ def reach(asked: Asked, progress: Progress) -> Answered:
 
 def room(asked: Asked, progress: Progress) -> Answered:
     """The room that parts need on their way out."""
-    found = _removal(asked, _share(progress, 0.0, 0.6))
+    found = _removal(asked, part_of(progress, 0.0, 0.6))
     if not found.is_found:
         return Answered(_blocked(asked, found), False, blockers=_blockers(found.held_by, found.blocked_by))
     moving = Tool.of_parts(asked.mockup, list(asked.parts))
@@ -207,7 +208,7 @@ def room(asked: Asked, progress: Progress) -> Answered:
         found.poses,
         error,
         threads=asked.threads,
-        progress=_share(progress, 0.6, 1.0),
+        progress=part_of(progress, 0.6, 1.0),
     )
     low, high = volume.bounds
     way = _way(asked.parts, found, [])
@@ -250,6 +251,7 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
     named += [each["part"] for each in answer["blockers"]]
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
     named += [each["part"] for way in answer["ways"] for each in way["gaps"] if each["part"] is not None]
+    named += [way["hit"]["part"] for way in answer["ways"] if "hit" in way]
     if not all(0 <= part < parts for part in named) or not all(way.poses and way.parts for way in ways):
         return None
     room = answer["room"]
@@ -322,23 +324,35 @@ def _way_facts(way: Way, found: Removal, gaps: list[Gap]) -> WayFacts:
 
 
 def _gaps(scene: Scene, parts: tuple[int, ...], found: Removal, progress: Progress) -> list[Gap]:
-    """The nearest neighbour at poses spread evenly over the way; those in contact at the start count once they are
-    apart."""
     moving = Tool.of_parts(scene.mockup, list(parts))
-    rest = scene.without(list(parts))
-    poses, shares = _spread(found.poses, moving.bounds)
+    return gaps_along(scene.without(list(parts)), moving, found.poses, progress)
+
+
+class Near(Protocol):
+    """What is around a tool: a scene, or a world."""
+
+    def clearance(self, tool: Tool, world_from_tool: Floats, within: float, /) -> Clearance:
+        """The parts within a distance, nearest first."""
+
+
+def gaps_along(rest: Near, moving: Tool, way: Floats, progress: Progress) -> list[Gap]:
+    """The nearest neighbour at poses spread evenly over a way; those in contact at the start count once they are
+    apart."""
+    poses, shares = _spread(way, moving.bounds)
     seated = set(rest.clearance(moving, poses[0], SEATED_M).parts.tolist())
     gaps: list[Gap] = []
     for number, (pose, share) in enumerate(zip(poses, shares, strict=True)):
         progress(number / len(poses), "measuring gaps")
         rows = rest.clearance(moving, pose, WITHIN_M)
-        near = dict(zip(rows.parts.tolist(), rows.distances.tolist(), strict=True))
-        seated = {part for part in seated if near.get(part, math.inf) <= SEATED_M}
-        at = next((row for row, part in enumerate(near) if part not in seated), None)
+        near: dict[int, int] = {}
+        for row, part in enumerate(rows.parts.tolist()):
+            near.setdefault(part, row)  # the nearest row of the part comes first
+        seated = {part for part in seated if part in near and rows.distances[near[part]] <= SEATED_M}
+        at = next((row for part, row in near.items() if part not in seated), None)
         if at is None:
             gaps.append({"share": share, "gap": None, "part": None, "point": None})
         else:
-            point = _triple(rows.points_on_mockup[at])
+            point = triple(rows.points_on_mockup[at])
             gaps.append({"share": share, "gap": float(rows.distances[at]), "part": int(rows.parts[at]), "point": point})
     return gaps
 
@@ -383,10 +397,10 @@ def _blockers(held_by: Sequence[Part], blocked_by: Sequence[RemovalBlocker]) -> 
 def _blocked(asked: Asked, found: Removal) -> str:
     names, parts = _names(asked.mockup, asked.parts), asked.parts
     if found.held_by:
-        held = _list([part.name for part in found.held_by])
+        held = listed([part.name for part in found.held_by])
         return f"{names} cannot come out while {held} {'stays' if len(found.held_by) == 1 else 'stay'}: this is proven."
     how = f"in {found.seconds:.0f} s" if found.is_out_of_time else "in a complete search"
-    stopped = _list([asked.mockup.part_names[each.part] for each in found.blocked_by])
+    stopped = listed([asked.mockup.part_names[each.part] for each in found.blocked_by])
     tail = f"; stopped by {stopped}" if stopped else ""
     return f"No way out was found for {names} {how}{tail}." if parts else f"No way out was found{tail}."
 
@@ -399,13 +413,13 @@ def _way_words(found: Removal) -> str:
     return f"{legs}, {length(found.path_length)}{turned}"
 
 
-def _nearest(asked: Asked, way: Way, gaps: list[Gap]) -> str:
+def nearest(mockup: Mockup, way: Way, gaps: list[Gap]) -> str:
     """The tightest place, and of which neighbour it is, if that was seen."""
     known = [each for each in gaps if each["gap"] is not None and each["part"] is not None]
     near = min(known, key=lambda each: each["gap"] or 0.0, default=None)
     if way.clearance is None or near is None or near["part"] is None or near["gap"] is None:
         return ""
-    name = _list([asked.mockup.part_names[near["part"]]])
+    name = listed([mockup.part_names[near["part"]]])
     if near["gap"] <= way.clearance * (1.0 + CLEARANCE_ERROR):
         return f"; nearest about {length(near['gap'])} to {name}"
     return f"; nearest about {length(way.clearance)}"
@@ -421,8 +435,8 @@ def _reach_facts(asked: Asked, row: Reach, bolt: Fastener) -> ReachFacts:
         "because": row.because,
         "pose": list(motion.row(row.pose)),
         "way": [list(motion.row(pose)) for pose in row.way],
-        "point": _triple(bolt.frame[:3, 3]),
-        "axis": _triple(bolt.axis),
+        "point": triple(bolt.frame[:3, 3]),
+        "axis": triple(bolt.axis),
         "fan": _fan(asked, row, bolt),
         "blockers": [each.part for each in row.blockers[:MOST_BLOCKERS]],
     }
@@ -442,10 +456,10 @@ def _fan(asked: Asked, row: Reach, bolt: Fastener) -> list[Vec3]:
     along = axis * (far @ axis)
     across = far - along
     side = np.cross(axis, across)
-    return [_triple(origin + along + math.cos(turn) * across + math.sin(turn) * side) for turn in turns]
+    return [triple(origin + along + math.cos(turn) * across + math.sin(turn) * side) for turn in turns]
 
 
-def _share(progress: Progress, start: float, end: float) -> Progress:
+def part_of(progress: Progress, start: float, end: float) -> Progress:
     """Reports a stage of a task as this share of it."""
 
     def report(share: float, stage: str) -> None:
@@ -475,7 +489,7 @@ def _verb(parts: tuple[int, ...], verb: str) -> str:
     return verb + "s" if len(parts) == 1 else verb
 
 
-def _list(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
     """ "a, b and c", or "a, b, c and 5 more", without folders."""
     names = [name.rpartition("/")[2] for name in names]
     if len(names) > _NAMED + 1:
@@ -483,6 +497,7 @@ def _list(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
 
 
-def _triple(vector: Any) -> Vec3:
+def triple(vector: Any) -> Vec3:
+    """Three numbers."""
     x, y, z = np.asarray(vector, dtype=np.float64).tolist()
     return (x, y, z)

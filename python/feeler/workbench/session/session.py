@@ -345,6 +345,8 @@ class Session:
                     args = {**args, "saved": saved(after.findings)}  # a replay has no jobs
                 if name == "way_take":
                     args = self._with_ways(args, before, after)
+                elif name == "way_keep":
+                    args = self._with_short_way(args, before)
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
@@ -526,6 +528,15 @@ class Session:
         begin = sum(all(part in before.out for part in way.parts) for way in ways)
         taken = ways[begin : begin + len(after.sequence) - len(before.sequence)]
         return {"ways": [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in taken]}
+
+    def _with_short_way(self, args: Any, before: Document) -> Any:
+        """The same of `way_keep`."""
+        if args.get("ways") is not None:
+            return args
+        line = next(card.line for card in before.cards if card.id == args["id"])
+        ways = self._cards.ways[args["id"]]
+        given = [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in ways]
+        return {"line": line, "ways": given, **({"is_added": True} if args.get("is_added") else {})}
 
     def _keep_answer(self, number: int, found: Answered) -> None:
         if self._saver is not None:

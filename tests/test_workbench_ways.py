@@ -1,0 +1,223 @@
+"""Ways of removals in the sequence: checked, shortened, kept; and a way that guides the hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_workbench_cards import BLOCK, LID, POST, WALLS, answered, card_of, chest
+from workbench_scene import FACES, Bench, at, corners, cube
+
+import feeler
+from feeler.errors import WorkbenchError
+from feeler.workbench.document.document import Card
+from feeler.workbench.session.record import read_record
+
+
+def taken_out(bench: Bench, part: int, *ways: tuple[float, float, float], speed: float = 0.5) -> int:
+    """Grips a part, moves it along, and puts it down; the number of the line."""
+    bench.command("grip", parts=part)
+    for way in ways:
+        bench.drag(at(*way) @ bench.pose, speed)
+    bench.command("release")
+    return int(bench.document["sequence"][-1]["id"])
+
+
+def told(bench: Bench, command: str, line: int) -> tuple[Card, dict[str, Any]]:
+    card = answered(bench, bench.command(command, id=line)["id"])
+    assert card.state == "done", card
+    return card, bench.session.ask("card", {"id": card.id}) or {}
+
+
+def stale(bench: Bench) -> list[bool]:
+    return [card["is_stale"] for card in bench.document["cards"]]
+
+
+def test_what_the_hand_did_holds_and_with_which_clearance() -> None:
+    bench = Bench(mockup=chest())
+    line = taken_out(bench, LID, (0.0, -0.05, 0.0), (0.0, 0.0, 0.3))
+    card, answer = told(bench, "way_check", line)
+    assert card.is_good and (card.title, card.line) == ("Does the way of lid hold?", line)
+    assert (
+        card.sentence.startswith("The way holds at and between its ") and "nearest about 1 mm to walls" in card.sentence
+    )
+    (way,) = answer["ways"]
+    assert way["parts"] == [LID] and way["clearance"] == pytest.approx(1e-3, rel=0.05) and "hit" not in way
+    moves = np.array(way["poses"]).reshape(-1, 4, 4)
+    assert np.array_equal(moves[0], np.eye(4)) and moves[-1][:3, 3] == pytest.approx([0.0, -0.05, 0.3], abs=1e-9)
+    assert bench.scene.without([LID]).check_path(feeler.Tool.of_parts(bench.mockup, [LID]), moves).is_free
+    with pytest.raises(WorkbenchError, match="this card has no way"):
+        bench.command("way_take", id=card.id)
+    with pytest.raises(WorkbenchError, match="has no shorter way"):
+        bench.command("way_keep", id=card.id)
+
+
+def test_a_way_through_something_is_refused_where_it_is() -> None:
+    bench = Bench(mockup=chest())
+    bench.command("set_mode", mode="pass")
+    line = taken_out(bench, BLOCK, (0.0, -0.2, 0.0))
+    card, answer = told(bench, "way_check", line)
+    assert card.is_good is False and card.sentence.startswith("The way meets lid between pose ")
+    (way,), (blocker,) = answer["ways"], answer["blockers"]
+    assert way["hit"]["part"] == blocker["part"] == LID and way["hit"]["point"][1] == pytest.approx(-1e-3, abs=1e-6)
+    # The block is 21 mm away from the lid, on a way of 200 mm.
+    assert way["hit"]["share"] == pytest.approx(0.105, abs=1e-3)
+    assert np.array(blocker["pose"]).reshape(4, 4)[1, 3] == pytest.approx(-0.021, abs=1e-5)
+    # Without the lid it holds; the way is asked of the mock-up as the line has it.
+    taken_out(bench, LID, (0.0, 0.0, 0.3))
+    assert told(bench, "way_check", line)[0].is_good is False
+    bench.command("sequence_move", id=line, index=1)
+    assert stale(bench) == [True]
+    assert told(bench, "way_check", line)[0].is_good
+
+
+def test_between_the_poses_it_is_checked_as_well() -> None:
+    # A sheet of no thickness between two poses of a way that jumps.
+    bench = Bench()
+    bench.command("way_take", ways=[{"parts": [3], "poses": [row(at(0, 0, 0)), row(at(0, 0, 1.0))], "clearance": None}])
+    line = bench.document["sequence"][-1]["id"]
+    card, answer = told(bench, "way_check", line)
+    assert card.is_good is False and "sheet" in card.sentence and answer["ways"][0]["hit"]["part"] == 4
+
+
+def row(pose: np.ndarray) -> list[float]:
+    return [float(each) for each in pose.ravel()]
+
+
+def test_a_check_is_of_before_when_what_it_is_about_changes() -> None:
+    bench = Bench(mockup=chest())
+    lid = taken_out(bench, LID, (0.0, -0.05, 0.0), (0.0, 0.0, 0.3))
+    block = taken_out(bench, BLOCK, (0.0, -0.2, 0.0))
+    told(bench, "way_check", lid)
+    told(bench, "way_check", block)
+    assert stale(bench) == [False, False]
+    # A later removal changes nothing for those before it; while it is in the hand neither.
+    bench.command("grip", parts=POST)
+    assert stale(bench) == [False, False]
+    bench.drag(at(0.5, 0.0, 0.0) @ bench.pose, 0.5)
+    bench.command("release")
+    assert stale(bench) == [False, False]
+    # What is moved without a line is elsewhere for all.
+    number = bench.document["sequence"][-1]["id"]
+    bench.command("sequence_remove", id=number)
+    assert stale(bench) == [True, True]
+    bench.command("undo")
+    assert stale(bench) == [False, False]
+    bench.command("sequence_move", id=block, index=0)
+    assert stale(bench) == [True, True]
+    bench.command("undo")
+    bench.command("sequence_remove", id=lid)
+    assert stale(bench) == [True, False], "the lid is still out"
+    with pytest.raises(WorkbenchError, match="not in the sequence any more"):
+        bench.command("card_again", id=bench.document["cards"][0]["id"])
+    bench.command("undo")
+    # Asked again, the newer answer takes the place of the older one.
+    told(bench, "way_check", lid)
+    assert [card["line"] for card in bench.document["cards"]] == [block, lid]
+
+
+def test_a_way_is_shortened_checked_and_kept(tmp_path: Path) -> None:
+    bench = Bench(mockup=chest(), record=tmp_path / "a.jsonl")
+    line = taken_out(bench, LID, (0.0, -0.05, 0.0), (0.1, 0.0, 0.0), (-0.1, 0.0, 0.0), (0.0, -0.1, 0.3))
+    before = bench.document["sequence"][0]
+    ends = bench.document["moved"]
+    card, answer = told(bench, "way_shorten", line)
+    assert card.is_good and card.sentence.startswith("The way can be shorter by ")
+    (way,) = answer["ways"]
+    assert len(way["poses"]) <= 4 and way["length"] < 0.9 * 0.45
+    moves = np.array(way["poses"]).reshape(-1, 4, 4)
+    assert bench.scene.without([LID]).check_path(feeler.Tool.of_parts(bench.mockup, [LID]), moves).is_free
+    bench.command("way_keep", id=card.id)
+    kept = bench.document["sequence"][0]
+    assert len(kept["way"]) == len(way["poses"]) < len(before["way"])
+    assert kept["least_clearance"] == way["clearance"] and kept["way"][-1] == before["way"][-1]
+    assert bench.document["moved"] == ends, "to the last digit"
+    now = card_of(bench, card.id)
+    assert (now.question, now.title, stale(bench)) == ("way", "Does the way of lid hold?", [False])
+    bench.command("undo")
+    assert bench.document["sequence"][0]["way"] == before["way"] and stale(bench) == [True]
+    bench.command("redo")
+    assert bench.document["sequence"][0]["way"] == kept["way"] and stale(bench) == [False]
+    assert told(bench, "way_check", line)[0].is_good
+    bench.session.close()
+    # The record has the way itself.
+    entries = [each for each in read_record(tmp_path / "a.jsonl").entries if each["kind"] == "command"]
+    (again,) = [each for each in entries if each["name"] == "way_keep"]
+    assert again["args"]["line"] == line and "id" not in again["args"]
+    other = Bench(mockup=chest())
+    assert taken_out(other, LID, (0.0, -0.05, 0.0), (0.1, 0.0, 0.0), (-0.1, 0.0, 0.0), (0.0, -0.1, 0.3)) == line
+    other.command("way_keep", **again["args"])
+    assert other.document["sequence"][0]["way"] == kept["way"]
+
+
+def test_a_shorter_way_can_be_kept_beside_the_longer_one() -> None:
+    bench = Bench(mockup=chest())
+    line = taken_out(bench, LID, (0.0, -0.05, 0.0), (0.0, 0.0, 0.2), (0.0, -0.1, -0.1))
+    card, _ = told(bench, "way_shorten", line)
+    bench.command("way_keep", id=card.id, is_added=True)
+    first, second = bench.document["sequence"]
+    assert (first["id"], second["name"]) == (line, "lid, shorter") and len(second["way"]) < len(first["way"])
+    assert bench.document["cards"][0]["line"] == second["id"] and stale(bench) == [False]
+    bench.command("undo")
+    assert len(bench.document["sequence"]) == 1
+
+
+def test_a_shorter_way_goes_around_what_is_in_between() -> None:
+    # A wall between begin and end: the straight motion is not free, the way over it is.
+    sides = [((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), ((0.2, -1.0, -1.0), (0.21, 1.0, 0.2))]
+    mockup = feeler.Mockup(
+        np.concatenate([corners(*side) for side in sides]),
+        np.concatenate([FACES, FACES + 8]),
+        np.repeat([0, 1], 12),
+        ["block", "wall"],
+    )
+    bench = Bench(mockup=mockup)
+    line = taken_out(bench, 0, (0.0, 0.0, 0.9), (0.4, 0.0, 0.0), (0.0, 0.0, -0.9))
+    card, answer = told(bench, "way_shorten", line)
+    moves = np.array(answer["ways"][0]["poses"]).reshape(-1, 4, 4)
+    assert card.is_good and 3 <= len(moves) <= 8 and answer["ways"][0]["length"] < 1.4
+    assert bench.scene.without([0]).check_path(feeler.Tool.of_parts(mockup, [0]), moves).is_free
+
+
+def test_the_last_part_has_nothing_around_it() -> None:
+    mockup = feeler.Mockup(
+        np.concatenate([corners((0, 0, 0), (0.1, 0.1, 0.1)), corners((0.2, 0, 0), (0.3, 0.1, 0.1))]),
+        np.concatenate([FACES, FACES + 8]),
+        np.repeat([0, 1], 12),
+        ["a", "b"],
+    )
+    bench = Bench(mockup=mockup)
+    first = taken_out(bench, 0, (-1.0, 0.0, 0.0))
+    last = taken_out(bench, 1, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    assert told(bench, "way_check", first)[0].is_good
+    card, answer = told(bench, "way_check", last)
+    assert card.is_good and answer["ways"][0]["clearance"] is None
+    card, answer = told(bench, "way_shorten", last)
+    assert len(answer["ways"][0]["poses"]) == 2
+
+
+def test_a_tool_in_hand_goes_the_way_as_well() -> None:
+    # The tool passes through the post, the lid beside it does not.
+    bench = Bench(cube(), mockup=chest(), pose=at(0.25, -0.1, -0.1))
+    bench.command("set_mode", mode="pass")
+    line = taken_out(bench, LID, (0.0, 0.0, 0.3))
+    assert bench.document["sequence"][0]["tool"] == "cube"
+    card, answer = told(bench, "way_check", line)
+    assert card.is_good is False and answer["ways"][0]["hit"]["part"] == POST
+    assert answer["facts"] == [{"name": "with", "figure": "the cube in hand"}]
+    assert told(bench, "way_shorten", line)[0].is_good is False
+
+
+def test_a_check_is_cancelled_between_two_poses(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Bench(mockup=chest())
+    line = taken_out(bench, LID, (0.0, -0.05, 0.0), (0.0, 0.0, 0.3))
+    number = bench.command("way_check", id=line)["id"]
+    bench.command("card_cancel", id=number)
+    assert card_of(bench, number).state == "cancelled"
+    with pytest.raises(WorkbenchError, match="there is no 99"):
+        bench.command("way_check", id=99)
+    with pytest.raises(WorkbenchError, match="there is no 'way'"):
+        bench.command("ask", question="way", parts=WALLS)
+    bench.session.close()
