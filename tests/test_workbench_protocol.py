@@ -117,6 +117,7 @@ DOCUMENT: protocol.DocumentFields = {
     "out": [],
     "sequence": [],
     "replaying": None,
+    "guiding": None,
     "measures": [],
     "viewpoints": [],
     "findings": None,

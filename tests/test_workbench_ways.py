@@ -221,3 +221,124 @@ def test_a_check_is_cancelled_between_two_poses(monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(WorkbenchError, match="there is no 'way'"):
         bench.command("ask", question="way", parts=WALLS)
     bench.session.close()
+
+
+# ---- a way that guides the hand ----
+
+
+def guided(bench: Bench, part: int = LID) -> None:
+    """The lid in the hand, guided along a way of 50 mm to the front, then 300 mm up."""
+    way = [row(at(0, 0, 0)), row(at(0, -0.05, 0)), row(at(0, -0.05, 0.3))]
+    bench.command("way_take", ways=[{"parts": [part], "poses": way, "clearance": None}])
+    line = bench.document["sequence"][-1]["id"]
+    bench.command("put_back", parts=part)
+    bench.command("grip", parts=part)
+    bench.command("guide", line=line)
+
+
+def test_the_hand_is_drawn_to_the_way_and_can_leave_it() -> None:
+    bench = Bench(mockup=chest())
+    guided(bench)
+    start = bench.pose.copy()
+    assert bench.document["guiding"]["parts"] == [LID] and len(bench.document["guiding"]["way"]) == 3
+    guide = bench.session.engine.guide
+    assert guide is not None and 0.002 < guide.snap < guide.reach < 0.1
+    # A little off the way: onto it. The wish of a hand is drawn straight to the nearest place.
+    bench.wish(at(0.005, -0.02, 0.0) @ start)
+    assert bench.pose[:3, 3] - start[:3, 3] == pytest.approx([0.0, -0.02, 0.0], abs=1e-9)
+    assert bench.session.snapshot() is not None and bench.session.snapshot().wish[0, 3] == pytest.approx(start[0, 3])
+    # Between the two distances: partly; from afar: not at all, and it never goes farther than the wish.
+    offs = np.linspace(0.0, 1.5 * guide.reach, 60)
+    drawn = [guide.drawn(at(off, -0.02, 0.0) @ start)[0, 3] - start[0, 3] for off in offs]
+    assert np.all(np.diff(drawn) >= -1e-12) and np.all(np.array(drawn) <= offs + 1e-12), "the hand can pull off"
+    assert drawn[-1] == pytest.approx(offs[-1]) and max(offs - drawn) < guide.reach / 2
+    # What is placed by figures goes there.
+    bench.command("place", pose=row(at(0.005, -0.02, 0.0) @ start))
+    assert bench.pose[0, 3] - start[0, 3] == pytest.approx(0.005)
+
+
+def test_contact_stays_what_it_is() -> None:
+    # The way leads through the walls: the hand is drawn to it, and stops.
+    bench = Bench(mockup=chest())
+    way = [row(at(0, 0, 0)), row(at(0, 0.3, 0))]
+    bench.command("way_take", ways=[{"parts": [LID], "poses": way, "clearance": None}])
+    bench.command("put_back", parts=LID)
+    bench.command("grip", parts=LID)
+    bench.command("guide", line=bench.document["sequence"][-1]["id"])
+    start = bench.pose.copy()
+    bench.wish(at(0.0, 0.2, 0.0) @ start)
+    assert bench.pose[1, 3] - start[1, 3] == pytest.approx(1e-3, abs=1e-5)
+    assert bench.document["guiding"] is not None, "it is not at the end"
+
+
+def test_the_guide_ends_at_the_end_and_when_the_hand_lets_go() -> None:
+    bench = Bench(mockup=chest())
+    guided(bench)
+    start = bench.pose.copy()
+    bench.drag(at(0.0, -0.05, 0.0) @ start, 0.5)
+    assert bench.document["guiding"] is not None
+    bench.drag(at(0.0, -0.05, 0.31) @ start, 0.5)
+    assert bench.document["guiding"] is None and bench.session.engine.guide is None
+    # At the end of the line it guides back.
+    line = bench.document["sequence"][0]["id"]
+    bench.command("guide", line=line)
+    way = np.array(bench.document["guiding"]["way"]).reshape(-1, 4, 4)
+    assert way[0, 2, 3] - way[-1, 2, 3] == pytest.approx(0.3)
+    for end in ("guide_end", "release", "undo"):
+        bench.command("guide", line=line)
+        assert bench.document["guiding"] is not None
+        bench.command(end)
+        assert bench.document["guiding"] is None and bench.session.engine.guide is None, end
+        if end == "release":
+            bench.command("undo")  # and the parts are in the hand again, without a guide
+            assert bench.document["gripped"] == [LID] and bench.document["guiding"] is None
+    assert bench.document["gripped"] == [], "the grip is undone"
+
+
+def test_nothing_draws_in_doubt() -> None:
+    bench = Bench(mockup=chest())
+    guided(bench)
+    guide, start = bench.session.engine.guide, bench.pose
+    assert guide is not None
+    place, along = guide.held(at(0.005, -0.02, 0.0) @ start) or (None, None)
+    assert place is not None and place[:3, 3] - start[:3, 3] == pytest.approx([0.0, -0.02, 0.0], abs=1e-9)
+    assert along == pytest.approx([0.0, -0.3, 0.0])
+    assert guide.held(np.full((4, 4), np.nan)) is None
+    assert guide.held(at(0.5, 0.0, 0.0) @ start) is None, "the way is not near"
+    wish = start.copy()
+    wish[0, 3] = np.inf
+    assert guide.drawn(wish) is wish
+    ended = guide.held(at(0.0, -0.05, 0.3) @ start)
+    assert ended is not None and not ended[1].any(), "no pull beyond the end"
+    # A device feels the way: its wishes stay as they are.
+    bench.session.wish(at(0.005, -0.02, 0.0) @ start, 7, "device")
+    bench.tick()
+    assert bench.pose[0, 3] - start[0, 3] == pytest.approx(0.005)
+    bench.session.hand_gone()
+    assert bench.document["guiding"] is None
+
+
+def test_a_way_of_a_card_guides_several_parts() -> None:
+    bench = Bench(mockup=chest())
+    way = {"parts": [LID, POST], "poses": [row(at(0, 0, 0)), row(at(0, -0.5, 0))], "clearance": None}
+    bench.command("way_take", ways=[way])
+    line = bench.document["sequence"][0]["id"]
+    card, _ = told(bench, "way_check", line)
+    assert card.is_good
+    bench.command("put_back", parts=[LID, POST])
+    with pytest.raises(WorkbenchError, match="lid is not in the hand"):
+        bench.command("guide", card=card.id)
+    for wrong in ({}, {"card": card.id, "line": line}):
+        with pytest.raises(WorkbenchError, match="name a card, or a line"):
+            bench.command("guide", **wrong)
+    bench.command("grip", parts=[LID, POST])
+    bench.command("guide", card=card.id, step=0)
+    begin = np.array(bench.document["guiding"]["way"][0]).reshape(4, 4)
+    assert begin == pytest.approx(bench.pose, abs=1e-12)
+    # Gripped at another place to each other, no way of both fits.
+    bench.command("release")
+    bench.command("grip", parts=POST)
+    bench.drag(at(0.1, 0.0, 0.0) @ bench.pose, 0.5)
+    bench.command("grip", parts=LID)
+    with pytest.raises(WorkbenchError, match="is held otherwise than on the way"):
+        bench.command("guide", line=line)

@@ -314,6 +314,14 @@ class ViewCommands:
         """Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line."""
         return self._command("way_keep", id=id, is_added=is_added, line=line, ways=ways)
 
+    def guide(self, card: int | None = None, step: int | None = None, line: int | None = None) -> CommandAnswer:
+        """Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence."""
+        return self._command("guide", card=card, step=step, line=line)
+
+    def guide_end(self) -> CommandAnswer:
+        """Ends the guidance of the hand."""
+        return self.command("guide_end")
+
     def seat(self, pose: Pose | PoseLike) -> CommandAnswer:
         """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""
         return self.command("seat", pose=plain_pose(pose))

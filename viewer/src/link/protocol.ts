@@ -519,6 +519,17 @@ export interface GivenWay {
   readonly clearance: number | null;
 }
 
+/** A way that guides the hand, which holds its parts. */
+export interface Guiding {
+  readonly card: number | null;
+  readonly line: number | null;
+  /** Of the ways of the card, from 0. */
+  readonly step: number;
+  readonly parts: readonly number[];
+  /** world_from_hand, from where the hand was when it began. */
+  readonly way: readonly Pose[];
+}
+
 /** The state that a page shows and that commands may change; a reload restores it. */
 export interface Document {
   readonly mockup: MockupFacts | null;
@@ -553,6 +564,8 @@ export interface Document {
   readonly sequence: readonly SequenceLine[];
   /** The line of the sequence being replayed. */
   readonly replaying: number | null;
+  /** Null: nothing draws the hand. */
+  readonly guiding: Guiding | null;
   readonly measures: readonly Measure[];
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
@@ -1071,6 +1084,10 @@ export interface Commands {
     readonly line?: number;
     readonly ways?: readonly GivenWay[];
   };
+  /** Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence. */
+  readonly guide: { readonly card?: number; readonly step?: number; readonly line?: number };
+  /** Ends the guidance of the hand. */
+  readonly guide_end: Record<string, never>;
   /** Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found. */
   readonly seat: { readonly pose: Pose };
   readonly undo: Record<string, never>;

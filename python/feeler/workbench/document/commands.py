@@ -45,6 +45,7 @@ from feeler.workbench.document.finding_commands import (
     findings_open,
     findings_take,
 )
+from feeler.workbench.document.guide_commands import guide, guide_end
 from feeler.workbench.document.known import Known, Measured
 from feeler.workbench.document.line_cards import way_check, way_keep, way_shorten
 from feeler.workbench.document.motion import Row
@@ -469,6 +470,8 @@ COMMANDS: dict[str, Command] = {
     "way_keep": Command(
         way_keep, {"id": Maybe(int), "is_added": Maybe(bool), "line": Maybe(int), "ways": Maybe(list[GivenWay])}
     ),
+    "guide": Command(guide, {"card": Maybe(int), "step": Maybe(int), "line": Maybe(int)}, is_of_cards=True),
+    "guide_end": Command(guide_end, is_of_cards=True),
     "seat": Command(seat, {"pose": Pose}, moves_hand=True),
 }
 STEPS = ("undo", "redo")

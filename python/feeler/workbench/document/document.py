@@ -302,6 +302,17 @@ class Trip:
 
 
 @dataclass(frozen=True)
+class Guiding:
+    """A way that guides the hand: step `step` of a card, or a line of the sequence. way: poses of the hand."""
+
+    card: int | None
+    line: int | None
+    step: int
+    parts: tuple[int, ...]
+    way: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
 class Isolation:
     """The isolated parts, and the parts hidden before."""
 
@@ -342,6 +353,7 @@ class Document:
     sequence: tuple[Removal, ...] = ()
     trip: Trip | None = field(default=None, compare=False)
     replaying: int | None = None
+    guiding: Guiding | None = None
     measures: tuple[Measure, ...] = ()
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None

@@ -29,7 +29,7 @@ from feeler.workbench.document.finding_table import STATUS, table_of
 from feeler.workbench.document.values import is_number
 
 NOT_KEPT = frozenset(
-    ("mockup", "loading", "failed", "tools", "record", "absent", "project"),
+    ("mockup", "loading", "failed", "tools", "record", "absent", "project", "guiding"),
 )
 """Fields of one run of the program."""
 

@@ -267,6 +267,18 @@ class GivenWay(TypedDict):
     """Metres; null: nothing near, or not known."""
 
 
+class Guiding(TypedDict):
+    """A way that guides the hand, which holds its parts."""
+
+    card: int | None
+    line: int | None
+    step: int
+    """Of the ways of the card, from 0."""
+    parts: list[int]
+    way: list[Pose]
+    """world_from_hand, from where the hand was when it began."""
+
+
 class DocumentFields(TypedDict):
     """The state that a page shows and that commands may change; a reload restores it."""
 
@@ -302,6 +314,8 @@ class DocumentFields(TypedDict):
     sequence: list[SequenceLine]
     replaying: int | None
     """The line of the sequence being replayed."""
+    guiding: Guiding | None
+    """Null: nothing draws the hand."""
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None

@@ -39,6 +39,7 @@ from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, He
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
+from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.hand import Hands, held_key
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
@@ -89,7 +90,7 @@ class Session:
         self.openings = Openings()
         """Opens other mock-ups for pages, if somebody offers it."""
         self._clock, self._seed = clock, seed
-        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
+        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked, on_guided=self._guided)
         self._recorder = None if record is None else Recorder(Path(record))
         self._hands: Hands | None = None
         self._geometry: Geometry | None = None
@@ -310,6 +311,7 @@ class Session:
             self.engine.let_go()
             if self._recorder is not None:
                 self._recorder.let_go(self._clock())
+        self._guided(None)
         self._wake.set()
 
     def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> CommandAnswer:
@@ -336,6 +338,8 @@ class Session:
                     self._recorder.command(now, str(name), args, None, str(error))
                 raise
             self._show(after, name)
+            if after.guiding is not before.guiding:
+                self._guide(after)
             if is_of_cards:
                 self._cards.follow(before, after, self._opened())
             if after.held_version != before.held_version:
@@ -464,6 +468,8 @@ class Session:
         elif name == "findings_take" and isinstance(args, dict):
             known = replace(known, findings=self._requests.taken.of(args.get("key"), before))
         after = applied(before, name, args, known)
+        if after.guiding is not None and held_key(after) != held_key(before):
+            after = replace(after, guiding=None)
         after = replace(after, held_version=hands.version(after))
         if name != "place":
             self._engine_follows(before, after)
@@ -497,6 +503,7 @@ class Session:
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         after = replace(after, project=now.project)
         after = replace(after, cards=now.cards, next_card=now.next_card)
+        after = replace(after, guiding=now.guiding if held_key(after) == held_key(now) else None)
         self._engine_follows(now, after)
         self._history.stepped(name, now)
         return after
@@ -519,6 +526,7 @@ class Session:
             is_carrying=bool(document.gripped),
             trip=document.trip,
         )
+        self._guide(document)
 
     def _with_ways(self, args: Any, before: Document, after: Document) -> Any:
         """The arguments of `way_take` with the ways that were taken, so that a record repeats them without the card."""
@@ -565,6 +573,18 @@ class Session:
     def _played(self) -> None:
         with contextlib.suppress(WorkbenchError):  # they have already been put down
             self.command("release", {})
+
+    def _guide(self, document: Document) -> None:
+        way = document.guiding
+        self.engine.set_guide(None if way is None else [motion.matrix(pose) for pose in way.way])
+
+    def _guided(self, guide: Guide | None) -> None:
+        """The hand came to the end of its guide; None: it is gone."""
+        with self._lock:
+            if self._document.guiding is None or (guide is not None and guide is not self.engine.guide):
+                return
+            self._show(replace(self._document, guiding=None), None)
+            self.engine.set_guide(None)
 
     def _show(self, document: Document, command: str | None) -> None:
         with self._lock:
