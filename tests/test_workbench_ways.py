@@ -136,6 +136,7 @@ def test_a_way_is_shortened_checked_and_kept(tmp_path: Path) -> None:
     assert bench.document["moved"] == ends, "to the last digit"
     now = card_of(bench, card.id)
     assert (now.question, now.title, stale(bench)) == ("way", "Does the way of lid hold?", [False])
+    assert now.sentence.startswith("The way was made shorter by ")
     bench.command("undo")
     assert bench.document["sequence"][0]["way"] == before["way"] and stale(bench) == [True]
     bench.command("redo")

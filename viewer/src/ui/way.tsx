@@ -89,7 +89,7 @@ export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) 
           </button>
         )}
         {card.question === "shorten" && card.is_good && <KeepButtons card={card} />}
-        {card.is_good && <GuideButton of={{ card: card.id, step }} parts={way.parts} />}
+        {card.is_good && card.question !== "way" && <GuideButton of={{ card: card.id, step }} parts={way.parts} />}
       </div>
     </div>
   );

@@ -57,9 +57,16 @@ def way_keep(document: Document, given: Arguments, known: Known) -> Document:
         return document
     # Its answer is about the line as it is now. Undo makes it stale.
     kept = replace(
-        card, question="way", title=_title("way", new), line=new.id, way=new.way_key, world=line_world(document, at)
+        card,
+        question="way",
+        title=_title("way", new),
+        sentence=card.sentence.replace("The way can be", "The way was made", 1),
+        line=new.id,
+        way=new.way_key,
+        world=line_world(document, at),
     )
-    return replace(document, cards=tuple(kept if each.id == card.id else each for each in document.cards))
+    others = [each for each in document.cards if each.id == card.id or (each.line, each.question) != (new.id, "way")]
+    return replace(document, cards=tuple(kept if each.id == card.id else each for each in others))
 
 
 def _asked(document: Document, given: Arguments, question: LineQuestion) -> Document:

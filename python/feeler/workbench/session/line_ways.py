@@ -123,7 +123,7 @@ def shorten_way(document: Document, card: Card, hands: Hands, progress: Progress
     pieces = plural(len(short) - 1, "straight piece")
     if saved < LEAST_SAVED and len(short) >= len(way.poses):
         return Answered(f"No shorter way was found: it has {pieces} already.", None, (kept,), (facts,))
-    by = f"shorter by {100 * saved:.0f} %" if saved >= LEAST_SAVED else "of the same length"
+    by = f"shorter by {100 * saved:.0f} %" if saved >= LEAST_SAVED else "simpler"
     sentence = (
         f"The way can be {by}: {_measured(facts)} in {pieces} instead of {len(way.poses) - 1:,}"
         f"{nearest(way.mockup, kept, gaps)}. It was checked."
