@@ -224,6 +224,27 @@ def test_a_check_is_cancelled_between_two_poses(monkeypatch: pytest.MonkeyPatch)
     bench.session.close()
 
 
+def test_what_was_taken_out_before_is_not_in_the_way_of_later_lines() -> None:
+    # It lies where the next one goes, inside the box of the scene: it was taken out all the same.
+    bench = Bench(mockup=chest())
+    ways = [
+        {"parts": [LID], "poses": [row(at(0, 0, 0)), row(at(0, -0.15, 0))], "clearance": None},
+        {"parts": [BLOCK], "poses": [row(at(0, 0, 0)), row(at(0, -0.4, 0))], "clearance": None},
+    ]
+    bench.command("way_take", ways=ways)
+    for line in bench.document["sequence"]:
+        assert told(bench, "way_check", line["id"])[0].is_good
+    # Brought back a little, it is in the way; the block's line comes before that.
+    bench.command("grip", parts=LID)
+    bench.drag(at(0.0, 0.01, 0.0) @ bench.pose, 0.5)
+    bench.command("release")
+    assert stale(bench) == [False, False]
+    lid = bench.document["sequence"][-1]["id"]
+    bench.command("sequence_move", id=lid, index=1)
+    block = bench.document["sequence"][-1]["id"]
+    assert told(bench, "way_check", block)[0].is_good is False
+
+
 # ---- a way that guides the hand ----
 
 

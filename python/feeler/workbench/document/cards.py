@@ -161,6 +161,7 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
         touched=(),
         tool=None,
         starts=tuple((part, document.moved[part]) for part in way.parts if part in document.moved),
+        out=way.parts,
     )
     return document.with_id(
         moved=MappingProxyType(dict(sorted({**document.moved, **placed}.items()))),

@@ -269,6 +269,7 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
         touched=tuple(known.parts[part].path for part in trip.touched),
         tool=document.tool.name if document.tool else None,
         starts=tuple((part, motion.row(at)) for part, at in away.items()),
+        out=outside,
     )
     return changed.with_id(sequence=(*document.sequence, line))
 

@@ -102,7 +102,7 @@ class Removal:
     way: poses of the hand, `world_from_hand`, from grip to release: `way[i] @ inverse(way[0])` moves the parts from
     where they were gripped. starts: these places, for parts that were not at home. least_clearance: of the moved parts,
     on the way, to all parts without seats, metres; None if no part came within reach. touched: paths of the parts that
-    they touched or that stopped them.
+    they touched or that stopped them. out: those of its parts that it took out of the mock-up.
     """
 
     id: int
@@ -113,6 +113,7 @@ class Removal:
     touched: tuple[str, ...]
     tool: str | None
     starts: tuple[tuple[int, Row], ...] = ()
+    out: tuple[int, ...] = ()
 
     @cached_property
     def before(self) -> Mapping[int, Row]:
@@ -381,7 +382,7 @@ class Document:
 
 # The fields that the page gets. Only commands need the others.
 _KEPT_BACK = {"isolation", "next_card", "next_id", "trip"}
-_KEPT_BACK_OF = {Card: {"way", "world"}, Removal: {"starts"}, Measure: {"parts"}}
+_KEPT_BACK_OF = {Card: {"way", "world"}, Removal: {"out", "starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 
 
@@ -400,10 +401,19 @@ def line_places(document: Document, at: int) -> dict[int, Row]:
     return {part: place for part, place in sorted(places.items()) if place != HOME}
 
 
+def line_out(document: Document, at: int) -> tuple[int, ...]:
+    """The parts that are out of the mock-up then."""
+    out = set(document.out).difference(part for line in document.sequence for part in line.parts)
+    for line in document.sequence[:at]:
+        out = out.difference(line.parts).union(line.out)
+    return tuple(sorted(out))
+
+
 def line_world(document: Document, at: int) -> World:
-    """A key of the same."""
+    """A key of where parts lie when a line begins, and which of them are out."""
     places = line_places(document, at)
-    return tuple((part, tuple(round(each, 9) for each in place)) for part, place in places.items()), ()
+    rounded = tuple((part, tuple(round(each, 9) for each in place)) for part, place in places.items())
+    return rounded, line_out(document, at)
 
 
 def is_stale(document: Document, card: Card) -> bool:

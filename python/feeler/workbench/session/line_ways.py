@@ -22,7 +22,7 @@ from feeler.progress import Progress
 from feeler.words import length, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, Gap, WayFacts
-from feeler.workbench.document.document import Card, Document, Removal, line_places
+from feeler.workbench.document.document import Card, Document, Removal, line_out, line_places
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.geometry import scene_bounds
@@ -67,9 +67,9 @@ class LineWay:
         bounds, own = scene_bounds(hands.scene), set(self.line.parts)
         boxes = {part: np.array([self.mockup.parts[part].lower, self.mockup.parts[part].upper]) for part in self.places}
         # Parts that are out do not hinder it.
-        out = {
-            part for part, place in self.places.items() if motion.is_outside(boxes[part], motion.matrix(place), bounds)
-        }
+        places = self.places.items()
+        out = {part for part, place in places if motion.is_outside(boxes[part], motion.matrix(place), bounds)}
+        out.update(line_out(document, at))
         lying = {part: place for part, place in self.places.items() if part not in own | out}
         gone = own | out
         self.is_alone = not lying and bool(hands.scene.part_mask.sum() == len(gone))
