@@ -411,9 +411,23 @@ def line_out(document: Document, at: int) -> tuple[int, ...]:
 
 def line_world(document: Document, at: int) -> World:
     """A key of where parts lie when a line begins, and which of them are out."""
-    places = line_places(document, at)
-    rounded = tuple((part, tuple(round(each, 9) for each in place)) for part, place in places.items())
-    return rounded, line_out(document, at)
+    # Asked for at each change of the document, also where a question only goes on.
+    about = (document.sequence, document.moved, document.out)
+    key = (*map(id, about), at)
+    kept = _line_worlds.get(key)
+    if kept is None:
+        places = line_places(document, at)
+        rounded = tuple((part, tuple(round(each, 9) for each in place)) for part, place in places.items())
+        kept = (about, (rounded, line_out(document, at)))
+        if len(_line_worlds) >= _MOST_LINE_WORLDS:
+            _line_worlds.clear()
+        _line_worlds[key] = kept
+    return kept[1]
+
+
+_MOST_LINE_WORLDS = 256
+_line_worlds: dict[tuple[int, ...], tuple[object, World]] = {}
+"""By the identity of what they are about, which is kept with them so that it stays theirs."""
 
 
 def is_stale(document: Document, card: Card) -> bool:

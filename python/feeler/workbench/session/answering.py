@@ -252,6 +252,10 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
     named += [each["part"] for way in answer["ways"] for each in way["gaps"] if each["part"] is not None]
     named += [way["hit"]["part"] for way in answer["ways"] if "hit" in way]
+    elsewhere = [part for way in answer["ways"] for part in way.get("places", {})]
+    if not all(part.isascii() and part.isdigit() and len(part) < 12 for part in elsewhere):
+        return None
+    named += map(int, elsewhere)
     if not all(0 <= part < parts for part in named) or not all(way.poses and way.parts for way in ways):
         return None
     room = answer["room"]
