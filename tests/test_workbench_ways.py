@@ -14,6 +14,7 @@ import feeler
 from feeler.errors import WorkbenchError
 from feeler.workbench.document.document import Card
 from feeler.workbench.session.record import read_record
+from feeler.workbench.session.replaying import replay
 
 
 def taken_out(bench: Bench, part: int, *ways: tuple[float, float, float], speed: float = 0.5) -> int:
@@ -364,3 +365,19 @@ def test_a_way_of_a_card_guides_several_parts() -> None:
     bench.command("grip", parts=LID)
     with pytest.raises(WorkbenchError, match="is held otherwise than on the way"):
         bench.command("guide", line=line)
+
+
+def test_a_record_of_a_guided_hand_is_replayed_without_the_guide(tmp_path: Path) -> None:
+    bench = Bench(mockup=chest(), record=tmp_path / "a.jsonl")
+    guided(bench)
+    start = bench.pose.copy()
+    bench.drag(at(0.004, -0.03, 0.0) @ start, 0.5)
+    bench.command("release")
+    line = bench.document["sequence"][-1]
+    bench.session.close()
+    record = read_record(tmp_path / "a.jsonl")
+    assert not {"guide", "guide_end"} & {each.get("name") for each in record.entries}
+    again = replay(record, bench.mockup, feeler.Scene(bench.mockup), None)
+    assert again and again.parted is None and again.ticks > 2
+    moves = np.array(line["way"]).reshape(-1, 4, 4)
+    assert np.ptp(moves[:, 0, 3]) < 1e-9, "it went along the way"

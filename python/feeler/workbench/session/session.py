@@ -399,6 +399,10 @@ class Session:
         document = self._document
         return held_key(document), document.world, document.pose
 
+    def guide_now(self) -> Guide | None:
+        """The way that guides the hand."""
+        return self.engine.guide
+
     def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
         """That key, the world around the hand, its content, and its pose (`world_from_tool`, `(4, 4)`)."""
         with self._lock:
