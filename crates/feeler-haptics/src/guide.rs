@@ -5,6 +5,7 @@
 //! whatever that delay. It is never stronger than [`GUIDE_FORCE_N`], and nothing in doubt. It is not the proxy's: contact stays what it
 //! is, and its force comes first.
 
+use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{add, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
@@ -12,7 +13,9 @@ use crate::constants::{
     GUIDE_DAMPING_NS_PER_M, GUIDE_FORCE_N, GUIDE_RISE_S, GUIDE_SLEW_N_PER_S, GUIDE_STIFFNESS_N_PER_M, GUIDE_VELOCITY_S,
     JUMP_SPEED, OLDEST_GUIDE_S,
 };
+use crate::coupling::Coupling;
 use crate::force::{is_tick, slewed};
+use crate::saturation::added_within;
 
 /// Where the tool is drawn to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +84,15 @@ impl GuideForce {
         (self.share, self.force, self.velocity, self.last) = (0.0, [0.0; 3], [0.0; 3], None);
         self.force
     }
+}
+
+/// A wrench within a coupling's bounds, and as much of a guide's force as fits in beside it.
+pub(crate) fn beside(wrench: &Wrench, force: &Point, coupling: &Coupling) -> Wrench {
+    if *force == [0.0; 3] {
+        return *wrench;
+    }
+    let more = Wrench { force: *force, torque: [0.0; 3] };
+    added_within(wrench, &more, coupling.max_force_n, coupling.max_torque_nm)
 }
 
 fn within(force: &Point) -> Point {

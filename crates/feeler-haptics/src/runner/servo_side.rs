@@ -16,8 +16,7 @@ use crate::device::mapping::{Mapped, Mapping};
 use crate::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
 use crate::force::{is_tick, slewed};
-use crate::guide::GuideForce;
-use crate::saturation::added_within;
+use crate::guide::{beside, GuideForce};
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
 use crate::stability::Limitations;
 use crate::statistics::ServoRecord;
@@ -255,11 +254,7 @@ impl ServoSide {
         }
         let in_doubt = output.mode == Mode::Doubt || self.is_rate_controlled();
         let force = self.guide.step(&self.target.pose, &self.centre, now, dt, in_doubt);
-        if force != [0.0; 3] {
-            let more = Wrench { force, torque: [0.0; 3] };
-            let Coupling { max_force_n, max_torque_nm, .. } = *self.servo.coupling();
-            output.wrench = added_within(&output.wrench, &more, max_force_n, max_torque_nm);
-        }
+        output.wrench = beside(&output.wrench, &force, self.servo.coupling());
     }
 
     fn is_rate_controlled(&self) -> bool {
