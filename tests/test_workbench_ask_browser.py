@@ -100,6 +100,7 @@ def test_a_way_guides_the_hand_is_checked_and_shortened(context: Any, stand: Pat
         wait(page, "() => window.feeler.document.guiding !== null")
         assert len(document(page)["gripped"]) == 1
         settled(page)
+        assert panel.get_by_role("button", name="Stop guiding").is_visible()
         keep(page.screenshot(), "guide.png")
         page.locator("#picture").focus()
         page.keyboard.press("Escape")

@@ -124,7 +124,7 @@ function KeepButtons({ card }: { card: Card }) {
   );
 }
 
-/** Lets a way guide the hand; pressed while it does. */
+/** Lets a way guide the hand, and ends it. */
 export function GuideButton({ of, parts }: { of: GuideOf; parts: readonly number[] }) {
   const wb = useWorkbench();
   const { store } = wb;
@@ -133,13 +133,12 @@ export function GuideButton({ of, parts }: { of: GuideOf; parts: readonly number
     <button
       type="button"
       class={`button ${isOn ? "on" : ""}`}
-      aria-pressed={isOn}
       disabled={store.is_read_only.value}
-      title="Grips the parts, and draws your hand towards the way while it is near; press again to end it"
+      title={isOn ? "The hand goes free (Esc)" : "Grips the parts, and draws your hand to the way while it is near"}
       onClick={() => toggleGuide(wb, of, parts)}
     >
       <Icon name="grip" size={14} />
-      <span>Guide my hand</span>
+      <span>{isOn ? "Stop guiding" : "Guide my hand"}</span>
     </button>
   );
 }
