@@ -117,6 +117,16 @@ def test_a_way_guides_the_hand_is_checked_and_shortened(context: Any, stand: Pat
         panel.get_by_role("button", name="Check this way").click()
         wait(page, DONE)
         panel.get_by_text("The way holds at and between").wait_for()
+        # The picture has the part where it is, until the film is played; then where it was.
+        panel.get_by_role("slider").wait_for()
+        settled(page)
+        out = picture(page)
+        panel.get_by_role("slider").fill("1")
+        settled(page)
+        assert differing(picture(page), out) > 0.01
+        panel.get_by_role("button", name="Does the way of pump hold?", exact=True).click()
+        settled(page)
+        assert differing(picture(page), out) < 0.01
         panel.get_by_role("button", name="Shorten it").click()
         panel.get_by_role("button", name="Use it").click()
         wait(page, "most => window.feeler.document.sequence[0].way.length < most", poses)

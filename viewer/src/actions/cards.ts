@@ -32,7 +32,7 @@ export async function ask(
   if (newest) await openCard(wb, newest.id);
 }
 
-/** Shows a card with its whole answer; a film, if it has ways, stands at its start. */
+/** Shows a card with its whole answer; a film of parts that are still there stands at its start. */
 export async function openCard(wb: Workbench, id: number | null): Promise<void> {
   const { store } = wb;
   store.card.value = id;
@@ -53,7 +53,8 @@ export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
     const piece = answer.room && wb.fetchRoom ? await wb.fetchRoom(id) : null;
     // Another card may have been opened meanwhile.
     if (store.card.peek() !== id) return;
-    if (answer.ways.length > 0 && store.film.peek()?.card !== id)
+    // A film of a removal in the sequence has the parts where they were: it begins when it is asked for.
+    if (answer.ways.length > 0 && store.film.peek()?.card !== id && cardOf(wb, id)?.line === null)
       store.film.value = { card: id, step: 0, share: 0, is_playing: false };
     wb.stage.setRoom(piece && answer.room ? { piece, manifest: answer.room } : null);
     wb.redraw();
@@ -172,7 +173,7 @@ function boxOfWay(wb: Workbench, way: Way, isAlong: boolean): Box {
 }
 
 /** The path of the middle of the parts of the way that plays, world. */
-export function filmPath(wb: Workbench, film: Film | null): Vec3[] {
+export function filmPath(wb: Workbench, film: Pick<Film, "card" | "step"> | null): Vec3[] {
   const way = film ? wb.store.answers.peek().get(film.card)?.ways[film.step] : undefined;
   if (!way) return [];
   const middle = centre(boxOfWay(wb, way, false));

@@ -49,9 +49,11 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
       const way = film ? store.answers.value.get(film.card)?.ways[film.step] : undefined;
       const gap = film && way ? gapAt(way.gaps, film.share) : null;
       const hit = film && way ? hitAt(way, film.share) : null;
+      const card = store.card.value;
+      const open = film ?? (card === null ? null : { card, step: 0 });
       const guiding = store.document.value?.guiding ?? null;
       store.way_marks.value = {
-        path: film ? filmPath(wb, film) : guidePath(wb, guiding),
+        path: guiding && !film ? guidePath(wb, guiding) : filmPath(wb, open),
         gap: hit
           ? { point: [...hit.point], value: 0, part: hit.part }
           : gap?.point && gap.gap !== null
