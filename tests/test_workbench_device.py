@@ -73,6 +73,7 @@ def test_a_way_draws_the_device_and_stops_where_it_ends(bench: Bench) -> None:
         guide = bench.session.engine
         bench.command("place", pose=at(0.0, 0.0, 0.1).ravel().tolist())
         until(bench, hand, lambda view: abs(view.world_from_device[2, 3] - 0.1) < 0.01)
+        bench.clock.now += 60.0  # the script has the tool no more
         guide.set_guide([at(0.01, -0.05, 0.1), at(0.01, 0.05, 0.1)])
         # To the way, and along it.
         felt = until(bench, hand, lambda view: view.force.any())

@@ -333,7 +333,10 @@ def test_nothing_draws_in_doubt() -> None:
     assert guide.drawn(wish) is wish
     ended = guide.held(at(0.0, -0.05, 0.3) @ start)
     assert ended is not None and not ended[1].any(), "no pull beyond the end"
-    # A device feels the way: its wishes stay as they are.
+    # A device feels the way, once a script has the tool no more: its wishes stay as they are.
+    assert bench.session.guide_now() is None
+    bench.clock.now += 60.0
+    assert bench.session.guide_now() is guide
     bench.session.wish(at(0.005, -0.02, 0.0) @ start, 7, "device")
     bench.tick()
     assert bench.pose[0, 3] - start[0, 3] == pytest.approx(0.005)

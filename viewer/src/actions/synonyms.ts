@@ -25,6 +25,8 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   search: ["find part", "filter", "look for"],
   move: ["translate", "shift", "drag", "position"],
   turn: ["rotate", "orient"],
+  "take-turn": ["give the tool", "whose turn", "control", "hand over"],
+  people: ["users", "guests", "colleagues", "my name", "look where"],
   grip: [
     "way out",
     "take",
@@ -84,6 +86,7 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   "clashes-of": ["clash", "interfere", "interference", "overlap"],
   "ask-removal": ["way out", "remove", "take out", "removal", "disassemble", "come out", "extract", "out"],
   "ask-order": ["order", "what first", "removal order", "disassembly order"],
+  "ask-tools": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],
   "ask-access": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],
   "ask-swept": ["swept", "swept volume", "room", "envelope", "space"],
 };

@@ -8,7 +8,7 @@ import { Pointer } from "../input/mouse";
 import { Geometry } from "../link/geometry";
 import { Link, LinkError } from "../link/link";
 import type { OfflinePage } from "../link/offline-file";
-import type { Camera, Document, HeldManifest, ServerEvent, State, Welcome } from "../link/protocol";
+import type { Camera, Document, HeldManifest, People, Seen, ServerEvent, State, Welcome } from "../link/protocol";
 import { fromAxes } from "../math/matrix";
 import { isSame } from "../math/same";
 import { formatCount } from "../math/units";
@@ -27,6 +27,7 @@ import { followFilm } from "./film";
 import { followFindings, takeRows } from "./follow-findings";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
+import { followPeople } from "./people";
 
 /** The state of the hand before the first message. */
 const NO_VERSION = -1;
@@ -66,6 +67,8 @@ export class Page {
       onWelcome: (welcome: Welcome) => this.onWelcome(welcome),
       onState: (state: State) => this.onState(state),
       onEvent: (event: ServerEvent) => this.onEvent(event),
+      onPeople: (people: People) => store.people.take(people),
+      onSeen: (seen: Seen) => store.people.takeSeen(seen),
     };
     const url = `${base.protocol === "https:" ? "wss:" : "ws:"}//${base.host}${base.pathname}`;
     const link = token ? new Link({ url, token, listener }) : null;
@@ -96,6 +99,7 @@ export class Page {
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
+    followPeople(this.wb, this.loop);
     followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
     listenToKeys(this.wb);
     listenToDrops(this.wb);
@@ -152,6 +156,7 @@ export class Page {
     this.store.connection.value = status;
     this.watchEnd(status);
     if (status === "open") return;
+    this.store.people.forget();
     this.devices.reset();
     this.wb.hand.drop();
     this.store.jobs.value = [];

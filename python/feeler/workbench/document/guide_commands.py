@@ -15,6 +15,8 @@ from feeler.workbench.document.document import Document, Guiding
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats, Row
 
+GUIDES = ("guide", "guide_end")
+"""The commands here: whoever has the tool decides what draws it."""
 SAME_M = 1e-3
 """Parts that lie nearer than this to where the way has them are where it has them."""
 
