@@ -837,6 +837,34 @@ def test_whole_answers_of_cards_are_kept_for_the_same_mock_up(tmp_path: Path) ->
     session.close()
 
 
+def test_checks_of_ways_are_kept_with_their_lines(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    way = {"parts": [PEG], "poses": [AT_HOME, at(0, 0, 1.0).ravel().tolist()], "clearance": None}
+    session.command("way_take", {"ways": [way]})
+    number = session.command("way_check", {"id": session.document()["sequence"][0]["id"]})["id"]
+    end = time.monotonic() + 120.0
+    while session.current.cards[0].state != "done":
+        assert time.monotonic() < end
+        time.sleep(0.005)
+    before = session.ask("card", {"id": number})
+    document = saved(session)
+    session.close()
+    session = opened(path)
+    assert session.document()["cards"] == document["cards"] and not session.document()["cards"][0]["is_stale"]
+    assert json.dumps(session.ask("card", {"id": number})) == json.dumps(before)
+    assert before is not None and before["ways"][0]["hit"]["part"] == 4, "the sheet is in the way"
+    session.close()
+    with contextlib.closing(open_or_make(path)) as book:
+        facts, data = book.answer(f"card {number}")
+        facts["ways"][0]["places"] = {"99": AT_HOME}
+        book.write_answer(f"card {number}", "card", facts, data)
+    session = opened(path)
+    with pytest.raises(WorkbenchError, match="has no answer"):
+        session.ask("card", {"id": number})
+    session.close()
+
+
 @pytest.mark.parametrize(
     "change",
     [
