@@ -98,6 +98,61 @@ def test_a_cut_is_dragged_by_its_arrow_and_then_outlined(context: Any, stand: Pa
         assert troubles(page) == []
 
 
+def test_a_section_box_is_made_by_a_key_and_dragged_and_a_face_is_cut_along(
+    context: Any, stand: Path, cube: Path
+) -> None:
+    with program(stand, "--tool", cube) as started:
+        page = opened(context, started)
+        press(page, CORNER)
+        whole = picture(page)
+        page.mouse.click(*pixel(page, (0.0, -0.04, 0.05)))
+        page.locator("[role=treeitem][aria-selected=true]", has_text="pump").wait_for()
+        press(page, "b")
+        wait(page, "() => window.feeler.document.section_box?.is_on")
+        wait(page, "() => document.querySelectorAll('.cut-arrow').length === 6")
+        settled(page)
+        keep(page.screenshot(), "section_box.png")
+        boxed = picture(page)
+        assert differing(boxed, whole) > 0.01, "what is beside the pump is cut away"
+        before = document(page)["section_box"]
+        # The upper face, down into the pump: what it cuts is filled.
+        top = page.locator(".cut-arrow[data-cut='-6']").bounding_box()
+        x, y = top["x"] + 0.5 * top["width"], top["y"] + 0.5 * top["height"]
+        page.mouse.move(x, y)
+        page.mouse.down()
+        for step in range(1, 16):
+            page.mouse.move(x, y + 2 * step)
+        assert document(page)["section_box"] == before, "the picture follows before the server knows"
+        page.mouse.up()
+        wait(page, "top => window.feeler.document.section_box.upper[2] < top - 0.005", before["upper"][2])
+        after = document(page)["section_box"]
+        assert after["lower"] == before["lower"] and after["upper"][:2] == before["upper"][:2]
+        keep(page.screenshot(), "section_box_dragged.png")
+        # Typed in the panel, switched off by the key, and undone.
+        page.get_by_label("X to").fill("20")
+        press(page, "Enter")
+        wait(page, "() => Math.abs(window.feeler.document.section_box.upper[0] - 0.02) < 1e-9")
+        page.locator("#picture").focus()
+        press(page, "b")
+        wait(page, "() => window.feeler.document.section_box.is_on === false")
+        press(page, "Control+z", "Control+z", "Control+z")
+        wait(page, "box => JSON.stringify(window.feeler.document.section_box) === JSON.stringify(box)", before)
+        press(page, "Control+z")
+        wait(page, "() => window.feeler.document.section_box === null")
+        # A face: the next click cuts along its plane.
+        press(page, FRONT)
+        settled(page)
+        page.get_by_role("button", name="Along a face").click()
+        page.get_by_text("Click a face in the picture").wait_for()
+        page.mouse.click(*pixel(page, (0.03, 0.0, 0.05)))
+        wait(page, "() => window.feeler.document.sections.length === 1")
+        section = document(page)["sections"][0]
+        assert section["normal"] == pytest.approx([0, 1, 0]) and section["offset"] == pytest.approx(-0.04)
+        settled(page)
+        keep(page.screenshot(), "cut_along_a_face.png")
+        assert troubles(page) == []
+
+
 def test_what_is_cut_away_is_neither_picked_nor_measured_nor_turned_about(
     context: Any, stand: Path, cube: Path
 ) -> None:

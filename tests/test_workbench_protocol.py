@@ -111,6 +111,7 @@ DOCUMENT: protocol.DocumentFields = {
     "explode": 0.5,
     "isolated": False,
     "sections": [{"id": 1, "normal": (0, 0, 1), "offset": 0.25, "is_on": True}],
+    "section_box": {"lower": (0, 0, 0), "upper": (0.1, 0.2, 0.3), "is_on": True},
     "pose": turned().ravel().tolist(),
     "gripped": [],
     "moved": {"1": np.eye(4).ravel().tolist()},

@@ -24,7 +24,7 @@ import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
 import { isStale, project, saveProject, selectStale } from "./project";
 import { addRequirement, checkRequirements } from "./requirements";
-import { addSection, flipped, toggleSections } from "./sections";
+import { addSection, fitBox, flipped, pickFace, toggleBox, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
 
@@ -63,6 +63,7 @@ const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.v
 const canAskAccess = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.tool != null;
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
+const hasBox = (wb: Workbench): boolean => canLook(wb) && wb.store.document.value?.section_box != null;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
 const hasRules = (wb: Workbench): boolean => (wb.store.document.value?.clash.rules ?? "") !== "";
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
@@ -191,6 +192,7 @@ function endNearest(wb: Workbench): void {
   else if (store.drawer.peek()) store.drawer.value = null;
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
+  else if (store.is_picking_face.peek()) pickFace(wb);
   else if (store.findings.isLooking) leaveFinding(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
 }
@@ -399,6 +401,24 @@ export const COMMANDS: readonly PageCommand[] = [
       (wb) => canLook(wb) && hasMockup(wb),
     ),
   ),
+  command("Sections", "section-face", "Cut along a face", "", pickFace, (wb) => canChange(wb) && hasMockup(wb)),
+  command(
+    "Sections",
+    "section-box",
+    "Section box round the selection; off, on",
+    "B",
+    toggleBox,
+    (wb) => canLook(wb) && hasMockup(wb),
+  ),
+  command(
+    "Sections",
+    "section-box-fit",
+    "Fit the section box to the selection",
+    "",
+    fitBox,
+    (wb) => canLook(wb) && hasMockup(wb),
+  ),
+  command("Sections", "section-box-remove", "Delete the section box", "", (wb) => wb.run("section_box_remove"), hasBox),
   command(
     "Sections",
     "section-flip",

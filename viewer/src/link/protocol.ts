@@ -415,6 +415,13 @@ export interface Section {
   readonly is_on: boolean;
 }
 
+/** A section box along the world axes: keeps the points inside it. */
+export interface SectionBox {
+  readonly lower: Vec3;
+  readonly upper: Vec3;
+  readonly is_on: boolean;
+}
+
 /** One removal: parts, their way, and its clearance. */
 export interface SequenceLine {
   readonly id: number;
@@ -457,11 +464,14 @@ export interface Camera extends CameraPlace {
   readonly is_parallel?: boolean;
 }
 
-/** A stored camera. */
+/** A stored camera, and the sections of that moment. */
 export interface Viewpoint {
   readonly id: number;
   readonly name: string;
   readonly camera: Camera;
+  /** Null in viewpoints of older projects: they change no sections. */
+  readonly sections: readonly Section[] | null;
+  readonly section_box: SectionBox | null;
 }
 
 /** A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest. */
@@ -521,6 +531,7 @@ export interface Document {
   readonly explode: number;
   readonly isolated: boolean;
   readonly sections: readonly Section[];
+  readonly section_box: SectionBox | null;
   /** The last pose of the hand that a command set. */
   readonly pose: Pose;
   readonly gripped: readonly number[];
@@ -928,6 +939,12 @@ export interface Commands {
   readonly section_switch: { readonly id: number; readonly is_on: boolean };
   /** Removes a section plane. */
   readonly section_remove: { readonly id: number };
+  /** Cuts everything outside a box along the world axes away; replaces the box that was there. Metres. */
+  readonly section_box: { readonly lower: Vec3; readonly upper: Vec3 };
+  /** Switches the section box on or off. */
+  readonly section_box_switch: { readonly is_on: boolean };
+  /** Removes the section box. */
+  readonly section_box_remove: Record<string, never>;
   /** Sets the unit in which lengths are shown. */
   readonly set_unit: { readonly unit: Unit };
   /** Sets the material that contact sounds like; null: steel. */
@@ -963,8 +980,10 @@ export interface Commands {
   };
   /** Removes a measure. */
   readonly measure_remove: { readonly id: number };
-  /** Saves a camera. */
+  /** Saves a camera, and the sections as they are. */
   readonly viewpoint_add: { readonly name?: string; readonly camera: Camera };
+  /** Restores the sections that a viewpoint was saved with; the camera belongs to the page. */
+  readonly viewpoint_show: { readonly id: number };
   /** Removes a saved camera. */
   readonly viewpoint_remove: { readonly id: number };
   /** Renames a step of the sequence. */
@@ -1085,7 +1104,7 @@ export interface Questions {
 
 /** The arguments of jobs, and their results. */
 export interface Jobs {
-  /** The exact outlines of the active sections, or of one plane. */
+  /** The exact outlines of the active sections and of the section box, or of one plane. */
   readonly outline: { readonly args: { readonly normal?: Vec3; readonly offset?: number }; readonly answer: Outline };
   readonly export_csv: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_html: { readonly args: Record<string, never>; readonly answer: Written };

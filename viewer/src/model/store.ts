@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import type { Opens } from "../link/openings";
 import type { CardAnswer, Document, Manifest, MeasureType, State } from "../link/protocol";
 import { isSame } from "../math/same";
-import type { Vec3 } from "../math/vectors";
+import type { Box, Vec3 } from "../math/vectors";
 import type { Film } from "./film";
 import { FindingState } from "./finding-state";
 import {
@@ -101,6 +101,10 @@ export class Store {
   readonly measuring = signal<Measuring | null>(null);
   readonly snap = signal<{ point: Vec3; type: "vertex" | "edge" | "face" } | null>(null);
   readonly section_draft = signal<SectionDraft | null>(null);
+  /** The section box while one of its faces is dragged. */
+  readonly box_draft = signal<Box | null>(null);
+  /** The next click on the picture cuts along the face there. */
+  readonly is_picking_face = signal(false);
   /** The findings, and how they are shown. */
   readonly findings = new FindingState(this.document);
   /** The card whose answer is open. */
@@ -161,6 +165,12 @@ export class Store {
   readonly drawn_sections = computed(() =>
     drawnSections(this.document.value?.sections ?? [], this.section_draft.value),
   );
+  /** The drawn section box, a dragged face at its dragged place; null: none is on. */
+  readonly drawn_box = computed((): Box | null => {
+    const box = this.document.value?.section_box;
+    if (!box?.is_on) return null;
+    return this.box_draft.value ?? { lower: [...box.lower], upper: [...box.upper] };
+  });
   readonly hidden = computed(() => new Set(this.document.value?.hidden ?? []));
   readonly ghost = computed(() => new Set(this.document.value?.ghost ?? []));
   readonly has_hand = computed(() => {

@@ -174,6 +174,14 @@ class Section(TypedDict):
     is_on: bool
 
 
+class SectionBox(TypedDict):
+    """A section box along the world axes: keeps the points inside it."""
+
+    lower: Vec3
+    upper: Vec3
+    is_on: bool
+
+
 class SequenceLine(TypedDict):
     """One removal: parts, their way, and its clearance."""
 
@@ -221,11 +229,14 @@ class Camera(CameraPlace, total=False):
 
 
 class Viewpoint(TypedDict):
-    """A stored camera."""
+    """A stored camera, and the sections of that moment."""
 
     id: int
     name: str
     camera: Camera
+    sections: list[Section] | None
+    """Null in viewpoints of older projects: they change no sections."""
+    section_box: SectionBox | None
 
 
 class Card(TypedDict):
@@ -288,6 +299,7 @@ class DocumentFields(TypedDict):
     """0 to 1."""
     isolated: bool
     sections: list[Section]
+    section_box: SectionBox | None
     pose: Pose
     """The last pose of the hand that a command set."""
     gripped: list[int]

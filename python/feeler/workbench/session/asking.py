@@ -27,7 +27,7 @@ from feeler.workbench.document.answers import (
 )
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
-from feeler.workbench.document.document import Document, plain
+from feeler.workbench.document.document import Document, active_planes, plain
 from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
 from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
@@ -122,11 +122,11 @@ def card(place: Place, given: Arguments) -> CardAnswer:
 
 
 def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
-    """The exact outlines of the active sections, or of one plane."""
+    """The exact outlines of the active sections and of the section box, or of one plane."""
     if given.has("normal"):
         planes = [(given.unit("normal"), given.number("offset"))]
     else:
-        planes = [(each.normal, each.offset) for each in place.document.sections if each.is_on]
+        planes = active_planes(place.document)
     segments, owners = [np.empty((0, 2, 3))], []
     for number, (normal, offset) in enumerate(planes):
         progress(number / len(planes), "outlines")

@@ -49,7 +49,7 @@ class Requests:
     def place(self, document: Document, hands: Hands, geometry: Geometry, cards: Callable[[int], CardAnswer]) -> Place:
         """The subject of questions and jobs: immutable, so that nothing waits for them."""
         world = hands.world(document)
-        key = (world, document.hidden, document.sections)
+        key = (world, document.hidden, document.sections, document.section_box)
         with self._lock:
             if self._sight is None or self._sight[0] != key:
                 self._sight = (key, measuring.Sight(world, document))
