@@ -241,6 +241,24 @@ export interface Gap {
   readonly point: Vec3 | null;
 }
 
+/** A command of a record. */
+export interface RecordStep {
+  /** Of the replay, seconds. */
+  readonly at: number;
+  /** Of the recorded session, seconds since its start. */
+  readonly time: number;
+  readonly title: string;
+}
+
+/** A record over time. */
+export interface RecordTimeline {
+  /** Of a replay at the recorded speed: pauses are cut. */
+  readonly seconds: number;
+  readonly steps: readonly RecordStep[];
+  /** At some moments, `share` of `seconds`; empty before the record was replayed. */
+  readonly gaps: readonly Gap[];
+}
+
 /** A way that was found, with what it passes. */
 export interface WayFacts extends GivenWay {
   readonly legs: readonly string[];
@@ -250,6 +268,18 @@ export interface WayFacts extends GivenWay {
   readonly rotation: number;
   /** At some poses of it, in order: between them the gap may be smaller. */
   readonly gaps: readonly Gap[];
+}
+
+/** A line of the sequence, as a way. */
+export interface FilmWay extends WayFacts {
+  readonly id: number;
+  /** world_from_part of its parts before it; those that are missing were at home. */
+  readonly starts: Readonly<Record<string, Pose>>;
+}
+
+/** The sequence of removals as a film. */
+export interface SequenceFilm {
+  readonly ways: readonly FilmWay[];
 }
 
 /** A part that stops others. */
@@ -382,6 +412,10 @@ export interface RecordFacts {
   readonly is_same: boolean | null;
   /** The same as a sentence. */
   readonly verdict: string | null;
+  /** The moment that is shown, seconds of the replay; null before one was. */
+  readonly at: number | null;
+  /** Whether the timeline of the question "record" has gaps. */
+  readonly has_gaps: boolean;
 }
 
 /** The project file that the document is saved in. */
@@ -1086,6 +1120,8 @@ export interface Questions {
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
+  /** The record over time. */
+  readonly record: { readonly args: Record<string, never>; readonly answer: RecordTimeline };
   /** Patterns for the parts of a finding and their numbered siblings, and how many findings they hide. */
   readonly finding_alike: { readonly args: { readonly version: string; readonly row: number }; readonly answer: Alike };
   /** From where a finding is seen; null if none of its parts is here. */
@@ -1113,8 +1149,12 @@ export interface Jobs {
   readonly export_project: { readonly args: Record<string, never>; readonly answer: Written };
   /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
-  /** Replays the record that the workbench was opened with. */
-  readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
+  /** Replays the record that the workbench was opened with: exactly; or shows it from some seconds on. */
+  readonly replay: { readonly args: { readonly start?: number; readonly speed?: number }; readonly answer: Replayed };
+  /** Shows the record at some seconds of its replay. */
+  readonly replay_to: { readonly args: { readonly at: number }; readonly answer: Replayed };
+  /** The sequence as a film. */
+  readonly film: { readonly args: Record<string, never>; readonly answer: SequenceFilm };
   /** Checks the scene as it is now: parts taken out and parts in the hand do not count, hidden ones do. */
   readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
   /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */

@@ -100,6 +100,26 @@ class Gap(TypedDict):
     """On the part, world."""
 
 
+class RecordStep(TypedDict):
+    """A command of a record."""
+
+    at: float
+    """Of the replay, seconds."""
+    time: float
+    """Of the recorded session, seconds since its start."""
+    title: str
+
+
+class RecordTimeline(TypedDict):
+    """A record over time."""
+
+    seconds: float
+    """Of a replay at the recorded speed: pauses are cut."""
+    steps: list[RecordStep]
+    gaps: list[Gap]
+    """At some moments, `share` of `seconds`; empty before the record was replayed."""
+
+
 class WayFacts(GivenWay):
     """A way that was found, with what it passes."""
 
@@ -110,6 +130,20 @@ class WayFacts(GivenWay):
     """Radians in total."""
     gaps: list[Gap]
     """At some poses of it, in order: between them the gap may be smaller."""
+
+
+class FilmWay(WayFacts):
+    """A line of the sequence, as a way."""
+
+    id: int
+    starts: dict[str, Pose]
+    """world_from_part of its parts before it; those that are missing were at home."""
+
+
+class SequenceFilm(TypedDict):
+    """The sequence of removals as a film."""
+
+    ways: list[FilmWay]
 
 
 class BlockerFacts(TypedDict):

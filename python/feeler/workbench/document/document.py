@@ -49,12 +49,17 @@ class ToolFacts:
 
 @dataclass(frozen=True)
 class RecordFacts:
-    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one."""
+    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one.
+
+    at: the moment that is shown, seconds of the replay; None before one was. has_gaps: whether its timeline has gaps.
+    """
 
     name: str
     is_playing: bool = False
     is_same: bool | None = None
     verdict: str | None = None
+    at: float | None = None
+    has_gaps: bool = False
 
 
 @dataclass(frozen=True)

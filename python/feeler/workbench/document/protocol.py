@@ -138,6 +138,10 @@ class RecordFacts(TypedDict):
     """Whether all results equalled the recorded ones; null before that is known."""
     verdict: str | None
     """The same as a sentence."""
+    at: float | None
+    """The moment that is shown, seconds of the replay; null before one was."""
+    has_gaps: bool
+    """Whether the timeline of the question "record" has gaps."""
 
 
 class ProjectFacts(TypedDict):

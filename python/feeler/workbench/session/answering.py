@@ -28,14 +28,11 @@ from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import HeldManifest, Vec3
+from feeler.workbench.engine.gaps import Gaps, gap_json
 from feeler.workbench.engine.geometry import HeldGeometry
 
 SECONDS, ORDER_SECONDS = 30.0, 120.0
 """Time for the search of a way, and of an order, unless another is asked for."""
-SEATED_M = 1e-6
-"""Parts nearer than this at the start are in contact; they count as neighbours once they are farther."""
-WITHIN_M = 0.05
-"""Gaps along a way are looked for up to this distance."""
 MOST_GAPS = 121
 """Poses of a way at which the gap is looked for."""
 ROOM_SHARE, ROOM_STEPS = 1.0 / 60.0, 300.0
@@ -314,25 +311,16 @@ def _gaps(scene: Scene, parts: tuple[int, ...], found: Removal, progress: Progre
     """The nearest neighbour at poses spread evenly over the way; those in contact at the start count once they are
     apart."""
     moving = Tool.of_parts(scene.mockup, list(parts))
-    rest = scene.without(list(parts))
-    poses, shares = _spread(found.poses, moving.bounds)
-    seated = set(rest.clearance(moving, poses[0], SEATED_M).parts.tolist())
+    poses, shares = spread(found.poses, moving.bounds)
+    nearest = Gaps(scene.without(list(parts)), moving, poses[0])
     gaps: list[Gap] = []
     for number, (pose, share) in enumerate(zip(poses, shares, strict=True)):
         progress(number / len(poses), "measuring gaps")
-        rows = rest.clearance(moving, pose, WITHIN_M)
-        near = dict(zip(rows.parts.tolist(), rows.distances.tolist(), strict=True))
-        seated = {part for part in seated if near.get(part, math.inf) <= SEATED_M}
-        at = next((row for row, part in enumerate(near) if part not in seated), None)
-        if at is None:
-            gaps.append({"share": share, "gap": None, "part": None, "point": None})
-        else:
-            point = _triple(rows.points_on_mockup[at])
-            gaps.append({"share": share, "gap": float(rows.distances[at]), "part": int(rows.parts[at]), "point": point})
+        gaps.append(gap_json(share, nearest.at(pose)))
     return gaps
 
 
-def _spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
+def spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
     """Poses of a way at even steps of its fastest corner, and their shares of it: its own poses and some between."""
     corners = motion.corners(bounds)
     steps = [motion.carried(one, other, corners) for one, other in pairwise(poses)]

@@ -6,7 +6,7 @@ import base64
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -20,7 +20,9 @@ from feeler.workbench.document.answers import (
     Outline,
     PartFacts,
     RayHit,
+    RecordTimeline,
     Replayed,
+    SequenceFilm,
     Snapped,
     Written,
     WrittenPage,
@@ -34,7 +36,7 @@ from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
-from feeler.workbench.session import export, page, saving
+from feeler.workbench.session import export, films, page, saving
 from feeler.workbench.session.finding_jobs import (
     TakenFindings,
     clash,
@@ -51,8 +53,26 @@ from feeler.workbench.session.uploads import Uploads
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
+SPEEDS = (0.05, 20.0)
+"""Of a replay, at least and at most."""
 
 Found = TypeVar("Found")
+
+
+class Recorded(Protocol):
+    """A record to replay; `player.Player` has the meanings."""
+
+    def timeline(self) -> RecordTimeline:
+        """Commands and gaps over time."""
+        ...
+
+    def play(self, progress: Progress, start: float | None = None, speed: float = 1.0) -> dict[str, Any]:
+        """Replays it."""
+        ...
+
+    def seek(self, progress: Progress, at: float) -> dict[str, Any]:
+        """Shows a moment of it."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -60,7 +80,7 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. uploads: files of pages. taken: findings of jobs. cards: the answer of a
-    card. replay: replays the record, if there is one.
+    card. recorded: the record to replay, if there is one.
     """
 
     document: Document
@@ -72,7 +92,7 @@ class Place:
     uploads: Uploads
     taken: TakenFindings
     cards: Callable[[int], CardAnswer]
-    replay: Callable[[Progress], dict[str, Any]] | None = None
+    recorded: Recorded | None = None
 
 
 @dataclass(frozen=True)
@@ -170,10 +190,31 @@ def project_file(place: Place, given: Arguments, progress: Progress) -> Written:
 
 
 def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
-    """Replays the record that the workbench was opened with."""
-    if place.replay is None:
+    """Replays the record that the workbench was opened with: exactly; or shows it from some seconds on."""
+    start = given.number("start", 0.0) if given.has("start") else None
+    speed = given.number("speed", *SPEEDS) if given.has("speed") else 1.0
+    return cast(Replayed, _recorded(place, given).play(progress, start, speed))
+
+
+def replay_to(place: Place, given: Arguments, progress: Progress) -> Replayed:
+    """Shows the record at some seconds of its replay."""
+    return cast(Replayed, _recorded(place, given).seek(progress, given.number("at", 0.0)))
+
+
+def record(place: Place, given: Arguments) -> RecordTimeline:
+    """The record over time."""
+    return _recorded(place, given).timeline()
+
+
+def _recorded(place: Place, given: Arguments) -> Recorded:
+    if place.recorded is None:
         raise WorkbenchError("there is no record", given.command, "start by feeler replay FILE --page")
-    return cast(Replayed, place.replay(progress))
+    return place.recorded
+
+
+def film(place: Place, given: Arguments, progress: Progress) -> SequenceFilm:
+    """The sequence as a film."""
+    return {"ways": films.ways(place.document, place.scene, place.meshes, progress)}
 
 
 def _writing(name: str, write: Callable[..., bytes]) -> Work[Written]:
@@ -197,6 +238,7 @@ ASKS: dict[str, Question[Any]] = {
     "measure": Question(measure, {"type": MeasureType, **MEASURED}),
     "part": Question(part, {"part": Selection}),
     "card": Question(card, {"id": int}),
+    "record": Question(record, {}),
     "finding_alike": Question(finding_alike, {"version": str, "row": int}),
     "finding_side": Question(finding_side, {"version": str, "row": int}),
     "pair_side": Question(pair_side, {"parts": Selection, "point": Vec3}),
@@ -209,7 +251,9 @@ JOBS: dict[str, Work[Any]] = {
     "export_glb": _writing("sequence.glb", export.sequence_glb),
     "export_project": Work(project_file),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
-    "replay": Work(replay),
+    "replay": Work(replay, {"start": Maybe(float), "speed": Maybe(float)}),
+    "replay_to": Work(replay_to, {"at": float}),
+    "film": Work(film),
     "clash": Work(clash, {"parts": Maybe(Selection)}),
     "findings_file": Work(findings_file, {"upload": str, "name": str}),
     "findings_bcf": Work(findings_bcf, {"upload": str, "name": str}),

@@ -15,12 +15,11 @@ from feeler.workbench.document.document import Document
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.hand import Hands
-from feeler.workbench.session.asking import ASKS, JOBS, Place
+from feeler.workbench.session.asking import ASKS, JOBS, Place, Recorded
 from feeler.workbench.session.finding_jobs import TakenFindings
 from feeler.workbench.session.jobs import Job, Jobs
 from feeler.workbench.session.uploads import Uploads
 
-Replay = Callable[[Progress], dict[str, Any]]
 Places = Callable[[], Place]
 """The present subject. Raises `WorkbenchError` before a mock-up is open."""
 
@@ -37,8 +36,8 @@ class Requests:
         """Files that pages opened."""
         self.taken = TakenFindings()
         """Findings of jobs, for the command "findings_take"."""
-        self.replay: Replay | None = None
-        """Replays the record, if there is one."""
+        self.recorded: Recorded | None = None
+        """The record to replay, if there is one."""
 
     def forget(self) -> None:
         """Another mock-up is open: drops files and caches of the previous one."""
@@ -64,7 +63,7 @@ class Requests:
                 self.uploads,
                 self.taken,
                 cards,
-                self.replay,
+                self.recorded,
             )
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
