@@ -478,6 +478,23 @@ def test_a_record_is_replayed_in_the_page(context: Any, stand: Path, cube: Path,
         height = page.evaluate("() => [document.scrollingElement.scrollHeight, innerHeight]")
         assert height[0] == height[1], "the page does not scroll as a whole"
         assert page.evaluate("() => window.feeler.pose[11]") == pytest.approx(0.3)
+        # The timeline: back to the moment of the grip, forward by entries, by a click on the tightest place, and on.
+        bar = page.get_by_role("region", name="Record")
+        bar.get_by_text("2 entries").click()
+        bar.get_by_role("button", name="Grip left").click()
+        wait(page, "() => window.feeler.document.gripped.length === 1")
+        bar.get_by_role("button", name="Next entry").click()
+        wait(page, "() => window.feeler.document.gripped.length === 0")
+        bar.get_by_role("button", name="Tightest").click()
+        wait(page, "() => window.feeler.pose[11] < 0.2")
+        keep(page.screenshot(), "record_scrubbed.png")
+        slider = bar.get_by_role("slider", name="Place in the record")
+        slider.press("Home")
+        wait(page, "() => window.feeler.document.record.at === 0")
+        bar.get_by_role("combobox", name="Speed").select_option("8")
+        bar.get_by_role("button", name="Play the record").click()
+        wait(page, "() => !window.feeler.document.record.is_playing && window.feeler.document.record.at > 1")
+        assert page.evaluate("() => window.feeler.pose[11]") == pytest.approx(0.3)
         # From there on it is a workbench like any other.
         on_pump = PUMP_TOP_M + HALF_TOOL_M
         assert on_pump <= move(page, 0.0, 0.0, 0.05)[2, 3] < on_pump + CAST_M
@@ -492,6 +509,39 @@ def test_a_record_is_replayed_in_the_page(context: Any, stand: Path, cube: Path,
         page = opened(context, started)
         page.get_by_role("button", name="Replay", exact=True).click()
         page.get_by_text(f"It parts at entry {hit}: the hand comes elsewhere").wait_for()
+
+
+def test_the_sequence_is_a_film(context: Any, stand: Path) -> None:
+    with program(stand) as started:
+        page = opened(context, started)
+        for part, x in (("stand/pump", 0.0), ("stand/posts/left", -0.3)):
+            page.evaluate("part => window.feeler.grip(part)", part)
+            start = page.evaluate("() => window.feeler.pose")
+            start[3] += x
+            start[11] += 0.4
+            page.evaluate("pose => window.feeler.moveTo(pose)", start)
+            page.evaluate("() => window.feeler.release()")
+        press(page, "Alt+5")
+        page.get_by_role("button", name="Show as a film").click()
+        film = page.get_by_role("article", name="Film of the sequence")
+        film.get_by_text("0:00.0 of").wait_for()
+        settled(page)
+        start = picture(page)
+        keep(page.screenshot(), "film_of_the_sequence.png")
+        film.get_by_role("button", name="Next entry").click()
+        film.get_by_role("slider").press("ArrowRight")
+        settled(page)
+        assert differing(picture(page), start) > 0.01, "the pump is out"
+        film.get_by_role("combobox", name="Speed").select_option("8")
+        film.get_by_role("button", name="Play the sequence").click()
+        film.get_by_role("button", name="Play the sequence").wait_for()
+        settled(page)
+        end = picture(page)
+        film.get_by_role("button", name="End the film").click()
+        settled(page)
+        assert differing(picture(page), end) < 0.01, "the film ends where the parts lie"
+        assert document(page)["moved"]["3"][11] == pytest.approx(0.4)
+        assert troubles(page) == []
 
 
 def test_the_keyboard_alone_takes_a_part_out(context: Any, stand: Path) -> None:

@@ -2,8 +2,8 @@
 
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { carry, type Pose } from "../math/matrix";
-import { corners, subtract, type Vec3 } from "../math/vectors";
-import { type Film, placesAt } from "../model/film";
+import { centre, corners, subtract, type Vec3 } from "../math/vectors";
+import { type Film, type FilmOf, placeAt, placesAt, startsOf, type Way } from "../model/film";
 import type { Workbench } from "./workbench";
 
 type Reach = CardAnswer["reaches"][number];
@@ -80,10 +80,14 @@ function forget(wb: Workbench, id: number): void {
   wb.stage.setRoom(null);
 }
 
+/** The ways of a film; none before they were fetched. */
+export const waysOf = ({ store }: Workbench, of: FilmOf | undefined): readonly Way[] =>
+  (of === "sequence" ? store.sequence_film.value : of === undefined ? null : store.answers.value.get(of)?.ways) ?? [];
+
 /** Plays a film from where it is, or from the start if it is at its end; a second call pauses it. */
-export function playFilm(wb: Workbench, card: number): void {
-  const { film, answers } = wb.store;
-  const ways = answers.peek().get(card)?.ways ?? [];
+export function playFilm(wb: Workbench, card: FilmOf): void {
+  const { film } = wb.store;
+  const ways = waysOf(wb, card);
   const now = film.peek();
   const is_same = now?.card === card;
   if (is_same && now.is_playing) film.value = { ...now, is_playing: false };
@@ -94,9 +98,33 @@ export function playFilm(wb: Workbench, card: number): void {
   wb.redraw();
 }
 
-/** Goes to a place of a film, and stands there. */
-export function scrub(wb: Workbench, card: number, step: number, share: number): void {
-  wb.store.film.value = { card, step, share, is_playing: false };
+/** Goes to a moment of a film, seconds, and stands there. */
+export function scrub(wb: Workbench, card: FilmOf, seconds: number): void {
+  wb.store.film.value = { card, ...placeAt(waysOf(wb, card), seconds), is_playing: false };
+  wb.redraw();
+}
+
+/** Fetches the sequence as a film, if it is not there, and shows its start. */
+export async function openSequenceFilm(wb: Workbench): Promise<void> {
+  const { store } = wb;
+  if (store.sequence_film.peek()) {
+    scrub(wb, "sequence", 0);
+    return;
+  }
+  try {
+    const sequence = store.document.peek()?.sequence;
+    const film = await wb.job("film", {}, "Film of the sequence")?.result;
+    if (!film || store.document.peek()?.sequence !== sequence) return;
+    store.sequence_film.value = film.ways;
+    scrub(wb, "sequence", 0);
+  } catch (error) {
+    wb.tell(error);
+  }
+}
+
+/** The film ends: the picture has the parts where they are. */
+export function endFilm(wb: Workbench): void {
+  wb.store.film.value = null;
   wb.redraw();
 }
 
@@ -139,8 +167,8 @@ export function pointsOf(wb: Workbench, parts: readonly number[]): Vec3[] {
 
 /** Where a film has its parts; empty: no film is open. */
 export function filmPlaces(wb: Workbench, film: Film | null): Map<number, Pose> {
-  const ways = film ? wb.store.answers.peek().get(film.card)?.ways : undefined;
-  if (!film || !ways) return new Map();
+  const ways = waysOf(wb, film?.card);
+  if (!film || ways.length === 0) return new Map();
   const moved = wb.store.document.peek()?.moved ?? {};
   const starts = Object.fromEntries(Object.entries(moved).map(([part, pose]) => [part, [...pose]]));
   return placesAt(film, ways, starts, (parts) => pointsOf(wb, parts));
@@ -148,13 +176,9 @@ export function filmPlaces(wb: Workbench, film: Film | null): Map<number, Pose> 
 
 /** The path of the middle of the parts of the way that plays, world. */
 export function filmPath(wb: Workbench, film: Film | null): Vec3[] {
-  const way = film ? wb.store.answers.peek().get(film.card)?.ways[film.step] : undefined;
+  const way = film ? waysOf(wb, film.card)[film.step] : undefined;
   if (!way) return [];
-  const box = wb.boxOf(way.parts);
-  const middle: Vec3 = [
-    (box.lower[0] + box.upper[0]) / 2,
-    (box.lower[1] + box.upper[1]) / 2,
-    (box.lower[2] + box.upper[2]) / 2,
-  ];
+  const box = wb.boxOf(way.parts, startsOf(way) ?? undefined);
+  const middle = centre(box);
   return way.poses.map((pose) => carry(pose, middle));
 }

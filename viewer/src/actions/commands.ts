@@ -23,6 +23,7 @@ import {
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
 import { isStale, project, saveProject, selectStale } from "./project";
+import { playRecord } from "./record";
 import { addRequirement, checkRequirements } from "./requirements";
 import { addSection, fitBox, flipped, pickFace, toggleBox, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
@@ -225,11 +226,6 @@ function nextRegion(): void {
     ? next
     : next?.querySelector<HTMLElement>("[tabindex='0'], button:not([disabled]), input, select");
   target?.focus();
-}
-
-/** The server replays the record that it was opened with; the picture follows. */
-function replayRecord(wb: Workbench): void {
-  wb.job("replay", {}, "Replay")?.result.catch((error: unknown) => wb.tell(error));
 }
 
 const toggleTheme = (wb: Workbench): void =>
@@ -484,7 +480,7 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
 
-  command("Sequence", "replay", "Replay the record", "", replayRecord, hasRecord),
+  command("Sequence", "replay", "Replay the record", "", (wb) => playRecord(wb), hasRecord),
 
   command(
     "Findings",

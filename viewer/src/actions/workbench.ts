@@ -245,11 +245,11 @@ export class Workbench {
     return parts.filter((part) => !unseen.has(part));
   }
 
-  /** The box of parts at their present places; empty for none. */
-  boxOf(parts: readonly number[]): Box {
+  /** The box of parts at their present places, or at others; empty for none. */
+  boxOf(parts: readonly number[], places?: Readonly<Record<string, readonly number[]>>): Box {
     const box = emptyBox();
     const manifest = this.store.manifest.peek();
-    const moved = this.document?.moved ?? {};
+    const moved = places ?? this.document?.moved ?? {};
     for (const part of parts) {
       const lower = manifest?.parts.lower[part];
       const upper = manifest?.parts.upper[part];

@@ -1,6 +1,7 @@
 // The page of a running server: the link, the stage, the hand and the devices, joined.
 
 import { pictureFor } from "../actions/exports";
+import { followRecord } from "../actions/record";
 import { Workbench } from "../actions/workbench";
 import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
@@ -96,6 +97,7 @@ export class Page {
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
+    followRecord(this.wb);
     followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
     listenToKeys(this.wb);
     listenToDrops(this.wb);

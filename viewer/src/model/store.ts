@@ -2,7 +2,15 @@
 
 import { computed, signal } from "@preact/signals";
 import type { Opens } from "../link/openings";
-import type { CardAnswer, Document, Manifest, MeasureType, State } from "../link/protocol";
+import type {
+  CardAnswer,
+  Document,
+  Manifest,
+  MeasureType,
+  RecordTimeline,
+  SequenceFilm,
+  State,
+} from "../link/protocol";
 import { isSame } from "../math/same";
 import type { Box, Vec3 } from "../math/vectors";
 import type { Film } from "./film";
@@ -112,6 +120,12 @@ export class Store {
   /** The answers that were fetched, by card. */
   readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
   readonly film = signal<Film | null>(null);
+  /** The sequence as a film; null before it was fetched. */
+  readonly sequence_film = signal<SequenceFilm["ways"] | null>(null);
+  /** How fast films and records play. */
+  readonly speed = signal(1);
+  /** The record over time; null before it was fetched. */
+  readonly timeline = signal<RecordTimeline | null>(null);
   /** The fastener at which the tool is seated. */
   readonly reach = signal<CardAnswer["reaches"][number] | null>(null);
   readonly way_marks = signal<WayMarks>(NO_WAY);

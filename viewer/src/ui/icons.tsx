@@ -39,6 +39,8 @@ const PATHS = {
   down: "M12 5v14M6 13l6 6 6-6",
   play: "M7 4l13 8-13 8z",
   pause: "M8 5v14M16 5v14",
+  previous: "M18 5L9 12l9 7zM6 5v14",
+  next: "M6 5l9 7-9 7zM18 5v14",
   check: "M5 12.5l4.5 4.5L19 7.5",
   download: "M12 3v12M7 11l5 5 5-5M4 20h16",
   close: "M6 6l12 12M18 6L6 18",

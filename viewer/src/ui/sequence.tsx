@@ -1,10 +1,13 @@
 // The sequence of removals: parts, order, clearances, and exports.
 
+import { endFilm, openSequenceFilm } from "../actions/cards";
 import { EXPORTS, type Export } from "../actions/exports";
 import type { SequenceLine } from "../link/protocol";
 import { formatLength } from "../math/units";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton, NameField } from "./fields";
+import { Icon } from "./icons";
+import { FilmPlayer } from "./way";
 
 const FILES = Object.keys(EXPORTS) as Export[];
 
@@ -20,6 +23,7 @@ export function SequencePanel() {
             Select a part, grip it with E, move it away, and release it with E: that is the first line here.
           </p>
         )}
+        {sequence.length > 0 && <SequenceFilmPlayer />}
         <ol class="card-list sequence" aria-label="Removals">
           {sequence.map((line, k) => (
             <Line key={line.id} line={line} at={k} count={sequence.length} />
@@ -35,6 +39,32 @@ export function SequencePanel() {
         </div>
       </section>
     </div>
+  );
+}
+
+/** The whole sequence as a film: in the picture only, the scene stays as it is. */
+function SequenceFilmPlayer() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const ways = store.sequence_film.value;
+  if (store.connection.value === "offline") return null;
+  if (!ways || store.film.value?.card !== "sequence")
+    return (
+      <div class="button-row">
+        <button type="button" class="button" disabled={store.is_read_only.value} onClick={() => openSequenceFilm(wb)}>
+          <Icon name="play" size={14} />
+          <span>Show as a film</span>
+        </button>
+      </div>
+    );
+  return (
+    <article class="card playing" aria-label="Film of the sequence">
+      <header>
+        <span class="note">In the picture only: the parts stay where they are.</span>
+        <IconButton icon="close" label="End the film" run={() => endFilm(wb)} />
+      </header>
+      <FilmPlayer of="sequence" ways={ways} name="the sequence" />
+    </article>
   );
 }
 
