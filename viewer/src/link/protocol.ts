@@ -350,9 +350,6 @@ export const MOST_PLANES = 32;
 /** Clearance rows listed in a state. */
 export const MOST_CLEARANCES = 16;
 
-/** Bytes of one piece of a file. */
-export const MOST_UPLOAD_PIECE = 524288;
-
 export type Vec3 = [number, number, number];
 
 /** 16 numbers of a rigid pose, row by row. */
@@ -738,16 +735,6 @@ export interface Shot {
   readonly more: boolean;
 }
 
-/** The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file. */
-export interface Upload {
-  readonly kind: "upload";
-  /** The same for all pieces of a file. */
-  readonly id: number;
-  /** Another piece follows. */
-  readonly more: boolean;
-  readonly data: Uint8Array;
-}
-
 /** The measurements for a "benchmark" event. */
 export interface Benchmarked {
   readonly kind: "benchmarked";
@@ -941,7 +928,7 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked | OpeningRequest;
+export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
@@ -1158,9 +1145,9 @@ export interface Jobs {
   /** Checks the scene as it is now: parts taken out and parts in the hand do not count, hidden ones do. */
   readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
   /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */
-  readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  readonly findings_file: { readonly args: { readonly files: number; readonly name: string }; readonly answer: Taken };
   /** Takes statuses and comments of a BCF file that a page sent: `count` findings have changed. */
-  readonly findings_bcf: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  readonly findings_bcf: { readonly args: { readonly files: number; readonly name: string }; readonly answer: Taken };
   /** Checks the requirements in the scene as it is now, as "clash" does; for the command "requirements_checked". */
   readonly verify: { readonly args: Record<string, never>; readonly answer: readonly RequirementResult[] };
   /** Writes the requirements as TOML, for `feeler verify`. */
@@ -1191,9 +1178,6 @@ export const ARRAYS = {
   },
   pose: {
     pose: ["f8", [4, 4], null],
-  },
-  upload: {
-    data: ["u1", ["bytes"], MOST_UPLOAD_PIECE],
   },
   state: {
     pose: ["f8", [4, 4], null],

@@ -38,7 +38,6 @@ __all__ = [
     "MOST_CLEARANCES",
     "MOST_HITS",
     "MOST_PLANES",
-    "MOST_UPLOAD_PIECE",
     "NOT_ALLOWED",
     "RELOAD",
     "TOO_MANY_PAGES",
@@ -70,9 +69,6 @@ MOST_PLANES = 32
 
 MOST_CLEARANCES = 16
 """Clearance rows listed in a state."""
-
-MOST_UPLOAD_PIECE = 524_288
-"""Bytes of one piece of a file."""
 
 F8 = npt.NDArray[np.float64]
 F4 = npt.NDArray[np.float32]
@@ -500,18 +496,6 @@ class Shot:
     """Another piece follows."""
 
 
-@dataclass(frozen=True, eq=False)
-class Upload:
-    """The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file."""
-
-    KIND: ClassVar[str] = "upload"
-    id: int
-    """The same for all pieces of a file."""
-    more: bool
-    """Another piece follows."""
-    data: Annotated[U1, Array("u1", ("bytes",), MOST_UPLOAD_PIECE)]
-
-
 @dataclass(frozen=True)
 class Benchmarked:
     """The measurements for a "benchmark" event."""
@@ -733,12 +717,12 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked | OpeningRequest
+FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked | OpeningRequest
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
 FROM_PAGE: tuple[type, ...] = (
-    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Upload, Benchmarked),
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
     *(SendFiles, FilePiece, OpenMockup),
 )
 FROM_SERVER: tuple[type, ...] = (

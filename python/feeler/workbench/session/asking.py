@@ -49,7 +49,7 @@ from feeler.workbench.session.finding_jobs import (
     pair_side,
 )
 from feeler.workbench.session.requirement_jobs import export_requirements, verified
-from feeler.workbench.session.uploads import Uploads
+from feeler.workbench.session.sent_files import SentFiles
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005
@@ -79,7 +79,7 @@ class Recorded(Protocol):
 class Place:
     """The subject of questions and jobs.
 
-    exports: files written by jobs, by name. uploads: files of pages. taken: findings of jobs. cards: the answer of a
+    exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
     card. recorded: the record to replay, if there is one.
     """
 
@@ -89,7 +89,7 @@ class Place:
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]
-    uploads: Uploads
+    files: SentFiles
     taken: TakenFindings
     cards: Callable[[int], CardAnswer]
     recorded: Recorded | None = None
@@ -255,8 +255,8 @@ JOBS: dict[str, Work[Any]] = {
     "replay_to": Work(replay_to, {"at": float}),
     "film": Work(film),
     "clash": Work(clash, {"parts": Maybe(Selection)}),
-    "findings_file": Work(findings_file, {"upload": str, "name": str}),
-    "findings_bcf": Work(findings_bcf, {"upload": str, "name": str}),
+    "findings_file": Work(findings_file, {"files": int, "name": str}),
+    "findings_bcf": Work(findings_bcf, {"files": int, "name": str}),
     "verify": Work(verified),
     "export_requirements": Work(export_requirements),
     "export_findings": Work(export_findings, {"format": FindingFormat}),

@@ -18,7 +18,7 @@ from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.asking import ASKS, JOBS, Place, Recorded
 from feeler.workbench.session.finding_jobs import TakenFindings
 from feeler.workbench.session.jobs import Job, Jobs
-from feeler.workbench.session.uploads import Uploads
+from feeler.workbench.session.sent_files import SentFiles
 
 Places = Callable[[], Place]
 """The present subject. Raises `WorkbenchError` before a mock-up is open."""
@@ -27,13 +27,13 @@ Places = Callable[[], Place]
 class Requests:
     """Thread-safe. The jobs' thread begins with the first job."""
 
-    def __init__(self) -> None:
+    def __init__(self, files: SentFiles) -> None:
+        """files: those that pages send for jobs."""
         self._lock = threading.Lock()
         self._jobs: Jobs | None = None
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
-        self.uploads = Uploads()
-        """Files that pages opened."""
+        self._files = files
         self.taken = TakenFindings()
         """Findings of jobs, for the command "findings_take"."""
         self.recorded: Recorded | None = None
@@ -60,7 +60,7 @@ class Requests:
                 sight,
                 geometry,
                 self._exports,
-                self.uploads,
+                self._files,
                 self.taken,
                 cards,
                 self.recorded,
@@ -98,7 +98,6 @@ class Requests:
         return data
 
     def close(self) -> None:
-        """Cancels all jobs, and drops files."""
-        self.uploads.close()
+        """Cancels all jobs."""
         if self._jobs is not None:
             self._jobs.close()

@@ -14,7 +14,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -84,10 +84,10 @@ class Session:
         self._history = History()
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
-        self._requests = Requests()
         self._cards = Cards(self._card_told, self._keep_answer)
         self.openings = Openings()
-        """Opens other mock-ups for pages, if somebody offers it."""
+        """Files of pages, and the opening of other mock-ups, if somebody offers it."""
+        self._requests = Requests(self.openings.files)
         self._clock, self._seed = clock, seed
         self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
         self._recorder = None if record is None else Recorder(Path(record))
@@ -298,10 +298,6 @@ class Session:
         if found is None or found.table.key != version:
             raise WorkbenchError("the findings are others now", "findings", "fetch those of the document")
         return found.table.frame()
-
-    def upload(self, file: IO[bytes]) -> str:
-        """Takes a whole file from a page; the result is its name for jobs."""
-        return self._requests.uploads.keep(file)
 
     def export(self, name: str) -> bytes:
         """A file written by a job. Raises `WorkbenchError`."""
