@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import io
+
 import numpy as np
 import pytest
-from workbench_scene import LEFT, PEG, Bench, at
+from workbench_scene import LEFT, PEG, RIGHT, Bench, at
 
 from feeler.workbench.document import motion
 
@@ -44,4 +47,22 @@ def test_lines_are_ways_from_where_they_began_to_where_the_parts_lie() -> None:
 def test_a_film_of_nothing_is_empty() -> None:
     bench = Bench(None)
     assert bench.session.job("film", {}).result(60) == {"ways": []}
+    bench.session.close()
+
+
+def test_a_table_says_which_parts_are_not_out() -> None:
+    bench = Bench(None)
+    taken(bench, PEG, (0.0, 0.0, 0.005))
+    taken(bench, LEFT, (0.0, 0.0, 2.0))
+    taken(bench, RIGHT, (0.0, 0.0, 0.3))
+
+    def ends() -> list[str]:
+        bench.session.job("export_csv", {}).result(60)
+        rows = csv.DictReader(io.StringIO(bench.session.export("sequence.csv").decode("utf-8-sig")))
+        return [row["end"] for row in rows]
+
+    assert ends() == ["not out", "out", "not out"]
+    taken(bench, PEG, (0.0, 0.0, 2.0))
+    bench.command("put_back", parts=[RIGHT])
+    assert ends() == ["moved again", "out", "put back", "out"]
     bench.session.close()

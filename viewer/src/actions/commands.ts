@@ -7,7 +7,7 @@ import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
 import { type Dialog, PANELS, type Panel } from "../model/page-state";
-import { ask } from "./cards";
+import { ask, endFilm, openSequenceFilm } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import {
   checkClashes,
@@ -194,6 +194,7 @@ function endNearest(wb: Workbench): void {
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
   else if (store.is_picking_face.peek()) pickFace(wb);
+  else if (store.film.peek()?.card === "sequence") endFilm(wb);
   else if (store.findings.isLooking) leaveFinding(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
 }
@@ -480,6 +481,17 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
 
+  command(
+    "Sequence",
+    "film",
+    "Show the sequence as a film",
+    "",
+    (wb) => {
+      wb.store.panel.value = "sequence";
+      return openSequenceFilm(wb);
+    },
+    (wb) => canChange(wb) && hasSequence(wb),
+  ),
   command("Sequence", "replay", "Replay the record", "", (wb) => playRecord(wb), hasRecord),
 
   command(

@@ -26,7 +26,6 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   move: ["translate", "shift", "drag", "position"],
   turn: ["rotate", "orient"],
   grip: [
-    "way out",
     "take",
     "take out",
     "remove",
@@ -52,6 +51,8 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   measure: ["distance", "dimension", "length", "ruler", "gap"],
   "measure-parts": ["clearance", "distance between parts", "gap between parts", "minimum distance"],
   "measure-angle": ["degrees"],
+  film: ["timeline", "animation", "play", "replay", "movie"],
+  replay: ["timeline", "record", "play"],
   export_csv: ["report", "save", "download", "spreadsheet", "excel"],
   export_html: ["report", "save", "download", "print"],
   export_glb: ["animation", "film", "video", "save", "download"],

@@ -73,6 +73,13 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
   const { store } = wb;
   const isLocked = store.is_read_only.value;
   const isReplaying = store.document.value?.replaying === line.id;
+  const document = store.document.value;
+  // The last line that moves its parts tells where they lie.
+  const isLast = !document?.sequence
+    .slice(at + 1)
+    .some((later) => later.parts.some((each) => line.parts.includes(each)));
+  const isInside =
+    isLast && line.parts.some((part) => document?.moved[part] !== undefined && !document.out.includes(part));
   const clearance =
     line.least_clearance === null
       ? "nothing near"
@@ -116,6 +123,11 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
           {line.parts.length === 1 ? "1 part" : `${line.parts.length} parts`}
         </button>
         {` · ${clearance}${line.tool ? ` · with ${line.tool}` : ""}`}
+        {isInside && (
+          <span class="tag violated" title="Its parts lie inside the box of the mock-up: this is not a removal yet">
+            not out
+          </span>
+        )}
       </p>
       {line.touched.length > 0 && (
         <p class="note touched">
