@@ -53,7 +53,7 @@ def test_a_film_of_nothing_is_empty() -> None:
 def test_a_table_says_which_parts_are_not_out() -> None:
     bench = Bench(None)
     taken(bench, PEG, (0.0, 0.0, 0.005))
-    taken(bench, LEFT, (0.0, 0.0, 2.0))
+    taken(bench, LEFT, (0.0, 0.0, 0.3), (-3.0, 0.0, 0.0))
     taken(bench, RIGHT, (0.0, 0.0, 0.3))
 
     def ends() -> list[str]:
@@ -62,7 +62,7 @@ def test_a_table_says_which_parts_are_not_out() -> None:
         return [row["end"] for row in rows]
 
     assert ends() == ["not out", "out", "not out"]
-    taken(bench, PEG, (0.0, 0.0, 2.0))
+    taken(bench, PEG, (0.0, 3.0, 0.0))
     bench.command("put_back", parts=[RIGHT])
     assert ends() == ["moved again", "out", "put back", "out"]
     bench.session.close()

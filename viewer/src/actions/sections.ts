@@ -8,10 +8,26 @@ import type { Workbench } from "./workbench";
 
 /** A cut across an axis through a point, the selection's middle or that of all. The near side is cut away. */
 export function addSection(wb: Workbench, normal?: Vec3, through?: Vec3): Promise<boolean> {
-  return wb.run(...sectionAdded(wb, normal, through));
+  const request = sectionAdded(wb, normal, through);
+  return wb.runOf(({ sections }) => {
+    const [, plane] = request;
+    const same = sections.find((each) => isSamePlane(each, plane));
+    if (!same && sections.length >= MOST_CUTS)
+      throw new Error(`There are ${MOST_CUTS} cuts already: remove or move one`);
+    if (!same) return [request];
+    return same.is_on ? [] : [["section_switch", { id: same.id, is_on: true }]];
+  });
 }
 
-function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): CommandRequest {
+/** Of the six planes that a picture has for cuts. */
+const MOST_CUTS = 6;
+
+const isSamePlane = (a: Plane, b: Plane): boolean =>
+  Math.abs(a.offset - b.offset) < 1e-9 && a.normal.every((value, k) => Math.abs(value - (b.normal[k] ?? 0)) < 1e-9);
+
+type Plane = Pick<Section, "normal" | "offset">;
+
+function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): readonly ["section_add", Plane] {
   const box = wb.boxOf([...wb.store.selection.peek()]);
   const whole = wb.store.manifest.peek();
   const middle = through ?? (isEmpty(box) ? (whole ? centre(whole) : ([0, 0, 0] as Vec3)) : centre(box));

@@ -166,8 +166,9 @@ export class Workbench {
   /** Shows what went wrong. */
   tell(error: unknown): void {
     const text = error instanceof Error ? error.message : String(error);
-    const where = error instanceof LinkError && error.where ? ` (${error.where})` : "";
-    this.store.notify("error", text + where);
+    // Names of commands and of rooms of the program say nothing to people; places in what they gave do.
+    const where = error instanceof LinkError && !/^[a-z_]*$/.test(error.where) ? ` (${error.where})` : "";
+    this.store.notify("error", sentences(text) + where);
   }
 
   /** The parts that a command is about: the selected ones, else the one under the pointer. */
@@ -270,6 +271,10 @@ export class Workbench {
     return [origin[0] + direction[0] * far, origin[1] + direction[1] * far, origin[2] + direction[2] * far];
   }
 }
+
+/** With capitals, as messages of the server have none; a word that may be a name stays. */
+export const sentences = (text: string): string =>
+  text.replace(/(^|[.] )([a-z])(?=[a-z]*[ ,])/g, (_, before: string, letter: string) => before + letter.toUpperCase());
 
 const readOnly = (name: string): LinkError =>
   new LinkError("this page is read-only", name, "Open the mock-up by `feeler view`");
