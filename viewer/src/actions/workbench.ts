@@ -165,6 +165,11 @@ export class Workbench {
 
   /** Shows what went wrong. */
   tell(error: unknown): void {
+    const { people } = this.store;
+    if (error instanceof LinkError && error.where === "tool" && people.is_barred.peek()) {
+      people.tried();
+      return;
+    }
     const text = error instanceof Error ? error.message : String(error);
     // Names of commands and of rooms of the program say nothing to people; places in what they gave do.
     const where = error instanceof LinkError && !/^[a-z_]*$/.test(error.where) ? ` (${error.where})` : "";

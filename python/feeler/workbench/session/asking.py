@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar, cast
 
@@ -48,6 +48,7 @@ from feeler.workbench.session.finding_jobs import (
     findings_file,
     pair_side,
 )
+from feeler.workbench.session.report_jobs import report_file
 from feeler.workbench.session.requirement_jobs import export_requirements, verified
 from feeler.workbench.session.sent_files import SentFiles
 
@@ -80,7 +81,7 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
-    card. recorded: the record to replay, if there is one.
+    card. recorded: the record to replay, if there is one. history: of statuses, of a project.
     """
 
     document: Document
@@ -93,6 +94,7 @@ class Place:
     taken: TakenFindings
     cards: Callable[[int], CardAnswer]
     recorded: Recorded | None = None
+    history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
 
 
 @dataclass(frozen=True)
@@ -250,6 +252,7 @@ JOBS: dict[str, Work[Any]] = {
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
     "export_project": Work(project_file),
+    "report": Work(report_file, {"pictures": Maybe(int)}),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay, {"start": Maybe(float), "speed": Maybe(float)}),
     "replay_to": Work(replay_to, {"at": float}),
