@@ -405,6 +405,8 @@ VIEW_ARGUMENTS: dict[str, object] = {
     "b": "*",
     "gap": 0.01,
     "key": "none",
+    "lower": (-1.0, -1.0, -1.0),
+    "upper": (1.0, 1.0, 1.0),
     "results": [],
     "rows": [0],
     "version": "00ff",

@@ -636,6 +636,7 @@ def test_hostile_documents_are_refused_or_opened(tmp_path: Path, table: str) -> 
         ("document", "replaying", "99", "there is no such line"),
         ("document", "pose", "[1e300]", "1e\\+300"),
         ("document", "sections", '[{"id":1,"normal":[0,0],"offset":0.0,"is_on":true}]', "sections"),
+        ("document", "section_box", '{"lower":[0,0,0],"upper":[1,1,0]}', "no inside"),
         ("document", "trip", '{"way":[],"touched":[],"seated":[]}', "it has no pose"),
         ("sequence", "10", '{"id":3}', "a value is missing"),
         ("marks", "one", '{"id":"one","status":"eaten"}', "a status that does not exist"),

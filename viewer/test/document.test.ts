@@ -33,6 +33,7 @@ const DOCUMENT: Document = {
   explode: 0,
   isolated: false,
   sections: [],
+  section_box: null,
   pose: [...IDENTITY],
   gripped: [],
   moved: {},

@@ -92,6 +92,18 @@ class ViewCommands:
         """Removes a section plane."""
         return self.command("section_remove", id=id)
 
+    def section_box(self, lower: VectorLike, upper: VectorLike) -> CommandAnswer:
+        """Cuts everything outside a box along the world axes away; replaces the box that was there. Metres."""
+        return self.command("section_box", lower=lower, upper=upper)
+
+    def section_box_switch(self, is_on: bool) -> CommandAnswer:
+        """Switches the section box on or off."""
+        return self.command("section_box_switch", is_on=is_on)
+
+    def section_box_remove(self) -> CommandAnswer:
+        """Removes the section box."""
+        return self.command("section_box_remove")
+
     def set_unit(self, unit: Unit) -> CommandAnswer:
         """Sets the unit in which lengths are shown."""
         return self.command("set_unit", unit=unit)
@@ -156,8 +168,12 @@ class ViewCommands:
         return self.command("measure_remove", id=id)
 
     def viewpoint_add(self, camera: Camera, name: str | None = None) -> CommandAnswer:
-        """Saves a camera."""
+        """Saves a camera, and the sections as they are."""
         return self._command("viewpoint_add", camera=camera, name=name)
+
+    def viewpoint_show(self, id: int) -> CommandAnswer:
+        """Restores the sections that a viewpoint was saved with; the camera belongs to the page."""
+        return self.command("viewpoint_show", id=id)
 
     def viewpoint_remove(self, id: int) -> CommandAnswer:
         """Removes a saved camera."""

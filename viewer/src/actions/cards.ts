@@ -3,11 +3,10 @@
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { carry, type Pose } from "../math/matrix";
 import { type Box, centre, corners, emptyBox, include, subtract, type Vec3 } from "../math/vectors";
-import { type Film, placesAt } from "../model/film";
+import { type Film, type FilmOf, placeAt, placesAt, startsOf, timeOf, type Way } from "../model/film";
 import type { Workbench } from "./workbench";
 
 type Reach = CardAnswer["reaches"][number];
-export type Way = CardAnswer["ways"][number];
 
 /** How near to where a way meets something a film says so, as a share of the way. */
 const AT_HIT = 0.004;
@@ -95,10 +94,14 @@ function forget(wb: Workbench, id: number): void {
   wb.stage.setRoom(null);
 }
 
+/** The ways of a film; none before they were fetched. */
+export const waysOf = ({ store }: Workbench, of: FilmOf | undefined): readonly Way[] =>
+  (of === "sequence" ? store.sequence_film.value : of === undefined ? null : store.answers.value.get(of)?.ways) ?? [];
+
 /** Plays a film from where it is, or from the start if it is at its end; a second call pauses it. */
-export function playFilm(wb: Workbench, card: number): void {
-  const { film, answers } = wb.store;
-  const ways = answers.peek().get(card)?.ways ?? [];
+export function playFilm(wb: Workbench, card: FilmOf): void {
+  const { film } = wb.store;
+  const ways = waysOf(wb, card);
   const now = film.peek();
   const is_same = now?.card === card;
   if (is_same && now.is_playing) film.value = { ...now, is_playing: false };
@@ -109,9 +112,33 @@ export function playFilm(wb: Workbench, card: number): void {
   wb.redraw();
 }
 
-/** Goes to a place of a film, and stands there. */
-export function scrub(wb: Workbench, card: number, step: number, share: number): void {
-  wb.store.film.value = { card, step, share, is_playing: false };
+/** Goes to a moment of a film, seconds, and stands there. */
+export function scrub(wb: Workbench, card: FilmOf, seconds: number): void {
+  wb.store.film.value = { card, ...placeAt(waysOf(wb, card), seconds), is_playing: false };
+  wb.redraw();
+}
+
+/** Fetches the sequence as a film, if it is not there, and shows its start. */
+export async function openSequenceFilm(wb: Workbench): Promise<void> {
+  const { store } = wb;
+  if (store.sequence_film.peek()) {
+    scrub(wb, "sequence", 0);
+    return;
+  }
+  try {
+    const sequence = store.document.peek()?.sequence;
+    const film = await wb.job("film", {}, "Film of the sequence")?.result;
+    if (!film || store.document.peek()?.sequence !== sequence) return;
+    store.sequence_film.value = film.ways;
+    scrub(wb, "sequence", 0);
+  } catch (error) {
+    wb.tell(error);
+  }
+}
+
+/** The film ends: the picture has the parts where they are. */
+export function endFilm(wb: Workbench): void {
+  wb.store.film.value = null;
   wb.redraw();
 }
 
@@ -152,28 +179,28 @@ export function pointsOf(wb: Workbench, parts: readonly number[]): Vec3[] {
 }
 
 /** Where parts lie when a way begins, by their number: for a removal in the sequence as that has them, else as they lie now. */
-function startsOf(wb: Workbench, way: Way | undefined): Record<string, Pose> {
+function beginningsOf(wb: Workbench, way: Way | undefined): Record<string, Pose> {
   const places = way?.places ?? wb.store.document.peek()?.moved ?? {};
   return Object.fromEntries(Object.entries(places).map(([part, pose]) => [part, [...pose]]));
 }
 
 /** Where the picture has all parts that are not where they were loaded, with those of a film on their way. */
 export function filmPlaces(wb: Workbench, film: Film | null): Map<number, Pose> {
-  const ways = film ? wb.store.answers.peek().get(film.card)?.ways : undefined;
-  const starts = startsOf(wb, film ? ways?.[film.step] : undefined);
+  const ways = waysOf(wb, film?.card);
+  const starts = beginningsOf(wb, film ? ways[film.step] : undefined);
   const places = new Map(Object.entries(starts).map(([part, pose]) => [Number(part), pose]));
-  if (!film || !ways) return places;
+  if (!film || ways.length === 0) return places;
   return new Map([...places, ...placesAt(film, ways, starts, (parts) => pointsOf(wb, parts))]);
 }
 
 /** The box of the parts of a way where it begins, or all along it. */
 function boxOfWay(wb: Workbench, way: Way, isAlong: boolean): Box {
   const box = emptyBox();
-  const starts = startsOf(wb, way);
+  const starts = startsOf(way) ?? beginningsOf(wb, way);
   for (const part of way.parts) {
     const start = starts[part];
     for (const corner of pointsOf(wb, [part])) {
-      const point = start ? carry(start, corner) : corner;
+      const point = start ? carry([...start], corner) : corner;
       if (isAlong) for (const pose of way.poses) include(box, carry(pose, point));
       else include(box, point);
     }
@@ -183,7 +210,7 @@ function boxOfWay(wb: Workbench, way: Way, isAlong: boolean): Box {
 
 /** The path of the middle of the parts of the way that plays, world. */
 export function filmPath(wb: Workbench, film: Pick<Film, "card" | "step"> | null): Vec3[] {
-  const way = film ? wb.store.answers.peek().get(film.card)?.ways[film.step] : undefined;
+  const way = film ? waysOf(wb, film.card)[film.step] : undefined;
   if (!way) return [];
   const middle = centre(boxOfWay(wb, way, false));
   return way.poses.map((pose) => carry(pose, middle));
@@ -200,7 +227,7 @@ export function showHit(wb: Workbench, card: number, step: number, way: Way): vo
   const { hit } = way;
   if (!hit) return;
   wb.select([hit.part]);
-  scrub(wb, card, step, hit.share);
+  scrub(wb, card, timeOf({ step, share: hit.share }, waysOf(wb, card)));
   wb.look((camera) => camera.translate(subtract([...hit.point], camera.target)));
 }
 

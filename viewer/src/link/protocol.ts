@@ -350,6 +350,24 @@ export interface WayHit {
   readonly point: Vec3;
 }
 
+/** A command of a record. */
+export interface RecordStep {
+  /** Of the replay, seconds. */
+  readonly at: number;
+  /** Of the recorded session, seconds since its start. */
+  readonly time: number;
+  readonly title: string;
+}
+
+/** A record over time. */
+export interface RecordTimeline {
+  /** Of a replay at the recorded speed: pauses are cut. */
+  readonly seconds: number;
+  readonly steps: readonly RecordStep[];
+  /** At some moments, `share` of `seconds`; empty before the record was replayed. */
+  readonly gaps: readonly Gap[];
+}
+
 /** A way that was found, with what it passes. */
 export interface FoundWay extends GivenWay {
   readonly legs: readonly string[];
@@ -366,6 +384,18 @@ export interface WayFacts extends FoundWay {
   /** Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now. */
   readonly places?: Readonly<Record<string, Pose>>;
   readonly hit?: WayHit;
+}
+
+/** A line of the sequence, as a way. */
+export interface FilmWay extends WayFacts {
+  readonly id: number;
+  /** world_from_part of its parts before it; those that are missing were at home. */
+  readonly starts: Readonly<Record<string, Pose>>;
+}
+
+/** The sequence of removals as a film. */
+export interface SequenceFilm {
+  readonly ways: readonly FilmWay[];
 }
 
 /** A part that stops others. */
@@ -440,9 +470,6 @@ export const MOST_PLANES = 32;
 /** Clearance rows listed in a state. */
 export const MOST_CLEARANCES = 16;
 
-/** Bytes of one piece of a file. */
-export const MOST_UPLOAD_PIECE = 524288;
-
 /** 16 numbers of a rigid pose, row by row. */
 export type Pose = readonly number[];
 
@@ -504,6 +531,10 @@ export interface RecordFacts {
   readonly is_same: boolean | null;
   /** The same as a sentence. */
   readonly verdict: string | null;
+  /** The moment that is shown, seconds of the replay; null before one was. */
+  readonly at: number | null;
+  /** Whether the timeline of the question "record" has gaps. */
+  readonly has_gaps: boolean;
 }
 
 /** The project file that the document is saved in. */
@@ -537,6 +568,13 @@ export interface Section {
   readonly is_on: boolean;
 }
 
+/** A section box along the world axes: keeps the points inside it. */
+export interface SectionBox {
+  readonly lower: Vec3;
+  readonly upper: Vec3;
+  readonly is_on: boolean;
+}
+
 /** One removal: parts, their way, and its clearance. */
 export interface SequenceLine {
   readonly id: number;
@@ -564,11 +602,14 @@ export interface Measure {
   readonly is_exact: boolean;
 }
 
-/** A stored camera. */
+/** A stored camera, and the sections of that moment. */
 export interface Viewpoint {
   readonly id: number;
   readonly name: string;
   readonly camera: Camera;
+  /** Null in viewpoints of older projects: they change no sections. */
+  readonly sections: readonly Section[] | null;
+  readonly section_box: SectionBox | null;
 }
 
 /** A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest. */
@@ -641,6 +682,7 @@ export interface Document {
   readonly explode: number;
   readonly isolated: boolean;
   readonly sections: readonly Section[];
+  readonly section_box: SectionBox | null;
   /** The last pose of the hand that a command set. */
   readonly pose: Pose;
   readonly gripped: readonly number[];
@@ -813,16 +855,6 @@ export interface Shot {
   readonly png_base64: string;
   /** Another piece follows. */
   readonly more: boolean;
-}
-
-/** The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file. */
-export interface Upload {
-  readonly kind: "upload";
-  /** The same for all pieces of a file. */
-  readonly id: number;
-  /** Another piece follows. */
-  readonly more: boolean;
-  readonly data: Uint8Array;
 }
 
 /** The measurements for a "benchmark" event. */
@@ -1018,7 +1050,7 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked;
+export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
 
 export type FromPage = PageMessage | OpeningRequest | PersonMessage;
 
@@ -1052,6 +1084,12 @@ export interface Commands {
   readonly section_switch: { readonly id: number; readonly is_on: boolean };
   /** Removes a section plane. */
   readonly section_remove: { readonly id: number };
+  /** Cuts everything outside a box along the world axes away; replaces the box that was there. Metres. */
+  readonly section_box: { readonly lower: Vec3; readonly upper: Vec3 };
+  /** Switches the section box on or off. */
+  readonly section_box_switch: { readonly is_on: boolean };
+  /** Removes the section box. */
+  readonly section_box_remove: Record<string, never>;
   /** Sets the unit in which lengths are shown. */
   readonly set_unit: { readonly unit: Unit };
   /** Sets the material that contact sounds like; null: steel. */
@@ -1087,8 +1125,10 @@ export interface Commands {
   };
   /** Removes a measure. */
   readonly measure_remove: { readonly id: number };
-  /** Saves a camera. */
+  /** Saves a camera, and the sections as they are. */
   readonly viewpoint_add: { readonly name?: string; readonly camera: Camera };
+  /** Restores the sections that a viewpoint was saved with; the camera belongs to the page. */
+  readonly viewpoint_show: { readonly id: number };
   /** Removes a saved camera. */
   readonly viewpoint_remove: { readonly id: number };
   /** Renames a step of the sequence. */
@@ -1207,6 +1247,8 @@ export interface Questions {
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
+  /** The record over time. */
+  readonly record: { readonly args: Record<string, never>; readonly answer: RecordTimeline };
   /** Patterns for the parts of a finding and their numbered siblings, and how many findings they hide. */
   readonly finding_alike: { readonly args: { readonly version: string; readonly row: number }; readonly answer: Alike };
   /** From where a finding is seen; null if none of its parts is here. */
@@ -1225,7 +1267,7 @@ export interface Questions {
 
 /** The arguments of jobs, and their results. */
 export interface Jobs {
-  /** The exact outlines of the active sections, or of one plane. */
+  /** The exact outlines of the active sections and of the section box, or of one plane. */
   readonly outline: { readonly args: { readonly normal?: Vec3; readonly offset?: number }; readonly answer: Outline };
   readonly export_csv: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_html: { readonly args: Record<string, never>; readonly answer: Written };
@@ -1236,14 +1278,18 @@ export interface Jobs {
   readonly report: { readonly args: { readonly pictures?: number }; readonly answer: Written };
   /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
-  /** Replays the record that the workbench was opened with. */
-  readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
+  /** Replays the record that the workbench was opened with: exactly; or shows it from some seconds on. */
+  readonly replay: { readonly args: { readonly start?: number; readonly speed?: number }; readonly answer: Replayed };
+  /** Shows the record at some seconds of its replay. */
+  readonly replay_to: { readonly args: { readonly at: number }; readonly answer: Replayed };
+  /** The sequence as a film. */
+  readonly film: { readonly args: Record<string, never>; readonly answer: SequenceFilm };
   /** Checks the scene as it is now: parts taken out and parts in the hand do not count, hidden ones do. */
   readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
   /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */
-  readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  readonly findings_file: { readonly args: { readonly files: number; readonly name: string }; readonly answer: Taken };
   /** Takes statuses and comments of a BCF file that a page sent: `count` findings have changed. */
-  readonly findings_bcf: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  readonly findings_bcf: { readonly args: { readonly files: number; readonly name: string }; readonly answer: Taken };
   /** Checks the requirements in the scene as it is now, as "clash" does; for the command "requirements_checked". */
   readonly verify: { readonly args: Record<string, never>; readonly answer: readonly RequirementResult[] };
   /** Writes the requirements as TOML, for `feeler verify`. */
@@ -1274,9 +1320,6 @@ export const ARRAYS = {
   },
   pose: {
     pose: ["f8", [4, 4], null],
-  },
-  upload: {
-    data: ["u1", ["bytes"], MOST_UPLOAD_PIECE],
   },
   state: {
     pose: ["f8", [4, 4], null],

@@ -1,18 +1,38 @@
-// A way as a film: play, scrub, its gaps as a curve, and its steps.
+// The ways of a card as a film, with the step of each.
 
-import { frameWay, playFilm, scrub, showHit, showPart, takeWay, type Way } from "../actions/cards";
+import { frameWay, playFilm, scrub, showHit, showPart, takeWay } from "../actions/cards";
 import { type GuideOf, isGuiding, keepWay, toggleGuide } from "../actions/lines";
-import type { Card, CardAnswer, Gap } from "../link/protocol";
-import { formatAngle, formatLength, formatShare, type Unit } from "../math/units";
-import { gapAt, tightest } from "../model/film";
+import type { Card, CardAnswer } from "../link/protocol";
+import { formatAngle, formatLength, type Unit } from "../math/units";
+import { type FilmOf, gapsOf, secondsOf, timeOf, type Way } from "../model/film";
 import { useWorkbench } from "./context";
-import { IconButton } from "./fields";
 import { Icon } from "./icons";
+import { Timeline } from "./timeline";
 import { counted, partsText } from "./words";
 
-const WIDTH = 280;
-const HEIGHT = 56;
-const MARGIN = 3;
+/** A film with its timeline: of a card, or of the sequence. */
+export function FilmPlayer({ of, ways, name }: { of: FilmOf; ways: readonly Way[]; name: string }) {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const film = store.film.value?.card === of ? store.film.value : null;
+  return (
+    <Timeline
+      name={name}
+      seconds={ways.reduce((sum, way) => sum + secondsOf(way), 0)}
+      at={film ? timeOf(film, ways) : 0}
+      gaps={gapsOf(ways)}
+      stops={ways.map((way, step) => ({
+        at: timeOf({ step, share: 0 }, ways),
+        title: stepText(way, (part) => store.nameOf(part)),
+        note: wayText(way, store.unit.value),
+      }))}
+      is_playing={film?.is_playing ?? false}
+      toggle={() => playFilm(wb, of)}
+      go={(seconds) => scrub(wb, of, seconds)}
+      show={(part) => showPart(wb, part)}
+    />
+  );
+}
 
 export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) {
   const wb = useWorkbench();
@@ -22,54 +42,29 @@ export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) 
   const way = answer.ways[step];
   if (!way) return null;
   const isSeveral = answer.ways.length > 1;
-  const share = film?.share ?? 0;
   return (
     <div class="way">
-      <div class="way-line">
-        <IconButton
-          icon={film?.is_playing ? "pause" : "play"}
-          label={film?.is_playing ? "Pause" : isSeveral ? "Play all steps" : "Play the way"}
-          run={() => playFilm(wb, card.id)}
-        />
-        <input
-          type="range"
-          min={0}
-          max={1000}
-          value={Math.round(1000 * share)}
-          aria-label={isSeveral ? `Place in step ${step + 1}` : "Place on the way"}
-          aria-valuetext={placeText(way, share, store.unit.value, (part) => store.nameOf(part))}
-          onInput={(event) => scrub(wb, card.id, step, Number(event.currentTarget.value) / 1000)}
-        />
-        <IconButton icon="fit" label="Show the whole way" run={() => frameWay(wb, way)} />
-      </div>
-      {way.gaps.length > 1 && (
-        <GapCurve gaps={way.gaps} share={share} unit={store.unit.value} go={(at) => scrub(wb, card.id, step, at)} />
-      )}
-      <p class="note">{placeText(way, share, store.unit.value, (part) => store.nameOf(part))}</p>
+      <FilmPlayer of={card.id} ways={answer.ways} name={isSeveral ? "all steps" : "the way"} />
       {way.hit && (
         <button type="button" class="link" onClick={() => showHit(wb, card.id, step, way)}>
           {`Show where it meets ${store.nameOf(way.hit.part)}`}
         </button>
       )}
-      {isSeveral ? (
-        <ol class="steps" aria-label="Steps">
-          {answer.ways.map((each, k) => (
-            <li key={each.parts.join()} class={k === step && film ? "current" : ""}>
-              <button type="button" class="link" onClick={() => scrub(wb, card.id, k, 0)}>
-                {stepText(each, (part) => store.nameOf(part))}
-              </button>
-              <span class="note">{wayText(each, store.unit.value)}</span>
-            </li>
-          ))}
-        </ol>
-      ) : (
-        <ul class="legs" aria-label="The way">
-          {way.legs.map((leg, k) => (
-            <li key={k}>{leg}</li>
-          ))}
-        </ul>
+      {!isSeveral && (
+        <>
+          <p class="note">{wayText(way, store.unit.value)}</p>
+          <ul class="legs" aria-label="The way">
+            {way.legs.map((leg, k) => (
+              <li key={k}>{leg}</li>
+            ))}
+          </ul>
+        </>
       )}
       <div class="button-row">
+        <button type="button" class="button" onClick={() => frameWay(wb, way)}>
+          <Icon name="fit" size={14} />
+          <span>Show the whole way</span>
+        </button>
         {card.line === null && (
           <button
             type="button"
@@ -141,67 +136,6 @@ export function GuideButton({ of, parts }: { of: GuideOf; parts: readonly number
       <span>{isOn ? "Stop guiding" : "Guide my hand"}</span>
     </button>
   );
-}
-
-function GapCurve({
-  gaps,
-  share,
-  unit,
-  go,
-}: {
-  gaps: readonly Gap[];
-  share: number;
-  unit: Unit;
-  go: (share: number) => void;
-}) {
-  const wb = useWorkbench();
-  const known = gaps.map((each) => each.gap).filter((gap) => gap !== null);
-  const most = Math.max(...known, 1e-6);
-  const x = (at: number): number => MARGIN + at * (WIDTH - 2 * MARGIN);
-  const y = (gap: number | null): number => HEIGHT - MARGIN - ((gap ?? most) / most) * (HEIGHT - 2 * MARGIN);
-  const line = gaps.map((each) => `${x(each.share).toFixed(1)},${y(each.gap).toFixed(1)}`).join(" ");
-  const least = tightest(gaps);
-  return (
-    <div class="gap-curve">
-      {/* biome-ignore lint/a11y/useKeyWithClickEvents: the slider above does the same by keys */}
-      <svg
-        viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
-        role="img"
-        aria-label={
-          least?.gap != null ? `Gap along the way, least ${formatLength(least.gap, unit)}` : "Nothing comes near"
-        }
-        onClick={(event) => {
-          const box = event.currentTarget.getBoundingClientRect();
-          const at = (((event.clientX - box.left) / box.width) * WIDTH - MARGIN) / (WIDTH - 2 * MARGIN);
-          go(Math.min(1, Math.max(0, at)));
-        }}
-      >
-        <polyline points={line} />
-        <line class="now" x1={x(share)} x2={x(share)} y1={0} y2={HEIGHT} />
-        {least?.gap != null && <circle cx={x(least.share)} cy={y(least.gap)} r={3} />}
-      </svg>
-      {least?.gap != null && least.part !== null && (
-        <button
-          type="button"
-          class="link"
-          onClick={() => {
-            go(least.share);
-            showPart(wb, least.part ?? -1);
-          }}
-        >
-          {`Tightest: ${formatLength(least.gap, unit)} to ${wb.store.nameOf(least.part)}`}
-        </button>
-      )}
-    </div>
-  );
-}
-
-function placeText(way: Way, share: number, unit: Unit, nameOf: (part: number) => string): string {
-  const gap = gapAt(way.gaps, share);
-  const there = `${formatShare(share)} of ${formatLength(way.length, unit)}`;
-  if (!gap) return there;
-  if (gap.gap === null || gap.part === null) return `${there} · nothing near`;
-  return `${there} · ${formatLength(gap.gap, unit)} to ${nameOf(gap.part)}`;
 }
 
 const wayText = (way: Way, unit: Unit): string =>

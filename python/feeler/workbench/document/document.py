@@ -53,12 +53,17 @@ class ToolFacts:
 
 @dataclass(frozen=True)
 class RecordFacts:
-    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one."""
+    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one.
+
+    at: the moment that is shown, seconds of the replay; None before one was. has_gaps: whether its timeline has gaps.
+    """
 
     name: str
     is_playing: bool = False
     is_same: bool | None = None
     verdict: str | None = None
+    at: float | None = None
+    has_gaps: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,6 +99,33 @@ class SectionPlane:
     normal: Point
     offset: float
     is_on: bool = True
+
+
+@dataclass(frozen=True)
+class SectionBox:
+    """A section box along the world axes: keeps the points inside it."""
+
+    lower: Point
+    upper: Point
+    is_on: bool = True
+
+    @property
+    def planes(self) -> list[tuple[Point, float]]:
+        """Its faces: normals that point inward, and offsets."""
+        lower = [(_axis(k, 1.0), at) for k, at in enumerate(self.lower)]
+        return lower + [(_axis(k, -1.0), -at) for k, at in enumerate(self.upper)]
+
+
+def _axis(k: int, sense: float) -> Point:
+    x, y, z = (sense if axis == k else 0.0 for axis in range(3))
+    return (x, y, z)
+
+
+def active_planes(document: Document) -> list[tuple[Point, float]]:
+    """The planes that cut the picture: normal and offset of the sections, and of the faces of the section box."""
+    box = document.section_box
+    cuts = [(each.normal, each.offset) for each in document.sections if each.is_on]
+    return cuts + (box.planes if box is not None and box.is_on else [])
 
 
 @dataclass(frozen=True)
@@ -161,11 +193,13 @@ class CameraView:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """A camera with a name."""
+    """A camera with a name, and the sections of that moment. sections: None in viewpoints of older projects."""
 
     id: int
     name: str
     camera: CameraView
+    sections: tuple[SectionPlane, ...] | None = None
+    section_box: SectionBox | None = None
 
 
 @dataclass(frozen=True)
@@ -356,6 +390,7 @@ class Document:
     explode: float = 0.0
     isolation: Isolation | None = None
     sections: tuple[SectionPlane, ...] = ()
+    section_box: SectionBox | None = None
     pose: Row = HOME
     gripped: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
     moved: Mapping[int, Row] = field(default_factory=lambda: NOTHING)

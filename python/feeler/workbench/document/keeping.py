@@ -483,6 +483,9 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
         raise _damaged("the document", "a word that does not exist")
     if not 0.0 <= document.explode <= 1.0 or len(document.sections) > 64:
         raise _damaged("the document", "a number out of range")
+    box = document.section_box
+    if box is not None and not all(low < high for low, high in zip(box.lower, box.upper, strict=True)):
+        raise _damaged("section_box", "it has no inside")
     if document.isolation is not None:
         check.rising(document.isolation.parts, "isolation")
         check.rising(document.isolation.hidden_before, "isolation")

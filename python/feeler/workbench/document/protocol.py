@@ -40,7 +40,6 @@ __all__ = [
     "MOST_CLEARANCES",
     "MOST_HITS",
     "MOST_PLANES",
-    "MOST_UPLOAD_PIECE",
     "NOT_ALLOWED",
     "RELOAD",
     "TOO_MANY_PAGES",
@@ -80,9 +79,6 @@ MOST_PLANES = 32
 
 MOST_CLEARANCES = 16
 """Clearance rows listed in a state."""
-
-MOST_UPLOAD_PIECE = 524_288
-"""Bytes of one piece of a file."""
 
 F8 = npt.NDArray[np.float64]
 F4 = npt.NDArray[np.float32]
@@ -149,6 +145,10 @@ class RecordFacts(TypedDict):
     """Whether all results equalled the recorded ones; null before that is known."""
     verdict: str | None
     """The same as a sentence."""
+    at: float | None
+    """The moment that is shown, seconds of the replay; null before one was."""
+    has_gaps: bool
+    """Whether the timeline of the question "record" has gaps."""
 
 
 class ProjectFacts(TypedDict):
@@ -185,6 +185,14 @@ class Section(TypedDict):
     is_on: bool
 
 
+class SectionBox(TypedDict):
+    """A section box along the world axes: keeps the points inside it."""
+
+    lower: Vec3
+    upper: Vec3
+    is_on: bool
+
+
 class SequenceLine(TypedDict):
     """One removal: parts, their way, and its clearance."""
 
@@ -215,11 +223,14 @@ class Measure(TypedDict):
 
 
 class Viewpoint(TypedDict):
-    """A stored camera."""
+    """A stored camera, and the sections of that moment."""
 
     id: int
     name: str
     camera: Camera
+    sections: list[Section] | None
+    """Null in viewpoints of older projects: they change no sections."""
+    section_box: SectionBox | None
 
 
 class Card(TypedDict):
@@ -296,6 +307,7 @@ class DocumentFields(TypedDict):
     """0 to 1."""
     isolated: bool
     sections: list[Section]
+    section_box: SectionBox | None
     pose: Pose
     """The last pose of the hand that a command set."""
     gripped: list[int]
@@ -492,18 +504,6 @@ class Shot:
     """A multiple of 4 characters in each piece but the last."""
     more: bool
     """Another piece follows."""
-
-
-@dataclass(frozen=True, eq=False)
-class Upload:
-    """The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file."""
-
-    KIND: ClassVar[str] = "upload"
-    id: int
-    """The same for all pieces of a file."""
-    more: bool
-    """Another piece follows."""
-    data: Annotated[U1, Array("u1", ("bytes",), MOST_UPLOAD_PIECE)]
 
 
 @dataclass(frozen=True)
@@ -727,13 +727,13 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked
+PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
 FromPage = PageMessage | OpeningRequest | PersonMessage
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal | People | Seen
 
 FROM_PAGE: tuple[type, ...] = (
-    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Upload, Benchmarked),
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
     *(SendFiles, FilePiece, OpenMockup),
     *(Named, Here, Turning),
 )

@@ -23,6 +23,7 @@ from feeler.poses import between
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Trip
 from feeler.workbench.document.motion import Floats
+from feeler.workbench.engine.gaps import Near, nearest
 from feeler.workbench.engine.gliding import MOST_STEPS, STEP_S, Glide
 from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.snapshot import NO_FORCE, Places, Snapshot
@@ -247,6 +248,24 @@ class Engine:
             self.wish(wish, seq, source)
             self._round(steps)
             return self._ticked(steps)
+
+    def shown(self, pose: Floats, wish: Floats, *, is_last: bool) -> None:
+        """Puts the hand at a recorded pose, and shows the contacts there, and what held it back from a wish.
+
+        is_last: right after `set`, whose trip goes on.
+        """
+        with self._lock:
+            if not is_last:
+                self._jump(pose)
+            self.replayed(wish if self._mode == "stop" else pose, self._seq, "api", 0)
+
+    def nearest(self) -> Near | None:
+        """The nearest neighbour of the hand's content, without seats; None: nothing is within reach."""
+        with self._lock:
+            if self._world is None or self._tool is None:
+                return None
+            seats = self._trip.seat_parts if self._trip is not None else frozenset()
+            return nearest(self._world, self._tool, self._pose, seats)
 
     @property
     def ticked_at(self) -> float:

@@ -6,11 +6,10 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Protocol, cast
+from typing import Any, cast
 
 import numpy as np
 
-from feeler._core import Clearance
 from feeler.choices import GripAxis
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
@@ -30,14 +29,12 @@ from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import HeldManifest, Vec3
+from feeler.workbench.engine.gaps import Gaps, gap_json
 from feeler.workbench.engine.geometry import HeldGeometry
+from feeler.workbench.engine.world import World
 
 SECONDS, ORDER_SECONDS = 30.0, 120.0
 """Time for the search of a way, and of an order, unless another is asked for."""
-SEATED_M = 1e-6
-"""Parts nearer than this at the start are in contact; they count as neighbours once they are farther."""
-WITHIN_M = 0.05
-"""Gaps along a way are looked for up to this distance."""
 MOST_GAPS = 121
 """Poses of a way at which the gap is looked for."""
 ROOM_SHARE, ROOM_STEPS = 1.0 / 60.0, 300.0
@@ -377,36 +374,19 @@ def _gaps(scene: Scene, parts: tuple[int, ...], found: Removal, progress: Progre
     return gaps_along(scene.without(list(parts)), moving, found.poses, progress)
 
 
-class Near(Protocol):
-    """What is around a tool: a scene, or a world."""
-
-    def clearance(self, tool: Tool, world_from_tool: Floats, within: float, /) -> Clearance:
-        """The parts within a distance, nearest first."""
-
-
-def gaps_along(rest: Near, moving: Tool, way: Floats, progress: Progress) -> list[Gap]:
+def gaps_along(rest: Scene | World, moving: Tool, way: Floats, progress: Progress) -> list[Gap]:
     """The nearest neighbour at poses spread evenly over a way; those in contact at the start count once they are
     apart."""
-    poses, shares = _spread(way, moving.bounds)
-    seated = set(rest.clearance(moving, poses[0], SEATED_M).parts.tolist())
+    poses, shares = spread(way, moving.bounds)
+    nearest = Gaps(rest, moving, poses[0])
     gaps: list[Gap] = []
     for number, (pose, share) in enumerate(zip(poses, shares, strict=True)):
         progress(number / len(poses), "measuring gaps")
-        rows = rest.clearance(moving, pose, WITHIN_M)
-        near: dict[int, int] = {}
-        for row, part in enumerate(rows.parts.tolist()):
-            near.setdefault(part, row)  # the nearest row of the part comes first
-        seated = {part for part in seated if part in near and rows.distances[near[part]] <= SEATED_M}
-        at = next((row for part, row in near.items() if part not in seated), None)
-        if at is None:
-            gaps.append({"share": share, "gap": None, "part": None, "point": None})
-        else:
-            point = triple(rows.points_on_mockup[at])
-            gaps.append({"share": share, "gap": float(rows.distances[at]), "part": int(rows.parts[at]), "point": point})
+        gaps.append(gap_json(share, nearest.at(pose)))
     return gaps
 
 
-def _spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
+def spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
     """Poses of a way at even steps of its fastest corner, and their shares of it: its own poses and some between."""
     corners = motion.corners(bounds)
     steps = [motion.carried(one, other, corners) for one, other in pairwise(poses)]

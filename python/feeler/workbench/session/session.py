@@ -14,7 +14,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -45,7 +45,7 @@ from feeler.workbench.engine.hand import Hands, held_key
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
 from feeler.workbench.session.answering import Answered, kept_answer
-from feeler.workbench.session.asking import Place
+from feeler.workbench.session.asking import Place, Recorded
 from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
@@ -89,12 +89,12 @@ class Session:
         self._history = History()
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
-        self._requests = Requests()
-        if project is not None:
-            self._requests.history = project.history
         self._cards = Cards(self._card_told, self._keep_answer)
         self.openings = Openings()
-        """Opens other mock-ups for pages, if somebody offers it."""
+        """Files of pages, and the opening of other mock-ups, if somebody offers it."""
+        self._requests = Requests(self.openings.files)
+        if project is not None:
+            self._requests.history = project.history
         self._clock, self._seed = clock, seed
         self.people = PeopleOf(clock, parts=self._part_count, is_playing=lambda: self._document.replaying is not None)
         """Who has a page, and who has the tool."""
@@ -185,10 +185,10 @@ class Session:
 
     # ---- a record that is gone through again ----
 
-    def offer(self, record: RecordFacts, replay: Callable[[Progress], dict[str, Any]]) -> None:
-        """Lets pages replay a record, by the job "replay", which calls `replay`."""
+    def offer(self, record: RecordFacts, recorded: Recorded) -> None:
+        """Lets pages replay a record, by the jobs "replay" and "replay_to"."""
         with self._lock:
-            self._requests.replay = replay
+            self._requests.recorded = recorded
             self.show_record(record)
 
     def show_record(self, record: RecordFacts) -> None:
@@ -205,6 +205,25 @@ class Session:
         ticked = self.engine.replayed(wish, seq, source, steps)
         self._tell_snapshot()
         return ticked
+
+    def show_moment(self, document: Document, pose: Floats, wish: Floats, *, is_last: bool) -> None:
+        """Shows a state of a record: a document, and the hand at a pose, held back from a wish. Undo begins anew there.
+
+        is_last: work may go on from it; else others follow at once.
+        """
+        with self.engine.paused(), self._lock:
+            now, hands = self._document, self._opened()
+            after = self._of_this_run(document)
+            after = replace(after, held_version=hands.version(after))
+            if is_last or held_key(now) != held_key(after) or now.world != after.world or now.mode != after.mode:
+                self._engine_to(replace(after, pose=motion.row(pose)))
+            self.engine.shown(pose, wish, is_last=is_last)
+            self._history = History()
+            if after != now:
+                self._show(after, None)
+            if after.held_version != now.held_version:
+                self._tell_held(after)
+        self._tell_snapshot()
 
     # ---- state ----
 
@@ -288,10 +307,6 @@ class Session:
         if found is None or found.table.key != version:
             raise WorkbenchError("the findings are others now", "findings", "fetch those of the document")
         return found.table.frame()
-
-    def upload(self, file: IO[bytes]) -> str:
-        """Takes a whole file from a page; the result is its name for jobs."""
-        return self._requests.uploads.keep(file)
 
     def export(self, name: str) -> bytes:
         """A file written by a job. Raises `WorkbenchError`."""
@@ -543,10 +558,7 @@ class Session:
     def _stepped(self, name: str, args: Any, step: Step) -> Document:
         Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
-        # The user did not change the mock-up opened meanwhile.
-        after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
-        after = replace(after, project=now.project)
-        after = replace(after, cards=now.cards, next_card=now.next_card)
+        after = self._of_this_run(after)
         after = replace(after, guiding=now.guiding if held_key(after) == held_key(now) else None)
         self._engine_follows(now, after)
         taken = self._history.stepped(name, now)
@@ -555,6 +567,12 @@ class Session:
             text = f"{who} {'undid' if name == 'undo' else 'redid'} a step of {whose}: {taken.command}"
             self._events.tell({"type": "notice", "level": "info", "text": text})
         return after
+
+    def _of_this_run(self, document: Document) -> Document:
+        """An earlier document, with what the user did not change and what is no step of undo as it is now."""
+        now = self._document
+        document = replace(document, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
+        return replace(document, project=now.project, cards=now.cards, next_card=now.next_card)
 
     def _engine_follows(self, before: Document, after: Document) -> None:
         if self._moves_engine(before, after):
