@@ -121,6 +121,23 @@ def test_pictures_and_films(there: Path, tmp_path: Path) -> None:
     assert [*as_html.files_of(made)] == ["question-1.glb", "question-2.glb", "sequence.glb"]
 
 
+def test_parts_are_drawn_where_they_lay_at_the_check(there: Path, world: feeler.Mockup) -> None:
+    source = source_of(there, world)
+    report = report_of(source, WHEN)
+    wrong = report.requirements[0]
+    assert wrong.place is not None
+    home = media.media_of(source, report, 1).pictures["requirement-1"]
+    shifted = (1.0, 0.0, 0.0, 0.05, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    asked, *rest = source.document.requirements
+    assert asked.verdict is not None
+    for moved, is_same in (({wrong.place.a: shifted}, False), ({99: shifted}, True), ({wrong.place.a: (1.0,)}, None)):
+        verdict = replace(asked.verdict, moved=moved)
+        document = replace(source.document, requirements=(replace(asked, verdict=verdict), *rest))
+        made = media.media_of(replace(source, document=document), report, 1)
+        drawn = made.pictures.get("requirement-1")
+        assert (drawn is None and made.left_out != []) if is_same is None else ((drawn == home) == is_same)
+
+
 def test_a_film_that_would_make_the_page_too_large_is_left_out(there: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     report = report_of(source_of(there), WHEN)
     monkeypatch.setattr(as_html, "MOST_EMBEDDED", 10)
