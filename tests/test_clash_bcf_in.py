@@ -157,6 +157,47 @@ def test_the_page_takes_them_over_in_one_step_of_undo(tmp_path: Path) -> None:
     assert bench.document["findings"]["status"] == {}
 
 
+def test_the_page_takes_them_over_where_something_was_said_before(tmp_path: Path) -> None:
+    bench = Bench(cube(), mockup=mockup())
+    bench.command("findings_take", key=bench.session.job("clash", {}).result(60)["key"])
+    written = bench.session.job("export_findings", {"format": "bcf"}).result(60)
+    (tmp_path / "out.bcf").write_bytes(bench.session.export(written["name"]))
+    back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
+    version = bench.document["findings"]["version"]
+    bench.command("finding_mark", version=version, rows=[0], status="reviewed", note="mine")
+    upload = bench.session.upload(io.BytesIO(back.read_bytes()))
+    taken = bench.session.job("findings_bcf", {"upload": upload, "name": "back.bcfzip"}).result(60)
+    bench.command("finding_mark", version=version, rows=[1], note="said since")
+    bench.command("findings_take", key=taken["key"])
+    findings = bench.document["findings"]
+    assert [*findings["status"].values()] == ["approved"] * 2
+    assert {*findings["notes"].values()} == {"mine; ada: fits", "said since"}
+
+
+def test_comments_become_the_note_by_their_dates() -> None:
+    found = feeler.clash(mockup())
+    comments = (
+        Comment("third", "cy", "2026-03-01T00:00:00+02:00"),
+        Comment("second", "bo", "2026-02-01T00:00:00Z"),
+        Comment("no date", "dee"),
+        Comment("first", "al", "2026-01-01T00:00:00"),
+    )
+    apply_bcf(found, [Topic("g", "t", "Approved", comments=comments, ids=(found[0].id,))])
+    assert (found[0].note, found[0].by) == ("dee: no date; al: first; bo: second; cy: third", "cy")
+
+
+def test_our_own_topic_says_nothing_of_findings_without_a_comment() -> None:
+    """The file may have had no room for all comments."""
+    found = feeler.clash(mockup())
+    one, other = found.ids
+    text = f"approved: fits\npin in plate. Finding {one}, topic active."
+    found.set_status(other, "approved", by="Ada")
+    apply_bcf(found, [Topic("g", "t", "active", comments=(Comment(text, "Ada"),), ids=(one, other))])
+    assert [each.status for each in found] == ["approved", "approved"]
+    apply_bcf(found, [Topic("g", "t", "In Progress", comments=(Comment(text, "Ada"),), ids=(one, other))])
+    assert [each.status for each in found] == ["active", "active"]
+
+
 # ---- strangers ----
 
 BOMB = '<!DOCTYPE m [<!ENTITY a "{}">{}]><Markup><Topic Guid="g"><Title>&j;</Title></Topic></Markup>'.format(

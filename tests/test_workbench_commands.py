@@ -270,6 +270,8 @@ VERSION = findings_of(GIVEN, stand().parts).table.key
 ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "parts": PARTS,
     "is_on": st.booleans(),
+    "is_added": st.booleans(),
+    "line": st.integers(1, 6),
     "share": st.floats(0, 1),
     "normal": st.tuples(*[st.floats(-1, 1)] * 3).map(list),
     "offset": st.floats(-1, 1),

@@ -117,6 +117,7 @@ DOCUMENT: protocol.DocumentFields = {
     "out": [],
     "sequence": [],
     "replaying": None,
+    "guiding": None,
     "measures": [],
     "viewpoints": [],
     "findings": None,
@@ -131,7 +132,7 @@ DOCUMENT: protocol.DocumentFields = {
                 "title": "Can pump come out?",
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
-            **{"is_good": None, "is_stale": False},
+            **{"is_good": None, "is_stale": False, "line": None},
         }
     ],
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},

@@ -39,6 +39,7 @@ const DOCUMENT: Document = {
   out: [],
   sequence: [],
   replaying: null,
+  guiding: null,
   measures: [],
   viewpoints: [],
   findings: null,

@@ -7,12 +7,14 @@ type is refused, since entities can grow without bound.
 from __future__ import annotations
 
 import io
+import math
 import os
 import re
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import datetime, timezone
 from typing import IO
 from xml.parsers import expat
 
@@ -139,13 +141,16 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
     for topic in given:
         topic = check_kind("topics", topic, Topic, "a list of feeler.clashes.Topic")
         word = topic.status.strip().lower()
-        own, topic = _split(topic)
+        own, topic = _split(replace(topic, comments=tuple(sorted(topic.comments, key=_time))))
+        is_untouched = any(said.topic == word for _, said in own.values())
         found = tuple(dict.fromkeys((*finder.of(topic), *(each for each in own if finder.has(each)))))
         if not found:
             unknown.append(topic)
         for each in found:
             before, status = clashes.marks.of(each), _STATUSES.get(word)
             note, by = before.note, topic.comments[-1].author if topic.comments else before.by
+            if is_untouched and each not in own:
+                status = None
             if each in own:
                 author, said = own[each]
                 note = _joined([note, said.note])
@@ -160,6 +165,15 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
             if after.note != before.note:
                 notes.append(each)
     return BcfChanges(tuple(dict.fromkeys(statuses)), tuple(dict.fromkeys(notes)), tuple(unknown))
+
+
+def _time(comment: Comment) -> float:
+    """When a comment was written; those without a date come first."""
+    try:
+        date = datetime.fromisoformat(re.sub(r"[zZ]$", "+00:00", comment.date.strip()))
+        return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()
+    except (ValueError, OverflowError):
+        return -math.inf
 
 
 def noted(note: str, topic: Topic) -> str:

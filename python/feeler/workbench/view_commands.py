@@ -298,6 +298,32 @@ class ViewCommands:
         """Takes parts out along the ways of a card, and adds them to the sequence."""
         return self._command("way_take", id=id, steps=steps, ways=ways)
 
+    def way_check(self, id: int) -> CommandAnswer:
+        """Asks whether the way of a line of the sequence holds: at every pose, and between them."""
+        return self.command("way_check", id=id)
+
+    def way_shorten(self, id: int) -> CommandAnswer:
+        """Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end."""
+        return self.command("way_shorten", id=id)
+
+    def way_keep(
+        self,
+        id: int | None = None,
+        is_added: bool | None = None,
+        line: int | None = None,
+        ways: list[GivenWay] | None = None,
+    ) -> CommandAnswer:
+        """Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line."""
+        return self._command("way_keep", id=id, is_added=is_added, line=line, ways=ways)
+
+    def guide(self, card: int | None = None, step: int | None = None, line: int | None = None) -> CommandAnswer:
+        """Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence."""
+        return self._command("guide", card=card, step=step, line=line)
+
+    def guide_end(self) -> CommandAnswer:
+        """Ends the guidance of the hand."""
+        return self.command("guide_end")
+
     def seat(self, pose: Pose | PoseLike) -> CommandAnswer:
         """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""
         return self.command("seat", pose=plain_pose(pose))

@@ -2,11 +2,15 @@
 
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { carry, type Pose } from "../math/matrix";
-import { corners, subtract, type Vec3 } from "../math/vectors";
+import { type Box, centre, corners, emptyBox, include, subtract, type Vec3 } from "../math/vectors";
 import { type Film, placesAt } from "../model/film";
 import type { Workbench } from "./workbench";
 
 type Reach = CardAnswer["reaches"][number];
+export type Way = CardAnswer["ways"][number];
+
+/** How near to where a way meets something a film says so, as a share of the way. */
+const AT_HIT = 0.004;
 
 /** Asks about the selected parts, or about those under the pointer; of access: about all fasteners if there are none. */
 export async function ask(
@@ -38,7 +42,7 @@ export function askTools(wb: Workbench): Promise<void> {
   return ask(wb, "access", wb.targets(), [], wb.store.document.peek()?.tools ?? []);
 }
 
-/** Shows a card with its whole answer; a film, if it has ways, stands at its start. */
+/** Shows a card with its whole answer; a film of parts that are still there stands at its start. */
 export async function openCard(wb: Workbench, id: number | null): Promise<void> {
   const { store } = wb;
   store.card.value = id;
@@ -59,7 +63,8 @@ export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
     const piece = answer.room && wb.fetchRoom ? await wb.fetchRoom(id) : null;
     // Another card may have been opened meanwhile.
     if (store.card.peek() !== id) return;
-    if (answer.ways.length > 0 && store.film.peek()?.card !== id)
+    // A film of a removal in the sequence has the parts where they were: it begins when it is asked for.
+    if (answer.ways.length > 0 && store.film.peek()?.card !== id && cardOf(wb, id)?.line === null)
       store.film.value = { card: id, step: 0, share: 0, is_playing: false };
     wb.stage.setRoom(piece && answer.room ? { piece, manifest: answer.room } : null);
     wb.redraw();
@@ -146,24 +151,59 @@ export function pointsOf(wb: Workbench, parts: readonly number[]): Vec3[] {
   });
 }
 
-/** Where a film has its parts; empty: no film is open. */
+/** Where parts lie when a way begins, by their number: for a removal in the sequence as that has them, else as they lie now. */
+function startsOf(wb: Workbench, way: Way | undefined): Record<string, Pose> {
+  const places = way?.places ?? wb.store.document.peek()?.moved ?? {};
+  return Object.fromEntries(Object.entries(places).map(([part, pose]) => [part, [...pose]]));
+}
+
+/** Where the picture has all parts that are not where they were loaded, with those of a film on their way. */
 export function filmPlaces(wb: Workbench, film: Film | null): Map<number, Pose> {
   const ways = film ? wb.store.answers.peek().get(film.card)?.ways : undefined;
-  if (!film || !ways) return new Map();
-  const moved = wb.store.document.peek()?.moved ?? {};
-  const starts = Object.fromEntries(Object.entries(moved).map(([part, pose]) => [part, [...pose]]));
-  return placesAt(film, ways, starts, (parts) => pointsOf(wb, parts));
+  const starts = startsOf(wb, film ? ways?.[film.step] : undefined);
+  const places = new Map(Object.entries(starts).map(([part, pose]) => [Number(part), pose]));
+  if (!film || !ways) return places;
+  return new Map([...places, ...placesAt(film, ways, starts, (parts) => pointsOf(wb, parts))]);
+}
+
+/** The box of the parts of a way where it begins, or all along it. */
+function boxOfWay(wb: Workbench, way: Way, isAlong: boolean): Box {
+  const box = emptyBox();
+  const starts = startsOf(wb, way);
+  for (const part of way.parts) {
+    const start = starts[part];
+    for (const corner of pointsOf(wb, [part])) {
+      const point = start ? carry(start, corner) : corner;
+      if (isAlong) for (const pose of way.poses) include(box, carry(pose, point));
+      else include(box, point);
+    }
+  }
+  return box;
 }
 
 /** The path of the middle of the parts of the way that plays, world. */
-export function filmPath(wb: Workbench, film: Film | null): Vec3[] {
+export function filmPath(wb: Workbench, film: Pick<Film, "card" | "step"> | null): Vec3[] {
   const way = film ? wb.store.answers.peek().get(film.card)?.ways[film.step] : undefined;
   if (!way) return [];
-  const box = wb.boxOf(way.parts);
-  const middle: Vec3 = [
-    (box.lower[0] + box.upper[0]) / 2,
-    (box.lower[1] + box.upper[1]) / 2,
-    (box.lower[2] + box.upper[2]) / 2,
-  ];
+  const middle = centre(boxOfWay(wb, way, false));
   return way.poses.map((pose) => carry(pose, middle));
 }
+
+/** Glides to where a whole way and its parts are in sight. */
+export function frameWay(wb: Workbench, way: Way): void {
+  const box = boxOfWay(wb, way, true);
+  wb.look((camera) => camera.fit(box));
+}
+
+/** Goes to where a way meets something, and looks at it. */
+export function showHit(wb: Workbench, card: number, step: number, way: Way): void {
+  const { hit } = way;
+  if (!hit) return;
+  wb.select([hit.part]);
+  scrub(wb, card, step, hit.share);
+  wb.look((camera) => camera.translate(subtract([...hit.point], camera.target)));
+}
+
+/** What a way meets at a share of it; null: nothing there. */
+export const hitAt = (way: Way, share: number): Way["hit"] | null =>
+  way.hit && Math.abs(way.hit.share - share) < AT_HIT ? way.hit : null;

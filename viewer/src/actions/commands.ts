@@ -20,6 +20,7 @@ import {
   openRules,
   stepFinding,
 } from "./findings";
+import { checkWays, endGuide } from "./lines";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
 import { changeTurn } from "./people";
@@ -71,6 +72,7 @@ const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.s
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
 const hasOthers = (wb: Workbench): boolean => canChange(wb) && wb.store.people.others.value.length > 0;
 const hasStale = (wb: Workbench): boolean => isStale(project(wb));
+const isGuided = (wb: Workbench): boolean => canChange(wb) && Boolean(wb.store.document.value?.guiding);
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -194,6 +196,7 @@ function endNearest(wb: Workbench): void {
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
   else if (store.findings.isLooking) leaveFinding(wb);
+  else if (store.document.peek()?.guiding) void endGuide(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
 }
 
@@ -467,6 +470,8 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
 
+  command("Sequence", "check-ways", "Check the ways of all removals", "", checkWays, hasSequence),
+  command("Sequence", "guide-end", "End the guidance of the hand", "", endGuide, isGuided),
   command("Sequence", "replay", "Replay the record", "", replayRecord, hasRecord),
 
   command(

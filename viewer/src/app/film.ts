@@ -1,7 +1,8 @@
 // Plays films of ways: once a frame the open film goes on, and the picture has its parts where it has them.
 
 import { effect } from "@preact/signals";
-import { fetchAnswer, filmPath, filmPlaces } from "../actions/cards";
+import { fetchAnswer, filmPath, filmPlaces, hitAt } from "../actions/cards";
+import { guidePath } from "../actions/lines";
 import type { Workbench } from "../actions/workbench";
 import { advanced, gapAt } from "../model/film";
 import type { Loop } from "./loop";
@@ -36,12 +37,10 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
     }),
     effect(() => {
       void store.manifest.value;
-      const film = store.film.value;
       void store.answers.value;
-      const moved = store.document.value?.moved ?? {};
-      const places = new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]]));
-      for (const [part, pose] of filmPlaces(wb, film)) places.set(part, [...pose]);
-      stage.setMoved(places);
+      void store.document.value?.moved;
+      const places = filmPlaces(wb, store.film.value);
+      stage.setMoved(new Map([...places].map(([part, pose]) => [part, [...pose]])));
       loop.request();
     }),
     effect(() => {
@@ -49,9 +48,17 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
       const reach = store.reach.value;
       const way = film ? store.answers.value.get(film.card)?.ways[film.step] : undefined;
       const gap = film && way ? gapAt(way.gaps, film.share) : null;
+      const hit = film && way ? hitAt(way, film.share) : null;
+      const card = store.card.value;
+      const open = film ?? (card === null ? null : { card, step: 0 });
+      const guiding = store.document.value?.guiding ?? null;
       store.way_marks.value = {
-        path: filmPath(wb, film),
-        gap: gap?.point && gap.gap !== null ? { point: [...gap.point], value: gap.gap, part: gap.part ?? -1 } : null,
+        path: guiding && !film ? guidePath(wb, guiding) : filmPath(wb, open),
+        gap: hit
+          ? { point: [...hit.point], value: 0, part: hit.part }
+          : gap?.point && gap.gap !== null
+            ? { point: [...gap.point], value: gap.gap, part: gap.part ?? -1 }
+            : null,
         fan: reach
           ? { centre: [...reach.point], rim: reach.fan.map((each) => [...each]), isGood: reach.is_reachable }
           : null,

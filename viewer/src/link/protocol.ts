@@ -341,8 +341,17 @@ export interface Gap {
   readonly point: Vec3 | null;
 }
 
+/** Where a way does not hold. */
+export interface WayHit {
+  /** Of the length of the way, 0 to 1. */
+  readonly share: number;
+  readonly part: number;
+  /** On the part, world. */
+  readonly point: Vec3;
+}
+
 /** A way that was found, with what it passes. */
-export interface WayFacts extends GivenWay {
+export interface FoundWay extends GivenWay {
   readonly legs: readonly string[];
   /** The travel of the middle of the parts, metres. */
   readonly length: number;
@@ -350,6 +359,13 @@ export interface WayFacts extends GivenWay {
   readonly rotation: number;
   /** At some poses of it, in order: between them the gap may be smaller. */
   readonly gaps: readonly Gap[];
+}
+
+/** The same; of a removal in the sequence also where parts lie when it begins, and where it does not hold. */
+export interface WayFacts extends FoundWay {
+  /** Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now. */
+  readonly places?: Readonly<Record<string, Pose>>;
+  readonly hit?: WayHit;
 }
 
 /** A part that stops others. */
@@ -453,6 +469,10 @@ export type Material = "steel" | "aluminium" | "plastic" | "rubber";
 
 export type CardQuestion = "removal" | "order" | "access" | "swept";
 
+export type LineQuestion = "way" | "shorten";
+
+export type CardKind = "removal" | "order" | "access" | "swept" | "way" | "shorten";
+
 export type CardState = "waiting" | "running" | "done" | "failed" | "cancelled";
 
 export type DepthKind = "exact" | "bound" | "estimate";
@@ -554,7 +574,7 @@ export interface Viewpoint {
 /** A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest. */
 export interface Card {
   readonly id: number;
-  readonly question: CardQuestion;
+  readonly question: CardKind;
   /** Empty: all fasteners. */
   readonly parts: readonly number[];
   /** Parts left out for this question. */
@@ -572,8 +592,10 @@ export interface Card {
   readonly sentence: string;
   /** Whether the answer is what one hopes for; null before it, and if it is neither. */
   readonly is_good: boolean | null;
-  /** Parts were moved since it was asked. */
+  /** Parts were moved since it was asked; of a line: its way, what is before it, or parts outside of the sequence. */
   readonly is_stale: boolean;
+  /** The line of the sequence that it is about; null for questions about parts. */
+  readonly line: number | null;
 }
 
 /** A way of parts: poses of their motion in the world, the first the identity. */
@@ -582,6 +604,17 @@ export interface GivenWay {
   readonly poses: readonly Pose[];
   /** Metres; null: nothing near, or not known. */
   readonly clearance: number | null;
+}
+
+/** A way that guides the hand, which holds its parts. */
+export interface Guiding {
+  readonly card: number | null;
+  readonly line: number | null;
+  /** Of the ways of the card, from 0. */
+  readonly step: number;
+  readonly parts: readonly number[];
+  /** world_from_hand, from where the hand was when it began. */
+  readonly way: readonly Pose[];
 }
 
 /** The state that a page shows and that commands may change; a reload restores it. */
@@ -618,6 +651,8 @@ export interface Document {
   readonly sequence: readonly SequenceLine[];
   /** The line of the sequence being replayed. */
   readonly replaying: number | null;
+  /** Null: nothing draws the hand. */
+  readonly guiding: Guiding | null;
   readonly measures: readonly Measure[];
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
@@ -1128,6 +1163,21 @@ export interface Commands {
   readonly card_remove: { readonly id: number };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
+  /** Asks whether the way of a line of the sequence holds: at every pose, and between them. */
+  readonly way_check: { readonly id: number };
+  /** Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end. */
+  readonly way_shorten: { readonly id: number };
+  /** Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line. */
+  readonly way_keep: {
+    readonly id?: number;
+    readonly is_added?: boolean;
+    readonly line?: number;
+    readonly ways?: readonly GivenWay[];
+  };
+  /** Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence. */
+  readonly guide: { readonly card?: number; readonly step?: number; readonly line?: number };
+  /** Ends the guidance of the hand. */
+  readonly guide_end: Record<string, never>;
   /** Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found. */
   readonly seat: { readonly pose: Pose };
   readonly undo: Record<string, never>;

@@ -1,10 +1,13 @@
 // The sequence of removals: parts, order, clearances, and exports.
 
 import { EXPORTS, type Export } from "../actions/exports";
+import { askOfLine } from "../actions/lines";
 import type { SequenceLine } from "../link/protocol";
 import { formatLength } from "../math/units";
+import { CardItem } from "./cards";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton, NameField } from "./fields";
+import { GuideButton } from "./way";
 
 const FILES = Object.keys(EXPORTS) as Export[];
 
@@ -42,6 +45,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
   const wb = useWorkbench();
   const { store } = wb;
   const isLocked = store.is_read_only.value;
+  const cards = (store.document.value?.cards ?? []).filter((card) => card.line === line.id).reverse();
   const isReplaying = store.document.value?.replaying === line.id;
   const clearance =
     line.least_clearance === null
@@ -92,6 +96,34 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
           <span class="swatch hit" aria-hidden="true" />
           {`touched ${touchedText(line.touched)}`}
         </p>
+      )}
+      <div class="button-row">
+        <button
+          type="button"
+          class="button"
+          disabled={isLocked}
+          title="Is it free at every pose, and between them? With the lines before it done"
+          onClick={() => askOfLine(wb, "way_check", line.id)}
+        >
+          Check this way
+        </button>
+        <button
+          type="button"
+          class="button"
+          disabled={isLocked}
+          title="Looks for a shorter way of straight pieces, and checks it"
+          onClick={() => askOfLine(wb, "way_shorten", line.id)}
+        >
+          Shorten it
+        </button>
+        <GuideButton of={{ line: line.id }} parts={line.parts} />
+      </div>
+      {cards.length > 0 && (
+        <ul class="card-list" aria-label={`Answers about ${line.name}`}>
+          {cards.map((card) => (
+            <CardItem key={card.id} card={card} />
+          ))}
+        </ul>
       )}
     </li>
   );

@@ -1,6 +1,7 @@
 // A way as a film: play, scrub, its gaps as a curve, and its steps.
 
-import { playFilm, scrub, showPart, takeWay } from "../actions/cards";
+import { frameWay, playFilm, scrub, showHit, showPart, takeWay, type Way } from "../actions/cards";
+import { type GuideOf, isGuiding, keepWay, toggleGuide } from "../actions/lines";
 import type { Card, CardAnswer, Gap } from "../link/protocol";
 import { formatAngle, formatLength, formatShare, type Unit } from "../math/units";
 import { gapAt, tightest } from "../model/film";
@@ -8,8 +9,6 @@ import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { Icon } from "./icons";
 import { counted, partsText } from "./words";
-
-type Way = CardAnswer["ways"][number];
 
 const WIDTH = 280;
 const HEIGHT = 56;
@@ -41,11 +40,17 @@ export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) 
           aria-valuetext={placeText(way, share, store.unit.value, (part) => store.nameOf(part))}
           onInput={(event) => scrub(wb, card.id, step, Number(event.currentTarget.value) / 1000)}
         />
+        <IconButton icon="fit" label="Show the whole way" run={() => frameWay(wb, way)} />
       </div>
       {way.gaps.length > 1 && (
         <GapCurve gaps={way.gaps} share={share} unit={store.unit.value} go={(at) => scrub(wb, card.id, step, at)} />
       )}
       <p class="note">{placeText(way, share, store.unit.value, (part) => store.nameOf(part))}</p>
+      {way.hit && (
+        <button type="button" class="link" onClick={() => showHit(wb, card.id, step, way)}>
+          {`Show where it meets ${store.nameOf(way.hit.part)}`}
+        </button>
+      )}
       {isSeveral ? (
         <ol class="steps" aria-label="Steps">
           {answer.ways.map((each, k) => (
@@ -65,22 +70,76 @@ export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) 
         </ul>
       )}
       <div class="button-row">
-        <button
-          type="button"
-          class="button main"
-          disabled={store.is_read_only.value || card.is_stale}
-          title={
-            card.is_stale ? "Parts were moved since: ask again" : "Adds it to the sequence; the parts are out then"
-          }
-          onClick={() => takeWay(wb, card.id)}
-        >
-          <Icon name="list" size={14} />
-          <span>
-            {isSeveral ? `Take ${counted(answer.ways.length, "step")} into the sequence` : "Take it into the sequence"}
-          </span>
-        </button>
+        {card.line === null && (
+          <button
+            type="button"
+            class="button main"
+            disabled={store.is_read_only.value || card.is_stale}
+            title={
+              card.is_stale ? "Parts were moved since: ask again" : "Adds it to the sequence; the parts are out then"
+            }
+            onClick={() => takeWay(wb, card.id)}
+          >
+            <Icon name="list" size={14} />
+            <span>
+              {isSeveral
+                ? `Take ${counted(answer.ways.length, "step")} into the sequence`
+                : "Take it into the sequence"}
+            </span>
+          </button>
+        )}
+        {card.question === "shorten" && card.is_good && <KeepButtons card={card} />}
+        {card.is_good && card.question !== "way" && <GuideButton of={{ card: card.id, step }} parts={way.parts} />}
       </div>
     </div>
+  );
+}
+
+function KeepButtons({ card }: { card: Card }) {
+  const wb = useWorkbench();
+  const isLocked = wb.store.is_read_only.value || card.is_stale;
+  const title = card.is_stale ? "It is of another way now: ask again" : undefined;
+  return (
+    <>
+      <button
+        type="button"
+        class="button main"
+        disabled={isLocked}
+        title={title ?? "Puts it in place of the way in the sequence"}
+        onClick={() => keepWay(wb, card.id, false)}
+      >
+        <Icon name="check" size={14} />
+        <span>Use it</span>
+      </button>
+      <button
+        type="button"
+        class="button"
+        disabled={isLocked}
+        title={title ?? "Adds it to the sequence as another line"}
+        onClick={() => keepWay(wb, card.id, true)}
+      >
+        Keep both
+      </button>
+    </>
+  );
+}
+
+/** Lets a way guide the hand, and ends it. */
+export function GuideButton({ of, parts }: { of: GuideOf; parts: readonly number[] }) {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const isOn = isGuiding(store.document.value?.guiding, of);
+  return (
+    <button
+      type="button"
+      class={`button ${isOn ? "on" : ""}`}
+      disabled={store.is_read_only.value}
+      title={isOn ? "The hand goes free (Esc)" : "Grips the parts, and draws your hand to the way while it is near"}
+      onClick={() => toggleGuide(wb, of, parts)}
+    >
+      <Icon name="grip" size={14} />
+      <span>{isOn ? "Stop guiding" : "Guide my hand"}</span>
+    </button>
   );
 }
 

@@ -100,7 +100,17 @@ class Gap(TypedDict):
     """On the part, world."""
 
 
-class WayFacts(GivenWay):
+class WayHit(TypedDict):
+    """Where a way does not hold."""
+
+    share: float
+    """Of the length of the way, 0 to 1."""
+    part: int
+    point: Vec3
+    """On the part, world."""
+
+
+class FoundWay(GivenWay):
     """A way that was found, with what it passes."""
 
     legs: list[str]
@@ -110,6 +120,14 @@ class WayFacts(GivenWay):
     """Radians in total."""
     gaps: list[Gap]
     """At some poses of it, in order: between them the gap may be smaller."""
+
+
+class WayFacts(FoundWay, total=False):
+    """The same; of a removal in the sequence also where parts lie when it begins, and where it does not hold."""
+
+    places: dict[str, Pose]
+    """Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now."""
+    hit: WayHit
 
 
 class BlockerFacts(TypedDict):

@@ -45,7 +45,9 @@ from feeler.workbench.document.finding_commands import (
     findings_open,
     findings_take,
 )
+from feeler.workbench.document.guide_commands import guide, guide_end
 from feeler.workbench.document.known import Known, Measured
+from feeler.workbench.document.line_cards import way_check, way_keep, way_shorten
 from feeler.workbench.document.motion import Row
 from feeler.workbench.document.protocol import (
     Camera,
@@ -267,6 +269,7 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
         touched=tuple(known.parts[part].path for part in trip.touched),
         tool=document.tool.name if document.tool else None,
         starts=tuple((part, motion.row(at)) for part, at in away.items()),
+        out=outside,
     )
     return changed.with_id(sequence=(*document.sequence, line))
 
@@ -464,6 +467,13 @@ COMMANDS: dict[str, Command] = {
     "way_take": Command(
         cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True
     ),
+    "way_check": Command(way_check, {"id": int}, is_of_cards=True),
+    "way_shorten": Command(way_shorten, {"id": int}, is_of_cards=True),
+    "way_keep": Command(
+        way_keep, {"id": Maybe(int), "is_added": Maybe(bool), "line": Maybe(int), "ways": Maybe(list[GivenWay])}
+    ),
+    "guide": Command(guide, {"card": Maybe(int), "step": Maybe(int), "line": Maybe(int)}, is_of_cards=True),
+    "guide_end": Command(guide_end, is_of_cards=True),
     "seat": Command(seat, {"pose": Pose}, moves_hand=True),
 }
 STEPS = ("undo", "redo")

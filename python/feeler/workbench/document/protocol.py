@@ -111,6 +111,8 @@ UpAxis = Literal["x", "y", "z"]
 MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
 CardQuestion = Literal["removal", "order", "access", "swept"]
+LineQuestion = Literal["way", "shorten"]
+CardKind = Literal["removal", "order", "access", "swept", "way", "shorten"]
 CardState = Literal["waiting", "running", "done", "failed", "cancelled"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
@@ -224,7 +226,7 @@ class Card(TypedDict):
     """A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest."""
 
     id: int
-    question: CardQuestion
+    question: CardKind
     parts: list[int]
     """Empty: all fasteners."""
     without: list[int]
@@ -243,7 +245,9 @@ class Card(TypedDict):
     is_good: bool | None
     """Whether the answer is what one hopes for; null before it, and if it is neither."""
     is_stale: bool
-    """Parts were moved since it was asked."""
+    """Parts were moved since it was asked; of a line: its way, what is before it, or parts outside of the sequence."""
+    line: int | None
+    """The line of the sequence that it is about; null for questions about parts."""
 
 
 class GivenWay(TypedDict):
@@ -253,6 +257,18 @@ class GivenWay(TypedDict):
     poses: list[Pose]
     clearance: float | None
     """Metres; null: nothing near, or not known."""
+
+
+class Guiding(TypedDict):
+    """A way that guides the hand, which holds its parts."""
+
+    card: int | None
+    line: int | None
+    step: int
+    """Of the ways of the card, from 0."""
+    parts: list[int]
+    way: list[Pose]
+    """world_from_hand, from where the hand was when it began."""
 
 
 class DocumentFields(TypedDict):
@@ -290,6 +306,8 @@ class DocumentFields(TypedDict):
     sequence: list[SequenceLine]
     replaying: int | None
     """The line of the sequence being replayed."""
+    guiding: Guiding | None
+    """Null: nothing draws the hand."""
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None

@@ -410,7 +410,7 @@ def _history(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[values.Mark]]:
         if not isinstance(key, str):
             continue
         at, status, by = (_text(row.get(name)) for name in ("at", "status", "by"))
-        note = _text(row.get("notes")) or _text(row.get("note"))
+        note = _text(row.get("note"))
         found.setdefault(key, []).append(values.Mark(cut(at), cut(status) or "new", cut(by), cut(note, LONGEST_TEXT)))
     return found
 

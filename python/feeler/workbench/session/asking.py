@@ -149,7 +149,7 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
     rows = b"" if document.findings is None else document.findings.table.frame()
     data, left_out = page.page(
-        {**document.to_json(), "project": None},
+        {**document.to_json(), "project": None, "guiding": None},
         camera,
         geometry.manifest(),
         geometry.piece,

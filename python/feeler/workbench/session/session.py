@@ -32,6 +32,7 @@ from feeler.workbench.document.cards import told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
 from feeler.workbench.document.findings import findings_of, read_findings, saved
+from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
@@ -39,6 +40,7 @@ from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, He
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
+from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.hand import Hands, held_key
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
@@ -96,7 +98,7 @@ class Session:
         self._clock, self._seed = clock, seed
         self.people = PeopleOf(clock, parts=self._part_count, is_playing=lambda: self._document.replaying is not None)
         """Who has a page, and who has the tool."""
-        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
+        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked, on_guided=self._guided)
         self._recorder = None if record is None else Recorder(Path(record))
         self._hands: Hands | None = None
         self._geometry: Geometry | None = None
@@ -329,6 +331,7 @@ class Session:
             self.engine.let_go()
             if self._recorder is not None:
                 self._recorder.let_go(self._clock())
+        self._guided(None)
         self._wake.set()
 
     def command(
@@ -361,6 +364,8 @@ class Session:
                     self._recorder.command(now, str(name), args, None, str(error))
                 raise
             self._show(after, name)
+            if after.guiding is not before.guiding:
+                self._guide(after)
             if is_of_cards:
                 self._cards.follow(before, after, self._opened())
             if after.held_version != before.held_version:
@@ -370,6 +375,8 @@ class Session:
                     args = {**args, "saved": saved(after.findings)}  # a replay has no jobs
                 if name == "way_take":
                     args = self._with_ways(args, before, after)
+                elif name == "way_keep":
+                    args = self._with_short_way(args, before)
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
@@ -418,6 +425,10 @@ class Session:
         document = self._document
         return held_key(document), document.world, document.pose
 
+    def guide_now(self) -> Guide | None:
+        """The way that guides the hand of a device; None while somebody else has the tool."""
+        return self.engine.guide if self.people.could_move(DEVICE) else None
+
     def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
         """That key, the world around the hand, its content, and its pose (`world_from_tool`, `(4, 4)`)."""
         with self._lock:
@@ -448,6 +459,10 @@ class Session:
                 self.engine.flush()
             self._recorder.close()
 
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are, or if there is no project."""
+        return None if self._saver is None else self._saver.unsaved
+
     def __enter__(self) -> Session:
         return self
 
@@ -463,7 +478,7 @@ class Session:
                 return
             after = self._history.next(name)
             moves_hand = self._moves_engine(self._document, after)
-        if moves_hand:
+        if moves_hand or name in GUIDES:
             self.people.check_move(by)
 
     def _changed(self, name: str, args: Any, step: Step) -> Document:
@@ -497,6 +512,8 @@ class Session:
         elif name == "findings_take" and isinstance(args, dict):
             known = replace(known, findings=self._requests.taken.of(args.get("key"), before))
         after = applied(before, name, args, known)
+        if after.guiding is not None and held_key(after) != held_key(before):
+            after = replace(after, guiding=None)
         after = replace(after, held_version=hands.version(after))
         if name != "place":
             self._engine_follows(before, after)
@@ -530,6 +547,7 @@ class Session:
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         after = replace(after, project=now.project)
         after = replace(after, cards=now.cards, next_card=now.next_card)
+        after = replace(after, guiding=now.guiding if held_key(after) == held_key(now) else None)
         self._engine_follows(now, after)
         taken = self._history.stepped(name, now)
         if taken.by != step.by and self.people.count > 1:
@@ -560,6 +578,7 @@ class Session:
             is_carrying=bool(document.gripped),
             trip=document.trip,
         )
+        self._guide(document)
 
     def _with_ways(self, args: Any, before: Document, after: Document) -> Any:
         """The arguments of `way_take` with the ways that were taken, so that a record repeats them without the card."""
@@ -569,6 +588,15 @@ class Session:
         begin = sum(all(part in before.out for part in way.parts) for way in ways)
         taken = ways[begin : begin + len(after.sequence) - len(before.sequence)]
         return {"ways": [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in taken]}
+
+    def _with_short_way(self, args: Any, before: Document) -> Any:
+        """The same of `way_keep`."""
+        if args.get("ways") is not None:
+            return args
+        line = next(card.line for card in before.cards if card.id == args["id"])
+        ways = self._cards.ways[args["id"]]
+        given = [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in ways]
+        return {"line": line, "ways": given, **({"is_added": True} if args.get("is_added") else {})}
 
     def _keep_answer(self, number: int, found: Answered) -> None:
         if self._saver is not None:
@@ -597,6 +625,18 @@ class Session:
     def _played(self) -> None:
         with contextlib.suppress(WorkbenchError):  # they have already been put down
             self.command("release", {}, None)
+
+    def _guide(self, document: Document) -> None:
+        way = document.guiding
+        self.engine.set_guide(None if way is None else [motion.matrix(pose) for pose in way.way])
+
+    def _guided(self, guide: Guide | None) -> None:
+        """The hand came to the end of its guide; None: it is gone."""
+        with self._lock:
+            if self._document.guiding is None or (guide is not None and guide is not self.engine.guide):
+                return
+            self._show(replace(self._document, guiding=None), None)
+            self.engine.set_guide(None)
 
     def _show(self, document: Document, command: str | None) -> None:
         with self._lock:
