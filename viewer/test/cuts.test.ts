@@ -3,10 +3,11 @@ import { test } from "node:test";
 import { cutCenter, faceOf, hitCut, layCuts } from "../src/input/cuts";
 import type { GizmoView } from "../src/input/gizmo";
 import type { Document, SequenceLine } from "../src/link/protocol";
+import { boxPlanes } from "../src/math/box-faces";
 import { translation } from "../src/math/matrix";
 import type { Box, Vec3 } from "../src/math/vectors";
 import { poseAt, replayed, secondsOf, startsOf } from "../src/model/offline-replay";
-import { boxPlanes, boxRound, withFace } from "../src/model/sections";
+import { boxRound, withFace } from "../src/model/sections";
 
 const BOX: Box = { lower: [0, 0, 0], upper: [2, 2, 2] };
 /** Looks along +y from far away: a metre is 100 pixels, z is up. */

@@ -1,9 +1,10 @@
 // Commands for sections: through the selection, across the axis nearest to the line of sight.
 
 import type { CommandRequest, Section, Viewpoint } from "../link/protocol";
+import type { BoxFace } from "../math/box-faces";
 import { isSame } from "../math/same";
 import { type Box, centre, dot, isEmpty, type Point, type Vec3 } from "../math/vectors";
-import { axisAlong, type BoxFace, boxRound, withFace } from "../model/sections";
+import { axisAlong, boxRound, withFace } from "../model/sections";
 import type { Workbench } from "./workbench";
 
 /** A cut across an axis through a point, the selection's middle or that of all. The near side is cut away. */

@@ -2,7 +2,6 @@
 
 import { pictureFor } from "../actions/exports";
 import { lookAtFinding } from "../actions/findings";
-import { followRecord } from "../actions/record";
 import { Workbench } from "../actions/workbench";
 import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
@@ -27,6 +26,7 @@ import { createDevices, type Devices } from "./devices";
 import { followStore } from "./effects";
 import { followFilm } from "./film";
 import { followFindings, takeRows } from "./follow-findings";
+import { followRecord } from "./follow-record";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 import { followPeople } from "./people";

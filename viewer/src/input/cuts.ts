@@ -1,8 +1,8 @@
 // Handles of the cuts: an arrow at each, along its normal, to drag it. Laid out and hit in the picture's
 // pixels; drawn as elements over it.
 
+import { BOX_FACES, type BoxFace, boxPlanes } from "../math/box-faces";
 import { add, type Box, centre, dot, isEmpty, type Point, scale, type Vec3 } from "../math/vectors";
-import { BOX_FACES, type BoxFace, boxPlanes } from "../model/sections";
 import { clipBox, planeInBox, type SectionPlane } from "../scene/sections";
 import { distanceToLine, type GizmoView } from "./gizmo";
 

@@ -5,10 +5,10 @@ import { cutAlongFace, draftFace, draftSection, settleBox, settleSection } from 
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
+import { isUpper } from "../math/box-faces";
 import type { Pose } from "../math/matrix";
 import { type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
-import { isUpper } from "../model/sections";
 import type { Area } from "../scene/labels";
 import { type CutHandle, faceOf, hitCut, layCuts } from "./cuts";
 import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";

@@ -1,6 +1,7 @@
 // Sections as numbers: their axis, their range, which are drawn. Pure.
 
 import type { Section } from "../link/protocol";
+import { axisOf, type BoxFace, isUpper } from "../math/box-faces";
 import { type Box, distance, isEmpty, type Vec3 } from "../math/vectors";
 
 /** The world axis nearest to the view direction, pointing away from the eye: the near side is cut away. */
@@ -40,24 +41,6 @@ export function drawnSections(
     .map((section) => (draft?.id === section.id ? draft : section))
     .map(({ id, normal, offset }) => ({ id, normal: [...normal] as Vec3, offset }));
 }
-
-/** The faces of a section box, by their places here: the lower ones along x, y, z, then the upper ones. */
-export const BOX_FACES = [0, 1, 2, 3, 4, 5] as const;
-export type BoxFace = (typeof BOX_FACES)[number];
-
-/** The axis of a face, and whether it is the upper one. */
-export const axisOf = (face: BoxFace): 0 | 1 | 2 => (face % 3) as 0 | 1 | 2;
-export const isUpper = (face: BoxFace): boolean => face >= 3;
-
-/** The planes of a box's faces: kept is what lies inside all of them. */
-export const boxPlanes = (box: Box): { normal: Vec3; offset: number }[] =>
-  BOX_FACES.map((face) => {
-    const k = axisOf(face);
-    const sense = isUpper(face) ? -1 : 1;
-    const normal: Vec3 = [0, 0, 0];
-    normal[k] = sense;
-    return { normal, offset: sense * (isUpper(face) ? box.upper : box.lower)[k] };
-  });
 
 /** Air between parts and the section box round them, a share of their diagonal: their own faces are not cut. */
 const MARGIN = 0.02;

@@ -131,6 +131,10 @@ export class Store {
   readonly speed = signal(1);
   /** The record over time; null before it was fetched. */
   readonly timeline = signal<RecordTimeline | null>(null);
+  /** The replay that this page began, to cancel it; null: none, or another page did. */
+  readonly replay = signal<{ cancel(): void } | null>(null);
+  /** The moment of the record that was scrubbed to, until the server shows it. */
+  readonly wanted_moment = signal<number | null>(null);
   /** The fastener at which the tool is seated. */
   readonly reach = signal<CardAnswer["reaches"][number] | null>(null);
   readonly way_marks = signal<WayMarks>(NO_WAY);

@@ -2,9 +2,9 @@
 // drawings of other modules.
 
 import { type Group, Scene, type WebGLRenderer } from "three";
+import { BOX_FACES } from "../math/box-faces";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
-import { BOX_FACES } from "../model/sections";
 import type { CameraRig } from "./camera";
 import type { Eye } from "./eye";
 import { Heat } from "./heat";

@@ -5,10 +5,10 @@
 
 import { Group, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
+import { boxPlanes } from "../math/box-faces";
 import { IDENTITY } from "../math/matrix";
 import { isSame } from "../math/same";
 import { add, type Box, diagonal, dot, isEmpty, scale, union, type Vec3 } from "../math/vectors";
-import { boxPlanes } from "../model/sections";
 import { aim } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";

@@ -201,7 +201,7 @@ export function RecordBar() {
           stops={timeline.steps.map(({ at, time, title }) => ({ at, title, note: formatTime(time) }))}
           is_playing={record.is_playing}
           is_compact
-          disabled={record.is_playing && !canPause()}
+          disabled={record.is_playing && !canPause(wb)}
           toggle={() => toggleRecord(wb)}
           go={(at) => seekRecord(wb, at)}
           show={(part) => showPart(wb, part)}

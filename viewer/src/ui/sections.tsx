@@ -2,9 +2,10 @@
 
 import { addSection, draftSection, flipped, pickFace, settleSection } from "../actions/sections";
 import type { Section, SectionBox } from "../link/protocol";
+import { axisOf, type BoxFace, isUpper } from "../math/box-faces";
 import { formatShare } from "../math/units";
 import type { Vec3 } from "../math/vectors";
-import { axisOf, type BoxFace, isUpper, offsetRange, senseOf, withFace } from "../model/sections";
+import { offsetRange, senseOf, withFace } from "../model/sections";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
 
