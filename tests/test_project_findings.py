@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_project_workbench import opened, saved
+from test_project_workbench import WAIT_S, opened, saved
 from workbench_scene import stand
 
 import feeler
@@ -91,7 +91,14 @@ def test_an_ignored_finding_keeps_what_was_said_of_it(tmp_path: Path) -> None:
     session.close()
     session = opened(path)
     assert session.document()["findings"] == before["findings"], "to the last byte"
-    session.command("clash_settings", {"rules": ""})
+    session.command("clash_settings", {"rules": "", "clearance": 0.01})
+    saved(session)
+    taken = session.job("clash", {}).result(WAIT_S)
+    session.command("findings_take", {"key": taken["key"]})
+    assert session.current.findings is not None
+    table = session.current.findings.table
+    assert [table.status_of(each) for each in found.ids[:2]] == ["approved", "reviewed"]
+    session.command("undo", {})
     saved(session)
     session.close()
     with feeler.open_project(path) as project:
