@@ -1,4 +1,4 @@
-"""Saved scenes: what their files keep beside the arrays of the core, which are names, origin and colours."""
+"""Saved scenes: what their files keep beside the arrays of the core, names, origin, colours and attributes."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from weakref import WeakValueDictionary
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core
+from feeler import _core, attributes
 from feeler.arguments import check_path
+from feeler.attributes import Attributes
 from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.memory import free_memory
 from feeler.source import Source
@@ -27,6 +28,7 @@ MAGIC = b"FEELSCN\n"
 
 _DOCUMENT = "document"
 _COLOURS = "parts.colours"
+_ATTRIBUTES = "parts.attributes"  # absent from files of older versions, and of parts without any
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +109,7 @@ class Facts(NamedTuple):
     part_paths: list[str]
     source: Source
     colours: npt.NDArray[np.float64] | None
+    attributes: Attributes | None = None
 
 
 def extras(facts: Facts) -> list[tuple[str, bytes]]:
@@ -116,6 +119,8 @@ def extras(facts: Facts) -> list[tuple[str, bytes]]:
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
     if facts.colours is not None:
         sections.append((_COLOURS, np.ascontiguousarray(facts.colours, dtype="<f8").tobytes()))
+    if facts.attributes is not None:
+        sections.append((_ATTRIBUTES, attributes.to_bytes(facts.attributes)))
     return sections
 
 
@@ -136,6 +141,8 @@ def _facts(file: SavedFile) -> Facts:
         rows = None if colours is None else np.frombuffer(colours, dtype="<f8").reshape(-1, 3).astype(np.float64)
         if rows is not None and len(rows) != len(names):
             raise ValueError("colours of parts")
-        return Facts(names, paths, Source(**fields), rows)
+        stated = file.core.extra(_ATTRIBUTES)
+        own = None if stated is None else attributes.from_bytes(stated, len(names))
+        return Facts(names, paths, Source(**fields), rows, own)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LoadError(f"{file.path}: the scene cannot be opened: its {_DOCUMENT} is damaged ({error})") from None

@@ -203,7 +203,8 @@ class Scene(_core.Scene):
     ) -> str:
         """`save` with more sections."""
         mockup = self.mockup
-        facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
+        attributes = mockup._part_attributes
+        facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours, attributes)
         target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
         return super()._save(target, saved.extras(facts) + others, progress)
 

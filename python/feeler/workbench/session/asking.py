@@ -16,6 +16,7 @@ from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
 from feeler.workbench.document.answers import (
     CardAnswer,
+    FoundParts,
     Measured,
     Outline,
     PartFacts,
@@ -50,6 +51,8 @@ from feeler.workbench.session.requirement_jobs import export_requirements, verif
 from feeler.workbench.session.uploads import Uploads
 
 PAGE = "mock-up.html"
+MOST_QUERY = 1_000
+"""The most characters of a search that count."""
 _SNAP_M = 0.005
 
 Found = TypeVar("Found")
@@ -114,6 +117,14 @@ def part(place: Place, given: Arguments) -> PartFacts:
     """Facts about a part."""
     (number,) = given.parts("part", place.scene.mockup.parts, most=1)
     return cast(PartFacts, measuring.part_facts(number, place.document, place.scene))
+
+
+def find(place: Place, given: Arguments) -> FoundParts:
+    """The parts that a search finds, by words of paths and by attributes: see `Parts.search`."""
+    query = given.text("query")[:MOST_QUERY]
+    found = place.scene.mockup.parts.search(query)
+    found = found[place.scene.part_mask[found]]
+    return {"count": len(found), "parts": _base64(found.astype("<u4"))}
 
 
 def card(place: Place, given: Arguments) -> CardAnswer:
@@ -196,6 +207,7 @@ ASKS: dict[str, Question[Any]] = {
     "snap": Question(snap, {"origin": Vec3, "direction": Vec3, "within": Maybe(float)}),
     "measure": Question(measure, {"type": MeasureType, **MEASURED}),
     "part": Question(part, {"part": Selection}),
+    "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
     "finding_alike": Question(finding_alike, {"version": str, "row": int}),
     "finding_side": Question(finding_side, {"version": str, "row": int}),

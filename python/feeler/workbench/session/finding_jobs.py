@@ -252,6 +252,7 @@ def _with_places(mockup: Mockup, meshes: PartTools, moved: Any) -> Mockup:
         part_paths=mockup.part_paths,
         source=mockup.source,
     )
+    made._keep_attributes(mockup._part_attributes)
     return made
 
 
