@@ -6,7 +6,6 @@ import base64
 import importlib.util
 import json
 import pickle
-import struct
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import error_of, run, run_json
-from loading import save
+from loading import CORNERS, TETRAHEDRON, instances, save
 from workbench_scene import LEFT, PATHS, PLATE, RIGHT, SHEET, Bench, cube, stand
 
 import feeler
@@ -26,44 +25,14 @@ from feeler.io.step_attributes import product_attributes
 STEP = (Path(__file__).parent.parent / "testdata" / "files" / "step_two_colours.step").read_text()
 needs_step = pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
 
-CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype="<f4")
-FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], dtype="<u2")
 HTML = '<img src=x onerror="alert(1)">'
-
-
-def glb(path: Path, nodes: list[dict[str, Any]], mesh_extras: object = None, materials: object = None) -> Path:
-    """A tetrahedron at every node."""
-    data = CORNERS.tobytes() + FACES.tobytes()
-    primitive = {"attributes": {"POSITION": 0}, "indices": 1}
-    meshes: list[dict[str, Any]] = [{"primitives": [primitive]}]
-    if mesh_extras is not None:
-        meshes[0]["extras"] = mesh_extras
-    document: dict[str, Any] = {
-        "asset": {"version": "2.0"},
-        "buffers": [{"byteLength": len(data)}],
-        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
-        ],
-        "meshes": meshes,
-        "nodes": [{"mesh": 0, **node} for node in nodes],
-        "scenes": [{"nodes": list(range(len(nodes)))}],
-    }
-    if materials is not None:
-        document["materials"], primitive["material"] = materials, 0  # type: ignore[assignment]
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(data), 0x004E4942) + data
-    path.write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks)
-    return path
 
 
 def row(*attributes: dict[str, str]) -> feeler.Mockup:
     """A tetrahedron for each."""
     count = len(attributes)
     vertices = np.concatenate([np.add(CORNERS, [2.0 * i, 0, 0]) for i in range(count)])
-    faces = np.concatenate([FACES.astype(int) + 4 * i for i in range(count)])
+    faces = np.concatenate([TETRAHEDRON + 4 * i for i in range(count)])
     paths = [f"plant/{name}" for name in ("pump", "Pipe", "a:b", "valve", "bolt")[:count]]
     return feeler.Mockup(
         vertices, faces, np.repeat(range(count), 4), paths, part_paths=paths, part_attributes=attributes
@@ -79,7 +48,7 @@ def test_gltf_extras_of_nodes_and_meshes_and_names_of_materials(tmp_path):
         {"name": "b", "translation": [2, 0, 0], "extras": {"material": "Brass"}},
         {"name": "c", "translation": [4, 0, 0], "extras": "text, no object"},
     ]
-    mockup = load_mockup(glb(tmp_path / "a.glb", nodes, {"std": "M8"}, [{"name": " Cast\nIron "}]))
+    mockup = load_mockup(instances(tmp_path / "a.glb", nodes, {"std": "M8"}, [{"name": " Cast\nIron "}]))
     common = {"material": "CastIron", "std": "M8"}
     assert mockup.part_attributes == [
         {"layer": "piping", "size": "1, 2.5, true", "sub.x.y": "0.001", **common},
@@ -92,7 +61,7 @@ def test_gltf_extras_of_nodes_and_meshes_and_names_of_materials(tmp_path):
 
 def test_instances_share_one_dict(tmp_path):
     nodes = [{"translation": [2 * i, 0, 0]} for i in range(100)]
-    mockup = load_mockup(glb(tmp_path / "a.glb", nodes, {"std": "M8"}))
+    mockup = load_mockup(instances(tmp_path / "a.glb", nodes, {"std": "M8"}))
     assert len({id(each) for each in mockup._part_attributes}) == 1
     mockup.part_attributes[3]["std"] = "changed"  # copies
     mockup.parts[3].attributes["std"] = "changed"
@@ -109,7 +78,7 @@ def test_hostile_extras_are_bounded(tmp_path):
         {"extras": {"nan": float("nan"), "endless": [float("inf"), 2], "data": "data:image/png;base64,AAAA"}},
         {"extras": {"nul": "a\0b", "": "no name", "\x1b[31m": "\x1b[0m", "huge": 10**300, "n" * 101: "x"}},
     ]
-    mockup = load_mockup(glb(tmp_path / "a.glb", nodes, {"std": "M8"}))
+    mockup = load_mockup(instances(tmp_path / "a.glb", nodes, {"std": "M8"}))
     many, long, odd, names = mockup.part_attributes
     assert len(many) == 100 and many["key 99"] == "99"
     assert [len(long[name]) for name in ("long", "many")] == [1000, 1000] and long["long"].endswith("y…")
@@ -128,7 +97,7 @@ def test_hostile_extras_are_bounded(tmp_path):
 def test_the_number_in_all_is_bounded(tmp_path, monkeypatch):
     monkeypatch.setattr("feeler.attributes.MOST_IN_ALL", 5)
     nodes = [{"extras": {"a": i, "b": i}} for i in (1, 1, 1, 2, 3, 1)]
-    mockup = load_mockup(glb(tmp_path / "a.glb", nodes))
+    mockup = load_mockup(instances(tmp_path / "a.glb", nodes))
     assert [len(each) for each in mockup.part_attributes] == [2, 2, 2, 2, 0, 2]
     assert "1 part lost its attributes: the file states too many" in "".join(mockup.report.source.doubts)
     with pytest.raises(LimitError, match="more than"):
@@ -201,7 +170,7 @@ def test_material_designations_of_step():
 def test_metadata_and_numbers_of_3mf(tmp_path):
     core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
     corners = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in CORNERS.tolist())
-    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in FACES.tolist())
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in TETRAHEDRON.tolist())
     group = (
         '<metadatagroup><metadata name="v:Material"> PA <!-- --> 12 </metadata>'
         '<metadata name="note">&lt;b&gt;</metadata></metadatagroup>'
@@ -233,8 +202,8 @@ def test_materials_of_obj(tmp_path):
 
 def test_several_files_keep_theirs(tmp_path):
     save(tmp_path, "b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    glb(tmp_path / "a.glb", [{"extras": {"a": 1}}])
-    glb(tmp_path / "c.glb", [{"extras": {"c": 1}}])
+    instances(tmp_path / "a.glb", [{"extras": {"a": 1}}])
+    instances(tmp_path / "c.glb", [{"extras": {"c": 1}}])
     assert load_mockup(tmp_path, unit="m").part_attributes == [{"a": "1"}, {}, {"c": "1"}]
 
 
@@ -274,7 +243,7 @@ def test_they_are_saved_and_travel(tmp_path):
     opened.mockup.part_attributes = [{}, {}, {"a": "b"}]
     assert pickle.loads(pickle.dumps(opened)).mockup.part_attributes == [{}, {}, {"a": "b"}]
     assert feeler.Tool.of_parts(scene.mockup, [0, 2]).part_attributes == [given[0], given[2]]
-    path = glb(tmp_path / "a.glb", [{"extras": {"a": 1}}])
+    path = instances(tmp_path / "a.glb", [{"extras": {"a": 1}}])
     for _ in range(2):
         assert load_mockup(path, cache=tmp_path / "cache").part_attributes == [{"a": "1"}]
 
@@ -375,14 +344,16 @@ def test_scenes_and_rules_take_them():
 
 
 def test_info_lists_them(tmp_path):
-    path = glb(tmp_path / "a.glb", [{"extras": {"layer": "piping"}}, {"translation": [2, 0, 0]}], {"std": HTML})
+    path = instances(tmp_path / "a.glb", [{"extras": {"layer": "piping"}}, {"translation": [2, 0, 0]}], {"std": HTML})
     (report,) = run_json("info", path)["files"]
     assert [part["attributes"] for part in report["part_list"]] == [{"layer": "piping", "std": HTML}, {"std": HTML}]
     assert "std (2 parts), layer (1 part)" in run("info", path).stdout
 
 
 def test_options_take_searches(tmp_path):
-    path = glb(tmp_path / "a.glb", [{"extras": {"layer": str(i)}, "translation": [2 * i, 0, 0]} for i in range(3)])
+    path = instances(
+        tmp_path / "a.glb", [{"extras": {"layer": str(i)}, "translation": [2 * i, 0, 0]} for i in range(3)]
+    )
     words = ("clearance", path, "--part", "layer:0", "--within", "100")
     assert len(run_json(*words)["poses"][0]["parts"]) == 2
     assert len(run_json(*words, "--without", "layer:1")["poses"][0]["parts"]) == 1

@@ -1,6 +1,6 @@
 // Searches for attributes of parts: the server knows them, so that the page loads none.
 
-import { type Signal, useSignal } from "@preact/signals";
+import { type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { wholesOf } from "../link/base64";
 import { asksForAttributes } from "../model/part-tree";
@@ -10,19 +10,19 @@ import { useWorkbench } from "./context";
 const REST_MS = 150;
 
 /** The parts that the search finds, for one that asks for attributes; null for others, until it comes, and offline. */
-export function useFoundParts(): Signal<ReadonlySet<number> | null> {
+export function useFoundParts(): ReadonlySignal<ReadonlySet<number> | null> {
   const wb = useWorkbench();
-  const found = useSignal<ReadonlySet<number> | null>(null);
+  const answered = useSignal<{ query: string; parts: ReadonlySet<number> } | null>(null);
   const query = wb.store.search.value;
   const manifest = wb.store.manifest.value;
   useEffect(() => {
-    found.value = null;
+    answered.value = null;
     if (!wb.link || !asksForAttributes(query)) return;
     let isWanted = true;
     const rest = setTimeout(() => {
       wb.ask("find", { query }).then(
         (answer) => {
-          if (isWanted) found.value = new Set(wholesOf(answer.parts));
+          if (isWanted) answered.value = { query, parts: new Set(wholesOf(answer.parts)) };
         },
         () => null,
       );
@@ -32,5 +32,6 @@ export function useFoundParts(): Signal<ReadonlySet<number> | null> {
       clearTimeout(rest);
     };
   }, [query, manifest]);
-  return found;
+  // At once, not when the effect has run: an answer is of its own search alone.
+  return useComputed(() => (answered.value?.query === wb.store.search.value ? answered.value.parts : null));
 }

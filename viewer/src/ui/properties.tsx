@@ -87,7 +87,7 @@ function PartProperties({ part }: { part: number }) {
 /** Of the file: its texts may be of any script, and long. */
 const Attribute = ({ name, value }: { name: string; value: string }) => (
   <>
-    <dt class="attribute">
+    <dt>
       <Name text={name} />
     </dt>
     <dd>
