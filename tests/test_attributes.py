@@ -240,6 +240,14 @@ def test_they_are_saved_and_travel(tmp_path):
     opened = feeler.open_scene(tmp_path / "a.feeler")
     for each in (opened.mockup, pickle.loads(pickle.dumps(opened.mockup)), pickle.loads(pickle.dumps(scene.mockup))):
         assert each.part_attributes == given and each.parts.select("material:IMG").tolist() == [0]
+    assert feeler.Tool(opened.mockup).part_attributes == given
+    assert load_tool(tmp_path / "a.feeler").part_attributes == given
+    gone = feeler.open_scene(tmp_path / "a.feeler").mockup
+    (tmp_path / "a.feeler").rename(tmp_path / "b.feeler")
+    assert pickle.loads(pickle.dumps(gone)).part_attributes == given, "its file is elsewhere"
+    (tmp_path / "b.feeler").rename(tmp_path / "a.feeler")
+    gone.part_attributes = None
+    assert pickle.loads(pickle.dumps(gone)).part_attributes == [{}] * 3
     opened.mockup.part_attributes = [{}, {}, {"a": "b"}]
     assert pickle.loads(pickle.dumps(opened)).mockup.part_attributes == [{}, {}, {"a": "b"}]
     assert feeler.Tool.of_parts(scene.mockup, [0, 2]).part_attributes == [given[0], given[2]]

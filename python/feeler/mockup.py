@@ -146,7 +146,13 @@ class _Attributed:
     """A mesh whose parts may have attributes."""
 
     part_count: int
-    _part_attributes: Attributes | None = None
+    _saved: saved.SavedFile | None = None
+    """The file that it is in, where it was opened from one."""
+
+    @cached_property
+    def _part_attributes(self) -> Attributes | None:
+        """Those of its file, unless others were given."""
+        return None if self._saved is None else self._saved.attributes
 
     @property
     def part_attributes(self) -> list[dict[str, str]]:
@@ -165,9 +171,7 @@ class _Attributed:
     def _keep_attributes(self, attributes: Attributes | None) -> None:
         """Keeps attributes that were checked."""
         self.__dict__.pop("parts", None)
-        self.__dict__.pop("_part_attributes", None)
-        if attributes is not None:
-            self._part_attributes = attributes
+        self._part_attributes = attributes
 
 
 class Mockup(_Attributed, _core.Mockup):
@@ -203,9 +207,6 @@ class Mockup(_Attributed, _core.Mockup):
     A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones.
     """
 
-    _saved: saved.SavedFile | None = None
-    """The file that it is in, where it was opened from one."""
-
     def __new__(
         cls,
         vertices: Any,
@@ -219,6 +220,7 @@ class Mockup(_Attributed, _core.Mockup):
         unit: UnitName | None = None,
     ) -> Mockup:
         """See the class."""
+        given = vertices
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
@@ -235,6 +237,8 @@ class Mockup(_Attributed, _core.Mockup):
         self.part_paths = paths
         if part_attributes is not None:
             self.part_attributes = part_attributes
+        elif isinstance(given, _Attributed):
+            self._keep_attributes(given._part_attributes)
         self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
@@ -284,11 +288,13 @@ class Mockup(_Attributed, _core.Mockup):
         file = self._saved
         if file is not None and file.is_there:
             own = {**_attributes(file), "parts": attributes.get("parts")}
+            if "_part_attributes" in attributes:
+                own["_part_attributes"] = file.attributes
             changed = {name: value for name, value in attributes.items() if value is not own.get(name)}
             return (*reduced("Mockup", (type(self), file.path, file.core.content_hash)), changed)
         parts = self.part_of_face if self.part_count > 1 else None
         state = (type(self), self.vertices, self.faces, parts, self.part_count)
-        return (*reduced("Mockup", state), attributes)
+        return (*reduced("Mockup", state), {**attributes, "_part_attributes": self._part_attributes})
 
     @classmethod
     def _restore(cls, *state: Any) -> Mockup:
@@ -334,6 +340,7 @@ class Tool(_Attributed, _core.Tool):
         unit: UnitName | None = None,
     ) -> Tool:
         """See the class."""
+        given = vertices
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
@@ -352,6 +359,8 @@ class Tool(_Attributed, _core.Tool):
         self.part_paths = paths
         if part_attributes is not None:
             self.part_attributes = part_attributes
+        elif isinstance(given, _Attributed):
+            self._keep_attributes(given._part_attributes)
         self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
@@ -473,8 +482,6 @@ def _attributes(file: saved.SavedFile) -> dict[str, Any]:
     known: dict[str, Any] = {"part_names": facts.part_names, "part_paths": facts.part_paths, "source": facts.source}
     if facts.colours is not None:
         known["part_colours"] = facts.colours
-    if facts.attributes is not None:
-        known["_part_attributes"] = facts.attributes
     return known
 
 

@@ -53,6 +53,16 @@ class SavedFile:
         return there.content_hash == self.core.content_hash
 
     @cached_property
+    def attributes(self) -> Attributes | None:
+        """The attributes of its parts, read when they are first asked for: they may be larger than all else that is
+        read. Raises `LoadError` if they cannot be right."""
+        stated = self.core.extra(_ATTRIBUTES)
+        try:
+            return None if stated is None else attributes.from_bytes(stated, self.core.part_count)
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise LoadError(f"{self.path}: the attributes of its parts are damaged ({error}); save it again") from None
+
+    @cached_property
     def facts(self) -> Facts:
         """What it says of the mock-up. Raises `LoadError` if that cannot be right."""
         return _facts(self)
@@ -109,18 +119,17 @@ class Facts(NamedTuple):
     part_paths: list[str]
     source: Source
     colours: npt.NDArray[np.float64] | None
-    attributes: Attributes | None = None
 
 
-def extras(facts: Facts) -> list[tuple[str, bytes]]:
-    """The sections of the file that keep these facts."""
+def extras(facts: Facts, stated: Attributes | None) -> list[tuple[str, bytes]]:
+    """The sections of the file that keep these facts, and the attributes of its parts."""
     paths = None if facts.part_paths == facts.part_names else facts.part_paths
     document = {"part_names": facts.part_names, "part_paths": paths, "source": asdict(facts.source)}
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
     if facts.colours is not None:
         sections.append((_COLOURS, np.ascontiguousarray(facts.colours, dtype="<f8").tobytes()))
-    if facts.attributes is not None:
-        sections.append((_ATTRIBUTES, attributes.to_bytes(facts.attributes)))
+    if stated is not None:
+        sections.append((_ATTRIBUTES, attributes.to_bytes(stated)))
     return sections
 
 
@@ -141,8 +150,6 @@ def _facts(file: SavedFile) -> Facts:
         rows = None if colours is None else np.frombuffer(colours, dtype="<f8").reshape(-1, 3).astype(np.float64)
         if rows is not None and len(rows) != len(names):
             raise ValueError("colours of parts")
-        stated = file.core.extra(_ATTRIBUTES)
-        own = None if stated is None else attributes.from_bytes(stated, len(names))
-        return Facts(names, paths, Source(**fields), rows, own)
+        return Facts(names, paths, Source(**fields), rows)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LoadError(f"{file.path}: the scene cannot be opened: its {_DOCUMENT} is damaged ({error})") from None

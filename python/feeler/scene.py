@@ -203,10 +203,9 @@ class Scene(_core.Scene):
     ) -> str:
         """`save` with more sections."""
         mockup = self.mockup
-        attributes = mockup._part_attributes
-        facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours, attributes)
+        facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
         target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
-        return super()._save(target, saved.extras(facts) + others, progress)
+        return super()._save(target, saved.extras(facts, mockup._part_attributes) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:

@@ -70,6 +70,8 @@ def portion(progress: Progress | None, low: float, high: float) -> Progress | No
 
 def clean_name(name: object, default: str) -> str:
     """Return the name without control characters (they could steer a terminal), or the default if none is left."""
+    if isinstance(name, str) and name.isprintable():
+        return name.strip() or default
     text = _CONTROL.sub("", name).strip() if isinstance(name, str) else ""
     # A lone surrogate cannot be printed or stored as UTF-8.
     return text.encode("utf-8", "replace").decode("utf-8") or default
