@@ -69,7 +69,7 @@ def _parts(mockup: feeler.Mockup) -> list[dict[str, object]]:
 
 def _attributes(mockup: feeler.Mockup) -> str:
     """The names of attributes that most parts have, and of how many parts."""
-    counts = Counter(name for part in mockup.parts for name in part.attributes)
+    counts = Counter(name for row in mockup._part_attributes or () for name in row)
     names = [f"{name} ({plural(count, 'part')})" for name, count in counts.most_common(_SHOWN)]
     return ", ".join(names) + (f", and {len(counts) - _SHOWN:,} more" if len(counts) > _SHOWN else "")
 
