@@ -157,6 +157,47 @@ def test_the_page_takes_them_over_in_one_step_of_undo(tmp_path: Path) -> None:
     assert bench.document["findings"]["status"] == {}
 
 
+def test_the_page_takes_them_over_where_something_was_said_before(tmp_path: Path) -> None:
+    bench = Bench(cube(), mockup=mockup())
+    bench.command("findings_take", key=bench.session.job("clash", {}).result(60)["key"])
+    written = bench.session.job("export_findings", {"format": "bcf"}).result(60)
+    (tmp_path / "out.bcf").write_bytes(bench.session.export(written["name"]))
+    back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
+    version = bench.document["findings"]["version"]
+    bench.command("finding_mark", version=version, rows=[0], status="reviewed", note="mine")
+    upload = bench.session.upload(io.BytesIO(back.read_bytes()))
+    taken = bench.session.job("findings_bcf", {"upload": upload, "name": "back.bcfzip"}).result(60)
+    bench.command("finding_mark", version=version, rows=[1], note="said since")
+    bench.command("findings_take", key=taken["key"])
+    findings = bench.document["findings"]
+    assert [*findings["status"].values()] == ["approved"] * 2
+    assert {*findings["notes"].values()} == {"mine; ada: fits", "said since"}
+
+
+def test_comments_become_the_note_by_their_dates() -> None:
+    found = feeler.clash(mockup())
+    comments = (
+        Comment("third", "cy", "2026-03-01T00:00:00+02:00"),
+        Comment("second", "bo", "2026-02-01T00:00:00Z"),
+        Comment("no date", "dee"),
+        Comment("first", "al", "2026-01-01T00:00:00"),
+    )
+    apply_bcf(found, [Topic("g", "t", "Approved", comments=comments, ids=(found[0].id,))])
+    assert (found[0].note, found[0].by) == ("dee: no date; al: first; bo: second; cy: third", "cy")
+
+
+def test_our_own_topic_says_nothing_of_findings_without_a_comment() -> None:
+    """The file may have had no room for all comments."""
+    found = feeler.clash(mockup())
+    one, other = found.ids
+    text = f"approved: fits\npin in plate. Finding {one}, topic active."
+    found.set_status(other, "approved", by="Ada")
+    apply_bcf(found, [Topic("g", "t", "active", comments=(Comment(text, "Ada"),), ids=(one, other))])
+    assert [each.status for each in found] == ["approved", "approved"]
+    apply_bcf(found, [Topic("g", "t", "In Progress", comments=(Comment(text, "Ada"),), ids=(one, other))])
+    assert [each.status for each in found] == ["active", "active"]
+
+
 # ---- strangers ----
 
 BOMB = '<!DOCTYPE m [<!ENTITY a "{}">{}]><Markup><Topic Guid="g"><Title>&j;</Title></Topic></Markup>'.format(
@@ -252,3 +293,53 @@ def test_damaged_files_raise_errors_of_feeler(tmp_path: Path, at: int, value: in
     except LoadError:
         return
     apply_bcf(feeler.clash(mockup()), topics)
+
+
+def pins() -> feeler.Mockup:
+    """Three pins in one plate."""
+    bodies = {"a/plate": box((0, 0, 0), (8, 1, 1))}
+    bodies |= {f"a/pin_{i}": box((i, 0.4, 0.5), (i + 0.2, 0.6, 2)) for i in range(3)}
+    return mockup_of(bodies)
+
+
+def marked() -> feeler.Clashes:
+    """Three findings of one group, each with another status, two with notes, and one of these on two lines."""
+    found = feeler.clash(pins())
+    found.set_status(found.ids[0], "approved", by="Ada", note='drawn so\nsee <sheet> 4; & "5"')
+    found.set_status(found.ids[1], "reviewed", note="active: by hand")
+    return found
+
+
+def test_status_and_note_of_each_finding_go_out_and_come_back(tmp_path: Path) -> None:
+    of = pins()
+    found = marked()
+    assert [len(group) for group in found.groups("part")] == [3], "one topic"
+    write_bcf(tmp_path / "out.bcf", found, of)
+    topics = read_bcf(tmp_path / "out.bcf")
+    assert [topic.status for topic in topics] == ["new"] and len(topics[0].comments) == 2
+    fresh = feeler.clash(of)
+    changes = apply_bcf(fresh, topics)
+    assert [(row.status, row.by, row.note) for row in fresh] == [(row.status, row.by, row.note) for row in found]
+    assert set(changes.statuses) == {*found.ids[:2]} == {*changes.notes}
+    again = apply_bcf(fresh, topics)
+    assert (again.statuses, again.notes) == ((), ()), "the same file a second time changes nothing"
+
+
+def test_a_topic_that_was_closed_since_counts_for_all_its_findings(tmp_path: Path) -> None:
+    write_bcf(tmp_path / "out.bcf", marked(), pins())
+    fresh = feeler.clash(pins())
+    apply_bcf(fresh, read_bcf(edited(tmp_path / "out.bcf", "Closed", ("Bob", "all done"))))
+    assert fresh.statuses.tolist() == ["reviewed"] * 3
+    assert [row.note for row in fresh][1:] == ["active: by hand; Bob: all done", "Bob: all done"]
+
+
+def test_comments_are_between_description_and_viewpoints(tmp_path: Path) -> None:
+    """The order of the schema of BCF 3.0."""
+    write_bcf(tmp_path / "out.bcf", marked(), pins())
+    with zipfile.ZipFile(tmp_path / "out.bcf") as opened:
+        (name,) = (each for each in opened.namelist() if each.endswith("markup.bcf"))
+        topic = ElementTree.fromstring(opened.read(name)).find("Topic")
+    assert topic is not None
+    assert [each.tag for each in topic][-3:] == ["Description", "Comments", "Viewpoints"]
+    comment = topic.find("Comments/Comment")
+    assert comment is not None and [each.tag for each in comment] == ["Date", "Author", "Comment"]

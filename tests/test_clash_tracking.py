@@ -393,3 +393,40 @@ def test_tables_travel(mockup: feeler.Mockup) -> None:
         assert pairs(there) == pairs(now) and there.part_paths == now.part_paths
         there.set_status(there.ids[1], "reviewed")
         assert now[1].status == "active", "a copy has a status of its own"
+
+
+@pytest.mark.parametrize("how", ["parts", "scene", "rules", "ignore", "others", "with_rules"])
+def test_findings_that_a_check_did_not_look_at_keep_their_status(tmp_path: Path, how: str) -> None:
+    """Three boxes in a row overlap their neighbours, and a fourth is gone in the second check."""
+
+    def row(*more: str) -> feeler.Mockup:
+        names = ["one", "two", "three", *more]
+        return mockup_of({name: box((0.75 * k, 0, 0), (0.75 * k + 1, 1, 1)) for k, name in enumerate(names)})
+
+    def pair(found: feeler.Clashes) -> dict[tuple[str, str], str]:
+        return {(each.path_a, each.path_b): each.status for each in found}
+
+    first = feeler.clash(row("four"))
+    last = next(each.id for each in first if (each.path_a, each.path_b) == ("two", "three"))
+    first.set_status(last, "approved", by="Ada", note="drawn so")
+    whole = row()
+    exclude = {"exclude": [{"name": "drawn", "a": "two", "b": "three"}]}
+    found = {
+        "parts": lambda: feeler.clash(whole, parts="one"),
+        "scene": lambda: feeler.clash(whole, scene=feeler.Scene(whole).without("three")),
+        "rules": lambda: feeler.clash(whole, rules=exclude),
+        "ignore": lambda: feeler.clash(whole, ignore=[("two", "three")]),
+        "others": lambda: feeler.clash(whole, rules={"others": False, "rule": [{"name": "r", "a": "one", "b": "two"}]}),
+        "with_rules": lambda: feeler.clash(whole).with_rules(exclude),
+    }[how]()
+    found = pickle.loads(pickle.dumps(found))
+    changes = found.diff(first)
+    lost = {("three", "four"), *({("one", "two")} if how == "others" else ())}  # that pair has another rule now
+    assert {(each.path_a, each.path_b) for each in changes.resolved} >= {("three", "four")}
+    assert pair(found.earlier()) == {("two", "three"): "approved", **dict.fromkeys(lost, "resolved")}
+    found.save(tmp_path / "some.json")
+    again = feeler.clash(whole)
+    again.diff(feeler.load_clashes(tmp_path / "some.json"))
+    assert pair(again)["two", "three"] == "approved"
+    (mark,) = (each for each in again if each.id == last)
+    assert (mark.by, mark.note) == ("Ada", "drawn so") and len(again.earlier()) == 0 + (how == "others")

@@ -14,7 +14,7 @@ import pytest
 from commands import error_of, run, run_json
 from test_cli_view import viewed
 from workbench_fake import Page
-from workbench_scene import PATHS, stand
+from workbench_scene import PATHS, PEG, stand
 
 import feeler
 from feeler.io import write_glb
@@ -133,6 +133,49 @@ def test_findings_of_a_check_go_into_the_project_with_their_history(tmp_path: Pa
     assert "about another mock-up" in other
     with feeler.open_project(path, read_only=False):
         assert "is open in process" in error_of("clash", path)
+
+
+def test_the_project_names_the_mock_up_that_was_checked_last(tmp_path: Path) -> None:
+    write_glb(tmp_path / "old.glb", stand())
+    everything = stand()
+    few = everything.part_of_face != PEG
+    newer = feeler.Mockup(
+        everything.vertices,
+        everything.faces[few],
+        everything.part_of_face[few],
+        everything.part_names,
+        part_paths=everything.part_paths,
+    )
+    write_glb(tmp_path / "new.glb", newer)
+    path = tmp_path / "stand.feelproj"
+    first = run_json("clash", tmp_path / "old.glb", "--clearance", "0.1", "--project", path)
+    named = run_json("clash", tmp_path / "new.glb", "--clearance", "0.1", "--project", path)
+    assert len(named["clashes"]) < len(first["clashes"])
+    (tmp_path / "old.glb").unlink()
+    assert len(run_json("clash", path, "--clearance", "0.1")["clashes"]) == len(named["clashes"])
+
+
+@pytest.mark.parametrize("option", ["--glb", "--write-rules", "--bcf"])
+def test_an_input_is_not_written_over(tmp_path: Path, option: str) -> None:
+    mockup, rules, topics = tmp_path / "m.glb", tmp_path / "r.toml", tmp_path / "t.bcf"
+    write_glb(mockup, stand())
+    run("clash", mockup, "--clearance", "0.1", "--write-rules", rules, "--bcf", topics)
+    out = {"--glb": mockup, "--write-rules": rules, "--bcf": topics}[option]
+    before = out.read_bytes()
+    (tmp_path / "link").symlink_to(tmp_path)
+    for name in (out, tmp_path / "link" / out.name):
+        said = error_of("clash", mockup, "--rules", rules, "--bcf-in", topics, option, name)
+        assert f"{option} {name}: it is read by this command; give another name" in said
+    assert out.read_bytes() == before
+    if option == "--glb":
+        assert "is read by this command" in error_of("clash", tmp_path, option, mockup), "a folder of files"
+    run("clash", mockup, "--save", tmp_path / "last.json")
+    run("clash", mockup, "--previous", tmp_path / "last.json", "--save", tmp_path / "last.json")
+
+
+def test_a_folder_is_no_project(tmp_path: Path) -> None:
+    write_glb(tmp_path / "m.glb", stand())
+    assert "is a folder: give a project" in error_of("clash", tmp_path / "m.glb", "--project", ".")
 
 
 def test_names_of_other_machines_are_not_opened(tmp_path: Path) -> None:

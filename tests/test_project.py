@@ -15,13 +15,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from workbench_scene import LEFT, PATHS, PEG, PLATE, stand
+from workbench_scene import LEFT, PATHS, PEG, PLATE, cube, stand
 
 import feeler
-from feeler.errors import FeelerError, LoadError, MissingFileError, ProjectError, WriteError
+from feeler.errors import FeelerError, LoadError, MissingFileError, OptionError, ProjectError, WriteError
 from feeler.project import layout
 from feeler.project.book import Book, open_or_make
 from feeler.project.lock import ENDING, Lock, holder
+from feeler.project.migrations import MIGRATIONS
 from feeler.project.store import Store, drop, put
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="of POSIX")
@@ -204,14 +205,61 @@ def test_the_layout_of_version_1_is_read_by_all_later_ones(testdata: Path, tmp_p
 
 def test_every_layout_has_a_fixture_and_a_migration(testdata: Path) -> None:
     versions = range(1, layout.VERSION + 1)
-    assert {each.name for each in (testdata / "projects").iterdir()} == {f"version-{k}.feelproj" for k in versions}
-    assert set(layout.MIGRATIONS) == set(versions[:-1])
+    there = {each.name for each in (testdata / "projects").iterdir()}
+    assert there == {*(f"version-{k}.feelproj" for k in versions), "version-1-notes.feelproj"}
+    assert set(MIGRATIONS) == set(versions[:-1])
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+@pytest.mark.parametrize("name", ["version-1-notes", "version-2"])
+def test_notes_of_all_layouts_are_read(testdata: Path, tmp_path: Path, name: str, read_only: bool) -> None:
+    """Version 1 had notes of the workbench as `notes`, beside older ones of scripts as `note`."""
+    path = tmp_path / "old.feelproj"
+    shutil.copy(testdata / "projects" / f"{name}.feelproj", path)
+    before = path.read_bytes()
+    with feeler.open_project(path, read_only=read_only) as project:
+        found = project._book.marks()
+        said = sorted((each["status"], each.get("by", ""), each.get("note", "")) for each in found.values())
+        assert said == [
+            ("approved", "Ada", "drawn so, says Bob"),
+            ("new", "", "only a note"),
+            ("reviewed", "Ada", "look"),
+        ]
+        assert sorted(each["members"] for each in found.values() if "members" in each) == [1, 1]
+        lines = [(line["status"], line["by"], line["note"]) for line in project.history()]
+        assert lines == [
+            ("reviewed", "Ada", "look"),
+            ("approved", "Ada", "drawn so"),
+            ("approved", "Ada", "drawn so, says Bob"),
+            ("new", "", "only a note"),
+        ]
+        clashes = project.clashes()
+        assert clashes is not None
+        again = feeler.clash(stand(), 0.01)
+        again.diff(clashes)
+        notes = {row.note for row in again if row.note}
+        assert notes == {"drawn so, says Bob", "only a note", "look"}, "that of an ignored finding, too"
+    assert not read_only or path.read_bytes() == before
+
+
+def test_damaged_files_of_older_layouts_are_refused(testdata: Path, tmp_path: Path) -> None:
+    for statement in ("UPDATE marks SET value = '{}'", "DELETE FROM history WHERE place = 3"):
+        path = tmp_path / "old.feelproj"
+        shutil.copy(testdata / "projects" / "version-1-notes.feelproj", path)
+        connection = sqlite3.connect(path)
+        connection.execute(statement)
+        connection.commit()
+        connection.close()
+        before = path.read_bytes()
+        with pytest.raises(LoadError, match=r"old\.feelproj.*damaged"):
+            feeler.open_project(path)
+        assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
-        ("PRAGMA user_version = 2", "layout 2, and this feeler reads layouts up to 1: use a newer feeler"),
+        ("PRAGMA user_version = 3", "layout 3, and this feeler reads layouts up to 2: use a newer feeler"),
         ("PRAGMA user_version = 0", "damaged: layout 0"),
         ("PRAGMA application_id = 5", "not a project of feeler"),
         ("CREATE TRIGGER t AFTER INSERT ON facts BEGIN DELETE FROM facts; END", "strange 'trigger t'"),
@@ -468,6 +516,109 @@ def test_a_copy_is_a_project(filled: Path, tmp_path: Path) -> None:
         expected = project.findings()
     with feeler.open_project(tmp_path / "b.feelproj") as copy:
         assert copy.findings() == expected
+
+
+def test_a_copy_takes_no_open_project_and_nothing_that_was_left(filled: Path, tmp_path: Path) -> None:
+    other = tmp_path / "b.feelproj"
+    with feeler.open_project(filled) as project, feeler.open_project(other, stand()):
+        for path in (filled, filled.parent / "." / filled.name):
+            with pytest.raises(OptionError, match="this project"):
+                project.save_copy(path)
+        with pytest.raises(ProjectError, match="is open"):
+            project.save_copy(other)
+        project.write_clashes(feeler.clash(stand()))
+    killed(other, 0.02)
+    assert other.with_name("b.feelproj-wal").stat().st_size
+    with feeler.open_project(filled) as project:
+        project.save_copy(other)
+        expected = project.findings()
+    with feeler.open_project(other) as copy:
+        assert copy.findings() == expected
+
+
+def killed(path: Path, clearance: float) -> None:
+    """A process that writes findings into a project and is killed then."""
+    code = f"""
+import os, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import feeler
+from workbench_scene import stand
+project = feeler.open_project({str(path)!r}, stand())
+project.write_clashes(feeler.clash(stand(), {clearance}))
+os.kill(os.getpid(), 9)
+"""
+    subprocess.run([sys.executable, "-c", code], check=False, timeout=120)
+
+
+@POSIX
+def test_changes_of_a_project_that_is_gone_do_not_come_back_in_a_new_one(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    killed(path, 0.02)
+    path.unlink()
+    with pytest.raises(WriteError, match=r"a\.feelproj-wal beside it has changes of a project that is not there"):
+        feeler.open_project(path, stand(["a", "b", "c", "d", "e"]))
+    path.with_name("a.feelproj-wal").unlink()
+    with feeler.open_project(path, stand(["a", "b", "c", "d", "e"])) as project:
+        assert project.part_paths() == ["a", "b", "c", "d", "e"] and project.findings() == []
+
+
+@POSIX
+def test_a_symbolic_link_is_no_way_around_the_lock(filled: Path, tmp_path: Path) -> None:
+    link = tmp_path / "link.feelproj"
+    link.symlink_to(filled.name)
+    with feeler.open_project(filled), pytest.raises(ProjectError, match=r"link\.feelproj is open in process"):
+        feeler.open_project(link)
+    with feeler.open_project(link) as project:
+        with pytest.raises(ProjectError, match="is open in process"):
+            feeler.open_project(filled)
+        copy = tmp_path / "copy.feelproj"
+        copy.symlink_to("there.feelproj")
+        project.save_copy(copy)
+    assert copy.is_symlink() and (tmp_path / "there.feelproj").exists()
+
+
+@pytest.mark.parametrize(
+    "statement", ["DELETE FROM facts WHERE id = 'clashes'", "DELETE FROM facts", "DELETE FROM answers"]
+)
+@pytest.mark.parametrize("read_only", [False, True])
+def test_a_lost_row_that_is_read_alone_is_told(filled: Path, statement: str, read_only: bool) -> None:
+    connection = sqlite3.connect(filled)
+    connection.execute(statement)
+    connection.commit()
+    connection.close()
+    with pytest.raises(LoadError, match=r"rows of (facts|answers) are missing"):  # noqa: SIM117
+        with feeler.open_project(filled, read_only=read_only) as project:
+            project._book.answer("long")
+
+
+def test_findings_of_another_mock_up_are_refused(filled: Path) -> None:
+    other = feeler.clash(stand(["v", "w", "x", "y", "z"]), 0.02)
+    with feeler.open_project(filled) as project:
+        before = project.findings()
+        project.write_clashes(other)  # renamed: the same triangles
+        tall = feeler.Mockup({str(size): (cube(size).vertices, cube(size).faces) for size in (0.4, 0.5)})
+        with pytest.raises(OptionError, match="another mock-up: none of their 2 parts is in"):
+            project.write_clashes(feeler.clash(tall, 0.02))
+        assert project.findings() != before and len(project.findings()) == len(other)
+
+
+def test_names_that_are_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OptionError, match="path is ''"):
+        feeler.open_project("", stand())
+    for path in (".", tmp_path):
+        with pytest.raises(LoadError, match="is a folder"):
+            feeler.open_project(path, stand())
+    assert list(tmp_path.iterdir()) == [] and not tmp_path.with_name(tmp_path.name + ENDING).exists()
+
+
+def test_the_document_has_all_lists(testdata: Path, tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    shutil.copy(testdata / "projects" / "version-1.feelproj", path)
+    with feeler.open_project(path) as project:
+        project._book.write([put("requirements", "1", 0, '{"id":1,"name":"gap"}'), put("cards", "2", 0, '{"id":2}')])
+        document = project.document()
+    assert document["requirements"] == [{"id": 1, "name": "gap"}] and {"id": 2} in document["cards"]
 
 
 def test_an_empty_project_is_deleted_when_it_is_closed(tmp_path: Path) -> None:

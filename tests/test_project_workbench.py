@@ -289,6 +289,31 @@ def test_what_cannot_be_saved_is_told_and_tried_again(tmp_path: Path, monkeypatc
     session.close()
 
 
+def test_closing_a_view_tells_what_is_not_saved(tmp_path: Path) -> None:
+    path, mockup = tmp_path / "a.feelproj", stand()
+    view = feeler.view(mockup, None, browser=False, project=str(path))
+    view.hide([PLATE])
+    assert view.session._saver is not None and view.session._saver.wait(WAIT_S)
+    path.rename(tmp_path / "b.feelproj")
+    view.hide([PEG])
+    with pytest.raises(feeler.WriteError, match=r"not saved: cannot write a\.feelproj: the file was moved"):
+        view.close()
+    view.close()
+    (tmp_path / "b.feelproj").rename(path)
+    with feeler.view(mockup, None, browser=False, project=str(path)) as view:
+        view.hide([LEFT])
+    with feeler.open_project(path) as project:
+        assert project.document()["hidden"] == [PLATE, LEFT]
+    with (
+        pytest.warns(UserWarning, match="not saved"),
+        pytest.raises(KeyError),
+        feeler.view(mockup, None, browser=False, project=str(path)) as view,
+    ):
+        path.unlink()
+        view.hide([PEG])
+        raise KeyError
+
+
 def test_a_read_only_project_is_shown_and_not_written(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     session = opened(path)
@@ -324,6 +349,119 @@ def test_statuses_have_a_history_and_keep_their_notes(tmp_path: Path) -> None:
         now = project.clashes()
         assert now is not None and now[0].status == "approved" and now[0].note == "look"
         assert now.shapes is not None and len(now) == len(found)
+
+
+def test_people_said_the_same_in_the_workbench_and_out_of_it(tmp_path: Path) -> None:
+    """Notes, groups made by hand and statuses: through the workbench, a script and a check of the command line."""
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.load_findings(feeler.clashes.report(feeler.clash(stand(), 0.01)))
+    version = session.document()["findings"]["version"]
+    session.command("finding_mark", {"version": version, "rows": [0], "status": "approved", "note": "drawn so"})
+    session.command("finding_mark", {"version": version, "rows": [1], "note": "only a note"})
+    session.command("finding_group_add", {"version": version, "rows": [0, 2], "name": "mine"})
+    before = saved(session)["findings"]
+    session.close()
+    with feeler.open_project(path) as project:
+        found = project.clashes()
+        assert found is not None
+        assert [(row.status, row.note) for row in found] == [
+            ("approved", "drawn so"),
+            ("new", "only a note"),
+            ("new", ""),
+        ]
+        assert project.findings()[1]["note"] == "only a note"
+        assert [(line["status"], line["by"], line["note"]) for line in project.history()] == [
+            ("approved", "", "drawn so"),
+            ("new", "", "only a note"),
+        ]
+        again = feeler.clash(stand(), 0.01)
+        again.diff(found)
+        again.set_status(again[1].id, "reviewed", by="Ada", note="and more")
+        project.write_clashes(again)
+    session = opened(path)
+    document = session.document()["findings"]
+    session.close()
+    assert document["own_groups"] == before["own_groups"] and document["members"] == before["members"]
+    with feeler.open_project(path) as project:
+        now = project.clashes()
+        assert now is not None
+        assert [(row.status, row.by, row.note) for row in now] == [
+            ("approved", "", "drawn so"),
+            ("reviewed", "Ada", "and more"),
+            ("active", "", ""),
+        ]
+
+
+def test_an_ignored_finding_keeps_what_was_said_of_it(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    found = feeler.clash(stand(), 0.01)
+    found.set_status(found[0].id, "approved", by="Ada", note="drawn so")
+    with feeler.open_project(path, stand()) as project:
+        project.write_clashes(found)
+    session = opened(path)
+    version = session.document()["findings"]["version"]
+    session.command("finding_mark", {"version": version, "rows": [1], "status": "reviewed"})
+    for row in (0, 1):
+        a, b = found[row].path_a, found[row].path_b
+        session.command("finding_ignore", {"name": f"drawn {row}", "a": a, "b": b})
+    before = saved(session)
+    session.close()
+    session = opened(path)
+    assert session.document()["findings"] == before["findings"], "to the last byte"
+    session.command("clash_settings", {"rules": ""})
+    saved(session)
+    session.close()
+    with feeler.open_project(path) as project:
+        known = project.clashes()
+        assert known is not None and len(known) == len(found) - 2
+        again = feeler.clash(stand(), 0.01)
+        again.diff(known)
+        project.write_clashes(again)
+        assert [(row.status, row.by, row.note) for row in again][:2] == [
+            ("approved", "Ada", "drawn so"),
+            ("reviewed", "", ""),
+        ]
+        assert again.marks.of(found[0].id).approved_depth == found.marks.of(found[0].id).approved_depth
+
+
+@pytest.mark.parametrize("is_slow", [True, False])
+def test_what_was_undone_or_removed_is_not_there_again(tmp_path: Path, is_slow: bool) -> None:
+    """Several changes in one write come to the same as each in a write of its own."""
+    path = tmp_path / "a.feelproj"
+    report = feeler.clashes.report(feeler.clash(stand(), 0.01))
+    session = opened(path)
+
+    def do(name: str, /, **args: Any) -> dict[str, Any]:
+        session.command(name, args)
+        return saved(session) if is_slow else {}
+
+    def reopened() -> None:
+        nonlocal session
+        before = saved(session)["findings"]
+        session.close()
+        session = opened(path)
+        assert session.document()["findings"] == before
+
+    do("findings_open", findings=report)
+    version = session.document()["findings"]["version"]
+    do("finding_mark", version=version, rows=[0, 2], note="old")
+    do("finding_group_add", version=version, rows=[0, 1], name="mine")
+    reopened()
+    do("finding_group_remove", id=session.document()["findings"]["own_groups"][0]["id"])
+    do("finding_mark", version=version, rows=[0], note="new")
+    reopened()
+    assert not session.document()["findings"]["members"]
+    do("findings_open", findings=report)
+    do("finding_status", id=report["clashes"][2]["id"], status="reviewed")
+    reopened()
+    assert not session.document()["findings"]["notes"]
+    do("finding_mark", version=version, rows=[1], note="only a note")
+    checked = {**report, "clashes": [{**row, "status": "active"} for row in report["clashes"]]}
+    do("findings_open", findings=checked)
+    do("undo")
+    reopened()
+    session.close()
 
 
 def test_findings_without_ids_of_a_check_are_kept_too(tmp_path: Path) -> None:

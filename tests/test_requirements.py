@@ -151,3 +151,18 @@ def test_the_command(tmp_path: Path) -> None:
     answer = json.loads(run(*words, code=1).stdout)
     assert answer["holds"] is False and [each["status"] for each in answer["requirements"]] == ["holds", "violated"]
     assert json.loads(run(*words, "--without", "*flush").stdout)["holds"] is True
+
+
+@pytest.mark.parametrize("sides", [{"a": []}, {"b": []}, {"a": ()}])
+def test_a_side_without_patterns_holds_nothing(sides: dict[str, object]) -> None:
+    with pytest.raises(OptionError, match=r"requirement 1, requirement 'one': [ab] is empty: give a pattern"):
+        feeler.verify(yard(), {"requirement": [{"name": "one", "a": "pipes", "b": "duct", "gap": 0.1, **sides}]})
+
+
+def test_names_turn_no_terminal_red(tmp_path: Path) -> None:
+    write_glb(tmp_path / "yard.glb", yard())
+    (tmp_path / "r.toml").write_text(
+        '[[requirement]]\nname = "\\u001b[31mred\\u202e"\na = "*near"\nb = "*core"\ngap = 0\n'
+    )
+    said = run("verify", tmp_path / "yard.glb", "--requirements", tmp_path / "r.toml").stdout
+    assert "\x1b" not in said and "\\x1b[31mred\\u202e" in said

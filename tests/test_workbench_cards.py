@@ -191,6 +191,26 @@ def test_fasteners_that_a_tool_reaches(tmp_path: Path) -> None:
     assert bench.pose[2, 3] == 0.5
 
 
+def test_which_of_several_tools_reach_fasteners() -> None:
+    long = feeler.Tool(corners((-0.01, -0.01, 1e-4), (0.01, 0.01, 0.1)), BOX_FACES, "long")
+    wide = feeler.Tool(corners((-0.1, -0.1, 1e-4), (0.1, 0.1, 0.02)), BOX_FACES, "wide")
+    bench = Bench(long, mockup=bolts(), pose=at(0, 0, 0.5), tools=[wide])
+    card, answer = asked(bench, "access", tools=["wide", "long", "wide"])
+    assert card.title == "Which tool reaches which fasteners?" and card.options["tools"] == ["wide", "long"]
+    rows = {row["name"]: row for row in answer["reaches"]}
+    free, caught = rows["bolt_free"], rows["bolt_caught"]
+    assert free["tool"] == "wide" and free["tools"] == ["wide", "long"], "of equal ones the first"
+    assert caught["tool"] == "long" and caught["tools"] == [] and not caught["is_reachable"]
+    # A square of 20 mm turns by so much before a corner meets the wall, 12 mm away.
+    free_turn = 90.0 - 2.0 * math.degrees(math.acos(0.012 / math.hypot(0.01, 0.01)))
+    assert caught["swing_deg"] == pytest.approx(free_turn, abs=0.01)
+    assert card.is_good is False and card.sentence == "1 of 2 fasteners is reached, by the wide and long."
+    figures = {fact["name"]: fact["figure"] for fact in answer["facts"]}
+    assert figures == {"wide reaches": "1 of 2", "long reaches": "1 of 2"}
+    alone, _ = asked(bench, "access", tool="long")
+    assert alone.sentence == "The long reaches 1 of 2 fasteners."
+
+
 def test_an_answer_is_about_the_mock_up_as_it_stands() -> None:
     bench = Bench(mockup=chest())
     lid, _ = asked(bench, "removal", parts="lid")
@@ -421,6 +441,10 @@ def test_the_order_and_its_steps_into_the_sequence_and_a_record_of_it(tmp_path: 
         ({"question": "removal", "parts": 1, "tool": "wrench"}, "this question has no tool"),
         ({"question": "access", "tool": "wrench", "clearance": 0.1}, "this question has no clearance"),
         ({"question": "access"}, "the hand holds no tool"),
+        ({"question": "access", "tools": []}, "not a list of tools"),
+        ({"question": "access", "tools": ["wrench", "nonsense"]}, "there is no 'nonsense'"),
+        ({"question": "access", "tools": ["wrench"], "tool": "hand"}, "a tool beside them"),
+        ({"question": "removal", "parts": 1, "tools": ["wrench"]}, "this question has no tools"),
         ({"question": "access", "tool": "nonsense"}, "there is no 'nonsense'"),
         ({"question": "access", "tool": "wrench", "grip": "w"}, "there is no 'w'"),
         ({"question": "access", "tool": "wrench", "swing_deg": 0}, "swing_deg"),

@@ -12,7 +12,7 @@ from feeler.workbench.engine.engine import Engine
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
-from feeler.workbench.session.session import LEAST_TICK_S
+from feeler.workbench.session.session import IDLE_TICK_S, LEAST_TICK_S
 
 HALF = 0.03125  # of the cube
 
@@ -353,6 +353,44 @@ def test_no_two_rounds_begin_within_the_least_time_however_long_one_waits(monkey
     monkeypatch.setattr(session.engine, "tick", waited_for)
     session._loop()
     assert len(begun) == 30 and np.diff(begun).min() >= LEAST_TICK_S - 1e-9
+
+
+@pytest.mark.parametrize("mode", ["stop", "pass", "glide"])
+def test_an_engine_with_nothing_to_do_waits_long_and_wakes_at_once(mode: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.2), mode=mode)
+    session, engine = bench.session, bench.session.engine
+    waits: list[float] = []
+
+    class Wake:
+        def wait(self, timeout: float) -> None:
+            bench.clock.now += timeout
+            waits.append(timeout)
+            session._is_closed = len(waits) == 600
+
+        def clear(self) -> None:
+            pass
+
+        def set(self) -> None:
+            pass
+
+    monkeypatch.setattr("feeler.workbench.session.session.time.sleep", lambda _seconds: None)
+    monkeypatch.setattr(session, "_wake", Wake())
+    bench.wish(at(0.0, 0.0, 0.19))
+    bench.wish(at(0.0, 0.0, 0.2))
+    session._loop()
+    assert waits[0] == LEAST_TICK_S, "results with lower rates are due soon"
+    assert waits[-1] == IDLE_TICK_S and engine.is_idle
+    assert session.snapshot().is_current, "nothing is left to compute"
+    rate = session.snapshot().rate_hz
+    session.wish(at(0.0, 0.0, 0.25), 1, "mouse")
+    assert not engine.is_idle, "a wish is due at once"
+    bench.tick(LEAST_TICK_S)
+    assert engine.pose[2, 3] > 0.2 and session.snapshot().rate_hz >= 0.9 * rate
+    for _ in range(1000):
+        bench.tick(LEAST_TICK_S)
+    assert engine.is_idle and engine.pose[2, 3] == pytest.approx(0.25, abs=1e-4)
+    engine.play([at(0.0, 0.0, 0.3)], lambda: None)
+    assert not engine.is_idle, "a way that is played goes on"
 
 
 def test_a_hand_at_rest_makes_no_news() -> None:

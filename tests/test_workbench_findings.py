@@ -142,6 +142,40 @@ def test_statuses_and_notes_are_kept_by_the_next_check() -> None:
     assert checked(bench)["gone"] == 1, "the gap of the left post is none any more"
 
 
+def test_a_check_of_some_parts_loses_nothing_of_the_others() -> None:
+    bench = Bench(cube(), mockup=sunk())
+    checked(bench)
+    table = table_of(bench)
+    row = next(row for row in range(3) if PATHS[PEG] in (table.row_json(row)["a"], table.row_json(row)["b"]))
+    peg = table.ids[row]
+    bench.command("finding_mark", version=table.key, rows=[row], status="approved", note="by design")
+    bench.command("finding_group_add", version=table.key, rows=[row], name="for ada")
+    members = bench.document["findings"]["members"]
+    assert checked(bench, parts=[LEFT])["gone"] == 0 and peg not in table_of(bench).row_of
+    bench.command("take_tool", name=None)
+    bench.command("grip", parts=[PEG])
+    checked(bench)
+    bench.command("place", pose=list(bench.pose.ravel()))
+    bench.command("release")
+    checked(bench)
+    now = table_of(bench)
+    assert (now.status_of(peg), now.note_of(peg)) == ("approved", "by design")
+    assert now.marks[peg].approved_depth == pytest.approx(0.01)
+    assert bench.document["findings"]["members"] == members
+
+
+def test_what_is_said_while_a_check_of_some_parts_runs_is_not_lost() -> None:
+    bench = Bench(cube(), mockup=sunk())
+    checked(bench)
+    taken = bench.session.job("clash", {"parts": [LEFT]}).result(WAIT_S)
+    before = table_of(bench).ids
+    for name in before:
+        bench.command("finding_status", id=name, status="reviewed")
+    bench.command("findings_take", key=taken["key"])
+    checked(bench)
+    assert [table_of(bench).status_of(name) for name in before] == ["reviewed"] * 3
+
+
 def test_rules_hold_and_one_that_names_nothing_is_told() -> None:
     bench = Bench(cube(), mockup=sunk())
     rules = (
@@ -397,9 +431,9 @@ def test_verdicts_that_are_none_are_refused() -> None:
     number = bench.command("requirement_add", name="one", a="*left", b="*plate", gap=0.002)["id"]
     (good,) = bench.session.job("verify", {}).result(WAIT_S)
     for changes in ({"status": "so so"}, {"gap": "x"}, {"points": [[1, 2]]}, {"moved": []}, {"pairs": None}):
-        with pytest.raises(WorkbenchError, match="these are no verdicts"):
+        with pytest.raises(WorkbenchError, match="they are not verdicts"):
             bench.command("requirements_checked", results=[{"id": number, "verdict": {**good["verdict"], **changes}}])
-    with pytest.raises(WorkbenchError, match="these are no verdicts"):
+    with pytest.raises(WorkbenchError, match="a verdict has no 'verdict'; send the results"):
         bench.command("requirements_checked", results=[{"id": number}])
 
 

@@ -21,9 +21,9 @@ def test_an_outbox_keeps_messages_in_order_and_counts_them() -> None:
 def test_of_progress_the_newest_counts() -> None:
     outbox = Outbox(most_waiting=1)
     for i in range(100):
-        outbox.put_progress(1, f"one {i}")
-        outbox.put_progress(2, f"two {i}")
-    outbox.end_progress(2)
+        outbox.put_newest(1, f"one {i}")
+        outbox.put_newest(2, f"two {i}")
+    outbox.drop_newest(2)
     assert outbox.put("event")
     assert [outbox.take() for _ in range(3)] == ["event", "one 99", None]
 

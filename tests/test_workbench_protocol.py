@@ -146,6 +146,7 @@ OPENS: openings.Opens = {
     "most_bytes": 1000,
     "most_files": 2,
 }
+CAMERA: protocol.Camera = {"position": (0, 0, 1), "target": (0, 0, 0), "up": (0, 1, 0), "fov_rad": 0.8}
 TEXT_FROM_SERVER = [
     protocol.Welcome(1, "s", DOCUMENT, 5, False, True, None, {"feeler": "0.1.0"}, OPENS),
     protocol.Patch(6, {"hidden": [1, 2], "explode": 0.25}, "hide", 3, 0),
@@ -164,6 +165,13 @@ TEXT_FROM_SERVER = [
     protocol.BenchmarkWanted(12, 5),
     protocol.Answer(4, {"distance": 1.5}),
     protocol.Refusal(None, {"what": "is wrong", "where": "here", "do": "that"}),
+    protocol.People(
+        2,
+        [{"id": 2, "name": "Ann <b>", "colour": 0, "is_away": False}],
+        {"kind": "page", "person": 2, "is_free": False, "asked": [3]},
+    ),
+    protocol.People(2, [], {"kind": None, "person": None, "is_free": True, "asked": []}),
+    protocol.Seen(3, None, [1, 2], CAMERA),
 ]
 TEXT_FROM_PAGE = [
     protocol.Hello(1, "token", None, 0),
@@ -176,6 +184,9 @@ TEXT_FROM_PAGE = [
     protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
     openings.SendFiles(6, [{"name": "a <b>.stl", "bytes": 84}]),
     openings.OpenMockup(8, 1, None, "mm"),
+    protocol.Named("Ann <b>"),
+    protocol.Here((0.5, 0.0, 1.0), [4], CAMERA, True),
+    protocol.Turning(9, "give", 3),
 ]
 
 
@@ -385,9 +396,14 @@ json_values = st.recursive(
     lambda inside: st.lists(inside, max_size=4) | st.dictionaries(st.text(max_size=10), inside, max_size=4),
     max_leaves=20,
 )
-kinds = st.sampled_from(["hello", "pose", "ack", "command", "ask", "job", "cancel", "shot", "state"])
+kinds = st.sampled_from(
+    ["hello", "pose", "ack", "command", "ask", "job", "cancel", "shot", "state", "name", "here", "turn"]
+)
 fields = st.sampled_from(
-    ["seq", "id", "name", "args", "token", "protocol", "session", "last_event", "arrays", "source"]
+    [
+        *("seq", "id", "name", "args", "token", "protocol", "session", "last_event", "arrays", "source"),
+        *("point", "selection", "camera", "is_moving", "wish", "to"),
+    ]
 )
 
 

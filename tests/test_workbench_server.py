@@ -731,7 +731,12 @@ json_values = st.recursive(
     max_leaves=10,
 )
 kinds = st.sampled_from([*(each.__dict__["KIND"] for each in protocol.FROM_PAGE), "state", "", None])
-fields = st.sampled_from(["seq", "id", "name", "args", "token", "protocol", "arrays", "source", "png_base64"])
+fields = st.sampled_from(
+    [
+        *("seq", "id", "name", "args", "token", "protocol", "arrays", "source", "png_base64"),
+        *("point", "selection", "camera", "is_moving", "wish", "to"),
+    ]
+)
 messages = st.builds(lambda kind, rest: json.dumps({**rest, "kind": kind}), kinds, st.dictionaries(fields, json_values))
 headed = st.builds(lambda text, body: struct.pack("<II", 1, len(text)) + text.encode() + body, messages, st.binary())
 

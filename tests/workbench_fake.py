@@ -8,6 +8,7 @@ import json
 import queue
 import socket
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import IO, Any
@@ -22,6 +23,7 @@ from feeler.workbench.document import protocol
 from feeler.workbench.document.openings import Opens
 from feeler.workbench.document.protocol import decode_from_server, encode
 from feeler.workbench.files import File
+from feeler.workbench.session.people import PeopleOf
 
 FILES = {
     "/": File("text/html; charset=utf-8", b"<!doctype html><title>page</title>"),
@@ -67,6 +69,7 @@ class FakeSession:
         self.pages = 0
         self.is_recording = True
         self.openings = FakeOpenings()
+        self.people = PeopleOf(time.monotonic, parts=lambda: 5)
         self.events: list[dict[str, Any]] = []
         self.wishes: queue.Queue[tuple[np.ndarray, int, str]] = queue.Queue()
         self.done: list[tuple[str, dict[str, Any]]] = []
@@ -117,15 +120,22 @@ class FakeSession:
         self._watchers.append(listener)
         return lambda: self._watchers.remove(listener)
 
-    def wish(self, pose: np.ndarray, seq: int, source: str) -> None:
+    def wish(self, pose: np.ndarray, seq: int, source: str, by: int) -> bool:
         if seq == 666:
             raise ZeroDivisionError("a secret")
+        if not self.people.may_move(by):
+            return False
         self.wishes.put((pose, seq, source))
+        return True
+
+    def turn(self, person: int, turning: protocol.Turning) -> dict[str, Any]:
+        self.people.turn(person, turning)
+        return {}
 
     def hand_gone(self) -> None:
         self.gone.set()
 
-    def command(self, name: str, args: dict[str, Any]) -> Any:
+    def command(self, name: str, args: dict[str, Any], by: int = 0) -> Any:
         if name == "wrong":
             raise WorkbenchError("no such part", "wrong.parts", "look at the tree")
         if name == "broken":
@@ -261,11 +271,17 @@ class Page:
         self.socket.send(frame)
 
     def receive(self) -> Any:
+        """The next message that is not about people."""
+        while isinstance(message := self.any(), protocol.People | protocol.Seen):
+            pass
+        return message
+
+    def any(self) -> Any:
         return decode_from_server(self.socket.recv(WAIT_S))
 
-    def next(self, kind: type) -> Any:
+    def next(self, kind: type, where: Callable[[Any], bool] = lambda message: True) -> Any:
         """The next message of a kind; others are left out."""
-        while not isinstance(message := self.receive(), kind):
+        while not (isinstance(message := self.any(), kind) and where(message)):
             pass
         return message
 

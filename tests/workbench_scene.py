@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,7 @@ class Bench:
         record: Path | None = None,
         mockup: feeler.Mockup | None = None,
         absent: list[int] | None = None,
+        tools: Iterable[feeler.Tool] = (),
     ) -> None:
         """absent: parts that are left out of the scene."""
         self.clock = Clock()
@@ -80,7 +82,7 @@ class Bench:
         self.session.subscribe(self.events.append)
         self.mockup = mockup or stand()
         self.scene = feeler.Scene(self.mockup).without(absent or [])
-        self.session.open(self.mockup, self.scene, tool, pose=pose, mode=mode, tools=[cube(0.03125, "small")])
+        self.session.open(self.mockup, self.scene, tool, pose=pose, mode=mode, tools=[cube(0.03125, "small"), *tools])
         self.seq = 0
         self.tick()
 

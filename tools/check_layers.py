@@ -340,8 +340,10 @@ INNER_ROOMS: dict[str, dict[str, set[str]]] = {
         "document": set(),
         # What the hand holds and meets; knows of no page.
         "engine": {"document"},
+        # One report of a document: rows, pictures and files.
+        "report": {"document", "engine"},
         # Document, engine, jobs and record together; knows of no socket.
-        "session": {"document", "engine", "files"},
+        "session": {"document", "engine", "files", "report"},
         # Knows the session through a protocol of its own.
         "net": {"document", "files"},
         # `feeler.view`.

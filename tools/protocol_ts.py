@@ -38,9 +38,12 @@ ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1":
 
 
 SHARES = {
-    "document/protocol": ("document/protocol_findings", "document/answers"),
+    "document/protocol": (
+        *("document/protocol_values", "document/protocol_people"),
+        *("document/protocol_findings", "document/answers"),
+    ),
     "document/commands": ("document/finding_commands", "document/requirement_commands", "document/cards"),
-    "session/asking": ("session/finding_jobs", "session/requirement_jobs"),
+    "session/asking": ("session/finding_jobs", "session/report_jobs", "session/requirement_jobs"),
 }
 """Modules that hold a part of another one's messages or tables."""
 

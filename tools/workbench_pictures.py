@@ -31,7 +31,7 @@ SIZE = (1280, 800)
 SHARP_MS = 6000  # in which a view that stands is drawn again and again, and averaged
 SETTINGS = '{"has_seen_tour": true, "has_first_run": false, "is_muted": true}'
 
-PUMP, STARTER = "gearbox/fuel_pump", "gearbox/starter"
+PUMP, STARTER, COVER = "gearbox/fuel_pump", "gearbox/starter", "gearbox/covers/main_front"
 UNION_NUT = "gearbox/lines/vent_hose/union_nut_1"
 AT_NUT = ((0.115, -0.21, 0.29), (0.195, -0.045, 0.13))
 AT_TOP = ((-0.15, -0.42, 0.46), (0.03, -0.03, 0.12))
@@ -88,9 +88,11 @@ class Desk:
         return self.seen((x, y, z + 1.0), (0.0, 0.0, -1.0))
 
     def middle(self, path: str) -> np.ndarray:
-        """Of a part's box, where it was loaded (3,)."""
+        """Of a part's box, or of that of a group's parts, where they were loaded (3,)."""
         mockup = self.session.scene.mockup
-        middle: np.ndarray = mockup.part_bounds.reshape(-1, 2, 3)[mockup.part_paths.index(path)].mean(axis=0)
+        rows = [k for k, each in enumerate(mockup.part_paths) if each == path or each.startswith(f"{path}/")]
+        boxes = mockup.part_bounds.reshape(-1, 2, 3)[rows]
+        middle: np.ndarray = (boxes[:, 0].min(axis=0) + boxes[:, 1].max(axis=0)) / 2.0
         return middle
 
     def wrench_at_nut(self, back: float) -> np.ndarray:
@@ -98,6 +100,17 @@ class Desk:
         pose = flat(self.middle(UNION_NUT), ACROSS)
         pose[:3, 3] += back * pose[:3, 2]
         return pose
+
+    def ask(self, question: str, parts: list[str], **args: Any) -> None:
+        """A question, and its answer opened."""
+        number = self.command("ask", question=question, parts=parts, **args)["id"]
+        self.press("Alt+2")
+        self.page.wait_for_function(
+            "id => window.feeler.document.cards.some(card => card.id === id && card.state === 'done')", arg=number
+        )
+        card = self.page.locator("#panel li.question").first
+        if card.locator("button[aria-expanded=true]").count() == 0:
+            card.locator("button[aria-expanded]").click()
 
     def search(self, words: str) -> None:
         """In the tree of parts."""
@@ -137,16 +150,21 @@ def section(desk: Desk) -> None:
     desk.press("Alt+3")
 
 
-def removal(desk: Desk) -> None:
-    """A gearbox that is taken apart: a starter whose nuts and washers are out, on its way."""
-    desk.command("take_tool", name=None)
-    desk.look(*AT_TOP)
+def clear_starter(desk: Desk) -> None:
+    """The starter's nuts and washers are taken out and laid aside."""
     for name, parts, aside in (("nuts", "nut_*", 0.2), ("washers", "washer_*", 0.0)):
         desk.command("grip", parts=f"{STARTER}/{parts}")
         desk.shift(0.0, 0.0, 0.12)
         desk.shift(-0.5, aside, 0.0)
         number = desk.command("release")["id"]
         desk.command("sequence_rename", id=number, name=name)
+
+
+def removal(desk: Desk) -> None:
+    """A gearbox that is taken apart: a starter whose nuts and washers are out, on its way."""
+    desk.command("take_tool", name=None)
+    desk.look(*AT_TOP)
+    clear_starter(desk)
     desk.command("grip", parts=[f"{STARTER}/{name}" for name in ("body", "o_ring", "terminal_*")])
     desk.shift(0.0, 0.0, 0.06)
     desk.press("Alt+5")
@@ -180,6 +198,23 @@ def findings(desk: Desk) -> None:
     desk.page.wait_for_timeout(1000)  # until the others are ghosts
 
 
+def way(desk: Desk) -> None:
+    """Can it come out: the film of the starter's way, half way, with the curve of its gap."""
+    desk.command("take_tool", name=None)
+    desk.look(*AT_TOP)
+    clear_starter(desk)
+    desk.ask("removal", [f"{STARTER}/{name}" for name in ("body", "drive_shaft", "o_ring", "terminal_*")])
+    desk.page.locator("#panel").get_by_role("slider").fill("450")
+
+
+def reach(desk: Desk) -> None:
+    """Which tool reaches its bolts: heads in the colours of the answer, the tool seated, its swing as a fan."""
+    x, y, z = desk.middle(COVER).tolist()
+    desk.look((x - 0.25, y - 0.45, z + 0.3), (x, y, z))
+    desk.ask("access", [f"{COVER}/bolt_*"], tools=["torque", "wrench", "hand"])
+    desk.page.locator("#panel ul.reaches li.is-good button").first.click()
+
+
 @dataclass(frozen=True)
 class Picture:
     """A picture and its mock-up: a name of `feeler.sample`, its triangles, the faults planted."""
@@ -200,6 +235,8 @@ PICTURES = {
     "pass": Picture(passing),
     "section": Picture(section),
     "removal": Picture(removal),
+    "way": Picture(way, ("gearbox", 100_000, ())),
+    "reach": Picture(reach, ("gearbox", 100_000, ()), theme="light"),
     "measures": Picture(measures, theme="light"),
     "findings": Picture(findings, ("gearbox", 400_000, ("pipe_clash",))),
 }

@@ -18,6 +18,7 @@ from feeler.progress import Progress
 
 MOST_THREADS = 1024
 _MOST_SHOWN = 80
+_MOST_NAMED = 60
 
 T = TypeVar("T")
 Word = TypeVar("Word", bound=str)
@@ -109,7 +110,7 @@ def check_path(what: str, value: object, error: type[FeelerError] = OptionError)
             text = os.fspath(value)
         except TypeError:
             text = None  # a path that gives something else than text
-        if isinstance(text, str) and "\0" not in text and _is_writable(text, os.fsencode):
+        if isinstance(text, str) and text and "\0" not in text and _is_writable(text, os.fsencode):
             return Path(text)
     raise error(f"{what} is {shown(value)}: give the path of a file")
 
@@ -202,9 +203,11 @@ def check_progress(progress: Progress | None) -> Progress | None:
 
 
 def near(asked: object, known: Iterable[str], none: str = "there is none") -> str:
-    """A hint with similar words, or with all known words; `none` if there are none."""
+    """A hint with similar words, or with all known words if they are few; `none` if there are none."""
     words = list(known)
     alike = difflib.get_close_matches(asked, words, 3, 0.5) if isinstance(asked, str) else []
     if alike:
         return f"do you mean {' or '.join(alike)}?"
+    if len(words) > _MOST_NAMED:
+        return f"choose one of the {len(words):,}, such as {words[0]}"
     return f"choose {', '.join(words)}" if words else none

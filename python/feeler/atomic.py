@@ -93,6 +93,8 @@ def atomic_file(path: str | os.PathLike[str], *endings: str) -> Iterator[BinaryI
     Readers see the old file or the new one, never half of one. Raises `WriteError`.
     """
     target = check_target(path, *endings)
+    if target.is_symlink():  # the file that it names is written, and the link stays
+        target = check_target(os.path.realpath(target))
     # In the same folder, because a rename across disks is not atomic. Most systems end names at 255 bytes, and a
     # character has up to four.
     temporary = target.with_name(f".{target.name[:32]}.{secrets.token_hex(6)}.part")

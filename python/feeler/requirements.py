@@ -67,6 +67,9 @@ class Requirement:
             raise OptionError("a requirement has no name: give one")
         # A rule has the same patterns, and its own checks name what is wrong.
         rule = Rule(self.name, self.a, self.b, optional=self.optional)
+        for side, words in (("a", rule.a), ("b", rule.b)):
+            if not words:
+                raise OptionError(f"requirement {self.name!r}: {side} is empty: give a pattern, or several")
         object.__setattr__(self, "a", rule.a)
         object.__setattr__(self, "b", rule.b)
         check_length(f"requirement {self.name!r}: gap", self.gap)

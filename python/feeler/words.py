@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 
 
 def length(metres: float) -> str:
@@ -37,6 +38,21 @@ def counted(number: int, sentence: str) -> str:
         words[noun] = _SINGULARS.get(words[noun], words[noun].removesuffix("s"))
         words[noun + 1 :] = [_VERBS.get(word, word) for word in words[noun + 1 :]]
     return "1 " + " ".join(words) + rest
+
+
+def printable(text: str) -> str:
+    """Text without the control characters of terminals, which names in files may have: they are shown as code."""
+    return "".join(each if each in "\n\t" or each.isprintable() or each == "\xa0" else _code(each) for each in text)
+
+
+def _code(letter: str) -> str:
+    """A character as Python writes it; other separators and joiners of words stay as they are."""
+    is_control = unicodedata.category(letter) in ("Cc", "Cs") or letter in _BIDI
+    return letter.encode("unicode_escape").decode() if is_control else letter
+
+
+_BIDI = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+"""Characters that turn the order of the text after them."""
 
 
 _PLURALS = {

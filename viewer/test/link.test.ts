@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeBinary } from "../src/link/frames";
 import { Link, type LinkError, type Socket, takeToken } from "../src/link/link";
-import type { ServerEvent, State, Welcome } from "../src/link/protocol";
+import type { People, Seen, ServerEvent, State, Welcome } from "../src/link/protocol";
 
 /** A server that a test plays by hand. */
 class FakeSocket implements Socket {
@@ -54,6 +54,8 @@ function setUp() {
     welcomes: [] as Welcome[],
     states: [] as State[],
     events: [] as ServerEvent[],
+    people: [] as People[],
+    seen: [] as Seen[],
   };
   const link = new Link({
     url: "ws://127.0.0.1:1/",
@@ -63,6 +65,8 @@ function setUp() {
       onWelcome: (welcome) => told.welcomes.push(welcome),
       onState: (state) => told.states.push(state),
       onEvent: (event) => told.events.push(event),
+      onPeople: (people) => told.people.push(people),
+      onSeen: (seen) => told.seen.push(seen),
     },
     open: () => {
       const socket = new FakeSocket();

@@ -17,9 +17,10 @@ from xml.etree import ElementTree
 from feeler.arguments import check_kind, check_progress, check_text, check_whole
 from feeler.atomic import atomic_file
 from feeler.choices import GroupBy
+from feeler.clashes.bcf_notes import SYSTEM, comment_of
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
-from feeler.clashes.tracking import derived_id
+from feeler.clashes.tracking import Mark, derived_id
 from feeler.clashes.verdict import SEVERITIES, Verdict
 from feeler.clashes.words import sentence, title
 from feeler.mockup import Mockup
@@ -32,8 +33,9 @@ MOST_TOPICS = 100
 """Most topics in a file, one for each of the worst groups. Nobody reads thousands."""
 MOST_LINES = 50
 """Most findings that the description of a topic lists."""
+MOST_COMMENT_TEXT = 1_000_000
+"""Most characters of the comments of a topic, those of the worst findings first."""
 
-SYSTEM = "feeler"
 _STATUSES = ("new", "active", "reviewed", "approved")
 _COLOURS = ("4580CC", "FF850D")  # of the first and the second part, as in the picture
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time that a zip can store: equal findings give equal bytes
@@ -56,8 +58,9 @@ def write_bcf(
 ) -> int:
     """Writes a topic for each of the `most` worst groups, with a viewpoint and a picture. Returns the number of topics.
 
-    The viewpoint and the picture show the worst finding of the group. `AuthoringToolId` holds the path of a part. by:
-    how to group, as in `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`,
+    The viewpoint and the picture show the worst finding of the group. `AuthoringToolId` holds the path of a part. A
+    finding with a note, or with another status than its topic, has a comment, which `apply_bcf` reads back. by: how to
+    group, as in `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`,
     and `OptionError` if the clashes are of another mock-up or `most` is less than 1.
     """
     from feeler.clashes.pictures import Pictures
@@ -151,6 +154,8 @@ def _extensions(author: str) -> Element:
 def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, author: str, date: str) -> Element:
     members = group.clashes
     statuses = set(members.statuses.tolist())
+    # The least reviewed finding gives the status of the topic.
+    status = next((each for each in _STATUSES if each in statuses), "new")
     labels = sorted(set(members.verdicts.tolist()))
     lines = [f"{sentence(clash)} ({clash.path_a}; {clash.path_b}; {clash.id})" for clash in members[:MOST_LINES]]
     if len(members) > MOST_LINES:
@@ -164,8 +169,7 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
         {
             "Guid": guid,
             "TopicType": "Clash",
-            # The least reviewed finding gives the status of the topic.
-            "TopicStatus": next((each for each in _STATUSES if each in statuses), "new"),
+            "TopicStatus": status,
         },
         _element("Title", {}, _shortened(title(group))),
         _element("Priority", {}, group.worst.severity),
@@ -186,8 +190,29 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
             ),
         ),
     )
+    comments = _comments(group, guid, status, author, date)
+    if comments:
+        # The schema wants them between the description and the viewpoints.
+        topic.insert(len(topic) - 1, _element("Comments", {}, *comments))
     header = [_element("Header", {}, _element("Files", {}, *files))] if files else []
     return _element("Markup", {}, *header, topic)
+
+
+def _comments(group: Group, guid: str, status: str, author: str, date: str) -> list[Element]:
+    """A comment for each finding of which the topic does not say enough."""
+    found, size = [], 0
+    for clash in group.clashes:
+        mark = Mark(clash.status, clash.by, clash.note)
+        text = comment_of(clash.id, mark, sentence(clash), status)
+        if text is None:
+            continue
+        size += len(text)
+        if size > MOST_COMMENT_TEXT:
+            break
+        by = _element("Author", {}, _named(mark.by, author))
+        said = _element("Date", {}, date), by, _element("Comment", {}, text)
+        found.append(_element("Comment", {"Guid": derived_id("comment", guid, clash.id)}, *said))
+    return found
 
 
 def _viewpoint(clash: Clash, view: View, guid: str) -> Element:

@@ -7,17 +7,20 @@ type is refused, since entities can grow without bound.
 from __future__ import annotations
 
 import io
+import math
 import os
 import re
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import datetime, timezone
 from typing import IO
 from xml.parsers import expat
 
 from feeler.arguments import check_kind, check_list, check_path
 from feeler.choices import GROUPS_BY, Status
+from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, note_of
 from feeler.clashes.result import Clashes
 from feeler.clashes.tracking import derived_id
 from feeler.errors import LoadError, MissingFileError
@@ -34,7 +37,6 @@ MOST_UNPACKED_BYTES = 256 << 20
 """Bytes of all XML documents, unpacked."""
 _MOST_LEVELS = 64
 _MOST_ELEMENTS = 200_000  # of one document
-_MOST_NOTE = 10_000  # characters of the note of a finding
 _BLOCK_BYTES = 1 << 16
 
 _UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
@@ -127,9 +129,10 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
 
     A topic belongs to the findings that its description names, else to those of its group (`write_bcf` derives GUIDs
     from groups), else to those of the pair of parts that its viewpoint selects. Comments become the note, newest last;
-    one that the note has already is not added again. A status without a counterpart here goes into the note. Statuses
-    of trackers: open and new become new; active and in progress, active; resolved and closed, reviewed (the next check
-    finds what is gone); approved and accepted become approved.
+    one that the note has already is not added again. A comment of `write_bcf` belongs to the one finding that it names;
+    its status counts if the topic still has the status that it had then. A status without a counterpart here goes into
+    the note. Statuses of trackers: open and new become new; active and in progress, active; resolved and closed,
+    reviewed (the next check finds what is gone); approved and accepted become approved.
     """
     check_kind("clashes", clashes, Clashes, "feeler.Clashes")
     given = check_list("topics", topics, "a list of feeler.clashes.Topic")
@@ -137,15 +140,24 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
     statuses, notes, unknown = [], [], []
     for topic in given:
         topic = check_kind("topics", topic, Topic, "a list of feeler.clashes.Topic")
-        found = finder.of(topic)
+        word = topic.status.strip().lower()
+        own, topic = _split(replace(topic, comments=tuple(sorted(topic.comments, key=_time))))
+        is_untouched = any(said.topic == word for _, said in own.values())
+        found = tuple(dict.fromkeys((*finder.of(topic), *(each for each in own if finder.has(each)))))
         if not found:
             unknown.append(topic)
-        status = _STATUSES.get(topic.status.strip().lower())
         for each in found:
-            before = clashes.marks.of(each)
-            after = replace(before, note=noted(before.note, topic))
+            before, status = clashes.marks.of(each), _STATUSES.get(word)
+            note, by = before.note, topic.comments[-1].author if topic.comments else before.by
+            if is_untouched and each not in own:
+                status = None
+            if each in own:
+                author, said = own[each]
+                note = _joined([note, said.note])
+                if said.topic == word:
+                    status, by = said.status, "" if author == SYSTEM else author
+            after = replace(before, note=noted(note, topic))
             if status is not None and status != before.status and before.status != "resolved":
-                by = topic.comments[-1].author if topic.comments else before.by
                 clashes.marks.set(each, status, finder.depth(each), by, after.note)
                 statuses.append(each)
             elif after != before:
@@ -153,6 +165,15 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
             if after.note != before.note:
                 notes.append(each)
     return BcfChanges(tuple(dict.fromkeys(statuses)), tuple(dict.fromkeys(notes)), tuple(unknown))
+
+
+def _time(comment: Comment) -> float:
+    """When a comment was written; those without a date come first."""
+    try:
+        date = datetime.fromisoformat(re.sub(r"[zZ]$", "+00:00", comment.date.strip()))
+        return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()
+    except (ValueError, OverflowError):
+        return -math.inf
 
 
 def noted(note: str, topic: Topic) -> str:
@@ -163,11 +184,29 @@ def noted(note: str, topic: Topic) -> str:
     for comment in topic.comments:
         text = " ".join(comment.text.split())
         lines.append(f"{comment.author}: {text}" if comment.author else text)
+    return _joined(lines)
+
+
+def _joined(lines: Iterable[str]) -> str:
+    """Lines as one note, each once."""
     kept: list[str] = []
     for line in lines:
         if line and not any(line in before.split("; ") or line == before for before in kept):
             kept.append(line)
-    return "; ".join(kept)[:_MOST_NOTE]
+    return "; ".join(kept)[:LONGEST_NOTE]
+
+
+def _split(topic: Topic) -> tuple[dict[str, tuple[str, FindingNote]], Topic]:
+    """The author and content of the comments on single findings, by finding, and the topic without these comments."""
+    own: dict[str, tuple[str, FindingNote]] = {}
+    rest = []
+    for comment in topic.comments:
+        said = note_of(comment.text)
+        if said is None:
+            rest.append(comment)
+        else:
+            own[said.finding] = (comment.author, said)
+    return own, replace(topic, comments=tuple(rest))
 
 
 class _Finder:
@@ -193,6 +232,10 @@ class _Finder:
         if topic.guid in self._groups:
             return self._groups[topic.guid]
         return tuple(self._pairs.get(frozenset(topic.parts), ()))
+
+    def has(self, each: str) -> bool:
+        """Whether a finding has this id."""
+        return each in self._ids
 
     def depth(self, each: str) -> float:
         """The signed depth of a finding."""

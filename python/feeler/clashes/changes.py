@@ -83,13 +83,18 @@ def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
     known = _known(before, shapes)
     _check_match(known, shapes)
     marks, left = _carried(now, known, growth)
-    if now.is_partial:
-        # A check that was stopped did not check all pairs: findings that it misses keep their status.
-        earlier = _waiting(known, left, shapes)
-    else:
-        gone = [each.table[rows] for each, rows in zip(known, left, strict=True)]
-        earlier = joined(gone, [table.keys for table in gone], None, "resolved")
+    # Findings of pairs that were not checked, or that a rule hides now, keep their status.
+    skipped = [_skipped(now, each, rows) for each, rows in zip(known, left, strict=True)]
+    waiting = _waiting(known, [rows[is_out] for rows, is_out in zip(left, skipped, strict=True)], shapes)
+    gone = [each.table[rows[~is_out]] for each, rows, is_out in zip(known, left, skipped, strict=True)]
+    resolved = joined(gone, [table.keys for table in gone], None, "resolved")
+    earlier = waiting if not len(resolved) else resolved
+    if len(waiting) and len(resolved):
+        both = waiting, resolved
+        earlier = joined(both, [table.keys for table in both], waiting._shapes)
     now.marks.replace(marks)
+    ended = {*resolved.ids, *marks}
+    now.marks.aside = {each: mark for each, mark in before.marks.aside.items() if each not in ended}
     now._set_earlier(earlier)
     return known[0].match()
 
@@ -120,10 +125,33 @@ def _carried(
                 lost.append(row)
         left.append(np.array(lost, dtype=np.intp))
     after = {}
+    aside = known[0].table.marks.aside
     rows = zip(now.rules.tolist(), now.parts_a.tolist(), now.parts_b.tolist(), strict=True)
     for each_id, depth, (rule, a, b) in zip(now.ids, now.signed_depths.tolist(), rows, strict=True):
-        after[each_id] = followed(before.get(_pair(rule, keys[a], keys[b])), depth, growth)
+        known_mark = before.get(_pair(rule, keys[a], keys[b]), aside.get(each_id))
+        after[each_id] = followed(known_mark, depth, growth)
     return after, left
+
+
+def _skipped(now: Table, known: _Known[AnyTable], rows: npt.NDArray[np.intp]) -> npt.NDArray[np.bool_]:
+    """Which rows of an earlier table this check did not look at."""
+    if now.is_partial:
+        return np.ones(len(rows), dtype=bool)
+    found = np.zeros(len(rows), dtype=bool)
+    if now._scope is None or not len(rows):
+        return found
+    part_of_key = {key: part for part, key in enumerate(now.keys)}
+    pairs = [*known.rows()]
+    places, sides = [], []
+    for place, row in enumerate(rows.tolist()):
+        pair, _ = pairs[row]
+        if pair is not None and pair[1] in part_of_key and pair[2] in part_of_key:
+            places.append(place)
+            sides.append((part_of_key[pair[1]], part_of_key[pair[2]]))
+    if sides:
+        a, b = np.array(sides, dtype=np.uint32).T
+        found[places] = now._scope.leaves_out(a, b)
+    return found
 
 
 def _waiting(known: Sequence[_Known[AnyTable]], left: Sequence[npt.NDArray[np.intp]], now: Shapes) -> AnyTable:

@@ -18,6 +18,7 @@ from feeler.clashes.limits import Limits, limits, only_with
 from feeler.clashes.openness import open_holders
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike, is_chord, rules_from
+from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.errors import MeshError, OptionError
@@ -125,7 +126,13 @@ def clash(
         open_parts=tuple(mockup.part_paths[part] for part in rims),
     )
     clashes = Clashes(
-        columns, mockup.part_paths, found.names, facts=facts, is_partial=is_partial, shapes=PartShapes(mockup)
+        columns,
+        mockup.part_paths,
+        found.names,
+        facts=facts,
+        is_partial=is_partial,
+        shapes=PartShapes(mockup),
+        scope=Scope.of(found, present),
     )
     if is_partial:
         raise ClashInterrupted(clashes)

@@ -23,7 +23,7 @@ from feeler.parts import Parts
 
 Ints = npt.NDArray[np.uint32]
 
-_Hider = Callable[[Ints, Ints, npt.NDArray[np.int32]], npt.NDArray[np.bool_]]
+Hider = Callable[[Ints, Ints, npt.NDArray[np.int32]], npt.NDArray[np.bool_]]
 """Returns which pairs of parts are hidden, given both parts and their rule."""
 
 NOT_ASKED = -1.0
@@ -40,7 +40,7 @@ class Limits:
     names, severities: of each rule; the last is for pairs that no rule names. of_classes: `(classes, classes)`, the
     rule of each pair of classes, -1 for pairs to skip. class_of_part: `(parts,)`. clearance, contact: `(classes,
     classes)` metres. exclude: `(k, 2)` pairs of parts to skip. hiding: the names of exclusions and of rules with a
-    level, in the order in which they are tried. asked: name, clearance and contact of each rule, metres.
+    level, in the order in which `hiders` are tried. asked: name, clearance and contact of each rule, metres.
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ class Limits:
     exclude: npt.NDArray[np.uint32]
     hiding: tuple[str, ...] = ()
     asked: tuple[tuple[str, float, float], ...] = ()
-    _hiders: tuple[_Hider, ...] = ()
+    hiders: tuple[Hider, ...] = ()
 
     def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
         """The rule of each pair of parts; -1 for pairs to skip."""
@@ -62,7 +62,7 @@ class Limits:
         """The first of `hiding` that hides each pair of parts; -1 for visible pairs."""
         found = np.full(len(a), -1, dtype=np.int32)
         rule = self.rule_of(a, b)
-        for number, hider in enumerate(self._hiders):
+        for number, hider in enumerate(self.hiders):
             found[(found < 0) & hider(a, b, rule)] = number
         return found
 
@@ -141,35 +141,43 @@ def both_sides(parts: Parts, each: Rule | Exclusion) -> tuple[npt.NDArray[np.boo
     return _Named(parts, [part.path for part in parts], "rules").both(repr(each.name), each)
 
 
-def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | None) -> list[tuple[str, _Hider]]:
+def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | None) -> list[tuple[str, Hider]]:
     """Exclusions, then rules with a level, by name, each with its test for pairs to hide."""
-    found: list[tuple[str, _Hider]] = []
+    found: list[tuple[str, Hider]] = []
     for each in rules.exclusions:
         if each.same_assembly:
-            found.append((each.name, _within(sub_assemblies(paths, each.same_assembly))))
+            found.append((each.name, _Within(sub_assemblies(paths, each.same_assembly))))
         elif each.fasteners:
-            found.append((each.name, _between(fastener_mask(paths, shaped), np.ones(len(paths), dtype=bool))))
+            found.append((each.name, _Between(fastener_mask(paths, shaped), np.ones(len(paths), dtype=bool))))
         else:
-            found.append((each.name, _between(*named.both(f"exclusion {each.name!r}", each))))
+            found.append((each.name, _Between(*named.both(f"exclusion {each.name!r}", each))))
     for number, rule in enumerate(rules.rules):
         if rule.level:
-            found.append((rule.name, _within(sub_assemblies(paths, rule.level), number)))
+            found.append((rule.name, _Within(sub_assemblies(paths, rule.level), number)))
     return found
 
 
-def _between(one: npt.NDArray[np.bool_], other: npt.NDArray[np.bool_]) -> _Hider:
+@dataclass(frozen=True, eq=False)
+class _Between:
     """Hides pairs with one part in the first mask and the other part in the second."""
-    return lambda a, b, _rule: (one[a] & other[b]) | (one[b] & other[a])
+
+    one: npt.NDArray[np.bool_]
+    other: npt.NDArray[np.bool_]
+
+    def __call__(self, a: Ints, b: Ints, _rule: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
+        return (self.one[a] & self.other[b]) | (self.one[b] & self.other[a])
 
 
-def _within(assembly: npt.NDArray[np.int64], only: int | None = None) -> _Hider:
+@dataclass(frozen=True, eq=False)
+class _Within:
     """Hides pairs within one sub-assembly. only: limits this to one rule."""
 
-    def hides(a: Ints, b: Ints, rule: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
-        same: npt.NDArray[np.bool_] = (assembly[a] == assembly[b]) & (assembly[a] >= 0)
-        return same if only is None else same & (rule == only)
+    assembly: npt.NDArray[np.int64]
+    only: int | None = None
 
-    return hides
+    def __call__(self, a: Ints, b: Ints, rule: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
+        same: npt.NDArray[np.bool_] = (self.assembly[a] == self.assembly[b]) & (self.assembly[a] >= 0)
+        return same if self.only is None else same & (rule == self.only)
 
 
 def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:

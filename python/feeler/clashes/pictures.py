@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import io
 from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes.table import Clash
 from feeler.io.body import ORANGE, RED, STEEL_BLUE, Body
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
-from feeler.picture import Camera, Section, bars, render
+from feeler.picture import Camera, Section, bars
 from feeler.picture.camera import triple, usual_view
+from feeler.picture.ghosts import Ghosts
 from feeler.picture.png import write_png
 
 Floats = npt.NDArray[np.float64]
@@ -45,6 +47,33 @@ _KEPT_TRIANGLES = 3_000_000
 picture."""
 
 
+Point = tuple[float, float, float]
+
+
+class Pair(Protocol):
+    """Two parts and where they meet or are nearest: a `Clash`, for one."""
+
+    @property
+    def a(self) -> int:
+        """The index of the first part."""
+
+    @property
+    def b(self) -> int:
+        """The index of the second part."""
+
+    @property
+    def point_a(self) -> Point:
+        """On the first part, metres; NaN if it is not known."""
+
+    @property
+    def point_b(self) -> Point:
+        """On the second part."""
+
+    @property
+    def translation(self) -> Point:
+        """That moves the first part out of the second, metres; zero or NaN if none is known."""
+
+
 @dataclass(frozen=True, eq=False)
 class View:
     """The view of a finding. point: on the section plane, `(3,)` metres. normal: `(3,)`, points to the side that is cut
@@ -64,11 +93,13 @@ class Pictures:
         self._bounds = mockup.part_bounds.reshape(-1, 2, 3)
         self._kept: OrderedDict[int, _Triangles] = OrderedDict()
 
-    def view(self, clash: Clash) -> View:
+    def view(self, clash: Pair) -> View:
         """The camera for a finding. It shows all of the smaller part, and the larger part around it."""
         boxes = [self._bounds[clash.a], self._bounds[clash.b]]
         box = min(boxes, key=lambda each: float(np.linalg.norm(each[1] - each[0])))
-        point = np.nan_to_num((np.array(clash.point_a) + np.array(clash.point_b)) / 2)
+        point = (np.array(clash.point_a) + np.array(clash.point_b)) / 2
+        if not np.isfinite(point).all():
+            point = box.mean(axis=0)
         low, high = np.minimum(box[0], point), np.maximum(box[1], point)
         reach = max(float(np.linalg.norm(high - low)) / 2 * _REACH, _LEAST_VIEW_M)
         middle = (low + high) / 2
@@ -78,23 +109,25 @@ class Pictures:
         axis = int(np.argmax(np.abs(direction)))
         return View(camera, point, -np.sign(direction[axis]) * np.eye(3)[axis], reach)
 
-    def png(self, clash: Clash) -> bytes:
-        """The picture as PNG, cut at the contact: first part blue, second part orange, translation red."""
+    def png(self, clash: Pair, others: Callable[[View], Sequence[Body]] | None = None) -> bytes:
+        """The picture as PNG, cut at the contact: first part blue, second part orange, translation red.
+
+        others: bodies to show faintly around them.
+        """
         view = self.view(clash)
         middle = np.array(view.camera.target)
         bodies = [self._body(clash.a, 0, middle, view.reach), self._body(clash.b, 1, middle, view.reach)]
         start = view.point
         way = np.array(clash.translation)
-        if not way.any():
+        if not np.nan_to_num(way).any():
             way = np.subtract(clash.point_b, clash.point_a)
         line = bars(start[None], (start + np.nan_to_num(way))[None], view.reach * 0.012, ["way"], RED)
         shown = [body for body in bodies if len(body.faces)]
         section = Section(triple(start), triple(view.normal))
-        image = render(
-            None, *shown, *([line] if line is not None else []), camera=view.camera, size=SIZE, section=section
-        )
+        ghosts = [] if others is None else others(view)
+        picture = Ghosts(ghosts, view.camera, SIZE, section).picture(*shown, *([line] if line is not None else []))
         out = io.BytesIO()
-        write_png(out, image)
+        write_png(out, picture)
         return out.getvalue()
 
     def _body(self, part: int, number: int, middle: Floats, reach: float) -> Body:

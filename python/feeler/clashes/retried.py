@@ -11,6 +11,7 @@ import numpy.typing as npt
 from feeler.clashes.fastener_rule import shape_of
 from feeler.clashes.limits import Limits, limits, unmatched
 from feeler.clashes.rules import Rule, Rules
+from feeler.clashes.scope import Scope
 from feeler.clashes.table import AnyTable, Columns, Table, check_same
 from feeler.clashes.verdict import DEFAULT_RULE, DEPTH_KINDS, Verdict
 from feeler.mockup import Mockup
@@ -55,7 +56,12 @@ def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTab
         rules=tuple((each.name, *_asked(clashes, each)) for each in every),
     )
     made = type(clashes)(
-        columns.rows(order), clashes.part_paths, found.names, facts=facts, is_partial=clashes.is_partial
+        columns.rows(order),
+        clashes.part_paths,
+        found.names,
+        facts=facts,
+        is_partial=clashes.is_partial,
+        scope=Scope.of(found, np.ones(len(clashes.part_paths), dtype=bool)),
     )
     before = [clashes.ids[row] for row in kept[order].tolist()]
     marks = {now: clashes.marks.of(then) for now, then in zip(made.ids, before, strict=True)}

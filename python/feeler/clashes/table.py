@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_kind, check_text, check_word, shown
 from feeler.choices import Chord, DepthKind, SettableStatus, Severity, Status, VerdictName
+from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.tracking import STATUSES, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
@@ -195,10 +196,12 @@ class Table(OldAttributes, Sequence[Clash]):
         facts: Facts | None = None,
         is_partial: bool = False,
         shapes: PartShapes | None = None,
+        scope: Scope | None = None,
     ) -> None:
         """Takes rows in the given order. rules: the names that `columns.rule` indexes.
 
-        shapes: of the parts, so that `diff` can match renamed parts; None: `diff` matches by path alone.
+        shapes: of the parts, so that `diff` can match renamed parts; None: `diff` matches by path alone. scope: what
+        the check looked at; None: every pair.
         """
         self.columns = columns
         for each in fields(columns):
@@ -209,6 +212,7 @@ class Table(OldAttributes, Sequence[Clash]):
         self.facts = facts or Facts()
         self.is_partial = is_partial
         self._shapes = shapes
+        self._scope = scope
         self._earlier: Table | None = None
 
     _RENAMED = _PLURALS
@@ -414,6 +418,7 @@ class Table(OldAttributes, Sequence[Clash]):
             facts=self.facts,
             is_partial=self.is_partial,
             shapes=self._shapes,
+            scope=self._scope,
         )
         found.__dict__["keys"] = self.keys  # made once for all slices
         return found
@@ -491,7 +496,10 @@ class Table(OldAttributes, Sequence[Clash]):
         return {each: row for row, each in enumerate(self.ids)}
 
     def earlier(self: AnyTable) -> AnyTable:
-        """Findings of the previous check that `diff` did not find again: resolved, unless this check is partial."""
+        """Findings of the previous check that `diff` did not find again.
+
+        They are resolved, or keep their status if this check is partial, or did not look at their parts.
+        """
         return cast(AnyTable, self._earlier) if self._earlier is not None else self[:0]
 
     def _set_earlier(self: AnyTable, earlier: AnyTable) -> None:
@@ -510,6 +518,7 @@ class Table(OldAttributes, Sequence[Clash]):
             self.is_partial,
             self._earlier,
             self._shapes,
+            self._scope,
         )
         return (_restored, state)
 
@@ -529,8 +538,11 @@ def _restored(
     is_partial: bool,
     earlier: AnyTable | None,
     shapes: PartShapes | None,
+    scope: Scope | None = None,
 ) -> AnyTable:
-    found = kind(Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial, shapes=shapes)
+    found = kind(
+        Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial, shapes=shapes, scope=scope
+    )
     if earlier is not None:
         found._set_earlier(earlier)
     return found

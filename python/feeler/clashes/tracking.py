@@ -10,6 +10,7 @@ import json
 import uuid
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, cast
 
 from feeler import choices
 from feeler.arguments import check_text, check_word
@@ -50,6 +51,28 @@ class Mark:
 NEW = Mark()
 
 
+def mark_json(mark: Mark) -> dict[str, Any]:
+    """A mark as files have it, without empty fields. Not `changed`, which is of one check."""
+    return {
+        "status": mark.status,
+        **({"by": mark.by} if mark.by else {}),
+        **({"note": mark.note} if mark.note else {}),
+        **({"approved_depth": mark.approved_depth} if mark.approved_depth is not None else {}),
+    }
+
+
+def mark_of_json(data: Mapping[str, Any]) -> Mark:
+    """The mark of `mark_json`. Raises `ValueError` for anything else."""
+    status, by, note, depth = (data.get(name) for name in ("status", "by", "note", "approved_depth"))
+    if status not in STATUSES:
+        raise ValueError(f"a finding has a status that does not exist ({status!r:.60})")
+    if not all(text is None or isinstance(text, str) for text in (by, note)):
+        raise ValueError("a note is not text")
+    if depth is not None and (isinstance(depth, bool) or not isinstance(depth, (int, float)) or not abs(depth) < 1e100):
+        raise ValueError("the depth of an approval is not a number")
+    return Mark(cast("Status", status), by or "", note or "", None if depth is None else float(depth))
+
+
 def part_keys(paths: Sequence[str]) -> list[str]:
     """A unique name for each part: its path, with `#2` for the second part of a path, and so on.
 
@@ -81,10 +104,15 @@ def derived_id(*words: str) -> str:
 
 
 class Marks:
-    """The status of each finding by id. Slices of a table share one instance. Ids without an entry are new."""
+    """The status of each finding by id. Slices of a table share one instance. Ids without an entry are new.
 
-    def __init__(self, marks: Mapping[str, Mark] | None = None) -> None:
+    aside: marks of findings that no table lists, such as those that the workbench ignores. `Clashes.diff` gives them to
+    the findings once they are found again.
+    """
+
+    def __init__(self, marks: Mapping[str, Mark] | None = None, aside: Mapping[str, Mark] | None = None) -> None:
         self._by_id = dict(marks or {})
+        self.aside: Mapping[str, Mark] = dict(aside or {})
 
     def of(self, clash: str) -> Mark:
         """The mark of a finding."""

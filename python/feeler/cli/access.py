@@ -120,7 +120,7 @@ def access(
     from feeler.plan.reaching import AccessInterrupted
 
     wanted = {"csv": csv, "glb": glb}
-    outputs.check_targets(wanted, _ENDINGS)
+    outputs.check_targets(wanted, _ENDINGS, [*mockup, tool])
     if frames is not None and (targets or kind is not None):
         raise OptionError("--frames are the targets: leave out --targets and --kind")
     places = None if frames is None else read_poses(frames)

@@ -98,7 +98,9 @@ def print_examples(examples: Iterable[str]) -> None:
 
 def fail(message: str) -> None:
     """Writes one line to stderr."""
-    print(f"feeler: {' '.join(message.split())}", file=sys.stderr)
+    from feeler.words import printable
+
+    print(f"feeler: {printable(' '.join(message.split()))}", file=sys.stderr)
 
 
 def main() -> None:

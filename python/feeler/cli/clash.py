@@ -148,7 +148,8 @@ def clash(
     if named is not None and (previous is not None or _is_saved(mockup)):
         raise OptionError("--project has the findings of its last check: leave out --previous and saved findings")
     targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
-    outputs.check_targets(targets, _ENDINGS)
+    inputs = [*mockup, rules, bcf_in]  # findings of --previous may be saved in place
+    outputs.check_targets(targets, _ENDINGS, inputs)
     if xlsx is not None:
         xlsx_library()
     group_by = check_word("--by", by, GROUPS_BY)
@@ -166,6 +167,7 @@ def clash(
         book = open_named(named)
         context.call_on_close(book.close)
         work = work if work.sources else work_of(book, work)
+        outputs.check_targets(targets, _ENDINGS, work.sources)
         before = book.clashes()
     mockup, without, only = work.sources, work.without, work.only
     if _is_saved(mockup):
@@ -226,7 +228,7 @@ def clash(
             }
         outputs.print_json({**room.report(found, by=group_by), **facts})
     else:
-        _print(found, group_by, match, written)
+        _print(found, group_by, match, written, has_statuses=match is not None or changes is not None)
         if changes is not None:
             taken = f"{plural(len(changes.statuses), 'status')} and {plural(len(changes.notes), 'note')} taken over"
             outputs.say(outputs.console(), f"{bcf_in}: {taken}")
@@ -349,13 +351,15 @@ def _write(
     return written
 
 
-def _print(found: feeler.Clashes, by: GroupBy, match: PartMatch | None, written: dict[str, str]) -> None:
+def _print(
+    found: feeler.Clashes, by: GroupBy, match: PartMatch | None, written: dict[str, str], *, has_statuses: bool
+) -> None:
     from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
     from feeler.clashes.words import extent, hidden, sentence
     from feeler.cli import outputs
 
-    out, has_previous = outputs.console(), match is not None
+    out = outputs.console()
     if found.is_partial:
         outputs.print_finding(out, "interrupted: these are the findings so far")
     counts = [(len(found.where(verdict=each)), each.value) for each in feeler.Verdict]
@@ -387,7 +391,7 @@ def _print(found: feeler.Clashes, by: GroupBy, match: PartMatch | None, written:
             (
                 *(row.verdict, extent(row), row.path_a, row.path_b),
                 *([row.rule] if len(found.rule_names) > 1 else []),
-                *([row.status] if has_previous else []),
+                *([row.status] if has_statuses else []),
             )
             for row in found[:_SHOWN]
         ]
@@ -397,7 +401,7 @@ def _print(found: feeler.Clashes, by: GroupBy, match: PartMatch | None, written:
             [
                 *(("verdict", "left"), ("depth or gap", "right"), ("part", "left"), ("other part", "left")),
                 *([("rule", "left")] if len(found.rule_names) > 1 else []),
-                *([("status", "left")] if has_previous else []),
+                *([("status", "left")] if has_statuses else []),
             ],
             rows,
             more=len(found) - _SHOWN,

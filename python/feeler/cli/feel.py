@@ -129,7 +129,7 @@ def feel(
     """
     from feeler.cli import outputs
 
-    outputs.check_targets({"record": record}, {"record": (".npz",)})
+    outputs.check_targets({"record": record}, {"record": (".npz",)}, [*(mockup or ()), tool, pose])
     # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
     held: devices.Device | None = (

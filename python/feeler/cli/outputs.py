@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from feeler import words
 from feeler.errors import OptionError
+from feeler.words import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -44,7 +46,9 @@ def print_table(
     for heading, justify in columns:
         table.add_column(heading, justify="right" if justify == "right" else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))  # Text, so that a name such as "[1]" is not taken for markup
+        table.add_row(
+            *(Text(printable(cell)) for cell in row)
+        )  # Text, so that a name such as "[1]" is not taken for markup
     out.print(table)
     if more > 0:
         out.print(f"... and {more:,} more (--json lists all)")
@@ -59,26 +63,35 @@ def print_facts(out: Console, facts: Iterable[tuple[str, str]]) -> None:
     grid.add_column(style="cyan", no_wrap=True)
     grid.add_column(overflow="fold")
     for name, value in facts:
-        grid.add_row(Text(name), Text(value))
+        grid.add_row(Text(printable(name)), Text(printable(value)))
     out.print(grid)
 
 
 def say(out: Console, text: str) -> None:
     """A line that is never wrapped, so that it can be copied into a shell."""
-    out.print(text, soft_wrap=True, markup=False, highlight=False)
+    out.print(printable(text), soft_wrap=True, markup=False, highlight=False)
 
 
 def print_finding(out: Console, text: str) -> None:
     """A finding in red, not wrapped."""
     from rich.text import Text
 
-    out.print(Text(text[:1].upper() + text[1:], style="bold red"), soft_wrap=True)
+    out.print(Text(printable(text[:1].upper() + text[1:]), style="bold red"), soft_wrap=True)
 
 
-def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequence[str]]) -> None:
-    """Checks that each output has one of its endings and can be written. Raises `OptionError`, `WriteError`."""
+def check_targets(
+    targets: Mapping[str, Path | None],
+    endings: Mapping[str, Sequence[str]],
+    inputs: Iterable[str | Path | None] = (),
+) -> None:
+    """Checks that each output has one of its endings, can be written, and is none of the inputs.
+
+    inputs: files, or folders whose files are all read. Raises `OptionError`, `WriteError`.
+    """
     from feeler.errors import WriteError
     from feeler.io import check_target
+
+    read = [Path(each) for each in inputs if each is not None]
 
     for option, target in targets.items():
         if target is None:
@@ -89,11 +102,28 @@ def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequ
             check_target(target)
         except WriteError as error:
             raise WriteError(f"--{option}: {error}") from None
+        if any(_is_in(target, each) for each in read):
+            raise OptionError(f"--{option} {target}: it is read by this command; give another name")
 
 
-def check_mesh_target(out: Path) -> None:
-    """Checks that a mesh can be written there."""
-    check_targets({"out": out}, {"out": (".glb", ".stl")})
+_MESHES = (".glb", ".stl")
+"""Ends of outputs that a folder of a mock-up would be read with."""
+
+
+def _is_in(target: Path, source: Path) -> bool:
+    """Whether an output would take the place of an input."""
+    with contextlib.suppress(OSError, ValueError):
+        if not target.exists() or not source.exists():
+            return False
+        if source.is_dir():
+            return target.suffix.lower() in _MESHES and target.resolve().is_relative_to(source.resolve())
+        return target.samefile(source)
+    return False
+
+
+def check_mesh_target(out: Path, inputs: Iterable[str | Path | None] = ()) -> None:
+    """Checks that a mesh can be written there, and that it is none of the inputs."""
+    check_targets({"out": out}, {"out": _MESHES}, inputs)
 
 
 def write_mesh(out: Path, mesh: Any) -> int:
@@ -105,7 +135,7 @@ def write_mesh(out: Path, mesh: Any) -> int:
 
 def warn(message: str) -> None:
     """One line to stderr for a problem that does not end the program."""
-    print(f"feeler: warning: {' '.join(message.split())}", file=sys.stderr)
+    print(f"feeler: warning: {printable(' '.join(message.split()))}", file=sys.stderr)
 
 
 def length(metres: float) -> str:

@@ -120,24 +120,49 @@ def keep_work(project: Book, work: Work) -> None:
     from feeler.project.book import dumps
     from feeler.project.store import put
 
-    facts: dict[str, Any] = asdict(work)
-    facts["sources"] = [_place(project, each) for each in work.sources]
-    facts["tool"] = None if work.tool is None else _place(project, work.tool)
-    facts |= {"without": work.without or [], "only": work.only or []}
+    facts = _facts(project, work)
     if project.fact("opened") != facts:
         project.write([put("facts", "opened", 0, dumps(facts))])
 
 
+def _facts(project: Book, work: Work) -> dict[str, Any]:
+    facts: dict[str, Any] = asdict(work)
+    facts["sources"] = [_place(project, each) for each in work.sources]
+    facts["tool"] = None if work.tool is None else _place(project, work.tool)
+    return {**facts, "without": work.without or [], "only": work.only or []}
+
+
+def _names_same(known: Any, places: list[list[str]]) -> bool:
+    """Whether a project names these files already, by the path from its folder or by the absolute one."""
+    sources = known.get("sources") if isinstance(known, dict) else None
+    return (
+        isinstance(sources, list)
+        and len(sources) == len(places)
+        and all(
+            isinstance(one, list) and any(each in one for each in other)
+            for one, other in zip(sources, places, strict=True)
+        )
+    )
+
+
 def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
     """Makes a new project one of a mock-up. Raises `LoadError` for a project of another one."""
+    from feeler.project.book import dumps
     from feeler.project.parts import contents_of, rows_of
+    from feeler.project.store import put
 
     if project.parts():
         project.revision(mockup)
     else:
         project.write(rows_of(contents_of(mockup)))
-    if project.fact("opened") is None:
+    known = project.fact("opened")
+    if known is None:
         keep_work(project, work)
+    elif not _names_same(known, [_place(project, each) for each in work.sources]):
+        # Another revision: the project names it from now on. Its tool stays.
+        kept = known if isinstance(known, dict) else {}
+        facts = {**_facts(project, work), **{name: kept.get(name) for name in ("tool", "tool_unit")}}
+        project.write([put("facts", "opened", 0, dumps(facts))])
 
 
 def _place(project: Book, source: str) -> list[str]:

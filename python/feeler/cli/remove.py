@@ -155,7 +155,7 @@ def remove(
     if allow is not None:
         raise OptionError("--allow is gone: give --ignore PATTERN, --overlap METRES, or --no-seats")
     targets = {"csv": csv, "way": way, "glb": glb}
-    _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
+    _check(targets, [*mockup, hand, pose], part, each, order, keep, hand, hand_unit, (at, rotate, pose))
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
     if (workers is not None or dask is not None) and not (each or order):
@@ -328,6 +328,7 @@ def _each(asked: _Asked, parts: list[int], workers: int | None, dask: str | None
 
 def _check(
     targets: dict[str, Path | None],
+    inputs: list[str | Path | None],
     part: list[str] | None,
     each: bool,
     order: bool,
@@ -338,7 +339,7 @@ def _check(
 ) -> None:
     from feeler.cli import outputs
 
-    outputs.check_targets(targets, _ENDINGS)
+    outputs.check_targets(targets, _ENDINGS, inputs)
     if not part:
         raise OptionError("no part to take out: give --part PATTERN (feeler info --parts lists all)")
     if each and (order or targets["way"] is not None or targets["glb"] is not None or hand is not None):

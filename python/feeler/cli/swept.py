@@ -56,7 +56,7 @@ def swept(
     from feeler.cli import outputs
 
     if out is not None:
-        outputs.check_mesh_target(out)
+        outputs.check_mesh_target(out, [tool, poses])
     way = read_poses(poses, snap_pose)
     probe = read_tool(tool, tool_unit, up)
     for doubt in probe.source.doubts:

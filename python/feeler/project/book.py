@@ -13,7 +13,8 @@ from feeler.atomic import check_target
 from feeler.choices import GroupBy
 from feeler.clashes import saving
 from feeler.clashes.result import Clashes
-from feeler.errors import LoadError
+from feeler.clashes.tracking import Mark, mark_of_json
+from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 from feeler.project.layout import SUFFIX
 from feeler.project.parts import (
@@ -29,6 +30,10 @@ from feeler.project.parts import (
 from feeler.project.store import Change, Row, Store, drop, put
 
 _MARKED = ("status", "by", "note", "approved_depth")
+"""What a mark has of `tracking.Mark`. The workbench adds the number of a group that was made by hand."""
+_NEW = {"status": "new"}
+_FACTS = ("version", "clearance", "contact", "parts", "triangles", "files", "hidden")
+"""Of the head of a check, as the workbench keeps them."""
 _MOST_HISTORY = 1_000_000
 
 CHECK = "clashes"
@@ -70,14 +75,24 @@ class Book:
         if data is None and rows:
             # Findings that were opened in the workbench: of a clash check, or from elsewhere.
             try:
-                return saving.table_of({"version": saving.VERSION, "clashes": rows}, self.path, Clashes)
+                found = saving.table_of({"version": saving.VERSION, "clashes": rows}, self.path, Clashes)
             except LoadError:
                 return None
-        if data is None:
+        elif data is None:
             return None
-        if not isinstance(data, dict):
+        elif not isinstance(data, dict):
             raise LoadError(f"{self.path} is damaged: its clash check is not as written; use a copy")
-        return saving.table_of({**data, "clashes": rows}, self.path, Clashes)
+        else:
+            found = saving.table_of({**data, "clashes": rows}, self.path, Clashes)
+        found.marks.aside = self._aside({*found.ids})
+        return found
+
+    def _aside(self, listed: set[str]) -> dict[str, Mark]:
+        """The marks of findings that the workbench ignores."""
+        try:
+            return {key: mark_of_json(mark) for key, mark in self.marks().items() if key not in listed}
+        except ValueError as error:
+            raise LoadError(f"{self.path} is damaged: {error}; use a copy") from None
 
     def findings(self) -> list[dict[str, Any]]:
         """The findings as `feeler clash --json` lists them, in the order of the workbench."""
@@ -89,7 +104,7 @@ class Book:
                 raise LoadError(f"{self.path} is damaged: a finding is not as written; use a copy")
             for name in _MARKED:
                 value.pop(name, None)
-            found.append({**value, "status": "new", **marks.get(str(value.get("id")), {})})
+            found.append({**value, **_NEW, **marks.get(str(value.get("id")), {})})
         return found
 
     def history(self, finding: str | None = None) -> list[dict[str, Any]]:
@@ -102,18 +117,46 @@ class Book:
 
         To keep statuses, compare first: `clashes.diff(project.clashes())`.
         """
+        self._check_parts(clashes)
         earlier = list(saving.rows(clashes.earlier()))
         head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
         groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
         rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
-        marks = {
-            row["id"]: {name: row[name] for name in _MARKED if name in row}
-            for row in rows
-            if row["status"] != "new" or row.get("note")
-        }
-        ended = {row.id: {"status": "resolved"} for row in clashes.earlier() if row.status == "resolved"}
+        ended = {row["id"]: {"status": "resolved"} for row in earlier if row["status"] == "resolved"}
+        waiting = {row["id"]: row for row in earlier if row["status"] != "resolved"}
+        known, listed = self.marks(), {str(row.get("id")) for row in self.findings()}
+        every = {**{row["id"]: row for row in rows}, **waiting}
+        here = {key: {name: row[name] for name in _MARKED if name in row} for key, row in every.items()}
+        marks = {}
+        others = {*here, *ended, *listed}
+        # Findings that the workbench ignores are not listed: their marks stay.
+        for key in [*here, *(key for key in known if key not in others)]:
+            more = {name: value for name, value in known.get(key, {}).items() if key not in here or name not in _MARKED}
+            mark = {**here.get(key, {}), **more}
+            if mark != _NEW:
+                marks[key] = mark
         changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
-        self.write(changes)
+        self.write([*changes, *self._of_another_check(head)])
+
+    def _check_parts(self, clashes: Clashes) -> None:
+        """Raises `OptionError` for findings of another mock-up: no part is known by path or by content."""
+        parts, keys = self.parts(), {*clashes.keys}
+        if not parts or not keys or any(part.key in keys for part in parts):
+            return
+        contents = {f"{each:016x}" for each in clashes.shapes.content.tolist()}
+        if not any(part.content in contents for part in parts):
+            raise OptionError(
+                f"the clashes are of another mock-up: none of their {len(keys):,} parts is in {self.path}; give those "
+                "of the project's mock-up, or make another project"
+            )
+
+    def _of_another_check(self, head: Mapping[str, Any]) -> Iterator[Change]:
+        """What the workbench has of its findings besides rows: groups by hand stay, the facts are of the new check."""
+        row = self._store.row("document", "findings")
+        value = None if row is None else self.value(row, "document")
+        if row is not None and isinstance(value, dict):
+            facts = {name: head[name] for name in _FACTS}
+            yield put("document", row.id, row.place, dumps({**value, "table": facts, "check": None}))
 
     # ---- the mock-up ----
 
@@ -182,23 +225,15 @@ class Book:
         before = self.marks()
         number = self.history_length()
         for key in [*marks, *(key for key in before if key not in marks)]:
-            known = before.get(key, {"status": "new"})
-            mark = marks.get(key, {"status": "new"} if ended is None else ended.get(key, known))
-            if known != mark and number < _MOST_HISTORY:
-                yield put("history", str(number), number, dumps({"id": key, "at": at, **mark}))
+            known = before.get(key, _NEW)
+            mark = marks.get(key, _NEW if ended is None else ended.get(key, known))
+            if (line := _line(key, at, mark)) != _line(key, at, known) and number < _MOST_HISTORY:
+                yield put("history", str(number), number, dumps(line))
                 number += 1
         yield from self.list_changes("marks", {key: dumps({"id": key, **mark}) for key, mark in marks.items()})
 
-    def some_marks_changes(
-        self,
-        marks: Mapping[str, Mapping[str, Any] | None],
-        merged: Callable[[Mapping[str, Any] | None, Mapping[str, Any]], dict[str, Any]],
-        at: str,
-    ) -> Iterator[Change]:
-        """Changes some marks, None: to none, and adds a line to the history for each.
-
-        merged: a mark of the table with a new one.
-        """
+    def some_marks_changes(self, marks: Mapping[str, Mapping[str, Any] | None], at: str) -> Iterator[Change]:
+        """Replaces some marks, None: by none, and adds a line to the history for each change."""
         number, length = self.history_length(), self._store.length("marks")
         for key, mark in marks.items():
             row = self._store.row("marks", row_id(key))
@@ -207,15 +242,13 @@ class Book:
                 raise LoadError(f"{self.path} is damaged: a status is not as written; use a copy")
             if mark is None:
                 yield drop("marks", row_id(key))
-                made: dict[str, Any] = {"status": "new"}
             else:
-                made = merged(known, mark)
-                made.pop("id", None)
                 place = length if row is None else row.place
                 length += row is None
-                yield put("marks", row_id(key), place, dumps({"id": key, **made}))
-            if number < _MOST_HISTORY:
-                yield put("history", str(number), number, dumps({"id": key, "at": at, **made}))
+                yield put("marks", row_id(key), place, dumps({"id": key, **mark}))
+            line = _line(key, at, mark or _NEW)
+            if line != _line(key, at, known or _NEW) and number < _MOST_HISTORY:
+                yield put("history", str(number), number, dumps(line))
                 number += 1
 
     def history_length(self) -> int:
@@ -261,6 +294,11 @@ class Book:
     def value(self, row: Row, table: str) -> Any:
         """The value of a row of a table. Raises `LoadError`."""
         return loads(row.value, f"{self.path}: {row.id[:60]!r} of {table}")
+
+
+def _line(finding: str, at: str, mark: Mapping[str, Any]) -> dict[str, Any]:
+    """A line of the history: always with `by` and `note`. Groups have no history."""
+    return {"id": finding, "at": at, "by": "", "note": "", **{name: mark[name] for name in _MARKED if name in mark}}
 
 
 def loads(text: str, where: str) -> Any:

@@ -1,4 +1,4 @@
-"""The layout of project files: tables, versions, limits, and the migration of older layouts.
+"""The layout of project files: tables, versions and limits.
 
 All tables have one form: `id`, `place` (the order), `value` (JSON in ASCII), `data` (bytes, or null) and `seal`, the
 digest of the row. `sums` has the number of rows and the sum of the seals of each table, so that a lost row is noticed
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import sqlite3
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 SUFFIX = ".feelproj"
 """The extension of project files."""
@@ -17,9 +17,9 @@ SUFFIX = ".feelproj"
 APPLICATION_ID = 0x6665656C
 """`feel`, in the header of the file: programs such as `file` show it."""
 
-VERSION = 1
+VERSION = 2
 """The version of the layout: `PRAGMA user_version`. A layout that older versions cannot read gets the next number, an
-entry in `MIGRATIONS`, and a fixture in `tests/projects`."""
+entry in `migrations.MIGRATIONS`, and a fixture in `testdata/projects`."""
 
 TABLES = (
     # The mock-up, the tool, and the options that both were opened with.
@@ -81,10 +81,6 @@ def schema_of(connection: sqlite3.Connection) -> set[tuple[object, ...]]:
     """The rows of `sqlite_master`, without their pages."""
     limit = 4 * len(TABLES)  # more are strange, however many they are
     return set(connection.execute(f"SELECT type, name, tbl_name, sql FROM sqlite_master LIMIT {limit}"))
-
-
-MIGRATIONS: dict[int, Callable[[sqlite3.Connection], None]] = {}
-"""For each older version: changes a file to the next version, in one transaction with all others."""
 
 
 def seal_of(table: str, key: str, place: int, value: str, data: bytes | None) -> int:

@@ -47,7 +47,7 @@ class Lock:
     """The lock of a project, until `release`. Raises `ProjectError` if another has it, and `WriteError`."""
 
     def __init__(self, project: Path) -> None:
-        self._path = project.with_name(project.name + ENDING)
+        self._path = _beside(project)
         for _ in range(_TRIES):
             self._file = self._opened(project)
             if not _locked(self._file):
@@ -109,9 +109,15 @@ class Lock:
             os.close(file)
 
 
+def _beside(project: Path) -> Path:
+    """The file of the lock: one for all names of a project that are symbolic links."""
+    real = Path(os.path.realpath(project))
+    return real.with_name(real.name + ENDING)
+
+
 def holder(project: Path) -> Holder | None:
     """Who writes a project, by the file beside it; None if that cannot be said."""
-    path = project.with_name(project.name + ENDING)
+    path = _beside(project)
     for _ in range(_TRIES):
         try:
             with open(path, "rb") as file:

@@ -16,6 +16,7 @@ from urllib.parse import quote
 
 from feeler.errors import FeelerError, LoadError, MissingFileError, WriteError
 from feeler.project import layout
+from feeler.project.migrations import migrate
 
 _WAIT_S = 5.0
 """For another connection: readers hold a project for milliseconds."""
@@ -52,7 +53,7 @@ _CHECKED_BYTES = 256 << 20  # of files: larger ones are checked row by row, as t
 
 def connect(path: Path, *, read_only: bool) -> sqlite3.Connection:
     """Opens an existing project, checked. Raises `MissingFileError`, `LoadError`, `WriteError`."""
-    size = _size(path)
+    size = check_file(path)
     if size > layout.MOST_FILE_BYTES:
         raise LoadError(f"{path} has {size:,} bytes, and a project has at most {layout.MOST_FILE_BYTES:,}")
     try:
@@ -85,7 +86,6 @@ def _connect(path: Path, size: int, mode: str, read_only: bool) -> sqlite3.Conne
         raise _CannotOpenError from None
     try:
         _harden(found)
-        found.execute("PRAGMA query_only = ON" if read_only else "PRAGMA synchronous = FULL")
         version = check(found, path)
         if size <= _CHECKED_BYTES:
             (said,) = found.execute("PRAGMA integrity_check(1)").fetchone()
@@ -93,8 +93,9 @@ def _connect(path: Path, size: int, mode: str, read_only: bool) -> sqlite3.Conne
                 raise LoadError(f"{path} is damaged ({said!r:.120}): use a copy")
         if version < layout.VERSION:
             if read_only:
-                raise LoadError(f"{path} has the older layout {version}: open it once for writing")
-            _migrate(found, version)
+                found = _copied(found, path, size)
+            _migrate(found, path, version)
+        found.execute("PRAGMA query_only = ON" if read_only else "PRAGMA synchronous = FULL")
         if not read_only:
             # Readers do not wait for the writer, and a commit is one append.
             (mode,) = found.execute("PRAGMA journal_mode = WAL").fetchone()
@@ -144,16 +145,24 @@ def check(connection: sqlite3.Connection, path: Path) -> int:
     return int(version)
 
 
-def _migrate(connection: sqlite3.Connection, version: int) -> None:
-    connection.execute("BEGIN IMMEDIATE")
+def _migrate(connection: sqlite3.Connection, path: Path, version: int) -> None:
     try:
-        for each in range(version, layout.VERSION):
-            layout.MIGRATIONS[each](connection)
-        connection.execute(f"PRAGMA user_version = {layout.VERSION}")
-        connection.execute("COMMIT")
-    except BaseException:
-        connection.execute("ROLLBACK")
-        raise
+        migrate(connection, version, layout.VERSION)
+    except LoadError as error:
+        raise LoadError(f"{path}: {error}") from None
+
+
+def _copied(connection: sqlite3.Connection, path: Path, size: int) -> sqlite3.Connection:
+    """A project of an older layout in memory, where it can be migrated without writing the file."""
+    if size > _CHECKED_BYTES:
+        raise LoadError(f"{path} has an older layout and is large: open it once for writing")
+    copied = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)
+    try:
+        connection.backup(copied)
+    finally:
+        connection.close()
+    _harden(copied)
+    return copied
 
 
 def _authorize(action: int, one: str | None, two: str | None, _base: str | None, _by: str | None) -> int:
@@ -175,6 +184,13 @@ def leave_wal(connection: sqlite3.Connection) -> None:
 
 def create(path: Path) -> None:
     """Makes an empty project, completely or not at all. The caller has the lock. Raises `WriteError`."""
+    for beside in files_beside(path):
+        if not beside.name.endswith("-shm") and beside.stat().st_size:
+            raise WriteError(
+                f"cannot make {path}: {beside.name} beside it has changes of a project that is not there; put the "
+                f"project back, or delete {beside.name}"
+            )
+        beside.unlink()
     temporary = path.with_name(f".{path.name[:32]}.{secrets.token_hex(6)}.part")
     try:
         made = sqlite3.connect(f"file:{quote(_absolute(temporary))}?mode=rwc", isolation_level=None, uri=True)
@@ -190,6 +206,13 @@ def create(path: Path) -> None:
     finally:
         with contextlib.suppress(OSError):
             os.unlink(temporary)
+
+
+def files_beside(path: Path) -> list[Path]:
+    """Files of SQLite beside a project that is open, or was open when its process was killed."""
+    real = Path(os.path.realpath(path))
+    beside = [real.with_name(real.name + ending) for ending in ("-wal", "-shm", "-journal")]
+    return [each for each in beside if os.path.lexists(each)]
 
 
 def refusal(path: Path, error: Exception) -> LoadError:
@@ -212,7 +235,8 @@ def not_written(path: Path, error: Exception) -> FeelerError:
     return WriteError(f"cannot write {path}: {text[:120]}; check the disk and the permissions")
 
 
-def _size(path: Path) -> int:
+def check_file(path: Path) -> int:
+    """The size of a file. Raises `MissingFileError`, and `LoadError` for folders and devices."""
     try:
         there = os.stat(path)
     except (FileNotFoundError, NotADirectoryError):

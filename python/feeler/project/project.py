@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any, NoReturn
 
-from feeler.arguments import check_flag, check_kind, check_path, check_text
+from feeler.arguments import check_flag, check_kind, check_path, check_text, shown
 from feeler.atomic import atomic_file, check_target
 from feeler.clashes.result import Clashes
+from feeler.errors import FeelerError, OptionError, WriteError
 from feeler.mockup import Mockup
 from feeler.project.book import Book, open_or_make
 from feeler.project.layout import SUFFIX
+from feeler.project.lock import Lock
+from feeler.project.opening import files_beside
 from feeler.project.parts import PartChanges, contents_of, revised, rows_of
 from feeler.project.store import Store
 
@@ -61,12 +65,13 @@ class Project:
         return self._book.is_read_only
 
     def document(self) -> dict[str, Any]:
-        """What the workbench shows, by field: `hidden`, `sections`, `sequence`, `measures`, `viewpoints`, ...
+        """What the workbench shows, by field: `hidden`, `sections`, `sequence`, `measures`, `requirements`, ...
 
         Values are as in JSON, lengths in metres. Parts are numbers, which index `part_paths()`.
         """
         found = {row.id: self._book.value(row, "document") for row in self._book.rows("document")}
-        for name, table in (("sequence", "sequence"), ("measures", "measures"), ("viewpoints", "views")):
+        for name in ("sequence", "measures", "viewpoints", "cards", "requirements"):
+            table = {"viewpoints": "views"}.get(name, name)
             found[name] = [self._book.value(row, table) for row in self._book.rows(table)]
         return found
 
@@ -106,16 +111,32 @@ class Project:
     def write_clashes(self, clashes: Clashes) -> None:
         """Writes the findings of a clash check in place of the previous ones, and each change of a status or note.
 
-        To keep the statuses, compare first: `clashes.diff(project.clashes())`.
+        To keep the statuses, compare first: `clashes.diff(project.clashes())`. Raises `OptionError` if none of their
+        parts is in the project.
         """
         self._book.write_clashes(check_kind("clashes", clashes, Clashes))
 
     def save_copy(self, path: str | os.PathLike[str]) -> None:
-        """Writes the project as it is now to another file. Raises `WriteError`."""
-        check_target(path, SUFFIX)
+        """Writes the project as it is now to another file.
+
+        Raises `OptionError` if that is this project, `ProjectError` if it is a project that is open, and `WriteError`.
+        """
+        target = Path(os.path.realpath(check_target(path, SUFFIX)))
+        if target.exists() and target.samefile(self.path):
+            raise OptionError(f"path is {shown(str(path))}, which is this project: give another file")
         data = self._book.copied()
-        with atomic_file(path, SUFFIX) as file:
-            file.write(data)
+        lock = Lock(target)
+        try:
+            for beside in files_beside(target):  # of a process that was killed: SQLite would add it to the copy
+                beside.unlink()
+            with atomic_file(target, SUFFIX) as file:
+                file.write(data)
+        except OSError as error:
+            if isinstance(error, FeelerError):
+                raise
+            raise WriteError(f"cannot write {path}: {error.strerror or error}; choose another place") from None
+        finally:
+            lock.release()
 
     def close(self) -> None:
         """Closes the file, and lets other processes write it; a second call does nothing."""

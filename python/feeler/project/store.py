@@ -14,7 +14,7 @@ from typing import NamedTuple
 from feeler.errors import LoadError, ProjectError, WriteError
 from feeler.project import layout
 from feeler.project.lock import Lock
-from feeler.project.opening import connect, create, leave_wal, not_written, refusal
+from feeler.project.opening import check_file, connect, create, leave_wal, not_written, refusal
 
 _OPENINGS = "openings"
 
@@ -63,6 +63,9 @@ class Store:
             self._connection = connect(path, read_only=read_only)
             self._file = _identity(path)
             self._sums = self._read_sums()
+            self._whole: set[str] = set()
+            """Tables of which all rows are there; only this process changes them."""
+            self.rows("facts")  # they are read one by one: a lost one would be noticed by nobody
             self._openings = 0
             if not read_only:
                 self._openings = self._count_opening()
@@ -96,7 +99,23 @@ class Store:
         with self._guard, self._reading() as connection:
             statement = f"SELECT id, place, value, data, seal FROM {table} WHERE id = ?"
             values = connection.execute(statement, (key,)).fetchone()
+            if values is None:
+                self._check_whole(connection, table)
         return None if values is None else self._checked(table, values)[0]
+
+    def _check_whole(self, connection: sqlite3.Connection, table: str) -> None:
+        """Raises `LoadError` if rows of a table are lost: one that is not there may be one of these."""
+        if table in self._whole:
+            return
+        number, seal = self._sums[table] if not self.is_read_only else self._sum_of(connection, table)
+        seals = [each for (each,) in connection.execute(f"SELECT seal FROM {table}")]
+        if not all(isinstance(each, int) for each in seals) or (len(seals), sum(seals) % layout.MODULUS) != (
+            number,
+            seal,
+        ):
+            raise LoadError(f"{self.path} is damaged: rows of {table} are missing or doubled; use a copy")
+        if not self.is_read_only:
+            self._whole.add(table)
 
     def length(self, table: str) -> int:
         """The number of rows of a table."""
@@ -262,8 +281,8 @@ class Store:
 
 def _locked(path: Path, is_made: bool) -> Lock:
     """The lock of a project; of a file that is there, or can be made."""
-    if not is_made and not os.path.lexists(path):
-        connect(path, read_only=True)  # says what is wrong
+    if not is_made or os.path.lexists(path):
+        check_file(path)
     return Lock(path)
 
 

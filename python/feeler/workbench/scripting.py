@@ -6,6 +6,7 @@ import html
 import io
 import os
 import threading
+import warnings
 import webbrowser
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -18,7 +19,7 @@ from feeler._core import Cast, Clearance, Collision, Contacts, Distance
 from feeler.arguments import check_callable, check_flag, check_path, check_whole, check_word
 from feeler.atomic import atomic_file, check_target
 from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
-from feeler.errors import MeshError, WorkbenchError
+from feeler.errors import MeshError, WorkbenchError, WriteError
 from feeler.io.body import body_of, only_faces
 from feeler.mockup import Mockup, Tool
 from feeler.picture.camera import check_size
@@ -204,19 +205,30 @@ class View(ViewCommands):
         return data
 
     def close(self) -> None:
-        """Ends the server and the session; a second call does nothing."""
-        self._is_closed = True
+        """Ends the server and the session; a second call does nothing.
+
+        Raises `WriteError` if the last changes could not be saved in the project; all is closed then, too.
+        """
+        was_closed, self._is_closed = self._is_closed, True
         for watcher in self._watchers:
             watcher.end()
         self._watchers = []
         self._server.close()
         self.session.close()
+        trouble = self.session.unsaved()
+        if trouble is not None and not was_closed:
+            raise WriteError(f"the last changes are not saved: {trouble}")
 
     def __enter__(self) -> View:
         return self
 
-    def __exit__(self, *_error: object) -> None:
-        self.close()
+    def __exit__(self, _kind: object, error: BaseException | None, _traceback: object) -> None:
+        try:
+            self.close()
+        except WriteError as trouble:
+            if error is None:
+                raise
+            warnings.warn(str(trouble), stacklevel=2)  # the error of the block comes first
 
     def _repr_html_(self) -> str:
         # A link instead of a frame: the page forbids framing.

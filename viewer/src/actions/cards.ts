@@ -14,6 +14,7 @@ export async function ask(
   question: CardQuestion,
   parts: readonly number[] = wb.targets(),
   without: readonly number[] = [],
+  tools: readonly string[] = [],
 ): Promise<void> {
   const { store } = wb;
   if (parts.length === 0 && question !== "access") {
@@ -22,10 +23,19 @@ export async function ask(
   }
   store.panel.value = "ask";
   store.set({ are_panels_open: true });
-  const given = { question, ...(parts.length > 0 ? { parts: [...parts] } : {}) };
-  await wb.run("ask", without.length > 0 ? { ...given, without: [...without] } : given);
+  await wb.run("ask", {
+    question,
+    ...(parts.length > 0 ? { parts: [...parts] } : {}),
+    ...(without.length > 0 ? { without: [...without] } : {}),
+    ...(tools.length > 0 ? { tools: [...tools] } : {}),
+  });
   const newest = store.document.peek()?.cards.at(-1);
   if (newest) await openCard(wb, newest.id);
+}
+
+/** Asks which of all tools reach the fasteners among the selected parts; without a selection, all fasteners. */
+export function askTools(wb: Workbench): Promise<void> {
+  return ask(wb, "access", wb.targets(), [], wb.store.document.peek()?.tools ?? []);
 }
 
 /** Shows a card with its whole answer; a film, if it has ways, stands at its start. */
@@ -115,14 +125,13 @@ export function showPart(wb: Workbench, part: number): void {
 }
 
 /** Puts the tool into its seat on a fastener that it reaches, and looks at it. */
-export async function seatTool(wb: Workbench, card: number, reach: Reach): Promise<void> {
+export async function seatTool(wb: Workbench, reach: Reach): Promise<void> {
   const { store } = wb;
-  const tool = cardOf(wb, card)?.options.tool;
   store.reach.value = reach;
   if (reach.part !== null) wb.select([reach.part]);
   if (reach.is_reachable) {
     const held = store.document.peek()?.tool?.name;
-    if (typeof tool === "string" && held !== tool) await wb.run("take_tool", { name: tool });
+    if (held !== reach.tool) await wb.run("take_tool", { name: reach.tool });
     await wb.run("seat", { pose: [...reach.pose] });
   }
   wb.look((camera) => camera.translate(subtract(reach.point, camera.target)));

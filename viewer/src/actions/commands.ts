@@ -7,7 +7,7 @@ import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
 import { type Dialog, PANELS, type Panel } from "../model/page-state";
-import { ask } from "./cards";
+import { ask, askTools } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import {
   checkClashes,
@@ -22,6 +22,7 @@ import {
 } from "./findings";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
+import { changeTurn } from "./people";
 import { isStale, project, saveProject, selectStale } from "./project";
 import { addRequirement, checkRequirements } from "./requirements";
 import { addSection, flipped, toggleSections } from "./sections";
@@ -68,6 +69,7 @@ const hasRules = (wb: Workbench): boolean => (wb.store.document.value?.clash.rul
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
 const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
+const hasOthers = (wb: Workbench): boolean => canChange(wb) && wb.store.people.others.value.length > 0;
 const hasStale = (wb: Workbench): boolean => isStale(project(wb));
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
@@ -363,6 +365,7 @@ export const COMMANDS: readonly PageCommand[] = [
 
   command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), hasTargets),
   command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), hasTargets),
+  command("Ask", "ask-tools", "Which tool reaches its bolts?", "", askTools, canChange),
   command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
   command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),
 
@@ -460,7 +463,7 @@ export const COMMANDS: readonly PageCommand[] = [
       `Export: ${title}`,
       "",
       (wb) => exportFile(wb, name),
-      name === "page" || name === "export_project" ? canChange : hasSequence,
+      name === "page" || name === "report" || name === "export_project" ? canChange : hasSequence,
     ),
   ),
 
@@ -572,6 +575,17 @@ export const COMMANDS: readonly PageCommand[] = [
   command("Page", "tour", "Two-minute tour", "", (wb) => {
     wb.store.tour_step.value = 0;
   }),
+  command(
+    "Page",
+    "people",
+    "People on this project",
+    "",
+    (wb) => {
+      wb.store.dialog.value = "people";
+    },
+    hasOthers,
+  ),
+  command("Tool", "take-turn", "Turn of the tool: take it, ask for it, let it go", "", changeTurn, hasOthers),
   command("Page", "settings", "Settings", "Ctrl+,", (wb) => {
     wb.store.dialog.value = "settings";
   }),

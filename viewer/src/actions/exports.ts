@@ -12,6 +12,7 @@ export const EXPORTS = {
   export_html: "Sequence as a page",
   export_glb: "Sequence as animated GLB",
   page: "One HTML file to send",
+  report: "Report (HTML)",
   export_project: "Project file",
 } as const;
 

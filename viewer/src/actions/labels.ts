@@ -12,6 +12,12 @@ const LABELS: Readonly<Record<string, (wb: Workbench) => string>> = {
   ghost: (wb) => (areAll(targetsOf(wb), wb.store.ghost.value) ? "Solid" : "Ghost"),
   isolate: (wb) => (isIsolated(wb) ? "Show the others again" : "Isolate"),
   grip: (wb) => (isPutDown(wb) ? "Put down" : "Grip"),
+  "take-turn": ({ store }) =>
+    store.people.is_mine.value
+      ? "Let go of the tool"
+      : store.people.is_barred.value
+        ? "Ask for the tool"
+        : "Take the tool",
   mode: ({ store }) => `Contact: switch to ${nextMode(store.document.value?.mode)}`,
   frame: ({ store }) => (store.settings.value.frame === "world" ? "Use the tool's axes" : "Use the world's axes"),
   snapping: ({ store }) => (store.settings.value.is_snapping ? "Snapping off" : "Snapping on"),

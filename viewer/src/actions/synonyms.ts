@@ -25,6 +25,8 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   search: ["find part", "filter", "look for"],
   move: ["translate", "shift", "drag", "position"],
   turn: ["rotate", "orient"],
+  "take-turn": ["give the tool", "whose turn", "control", "hand over"],
+  people: ["users", "guests", "colleagues", "my name", "look where"],
   grip: [
     "way out",
     "take",
@@ -52,6 +54,7 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   export_csv: ["report", "save", "download", "spreadsheet", "excel"],
   export_html: ["report", "save", "download", "print"],
   export_glb: ["animation", "film", "video", "save", "download"],
+  report: ["requirements", "save", "download", "print", "summary"],
   page: ["share", "send", "report", "save", "download", "offline"],
   "open-file": ["load", "load a file", "import a file", "drop", "new mock-up"],
   "open-sample": ["example", "demo", "load a sample"],
@@ -84,6 +87,7 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   "clashes-of": ["clash", "interfere", "interference", "overlap"],
   "ask-removal": ["way out", "remove", "take out", "removal", "disassemble", "come out", "extract", "out"],
   "ask-order": ["order", "what first", "removal order", "disassembly order"],
+  "ask-tools": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],
   "ask-access": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],
   "ask-swept": ["swept", "swept volume", "room", "envelope", "space"],
 };

@@ -10,6 +10,7 @@ export function beginTyping(wb: Workbench, kind: TypedMove["kind"]): void {
   const { hand, store } = wb;
   if (store.typed.peek()) cancelTyping(wb);
   const { pose, center } = hand;
+  if (store.people.is_barred.peek()) store.people.tried();
   if (!pose || !center || hand.isLocked) return;
   store.typed.value = startTyped(kind, pose, center, store.settings.peek().frame);
   wb.say(kind === "move" ? "Move: X, Y or Z, a length, Enter" : "Turn: X, Y or Z, an angle, Enter");

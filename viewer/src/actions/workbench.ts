@@ -165,6 +165,11 @@ export class Workbench {
 
   /** Shows what went wrong. */
   tell(error: unknown): void {
+    const { people } = this.store;
+    if (error instanceof LinkError && error.where === "tool" && people.is_barred.peek()) {
+      people.tried();
+      return;
+    }
     const text = error instanceof Error ? error.message : String(error);
     const where = error instanceof LinkError && error.where ? ` (${error.where})` : "";
     this.store.notify("error", text + where);

@@ -5,6 +5,7 @@ import type { Workbench } from "../actions/workbench";
 import type { Camera, CommandRequest, Document, State } from "../link/protocol";
 import { isSamePose, type Pose } from "../math/matrix";
 import type { Vec3 } from "../math/vectors";
+import type { PeopleShown } from "../model/people";
 import type { FrameStats } from "../scene/stage";
 import { benchmark, type Drawn, type Figures, type ToolMotion, toolMotion } from "./benchmark";
 import type { Loop } from "./loop";
@@ -35,6 +36,8 @@ export interface FeelerApi {
   readonly frames: readonly number[];
   readonly document: Document | null;
   readonly state: State | null;
+  /** Who is there, where they are, and who has the tool. */
+  readonly people: PeopleShown;
   readonly stats: PageStats;
   /** The camera of the picture; where it glides, that of the end. */
   readonly camera: Camera;
@@ -101,6 +104,9 @@ export function createApi(source: ApiSource): FeelerApi {
     get state() {
       return loop.state;
     },
+    get people() {
+      return wb.store.people.toJSON();
+    },
     get stats() {
       return { ...wb.stage.stats, ...drawn(), input_to_drawn: [...loop.input_to_drawn.values] };
     },
@@ -130,6 +136,7 @@ function poseOf(wb: Workbench, state: State | null): Pose | null {
 
 function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<number>): Promise<Pose> {
   const { hand } = wb;
+  if (wb.store.people.is_barred.peek()) return Promise.reject(new Error("somebody else has the tool"));
   if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page is read-only"));
   if (pose.length !== 16) return Promise.reject(new RangeError("a pose has 16 numbers, row by row"));
   return new Promise((resolve, reject) => {

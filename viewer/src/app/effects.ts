@@ -14,7 +14,8 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       const document = store.document.value;
       const count = store.paths.value.length;
       const focus = store.findings.focus.value;
-      if (document) loop.setPartStates(partStates(count, document, store.selection.value, focus));
+      const others = store.people.selections.value;
+      if (document) loop.setPartStates(partStates(count, document, store.selection.value, focus, others));
     }),
     effect(() => {
       // Another mock-up in the stage has its own colours.
@@ -55,7 +56,9 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       loop.remark();
     }),
     effect(() => {
-      hand.isLocked = store.is_read_only.value || !store.has_hand.value;
+      const is_barred = store.people.is_barred.value;
+      if (is_barred && hand.wish) hand.drop();
+      hand.isLocked = store.is_read_only.value || !store.has_hand.value || is_barred;
       if (hand.isLocked) store.typed.value = null;
       loop.request();
     }),

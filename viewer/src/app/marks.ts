@@ -7,10 +7,11 @@ import { distance, length, type Vec3 } from "../math/vectors";
 import { touchedParts } from "../model/contact";
 import { depthText, wayText } from "../model/findings";
 import type { Hand } from "../model/hand";
+import { colourOf, numberOf } from "../model/people";
 import type { Store } from "../model/store";
 import type { Marks } from "../scene/marks";
 import { typedText } from "../ui/typing-hint";
-import { measureText, shortened } from "../ui/words";
+import { isolated, measureText, shortened } from "../ui/words";
 
 /** Weaker forces are rounding. */
 const LEAST_FORCE_N = 1e-3;
@@ -44,6 +45,7 @@ export function marksOf(store: Store, state: State | null, hand: HandPlace): Mar
     measures: [...measures, ...pending],
     snap: store.snap.peek(),
     way: wayOf(store, unit),
+    people: peopleMarks(store, hand),
     finding: focus && {
       points: focus.points,
       arrow: focus.arrow,
@@ -51,6 +53,21 @@ export function marksOf(store: Store, state: State | null, hand: HandPlace): Mar
       arrow_text: wayText(focus.finding, unit),
     },
   };
+}
+
+/** Where others point, and whose hand moves the tool. */
+function peopleMarks({ people, has_hand }: Store, { center }: HandPlace): Marks["people"] {
+  const { person, is_free } = people.turn.peek();
+  return people.others.peek().flatMap(({ id, name, colour, is_away }) => {
+    if (is_away) return [];
+    const mark = { id, name: isolated(name), colour: colourOf(colour), number: numberOf(colour) };
+    const point = people.seen.peek().get(id)?.point;
+    const hasTool = person === id && !is_free && center !== null && has_hand.peek();
+    return [
+      ...(point ? [{ ...mark, at: [...point] as Vec3, isTool: false }] : []),
+      ...(hasTool ? [{ ...mark, at: center, isTool: true }] : []),
+    ];
+  });
 }
 
 function wayOf(store: Store, unit: Unit): Marks["way"] {

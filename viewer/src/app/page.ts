@@ -1,6 +1,7 @@
 // The page of a running server: the link, the stage, the hand and the devices, joined.
 
 import { pictureFor } from "../actions/exports";
+import { lookAtFinding } from "../actions/findings";
 import { Workbench } from "../actions/workbench";
 import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
@@ -8,7 +9,7 @@ import { Pointer } from "../input/mouse";
 import { Geometry } from "../link/geometry";
 import { Link, LinkError } from "../link/link";
 import type { OfflinePage } from "../link/offline-file";
-import type { Camera, Document, HeldManifest, ServerEvent, State, Welcome } from "../link/protocol";
+import type { Camera, Document, HeldManifest, People, Seen, ServerEvent, State, Welcome } from "../link/protocol";
 import { fromAxes } from "../math/matrix";
 import { isSame } from "../math/same";
 import { formatCount } from "../math/units";
@@ -27,6 +28,7 @@ import { followFilm } from "./film";
 import { followFindings, takeRows } from "./follow-findings";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
+import { followPeople } from "./people";
 
 /** The state of the hand before the first message. */
 const NO_VERSION = -1;
@@ -66,6 +68,8 @@ export class Page {
       onWelcome: (welcome: Welcome) => this.onWelcome(welcome),
       onState: (state: State) => this.onState(state),
       onEvent: (event: ServerEvent) => this.onEvent(event),
+      onPeople: (people: People) => store.people.take(people),
+      onSeen: (seen: Seen) => store.people.takeSeen(seen),
     };
     const url = `${base.protocol === "https:" ? "wss:" : "ws:"}//${base.host}${base.pathname}`;
     const link = token ? new Link({ url, token, listener }) : null;
@@ -96,6 +100,7 @@ export class Page {
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
+    followPeople(this.wb, this.loop);
     followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
     listenToKeys(this.wb);
     listenToDrops(this.wb);
@@ -130,6 +135,10 @@ export class Page {
     if (left_out > 0) {
       store.notify("warning", `${formatCount(left_out)} triangles of small parts had no room in this file`);
     }
+    // A report links to its findings.
+    const wanted = new URLSearchParams(location.hash.slice(1)).get("finding");
+    const row = wanted === null ? -1 : (store.findings.list.peek()?.rowOf(wanted) ?? -1);
+    if (row >= 0) void lookAtFinding(wb, row);
     this.loop.request();
   }
 
@@ -152,6 +161,7 @@ export class Page {
     this.store.connection.value = status;
     this.watchEnd(status);
     if (status === "open") return;
+    this.store.people.forget();
     this.devices.reset();
     this.wb.hand.drop();
     this.store.jobs.value = [];

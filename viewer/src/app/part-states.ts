@@ -3,14 +3,16 @@
 import type { CardAnswer, Document, State } from "../link/protocol";
 import { touchedParts } from "../model/contact";
 import type { Focus } from "../model/finding-state";
+import { OTHERS } from "../scene/parts";
 import { PartState } from "../scene/stage";
 
-/** The states of `count` parts, as `PartState` bits. */
+/** The states of `count` parts, as `PartState` bits. `others`: what other people selected. */
 export function partStates(
   count: number,
   document: Pick<Document, "hidden" | "ghost" | "gripped" | "isolated">,
   selection: ReadonlySet<number>,
   focus: Pick<Focus, "parts" | "cover"> | null = null,
+  others: readonly (readonly number[])[] = [],
 ): Uint8Array {
   const states = new Uint8Array(count);
   if (focus) {
@@ -23,6 +25,10 @@ export function partStates(
     mark(states, document.ghost, PartState.ghost);
   }
   mark(states, selection, PartState.selected);
+  others.slice(0, OTHERS.length).forEach((parts, k) => {
+    for (const part of parts)
+      if (part < count) states[part] = ((states[part] ?? 0) & ~PartState.other) | (OTHERS[k] ?? 0);
+  });
   mark(states, document.gripped, PartState.away);
   return states;
 }

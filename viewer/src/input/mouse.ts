@@ -139,6 +139,7 @@ export class Pointer {
     const { store, stage } = this.wb;
     const picked = stage.pick(this.at.x, this.at.y);
     store.hover.value = picked && !picked.held ? picked.part : -1;
+    store.pointed.value = picked?.point ?? null;
     hoverMeasure(this.wb, this.at);
   }
 
@@ -178,6 +179,7 @@ export class Pointer {
     const cut = this.handle ? null : hitCut(this.cuts(), at);
     this.cut = cut?.id ?? null;
     if (cut) return { kind: "cut", cut, from: at, to: at, last: at };
+    if (store.people.is_barred.peek() && stage.pick(at.x, at.y)?.held) store.people.tried();
     if (!pose || !center || hand.isLocked) return null;
     if (this.handle) {
       const { kind, direction } = this.handle;
@@ -321,6 +323,7 @@ export class Pointer {
   private leave(): void {
     this.at = null;
     this.wb.store.hover.value = -1;
+    this.wb.store.pointed.value = null;
     if (!this.gesture) this.handle = this.cut = null;
     this.wb.redraw();
   }

@@ -10,17 +10,21 @@ import {
   type CommandRequest,
   type FromPage,
   type FromServer,
+  type Here,
   type Jobs,
   MOST_UPLOAD_PIECE,
   NOT_ALLOWED,
+  type People,
   type Pose,
   PROTOCOL_VERSION,
   type Questions,
   RELOAD,
+  type Seen,
   type ServerEvent,
   type Source,
   type State,
   TOO_MANY_PAGES,
+  type TurnWish,
   type Welcome,
 } from "./protocol";
 import { BROWSER_TIMERS } from "./turns";
@@ -45,6 +49,10 @@ export interface LinkListener {
   onWelcome(welcome: Welcome): void;
   onState(state: State): void;
   onEvent(event: ServerEvent): void;
+  /** Who is there, and who has the tool. */
+  onPeople(people: People): void;
+  /** Where another person points and looks. */
+  onSeen(seen: Seen): void;
 }
 
 /** The part of a WebSocket that the link uses. */
@@ -240,6 +248,23 @@ export class Link {
     }
   }
 
+  /** Tells the name of the person at this page. */
+  name(name: string): void {
+    const socket = this.open;
+    if (socket) this.send(socket, { kind: "name", name });
+  }
+
+  /** Tells where the person at this page points and looks. */
+  here(here: Omit<Here, "kind">): void {
+    const socket = this.open;
+    if (socket) this.send(socket, { kind: "here", ...here });
+  }
+
+  /** Takes the tool, asks for it, or gives it. Rejects with a `LinkError` where that cannot be. */
+  async turn(wish: TurnWish, to: number | null = null): Promise<void> {
+    await this.expect((id) => ({ kind: "turn", id, wish, to }), "tool").result;
+  }
+
   /** Answers the server's wish for figures. */
   benchmarked(id: number, figures: Record<string, unknown>): void {
     const socket = this.open;
@@ -307,10 +332,18 @@ export class Link {
     switch (message.kind) {
       case "state":
         if (this.socket) this.send(this.socket, { kind: "ack", seq: message.seq });
+        // Wishes of others count as well: an answer to theirs is none to ours.
+        this.next_seq = Math.max(this.next_seq, message.pose_seq + 1);
         this.options.listener.onState(message);
         break;
       case "event":
         this.receiveEvent(message);
+        break;
+      case "people":
+        this.options.listener.onPeople(message);
+        break;
+      case "seen":
+        this.options.listener.onSeen(message);
         break;
       case "progress":
         this.waiting.get(message.id)?.onProgress?.(message.share, message.stage);

@@ -6,6 +6,106 @@ import { MOST_PIECE_BYTES, type OpeningRequest, type Opens } from "./openings";
 /** Version of the protocol: pages with another one must reload. */
 export const PROTOCOL_VERSION = 1;
 
+export type Vec3 = [number, number, number];
+
+/** Where a camera is, and what it looks at. */
+export interface CameraPlace {
+  readonly position: Vec3;
+  readonly target: Vec3;
+  readonly up: Vec3;
+  /** Vertical field of view. */
+  readonly fov_rad: number;
+}
+
+/** A camera. */
+export interface Camera extends CameraPlace {
+  /** Parallel projection, as high at the target as the perspective view; absent: perspective. */
+  readonly is_parallel?: boolean;
+}
+
+/** Characters of a person's name. */
+export const MOST_NAME = 40;
+
+/** Parts of a selection that others see. */
+export const MOST_SELECTED = 1000;
+
+/** A page tells where its person is at most once in this time; the server passes it on no faster. */
+export const LEAST_HERE_MS = 100;
+
+export type Holder = "page" | "script" | "device";
+
+export type TurnWish = "take" | "ask" | "give" | "keep" | "let_go";
+
+/** Somebody with a page. */
+export interface Person {
+  readonly id: number;
+  /** Plain text, different from all others. */
+  readonly name: string;
+  /** A number from 0, different from all others. */
+  readonly colour: number;
+  /** The page has said nothing for some seconds: it is hidden, or its machine sleeps. */
+  readonly is_away: boolean;
+}
+
+/** Who has the tool, and what it holds. */
+export interface Turn {
+  /** Null: nobody. */
+  readonly kind: Holder | null;
+  /** The page's; null: not a page. */
+  readonly person: number | null;
+  /** Anybody may take it, by moving it: nobody has it, or its holder has not moved it for some seconds. */
+  readonly is_free: boolean;
+  /** Persons who asked for it, in this order. */
+  readonly asked: readonly number[];
+}
+
+/** The name of the page's person. Empty: the default, "Guest 1". */
+export interface Named {
+  readonly kind: "name";
+  readonly name: string;
+}
+
+/** Where the page's person points and looks, and what is selected. Only the newest counts. */
+export interface Here {
+  readonly kind: "here";
+  /** On the mock-up, under the pointer. Null: nowhere. */
+  readonly point: Vec3 | null;
+  /** Parts, at most `MOST_SELECTED`. */
+  readonly selection: readonly number[];
+  readonly camera: Camera;
+  /** The person holds the tool, even if it does not move at this moment. */
+  readonly is_moving: boolean;
+}
+
+/** Takes the tool if it is free, asks for it, gives it to `to`, keeps it, or lets it go. Answered by a reply. */
+export interface Turning {
+  readonly kind: "turn";
+  readonly id: number;
+  readonly wish: TurnWish;
+  /** A person, for "give". */
+  readonly to: number | null;
+}
+
+export type PersonMessage = Named | Here | Turning;
+
+/** The people with a page, and who has the tool. A newer message replaces it. */
+export interface People {
+  readonly kind: "people";
+  readonly you: number;
+  /** In the order in which they came. */
+  readonly people: readonly Person[];
+  readonly turn: Turn;
+}
+
+/** Where another person points and looks, and what is selected there. A newer message replaces it. */
+export interface Seen {
+  readonly kind: "seen";
+  readonly person: number;
+  readonly point: Vec3 | null;
+  readonly selection: readonly number[];
+  readonly camera: Camera;
+}
+
 export type FindingStatus = "new" | "active" | "reviewed" | "approved" | "resolved";
 
 export type FindingFormat = "json" | "csv" | "xlsx" | "html" | "bcf" | "rules";
@@ -272,11 +372,15 @@ export interface BlockerFacts {
   readonly pose: Pose;
 }
 
-/** Whether a tool reaches a fastener. */
+/** Which tools reach a fastener. */
 export interface ReachFacts {
   readonly part: number | null;
   readonly name: string;
   readonly kind: string;
+  /** The one that swings farthest; the other figures are of it. */
+  readonly tool: string;
+  /** All that reach it, of those that were tried. */
+  readonly tools: readonly string[];
   readonly is_reachable: boolean;
   readonly swing_deg: number;
   readonly because: string;
@@ -331,8 +435,6 @@ export const MOST_CLEARANCES = 16;
 
 /** Bytes of one piece of a file. */
 export const MOST_UPLOAD_PIECE = 524288;
-
-export type Vec3 = [number, number, number];
 
 /** 16 numbers of a rigid pose, row by row. */
 export type Pose = readonly number[];
@@ -449,21 +551,6 @@ export interface Measure {
   readonly unit: "m" | "rad";
   /** Computed by the engine on the triangles, not from the picture. */
   readonly is_exact: boolean;
-}
-
-/** Where a camera is, and what it looks at. */
-export interface CameraPlace {
-  readonly position: Vec3;
-  readonly target: Vec3;
-  readonly up: Vec3;
-  /** Vertical field of view. */
-  readonly fov_rad: number;
-}
-
-/** A camera. */
-export interface Camera extends CameraPlace {
-  /** Parallel projection, as high at the target as the perspective view; absent: perspective. */
-  readonly is_parallel?: boolean;
 }
 
 /** A stored camera. */
@@ -905,11 +992,13 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked | OpeningRequest;
+export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked;
+
+export type FromPage = PageMessage | OpeningRequest | PersonMessage;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
-export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal;
+export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal | People | Seen;
 
 /** The arguments of commands. */
 export interface Commands {
@@ -1034,6 +1123,7 @@ export interface Commands {
     readonly parts?: Selection;
     readonly without?: Selection;
     readonly tool?: string;
+    readonly tools?: readonly string[];
     readonly grip?: string;
     readonly swing_deg?: number;
     readonly clearance?: number;
@@ -1103,6 +1193,8 @@ export interface Jobs {
   readonly export_glb: { readonly args: Record<string, never>; readonly answer: Written };
   /** A project of the document, to download. It names the mock-up by its content, and no folder of this machine. */
   readonly export_project: { readonly args: Record<string, never>; readonly answer: Written };
+  /** One page of what was found and done, with its films inside. `pictures`: as of `feeler report`. */
+  readonly report: { readonly args: { readonly pictures?: number }; readonly answer: Written };
   /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
   /** Replays the record that the workbench was opened with. */

@@ -19,7 +19,7 @@ export const PANELS: readonly Panel[] = ["pose", "ask", "sections", "measures", 
 export const knownPanel = (name: string): Panel => PANELS.find((panel) => panel === name) ?? "pose";
 
 /** The cover of the page. */
-export type Dialog = "palette" | "help" | "settings" | "open" | "doubts" | null;
+export type Dialog = "palette" | "help" | "settings" | "people" | "open" | "doubts" | null;
 
 /** In a narrow window, what lies over the picture. */
 export type Drawer = "tree" | "panels" | null;

@@ -1,4 +1,4 @@
-// The user's settings for this browser: kept over reloads, never sent.
+// The user's settings for this browser: kept over reloads. Only the name is sent.
 
 import type { Frame } from "./hand";
 
@@ -6,6 +6,8 @@ import type { Frame } from "./hand";
 export type VrSize = "table" | "real";
 
 export interface Settings {
+  /** What others on the same project see; empty: "Guest 1". */
+  readonly name: string;
   readonly theme: "system" | "dark" | "light";
   /** The id of a navigation style. */
   readonly style: string;
@@ -42,6 +44,7 @@ export interface Settings {
 }
 
 export const DEFAULTS: Settings = {
+  name: "",
   theme: "system",
   style: "feeler",
   has_single_keys: true,

@@ -17,6 +17,7 @@ import {
   type Panel,
 } from "./page-state";
 import { PartTree } from "./part-tree";
+import { PeopleState } from "./people";
 import { drawnSections } from "./sections";
 import { loadSettings, type Settings } from "./settings";
 import type { TypedMove } from "./typed-move";
@@ -91,6 +92,10 @@ export class Store {
   readonly selection = signal<ReadonlySet<number>>(new Set());
   /** The part under the pointer; -1: none. */
   readonly hover = signal(-1);
+  /** The point of the mock-up under the pointer. */
+  readonly pointed = signal<Vec3 | null>(null);
+  /** Who else is there, and who has the tool. */
+  readonly people = new PeopleState();
   readonly search = signal("");
   readonly dialog = signal<Dialog>(null);
   /** The step of the tour that is shown, from 0; null: none. */

@@ -22,10 +22,10 @@ export class Composer {
     this.#renderer = renderer;
     this.#eye = eye;
     this.#over = over;
-    const { keptScale, keptId, states, resolution, pixelRatio } = uniforms;
+    const { keptScale, keptId, states, others, resolution, pixelRatio } = uniforms;
     this.#tint = new ScreenPass(tintFragment, {
       kept: { value: null },
-      ...{ keptScale, keptId, states, resolution, pixelRatio },
+      ...{ keptScale, keptId, states, others, resolution, pixelRatio },
     });
   }
 

@@ -9,7 +9,7 @@ export interface Anchor {
   key: string;
   point: Vec3;
   text: string;
-  kind: "near" | "hit" | "measure" | "hand";
+  kind: "near" | "hit" | "measure" | "hand" | `person-${number}`;
   rank: number;
 }
 

@@ -5,6 +5,7 @@ import { add, cross, distance, length, normalize, perpendicular, scale, type Vec
 import type { CameraRig } from "./camera";
 import type { Anchor } from "./labels";
 import { Discs, Lines, type Tint } from "./strokes";
+import { channels } from "./theme";
 
 /** A measure as it is drawn: 1 point, 2 points of a line, or 3 of an angle with its corner in the middle. */
 export interface MeasureMark {
@@ -45,6 +46,8 @@ export interface Marks {
     /** How long the way is. */
     arrow_text: string;
   } | null;
+  /** Where other people point, or (`isTool`) the tool that one of them moves. `colour`: 0xRRGGBB, of that number. */
+  people: { id: number; at: Vec3; name: string; colour: number; number: number; isTool: boolean }[];
 }
 
 export const NO_MARKS: Marks = {
@@ -59,6 +62,7 @@ export const NO_MARKS: Marks = {
   snap: null,
   way: null,
   finding: null,
+  people: [],
 };
 
 // Orange for contacts, blue for near parts, yellow for measures: distinct without seeing red.
@@ -78,6 +82,7 @@ const LEAST_ARROW = 18;
 const LONGEST_ARROW = 90;
 const HEAD = 11;
 const SNAP_RADIUS = 7;
+const PERSON_RADIUS = 10;
 // An arrow of this force is half of the longest: the eye tells 1 N from 5 N, and 50 N still fits.
 const HALF_FORCE_N = 8;
 const ARC_STEPS = 24;
@@ -142,6 +147,7 @@ export class MarkLayer {
       snap,
       way,
       finding,
+      people,
     } = this.#marks;
     this.#lines.clear();
     this.#discs.clear();
@@ -169,6 +175,7 @@ export class MarkLayer {
     for (const measure of measures) this.#addMeasure(measure, pixel);
     if (way) this.#addWay(way, pixel);
     if (finding) this.#addFinding(finding, camera, pixel);
+    for (const person of people) this.#addPerson(person, camera, pixel(person.at));
     if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
     this.#lines.commit();
     this.#discs.commit();
@@ -292,6 +299,19 @@ export class MarkLayer {
       this.anchors.push({ key: "finding way", point: tip, text: arrow_text, kind: "hit", rank: 5 });
     }
     if (one && text !== "") this.anchors.push({ key: "finding", point: one, text, kind: "hit", rank: 6 });
+  }
+
+  /** A dot in a ring, with a name. */
+  #addPerson(person: Marks["people"][number], camera: CameraRig, pixel: number): void {
+    const { id, at, name, colour, number, isTool } = person;
+    const tint: Tint = [...channels(colour), 1];
+    if (!isTool) {
+      const radius = PERSON_RADIUS * pixel;
+      this.#discs.add(at, scale(camera.right, radius), scale(camera.top, radius), tint, 0.6);
+      this.#lines.add(at, at, CHOSEN, 10);
+      this.#lines.add(at, at, tint, 7);
+    }
+    this.anchors.push({ key: `person ${id} ${isTool}`, point: at, text: name, kind: `person-${number}`, rank: 7 });
   }
 
   /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */

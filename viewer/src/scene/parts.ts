@@ -24,12 +24,15 @@ import {
 } from "../math/vectors";
 import { paletteTexture, tint, untint } from "./palette";
 
-/** The bits of a part's state. `away`: in the hand, or taken out of the mock-up. */
-export const PartState = { hidden: 1, ghost: 2, hit: 8, selected: 16, away: 32 } as const;
+/** The bits of a part's state. `away`: in the hand, or taken out of the mock-up. `other`: two, as of `OTHERS`. */
+export const PartState = { hidden: 1, ghost: 2, other: 132, hit: 8, selected: 16, away: 32 } as const;
+
+/** The bits of a part that another person selected: the first, the second, the third. */
+export const OTHERS = [4, 128, 132] as const;
 
 const PLACED = 64;
 const HIDES = PartState.hidden | PartState.away;
-const LIT = PartState.hit | PartState.selected;
+const LIT = PartState.hit | PartState.selected | PartState.other;
 // State changes that need a redraw; the others only tint.
 const SHAPE = HIDES | PartState.ghost;
 // The widths that the shaders know.

@@ -251,24 +251,27 @@ uniform sampler2D kept;
 uniform vec2 keptScale;
 uniform usampler2D keptId;
 uniform usampler2D states;
+uniform vec3 others[3];
 uniform vec2 resolution;
 uniform float pixelRatio;
 layout(location = 0) out vec4 outColour;
 const float RIM_PIXELS = 1.5;
+const float OTHER_PIXELS = 3.0;
 uint idAt(ivec2 p) { return texelFetch(keptId, p, 0).r & 0x7fffffffu; }
-// How a part is lit: the bits hit and selected.
+// How a part is lit: the bits hit, selected, and those of other people.
 uint litOf(uint id) {
   if (id == 0u) return 0u;
   uint part = id - 1u;
-  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 24u;
+  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 156u;
 }
-// Three places around the pixel see every edge.
-bool isAtRim(ivec2 p, uint id) {
-  int rim = max(1, int(RIM_PIXELS * pixelRatio * keptScale.x + 0.5));
+// Three places around the pixel see every edge. No edge is between two parts with the same bits.
+bool isAtRim(ivec2 p, uint id, float pixels, uint mask, uint bits) {
+  int rim = max(1, int(pixels * pixelRatio * keptScale.x + 0.5));
   ivec2 low = max(p - rim, ivec2(0)), high = min(p + rim, ivec2(resolution * keptScale) - 1);
   uvec3 around = uvec3(idAt(ivec2(p.x, high.y)), idAt(low), idAt(ivec2(high.x, low.y)));
   if (around == uvec3(id)) return false;
-  return (litOf(around.x) & litOf(around.y) & litOf(around.z) & 16u) == 0u;
+  uvec3 lit = uvec3(litOf(around.x), litOf(around.y), litOf(around.z));
+  return (lit & uvec3(mask)) != uvec3(bits);
 }
 void main() {
   vec2 at = gl_FragCoord.xy * keptScale;
@@ -282,11 +285,15 @@ void main() {
   if (state != 0u) {
     bool isHit = (state & 8u) != 0u, isSelected = (state & 16u) != 0u;
     float light = dot(colour, vec3(0.30, 0.59, 0.11));
-    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : vec3(1.0, 0.92, 0.55);
-    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.44 : 0.74);
+    uint other = state & 132u;
+    // 4, 128 and both: the first, the second and the third.
+    vec3 own = others[other == 132u ? 2 : other == 128u ? 1 : 0];
+    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : isSelected ? vec3(1.0, 0.92, 0.55) : own;
+    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.44 : isSelected ? 0.74 : 0.4);
     // A hatch besides the colour, so that hit and selected differ without seeing red.
     if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
-    if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
+    if (other != 0u && isAtRim(p, id, OTHER_PIXELS, 132u, other)) colour = own;
+    if (isSelected && isAtRim(p, id, RIM_PIXELS, 16u, 16u)) colour = vec3(1.0, 0.86, 0.24);
   }
   outColour = vec4(colour, 1.0);
 }

@@ -27,7 +27,7 @@ import { ScreenPass } from "./screen";
 import { type SectionPlane, writePlanes } from "./sections";
 import { backFragment } from "./shaders";
 import { pngOf } from "./shot";
-import { coloursOf, type Theme } from "./theme";
+import { channels, coloursOf, type Theme } from "./theme";
 import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
 import { warmUp } from "./warmup";
 
@@ -232,6 +232,15 @@ export class Stage {
     if (!this.#model.table?.setStates(states)) return;
     this.#composer.isLitNew = true;
     this.#followTable();
+  }
+
+  /** The colours (0xRRGGBB) of other people, in the order of their bits in the parts' states. */
+  setOthers(colours: readonly number[]): void {
+    this.#uniforms.others.value.forEach((each, k) => {
+      each.set(...channels(colours[k] ?? 0));
+    });
+    this.#composer.isLitNew = true;
+    this.#touch();
   }
 
   /** world_from_part, row by row, of every part that is not where it was loaded. */

@@ -23,4 +23,11 @@ const COLOURS: Record<Theme, Colours> = {
   },
 };
 
+/** 0xRRGGBB as three numbers from 0 to 1. */
+export const channels = (colour: number): [number, number, number] => [
+  ((colour >> 16) & 255) / 255,
+  ((colour >> 8) & 255) / 255,
+  (colour & 255) / 255,
+];
+
 export const coloursOf = (theme: Theme): Colours => COLOURS[theme];

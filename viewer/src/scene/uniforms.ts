@@ -11,6 +11,8 @@ export function sharedUniforms() {
     states: { value: null as Texture | null },
     places: { value: null as Texture | null },
     colours: { value: null as Texture | null },
+    /** The colours of other people. */
+    others: { value: [new Vector3(), new Vector3(), new Vector3()] },
     /** The vertical, view coordinates. */
     sky: { value: new Vector3(0, 1, 0) },
     /** Section planes: world coordinates less the middle, and view coordinates. */

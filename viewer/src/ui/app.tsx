@@ -18,6 +18,7 @@ import { MeasurePanel } from "./measures";
 import { ContextMenu } from "./menu";
 import { DoubtsDialog, OpenDialog } from "./opening";
 import { Palette } from "./palette";
+import { PeopleDialog, TurnBar } from "./people";
 import { PosePanel } from "./poses";
 import { Preferences } from "./preferences";
 import { SectionPanel } from "./sections";
@@ -67,6 +68,7 @@ export function App({ workbench, picture }: { workbench: Workbench; picture: Pic
       {dialog.value === "open" && <OpenDialog />}
       {dialog.value === "doubts" && <DoubtsDialog />}
       {dialog.value === "settings" && <Preferences />}
+      {dialog.value === "people" && <PeopleDialog />}
       <Notices />
       <DropCover />
     </WorkbenchContext.Provider>
@@ -100,6 +102,7 @@ function Picture({ picture }: { picture: PictureElements }) {
       <Banner />
       <RecordBar />
       <AllHidden />
+      <TurnBar />
       <FirstRun />
       <Covers />
       <ContextMenu />

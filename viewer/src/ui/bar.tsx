@@ -7,6 +7,7 @@ import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { Icon } from "./icons";
 import { Name } from "./names";
+import { PeopleStrip } from "./people";
 import { counted, partsText, trianglesText } from "./words";
 
 export function Bar() {
@@ -68,6 +69,7 @@ export function Bar() {
           <span>{counted(doubts, "doubt")}</span>
         </button>
       )}
+      <PeopleStrip />
       <div class="bar-group bar-rest">
         {store.opens.value && <CommandButton id="open-file" icon="folder" />}
         <CommandButton id="mute" icon={settings.is_muted ? "soundOff" : "sound"} pressed={settings.is_muted} />
@@ -85,10 +87,22 @@ export function Bar() {
 }
 
 /** What has no room in a narrow bar. */
-const MORE = ["open-file", "open-sample", "mode", "mute", "theme", "settings", "help", "tour"] as const;
+const MORE = [
+  "people",
+  "take-turn",
+  "open-file",
+  "open-sample",
+  "mode",
+  "mute",
+  "theme",
+  "settings",
+  "help",
+  "tour",
+] as const;
 
 function More() {
   const { store } = useWorkbench();
+  const items = store.people.others.value.length > 0 ? ["people", "take-turn", ...MORE] : MORE;
   return (
     <button
       type="button"
@@ -99,7 +113,7 @@ function More() {
       aria-expanded={store.menu.value?.items !== undefined}
       onClick={(event) => {
         const { right, bottom } = event.currentTarget.getBoundingClientRect();
-        store.menu.value = { x: right, y: bottom, part: -1, point: null, at: { x: 0, y: 0 }, items: MORE };
+        store.menu.value = { x: right, y: bottom, part: -1, point: null, at: { x: 0, y: 0 }, items };
       }}
     >
       <Icon name="more" />

@@ -14,7 +14,7 @@ import { partsText } from "./words";
 export const QUESTIONS: Readonly<Record<CardQuestion, string>> = {
   removal: "Can it come out?",
   order: "What has to go first?",
-  access: "Does the tool reach its bolts?",
+  access: "Which tool reaches its bolts?",
   swept: "What room does it need?",
 };
 
@@ -38,7 +38,12 @@ export function AskPanel() {
         </p>
         <div class="button-column">
           {(Object.keys(QUESTIONS) as CardQuestion[]).map((question) => (
-            <CommandButton key={question} id={`ask-${question}`} icon={ICONS[question]} text={QUESTIONS[question]} />
+            <CommandButton
+              key={question}
+              id={`ask-${question === "access" ? "tools" : question}`}
+              icon={ICONS[question]}
+              text={QUESTIONS[question]}
+            />
           ))}
           <CommandButton id="clashes-of" icon="alert" text="What clashes with it?" />
         </div>
@@ -141,7 +146,7 @@ function Answer({ card, answer }: { card: Card; answer: CardAnswer }) {
       )}
       {answer.ways.length > 0 && <WayPlayer card={card} answer={answer} />}
       {answer.ways.length === 0 && <Blockers card={card} answer={answer} />}
-      {answer.reaches.length > 0 && <ReachList card={card} answer={answer} />}
+      {answer.reaches.length > 0 && <ReachList answer={answer} />}
     </>
   );
 }

@@ -33,8 +33,8 @@ const QUESTIONS: readonly Question[] = [
   },
   {
     text: "Which tool undoes this bolt?",
-    ask: ["ask-access"],
-    parts: ["gearbox/oil_filter/bolt_1"],
+    ask: ["ask-tools"],
+    parts: ["gearbox/covers/main_front/bolt_1"],
     how: "The bolt is selected. Bring the wrench to it: drag it, or press G, an axis, a length and Enter.",
   },
 ];

@@ -9,7 +9,7 @@ import { useWorkbench } from "./context";
 import { Name } from "./names";
 
 const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit", "clashes-of"] as const;
-const ASK_ITEMS = ["ask-removal", "ask-order", "ask-access", "ask-swept"] as const;
+const ASK_ITEMS = ["ask-removal", "ask-order", "ask-tools", "ask-swept"] as const;
 const EMPTY_ITEMS = ["fit", "show-all", "undo", "redo", "snapshot", "palette"] as const;
 
 export function ContextMenu() {

@@ -7,6 +7,7 @@ import { STYLES } from "../model/navigation";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 import { Choice, CommandButton } from "./fields";
+import { NameSetting } from "./people";
 
 export function Preferences() {
   const wb = useWorkbench();
@@ -27,6 +28,12 @@ export function Preferences() {
           choose={(theme) => store.set({ theme })}
         />
       </div>
+      {store.connection.value !== "offline" && (
+        <div class="setting">
+          <h3>Others on the same project</h3>
+          <NameSetting />
+        </div>
+      )}
       <div class="setting">
         <h3>Navigation</h3>
         <label class="field">

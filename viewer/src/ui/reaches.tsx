@@ -2,16 +2,17 @@
 
 import { useSignal } from "@preact/signals";
 import { seatTool } from "../actions/cards";
-import type { Card, CardAnswer } from "../link/protocol";
+import type { CardAnswer } from "../link/protocol";
 import { useWorkbench } from "./context";
 
 const FIRST = 50;
 
-export function ReachList({ card, answer }: { card: Card; answer: CardAnswer }) {
+export function ReachList({ answer }: { answer: CardAnswer }) {
   const wb = useWorkbench();
   const { store } = wb;
   const shown = useSignal(FIRST);
   const rows = answer.reaches;
+  const isOne = rows.every((row) => row.tool === rows[0]?.tool);
   return (
     <>
       <ul class="reaches" aria-label="Fasteners">
@@ -25,12 +26,12 @@ export function ReachList({ card, answer }: { card: Card; answer: CardAnswer }) 
               type="button"
               class="link"
               disabled={store.is_read_only.value}
-              title={row.is_reachable ? "Puts the tool into its seat there" : "Looks at it"}
-              onClick={() => seatTool(wb, card.id, row)}
+              title={row.is_reachable ? `Puts the ${row.tool} into its seat there` : "Looks at it"}
+              onClick={() => seatTool(wb, row)}
             >
               {row.name.split("/").at(-1)}
             </button>
-            <span class="note">{row.is_reachable ? `swings ${Math.round(row.swing_deg)}°` : row.because}</span>
+            <span class="note">{reachText(row, isOne)}</span>
             {row.blockers.length > 0 && (
               <span class="note">{`in the way: ${row.blockers
                 .slice(0, 2)
@@ -53,4 +54,13 @@ export function ReachList({ card, answer }: { card: Card; answer: CardAnswer }) 
       )}
     </>
   );
+}
+
+/** "swings 300°", or with several tools "hand swings 300°, torque too". */
+function reachText(row: CardAnswer["reaches"][number], isOne: boolean): string {
+  if (!row.is_reachable) return row.because;
+  const swing = `swings ${Math.round(row.swing_deg)}°`;
+  if (isOne && row.tools.length === 1) return swing;
+  const others = row.tools.filter((name) => name !== row.tool);
+  return `${row.tool} ${swing}${others.length > 0 ? `, also ${others.join(", ")}` : ""}`;
 }

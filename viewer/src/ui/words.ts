@@ -13,6 +13,14 @@ const TURNING = /[\u0590-\u08ff\u200e\u200f\u202a-\u202e\u2066-\u2069\ufb1d-\ufd
 /** A name inside a sentence: one of another direction does not turn the rest. */
 export const isolated = (name: string): string => (TURNING.test(name) ? `\u2068${name}\u2069` : name);
 
+/** The first letters of the first two words. */
+export const initials = (name: string): string =>
+  name
+    .split(" ")
+    .slice(0, 2)
+    .map((word) => (Array.from(word)[0] ?? "").toUpperCase())
+    .join("");
+
 /** "1 contact", "4 contacts". */
 export const counted = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 

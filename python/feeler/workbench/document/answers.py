@@ -135,11 +135,15 @@ class BlockerFacts(TypedDict):
 
 
 class ReachFacts(TypedDict):
-    """Whether a tool reaches a fastener."""
+    """Which tools reach a fastener."""
 
     part: int | None
     name: str
     kind: str
+    tool: str
+    """The one that swings farthest; the other figures are of it."""
+    tools: list[str]
+    """All that reach it, of those that were tried."""
     is_reachable: bool
     swing_deg: float
     because: str

@@ -159,7 +159,7 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
 
 def _options(document: Document, given: Arguments, known: Known, question: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    other = ("clearance", "seconds") if question == "access" else ("tool", "grip", "swing_deg")
+    other = ("clearance", "seconds") if question == "access" else ("tool", "tools", "grip", "swing_deg")
     for each in other:
         if given.has(each):
             raise given.fail(each, f"this question has no {each}", "leave it out")
@@ -169,15 +169,31 @@ def _options(document: Document, given: Arguments, known: Known, question: str) 
         found["seconds"] = given.number("seconds", 0.1, LONGEST_S)
     if question != "access":
         return found
-    name = given.choice("tool", known.tools) if given.has("tool") else document.tool and document.tool.name
-    if name is None:
-        raise given.fail("tool", "the hand holds no tool", f"name one: {', '.join(list(known.tools)[:8])}")
-    found["tool"] = name
+    if given.has("tools"):
+        found["tools"] = _tools(given, known)
+    else:
+        name = given.choice("tool", known.tools) if given.has("tool") else document.tool and document.tool.name
+        if name is None:
+            raise given.fail("tool", "the hand holds no tool", f"name one: {', '.join(list(known.tools)[:8])}")
+        found["tool"] = name
     if given.has("grip"):
         found["grip"] = given.choice("grip", GRIP_AXES)
     if given.has("swing_deg"):
         found["swing_deg"] = given.number("swing_deg", 1e-3, 360.0)
     return found
+
+
+def _tools(given: Arguments, known: Known) -> list[str]:
+    """The tools to try, in the order in which they are preferred."""
+    if given.has("tool"):
+        raise given.fail("tools", "there is a tool beside them", "leave one of the two out")
+    names: Any = given.raw("tools", list[str])
+    if not is_sequence(names) or not names or not all(isinstance(name, str) for name in names):
+        raise given.fail("tools", "this is not a list of tools", "send the names of some")
+    for name in names:
+        if name not in known.tools:
+            raise given.fail("tools", f"there is no {name!r}", f"there are: {', '.join(list(known.tools)[:8])}")
+    return list(dict.fromkeys(names))
 
 
 def _given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
@@ -200,6 +216,8 @@ def _given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
 
 def _title(question: str, parts: tuple[int, ...], options: dict[str, Any], known: Known) -> str:
     what = named(parts, known)
+    if question == "access" and "tools" in options:
+        return f"Which tool reaches {what or 'which fasteners'}?"
     if question == "access":
         return f"Does the {options['tool']} reach {what or 'all fasteners'}?"
     if question == "order":

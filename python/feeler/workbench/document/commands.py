@@ -393,6 +393,7 @@ ASKED: Shape = {
     "parts": Maybe(Selection),
     "without": Maybe(Selection),
     "tool": Maybe(str),
+    "tools": Maybe(list[str]),
     "grip": Maybe(str),
     "swing_deg": Maybe(float),
     "clearance": Maybe(float),

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any, cast
 
+from feeler.clashes.tracking import NEW, Mark
 from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.document.motion import HOME, Row
 from feeler.workbench.document.protocol import DocumentFields
@@ -175,7 +176,8 @@ class Findings:
     """The findings of a clash check, and what people did with them.
 
     table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. own_groups:
-    made by hand, and `members` the group of a finding by its id. check: None for findings of a file.
+    made by hand, and `members` the group of a finding by its id. check: None for findings of a file. aside: the marks
+    of findings that an exclusion hides, for when it is gone; pages do not see them.
     """
 
     table: FindingTable
@@ -185,6 +187,13 @@ class Findings:
     members: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
     is_touching_hidden: bool = True
     check: Check | None = None
+    aside: Mapping[str, Mark] = field(default_factory=lambda: MappingProxyType({}))
+
+    def mark_of(self, name: str) -> Mark:
+        """The mark of a finding, in the table or aside."""
+        if name in self.table.row_of:
+            return self.table.mark_of(name, self.status, self.notes)
+        return self.aside.get(name, NEW)
 
     def to_json(self) -> dict[str, Any]:
         """All but the rows, which pages fetch by their version."""
@@ -193,7 +202,7 @@ class Findings:
             "count": len(self.table),
             "counts": self.table.counts,
             "hidden": dict(self.table.hidden),
-            **{f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name != "table"},
+            **{f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name not in ("table", "aside")},
         }
 
 

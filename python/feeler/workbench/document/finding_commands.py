@@ -7,7 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from feeler.arguments import near
+from feeler.arguments import shown
 from feeler.clashes import Rules
 from feeler.errors import FeelerError, LoadError, WorkbenchError
 from feeler.parts import Parts
@@ -72,7 +72,9 @@ def finding_status(document: Document, given: Arguments, _known: KnownFindings) 
     """Sets the status of a finding."""
     found, name = _of(document, given), given.text("id")
     if name not in found.table.row_of:
-        raise given.fail("id", f"there is no finding {name!r}", near(name, found.table.ids))
+        raise given.fail(
+            "id", f"there is no finding {shown(name)}", "give one of Project.findings, or of the page's rows"
+        )
     return _with_status(document, found, [name], given.choice("status", STATUS))
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.clashes import Exclusion, Rules
 from feeler.clashes.limits import both_sides
+from feeler.clashes.tracking import NEW
 from feeler.errors import OptionError
 from feeler.parts import Parts
 from feeler.workbench.document.document import Findings
@@ -54,7 +56,19 @@ def excluded(found: Findings, parts: Parts, name: str, a: str, b: str) -> Findin
     """The findings without those that an exclusion names, which are counted in `hidden`."""
     mask = mask_of(found.table, parts, a, b)
     hidden = {**found.table.hidden, name: found.table.hidden.get(name, 0) + int(mask.sum())}
-    return replace(found, table=found.table.rows(~mask, hidden))
+    names = {found.table.ids[row] for row in np.flatnonzero(mask)}
+    marks = {each: mark for each in names if (mark := found.mark_of(each)) != NEW or each in found.members}
+    return replace(
+        found,
+        table=found.table.rows(~mask, hidden),
+        status=_others(found.status, names),
+        notes=_others(found.notes, names),
+        aside=MappingProxyType({**found.aside, **dict(sorted(marks.items()))}),
+    )
+
+
+def _others(by_id: Mapping[str, str], names: Collection[str]) -> Mapping[str, str]:
+    return MappingProxyType({each: value for each, value in by_id.items() if each not in names})
 
 
 def unused(name: str, taken: Iterable[str]) -> str:

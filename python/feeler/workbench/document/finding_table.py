@@ -18,12 +18,12 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.choices import STATUSES
+from feeler.choices import STATUSES, Status
 from feeler.clashes import Clashes, Verdict
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.clashes.tracking import Mark, part_keys
@@ -146,6 +146,20 @@ class FindingTable:
         """The note of a finding when the table was made."""
         return self.marks[name].note if name in self.marks else ""
 
+    def mark_of(self, name: str, status: Mapping[str, str], notes: Mapping[str, str]) -> Mark:
+        """The mark of a finding, with the statuses and notes that people set since: by the finding's id."""
+        row = self.row_of[name]
+        was: Status = STATUS[self.status[row]]
+        before = self.marks.get(name, Mark(was))
+        word = cast("Status", status.get(name, was))
+        # The person and the depth of an approval belong to the status of then.
+        by, approved = (before.by, before.approved_depth) if word == was else ("", None)
+        if word != "approved":
+            approved = None
+        elif approved is None:
+            approved = _signed(self.depth[row], self.gap[row])
+        return Mark(word, by, notes.get(name, before.note), approved, before.changed)
+
     def rows(self, chosen: npt.NDArray[Any], hidden: Mapping[str, int] | None = None) -> FindingTable:
         """Some of the rows, by a mask or by numbers."""
         numbers = np.flatnonzero(chosen) if chosen.dtype == bool else chosen
@@ -259,19 +273,8 @@ class FindingTable:
         hidden = tuple(self.hidden.items())
         facts = replace(self.facts, files=mockup.source.files or self.facts.files, hidden=hidden)
         made = Clashes(columns, mockup.part_paths, self.rules, facts=facts)
-        marks = {}
-        for now, row in zip(made.ids, kept.tolist(), strict=True):
-            name = self.ids[row]
-            before = self.marks.get(name, Mark())
-            word = status.get(name, STATUS[self.status[row]])
-            approved = before.approved_depth
-            if word != "approved":
-                approved = None
-            elif approved is None:
-                approved = _signed(self.depth[row], self.gap[row])
-            note = notes.get(name, before.note)
-            marks[now] = replace(before, status=word, note=note, approved_depth=approved)
-        made.marks.replace(marks)
+        names = zip(made.ids, kept.tolist(), strict=True)
+        made.marks.replace({now: self.mark_of(self.ids[row], status, notes) for now, row in names})
         return made
 
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from feeler.clashes import Clashes
+from feeler.clashes.tracking import mark_json, mark_of_json
 from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import decoded, text_of
 from feeler.mockup import Mockup
@@ -60,7 +61,8 @@ def saved(found: Findings) -> dict[str, Any]:
     """The findings with their rows as JSON, for `restored`: for records and projects."""
     facts = found.to_json()
     kept = ("status", "notes", "own_groups", "members", "is_touching_hidden", "check")
-    return {"table": found.table.to_json(), **{name: facts[name] for name in kept}}
+    aside = {name: mark_json(mark) for name, mark in found.aside.items()}
+    return {"table": found.table.to_json(), **{name: facts[name] for name in kept}, "aside": aside}
 
 
 def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
@@ -77,6 +79,7 @@ def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
             MappingProxyType({str(name): int(group) for name, group in data["members"].items()}),
             bool(data["is_touching_hidden"]),
             None if check is None else _check(check),
+            MappingProxyType({str(name): mark_of_json(mark) for name, mark in data.get("aside", {}).items()}),
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise LoadError(f"the saved findings cannot be read: {error!r}") from None
@@ -105,15 +108,21 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
     if now is None:
         return found
     here = found.table.row_of
-    done = {} if since is None else since.status
-    noted = {} if since is None else since.notes
-    status = {name: word for name, word in now.status.items() if name in here and done.get(name) != word}
-    notes = {name: text for name, text in now.notes.items() if name in here and noted.get(name) != text}
+    before = Findings(now.table) if since is None else since
+    names = {*now.status, *now.notes, *before.status, *before.notes}
+    changes = {name: (before.mark_of(name), now.mark_of(name)) for name in names}
+    differ = {name: there for name, (then, there) in changes.items() if then != there}
+    status = {
+        name: mark.status for name, mark in differ.items() if name in here and changes[name][0].status != mark.status
+    }
+    notes = {name: mark.note for name, mark in differ.items() if name in here and changes[name][0].note != mark.note}
+    aside = {name: mark for name, mark in {**found.aside, **now.aside, **differ}.items() if name not in here}
     return replace(
         found,
         status=changed(found.status, status, found.table.status_of),
         notes=changed(found.notes, notes, found.table.note_of),
         own_groups=now.own_groups,
-        members=MappingProxyType({name: group for name, group in now.members.items() if name in here}),
+        members=MappingProxyType({name: group for name, group in now.members.items() if name in here or name in aside}),
         is_touching_hidden=now.is_touching_hidden,
+        aside=MappingProxyType(aside),
     )

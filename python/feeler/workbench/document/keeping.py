@@ -18,14 +18,27 @@ from typing import Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from feeler.clashes.tracking import NEW, mark_json, mark_of_json
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
 from feeler.project.book import dumps, row_id
 from feeler.project.layout import TABLES
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
-from feeler.workbench.document.document import MATERIALS, MODES, UNITS, Card, Document, Findings, Isolation, Trip
-from feeler.workbench.document.finding_table import STATUS, table_of
+from feeler.workbench.document.document import (
+    MATERIALS,
+    MODES,
+    UNITS,
+    Card,
+    Check,
+    Document,
+    Findings,
+    Isolation,
+    KeptClear,
+    Trip,
+    Verdict,
+)
+from feeler.workbench.document.finding_table import FindingTable, table_of
 from feeler.workbench.document.values import is_number
 
 NOT_KEPT = frozenset(
@@ -35,6 +48,7 @@ NOT_KEPT = frozenset(
 
 _RENAMED = {"viewpoints": "views"}
 _FINDINGS, _TABLE, _CARDS = "findings", "table", "cards"
+_GROUP = "members"  # of a mark: the number of a group that was made by hand
 _OPEN = ("waiting", "running")
 _INTERRUPTED = "Interrupted: ask again."
 _SLICE = 16
@@ -125,19 +139,32 @@ def finding_rows(found: Findings | None) -> list[Mapping[str, Any]]:
 
 
 def finding_marks(found: Findings | None) -> dict[str, dict[str, Any]]:
-    """What people said of findings, by id: the status, and whatever else the document has by id."""
+    """What people said of findings, by id: all of it, so that nothing is merged with what a file has."""
     if found is None:
         return {}
     table = found.table
-    marks: dict[str, dict[str, Any]] = {}
-    # The table's own: those of the document are only what differs from them.
-    for row in np.flatnonzero(table.status).tolist():
-        marks.setdefault(table.ids[row], {})["status"] = STATUS[table.status[row]]
-    for name, by_id in _fields_of(found):
-        if _is_by_id(found, name):
-            for key, value in by_id.items():
-                marks.setdefault(key, {})[name] = _plain(value)
-    return marks
+    names = dict.fromkeys(table.ids[row] for row in np.flatnonzero(table.status).tolist())
+    for by_id in (table.marks, found.status, found.notes, found.members, found.aside):
+        names.update(dict.fromkeys(by_id))
+    return {name: mark for name in names if (mark := finding_mark(found, name)) is not None}
+
+
+def finding_mark(found: Findings, name: str) -> dict[str, Any] | None:
+    """What people said of a finding: a row of the table `marks`, without the id. None if they said nothing."""
+    mark, group = mark_json(found.mark_of(name)), found.members.get(name)
+    if group is not None:
+        return {**mark, _GROUP: group}
+    return None if mark == mark_json(NEW) else mark
+
+
+def marks_that_differ(old: Findings, new: Findings) -> dict[str, dict[str, Any] | None]:
+    """The marks that changed between findings of one table; None: nothing is said any more."""
+    names: dict[str, None] = {}
+    for name, by_id in _fields_of(new):
+        if _is_by_id(new, name):
+            before: Mapping[str, Any] = getattr(old, name)
+            names.update(dict.fromkeys(key for key in {**before, **by_id} if before.get(key) != by_id.get(key)))
+    return {name: finding_mark(new, name) for name in names}
 
 
 def _is_by_id(found: object, name: str) -> bool:
@@ -207,31 +234,52 @@ def restored(
     rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
     if rest is not None or there:  # a clash check of the command line writes rows alone
         found = [loads(row.value, _FINDINGS) for row in there]
-        values[_FINDINGS] = _findings(rest, found, marks, base, parts)
+        values[_FINDINGS] = _findings(rest, found, marks, base, parts, renumber)
     document = replace(base, **values)
     _check(document, len(parts), aside)
     return Kept(document, tuple(aside))
 
 
 def _findings(
-    rest: Any, rows: list[Any], marks: Mapping[str, Mapping[str, Any]], base: Document, parts: Parts
+    rest: Any,
+    rows: list[Any],
+    marks: Mapping[str, Mapping[str, Any]],
+    base: Document,
+    parts: Parts,
+    renumber: Renumber | None,
 ) -> Findings:
     facts = rest.get(_TABLE) if isinstance(rest, dict) else None
     table = table_of({**(facts if isinstance(facts, dict) else {}), "clashes": rows}, parts, base.absent, _FINDINGS)
     made = Findings(table)
-    values: dict[str, Any] = {}
+    values: dict[str, Any] = _marked(table, marks)
     for name, kind in _hints(Findings).items():
-        where = f"{name} of the findings"
-        if get_origin(kind) is Mapping:
-            there = {key: mark[name] for key, mark in marks.items() if name in mark and key in table.row_of}
-            by_id = {key: _decoded(value, get_args(kind)[1], where) for key, value in there.items()}
-            own = {"status": table.status_of, "notes": table.note_of}.get(name)
-            values[name] = MappingProxyType({key: each for key, each in by_id.items() if not own or own(key) != each})
-        elif name != _TABLE and isinstance(rest, dict) and name in rest:
-            values[name] = _decoded(rest[name], kind, where)
-    if not all(status in STATUS for status in values["status"].values()):
-        raise LoadError("a finding has a status that does not exist: the project is damaged; use a copy")
+        if name != _TABLE and name not in values and isinstance(rest, dict) and name in rest:
+            values[name] = _decoded(rest[name], kind, f"{name} of the findings")
+    check = values.get("check")
+    if renumber is not None and check is not None:
+        of = None if check.of is None else _numbers(check.of, renumber)
+        values["check"] = replace(check, of=of, **_places(check, renumber))
     return replace(made, **values)
+
+
+def _marked(table: FindingTable, marks: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The fields of the findings that marks give. A finding without a mark is new, whatever its row says."""
+    try:
+        said = {name: mark_of_json(mark) for name, mark in marks.items()}
+    except ValueError as error:
+        raise LoadError(f"{error}: the project is damaged; use a copy") from None
+    rows = {name: said.get(name, NEW) for name in table.ids if name in said or table.status_of(name) != "new"}
+    rows |= {name: said.get(name, NEW) for name in table.marks}
+    members = {
+        name: _decoded(mark[_GROUP], int, "a group of a finding") for name, mark in marks.items() if _GROUP in mark
+    }
+    found: dict[str, dict[str, Any]] = {
+        "status": {each: mark.status for each, mark in rows.items() if mark.status != table.status_of(each)},
+        "notes": {each: mark.note for each, mark in rows.items() if mark.note != table.note_of(each)},
+        "members": members,
+        "aside": {each: mark for each, mark in said.items() if each not in table.row_of},
+    }
+    return {name: MappingProxyType(by_id) for name, by_id in found.items()}
 
 
 def _hints(kind: Any) -> dict[str, Any]:
@@ -292,6 +340,30 @@ def _damaged(where: str, what: str) -> LoadError:
 # ---- another revision of the mock-up ----
 
 
+def _numbers(parts: Iterable[int], renumber: Renumber) -> tuple[int, ...]:
+    return tuple(now for part in parts if (now := renumber(part)) is not None)
+
+
+def _places(checked: Check | Verdict, renumber: Renumber) -> dict[str, Any]:
+    """Where parts lay at a check, by their numbers now."""
+    moved = {now: place for part, place in checked.moved.items() if (now := renumber(part)) is not None}
+    return {
+        "moved": MappingProxyType(dict(sorted(moved.items()))),
+        "out": tuple(sorted(_numbers(checked.out, renumber))),
+        "gripped": _numbers(checked.gripped, renumber),
+    }
+
+
+def _requirement(each: KeptClear, renumber: Renumber) -> KeptClear:
+    """With the numbers of parts now; as if it was not checked if a part of its verdict is gone."""
+    verdict = each.verdict
+    if verdict is None:
+        return each
+    parts = _numbers(verdict.parts, renumber)
+    is_whole = len(parts) == len(verdict.parts)
+    return replace(each, verdict=replace(verdict, parts=parts, **_places(verdict, renumber)) if is_whole else None)
+
+
 def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """The values with the numbers of parts now, and the things whose parts are gone."""
 
@@ -347,6 +419,7 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
         else:
             aside.append((_CARDS, encoded(card)))
     found[_CARDS] = tuple(cards)
+    found["requirements"] = tuple(_requirement(each, renumber) for each in values.get("requirements", ()))
     if not found["gripped"] or found.get("replaying") not in {line.id for line in lines}:
         found["replaying"] = None
     if not found["gripped"]:
@@ -425,6 +498,9 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
             raise _damaged("sequence", "a line without a way")
     for measure in document.measures:
         check.there(measure.parts, "measures")
+    for each in document.requirements:
+        if each.verdict is not None:
+            check.there(each.verdict.parts, "requirements")
     for card in document.cards:
         check.there([*card.parts, *card.without, *(part for part, _ in card.world[0]), *card.world[1]], _CARDS)
         check.poses((row for _, row in card.world[0]), _CARDS)

@@ -31,6 +31,8 @@ from feeler.workbench.document.protocol_findings import (
     KeptClear,
     RequirementResult,
 )
+from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
+from feeler.workbench.document.protocol_values import Camera, CameraPlace, Vec3
 
 __all__ = [
     "FROM_PAGE",
@@ -43,9 +45,17 @@ __all__ = [
     "RELOAD",
     "TOO_MANY_PAGES",
     "VERSION",
+    "Camera",
+    "CameraPlace",
     "FindingStatus",
+    "Here",
+    "Named",
+    "People",
     "ProtocolError",
     "RequirementResult",
+    "Seen",
+    "Turning",
+    "Vec3",
     "decode_from_page",
     "decode_from_server",
     "encode",
@@ -79,7 +89,6 @@ F4 = npt.NDArray[np.float32]
 U4 = npt.NDArray[np.uint32]
 U1 = npt.NDArray[np.uint8]
 
-Vec3 = tuple[float, float, float]
 Pose = list[float]
 """16 numbers of a rigid pose, row by row."""
 
@@ -201,23 +210,6 @@ class Measure(TypedDict):
     unit: Literal["m", "rad"]
     is_exact: bool
     """Computed by the engine on the triangles, not from the picture."""
-
-
-class CameraPlace(TypedDict):
-    """Where a camera is, and what it looks at."""
-
-    position: Vec3
-    target: Vec3
-    up: Vec3
-    fov_rad: float
-    """Vertical field of view."""
-
-
-class Camera(CameraPlace, total=False):
-    """A camera."""
-
-    is_parallel: bool
-    """Parallel projection, as high at the target as the perspective view; absent: perspective."""
 
 
 class Viewpoint(TypedDict):
@@ -717,18 +709,21 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-FromPage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked | OpeningRequest
+PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked
+FromPage = PageMessage | OpeningRequest | PersonMessage
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
-FromServer = Welcome | State | Event | Progress | Answer | Refusal
+FromServer = Welcome | State | Event | Progress | Answer | Refusal | People | Seen
 
 FROM_PAGE: tuple[type, ...] = (
     *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Upload, Benchmarked),
     *(SendFiles, FilePiece, OpenMockup),
+    *(Named, Here, Turning),
 )
 FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
     *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),
     *(Progress, Answer, Refusal),
+    *(People, Seen),
 )
 
 

@@ -50,8 +50,10 @@ def requirements_checked(document: Document, given: Arguments, _known: object) -
         if not is_sequence(rows):
             raise TypeError("they are not a list")
         found = {int(row["id"]): _verdict(row["verdict"]) for row in rows}
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, IndexError) as error:
-        raise given.fail("results", f"these are no verdicts: {error!r:.80}", "send those of the job") from None
+    except KeyError as error:
+        raise given.fail("results", f"a verdict has no {error!s:.40}", "send the results of the job verify") from None
+    except (TypeError, ValueError, AttributeError, OverflowError, IndexError):
+        raise given.fail("results", "they are not verdicts", "send the results of the job verify") from None
     kept = (replace(each, verdict=found.get(each.id, each.verdict)) for each in document.requirements)
     return replace(document, requirements=tuple(kept))
 

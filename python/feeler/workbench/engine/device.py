@@ -26,7 +26,7 @@ LOOK_S = 0.004
 class Moved(Protocol):
     """The session of a workbench, as a device needs it."""
 
-    def wish(self, pose: npt.NDArray[np.float64], seq: int, source: str, /) -> None:
+    def wish(self, pose: npt.NDArray[np.float64], seq: int, source: str, /) -> object:
         """Sets the target of the hand."""
 
     def tell(self, event: dict[str, str], /) -> None:

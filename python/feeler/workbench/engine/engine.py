@@ -44,6 +44,7 @@ _PERIODS_S = {"planes": 0.0, "distance": 0.015, "rows": 0.1, "inside": 0.05, "de
 _EARLY = 0.75  # of a period: from then on a result is computed if a round has time for it
 _DEPTH_SHARE = 0.05  # of all time at most: deep in a dense mock-up the way out takes tens of milliseconds
 _RATE_SHARE = 0.1  # weight of the newest round in the mean length of rounds
+_REST_ROUNDS = 250  # in glide without a change, until the proxy counts as at rest
 _PLACE_STEPS = 100  # ticks that a placing waits for the proxy to come to rest
 _REST_M = 1e-7
 _PLAY_M_PER_S = 0.25
@@ -126,6 +127,8 @@ class Engine:
         self._idle: Ticked | None = None
         self._is_quiet = False
         self._is_held = False
+        self._rested = 0  # rounds without news, in a row
+        self._was_idle = False  # after the latest round
         self._way: list[Floats] = []
         self._on_played: Callable[[], None] | None = None
         self._forget()
@@ -206,6 +209,18 @@ class Engine:
                 self.let_go()
 
     @property
+    def is_idle(self) -> bool:
+        """Whether rounds change nothing until something is asked of the engine: they may come seldom. Never waits."""
+        return (
+            self._rested > (_REST_ROUNDS if self._mode == "glide" else 0)
+            and self._newest is None
+            and not self._way
+            and self._on_played is None
+            and not self._is_changed
+            and (self._world is None or self._tool is None or not any(self._stale.values()))
+        )
+
+    @property
     def is_held(self) -> bool:
         """Whether only recorded wishes move the hand."""
         return self._is_held
@@ -270,9 +285,11 @@ class Engine:
             elapsed, self._last_tick = max(0.0, now - self._last_tick), now
             if self._is_held:
                 return False
-            # The mean of the lengths, not of the rates, which are few and huge when rounds come in pairs.
-            share = _RATE_SHARE if self._period_s > 0.0 else 1.0
-            self._period_s += share * (elapsed - self._period_s)
+            if not self._was_idle:
+                # The mean of the lengths, not of the rates, which are few and huge when rounds come in pairs. Rounds
+                # of an idle engine come seldom, which is not its rate.
+                share = _RATE_SHARE if self._period_s > 0.0 else 1.0
+                self._period_s += share * (elapsed - self._period_s)
             self._play_on(elapsed)
             steps = 0
             if self._mode == "glide":
@@ -280,6 +297,8 @@ class Engine:
                 steps = int(self._owed_s / STEP_S + 1e-9)
                 self._owed_s -= steps * STEP_S
             has_moved = self._round(steps)
+            self._rested = 0 if has_moved else self._rested + 1
+            self._was_idle = self.is_idle
             played = self._on_played if self._on_played and not self._way and self._newest is None else None
             if played is not None:
                 self._on_played = None

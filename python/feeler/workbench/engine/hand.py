@@ -40,6 +40,7 @@ class Hands:
         """tools: available ones; built-in ones are available too, unless their name is taken, and are made on
         demand."""
         self.scene, self._tools = scene, dict(tools)
+        self.built_in = frozenset(name for name in sample_tool_names() if name not in tools)
         self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
         self.meshes = PartTools(scene.mockup)
         self._held: OrderedDict[HeldKey, Tool] = OrderedDict()
@@ -57,6 +58,7 @@ class Hands:
     def add(self, tool: Tool) -> None:
         """Makes a tool available by its name."""
         self._tools[tool.name] = tool
+        self.built_in -= {tool.name}
         self.names = (tool.name, *(name for name in self.names if name != tool.name))
 
     def counts(self) -> dict[str, int]:

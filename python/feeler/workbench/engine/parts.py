@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import numpy.typing as npt
 
@@ -55,3 +57,30 @@ class PartTools:
             kept = (place, Scene(lying))
             self._lying[part] = kept
         return kept[1]
+
+
+def with_places(mockup: Mockup, moved: Mapping[int, Row], meshes: PartTools | None = None) -> Mockup:
+    """The mock-up with some parts elsewhere, at their `world_from_part`.
+
+    Their vertices are added, since others may share the old ones. meshes: its parts, if they are known.
+    """
+    meshes = PartTools(mockup) if meshes is None else meshes
+    vertices, faces = [mockup.vertices], np.array(mockup.faces)
+    count = len(mockup.vertices)
+    for part, at in moved.items():
+        there, own = meshes.at(part, at)
+        triangles = meshes.of(part)[1]
+        is_there = own < len(there)
+        faces[triangles] = np.where(is_there, own + count, faces[triangles])
+        vertices.append(there)
+        count += len(there)
+    made = Mockup(
+        np.concatenate(vertices),
+        faces,
+        mockup.part_of_face,
+        mockup.part_names,
+        part_paths=mockup.part_paths,
+        source=mockup.source,
+    )
+    made._keep_attributes(mockup._part_attributes)  # rules may ask for them
+    return made

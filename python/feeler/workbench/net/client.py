@@ -11,7 +11,7 @@ import base64
 import binascii
 import logging
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from concurrent.futures import CancelledError, Executor
 from typing import IO, Any
 
@@ -29,8 +29,9 @@ from feeler.workbench.net.serving import JobLike, Limits, SessionLike
 log = logging.getLogger("feeler.workbench")
 
 _NO_SHOT: tuple[None, list[str]] = (None, [])
+_REFUSAL_S = 1.0  # a page that moves a tool that it does not have hears of it no more often
 
-Request = protocol.Command | protocol.Ask | protocol.Job | protocol.Upload | OpeningRequest
+Request = protocol.Command | protocol.Turning | protocol.Ask | protocol.Job | protocol.Upload | OpeningRequest
 
 
 class Client:
@@ -44,8 +45,13 @@ class Client:
         state_frame: Callable[[Callable[[int], bool]], tuple[int, bytes] | None],
         limits: Limits,
         clock: Callable[[], float],
+        person: int,
     ) -> None:
-        """state_frame: the newest state's number and frame, if the number is wanted. clock: seconds, for the limit."""
+        """state_frame: the newest state's number and frame, if the number is wanted. clock: seconds, for the limit.
+
+        person: the number of the page's person.
+        """
+        self.person = person
         self._socket = socket
         self._session = session
         self._pool = pool
@@ -65,11 +71,17 @@ class Client:
         self._uploads: dict[int, IO[bytes]] = {}
         self._shot: tuple[int | None, list[str]] = _NO_SHOT
         self._early: list[tuple[int, str]] | None = []  # events from before the welcome was ready
+        self._refused_at = -_REFUSAL_S
 
     # ---- called by the server ----
 
-    async def serve(self, missed_after: int | None, welcome: Callable[[], protocol.Welcome]) -> None:
-        """Runs until the page is gone. missed_after: its newest event, if it returns to the same session."""
+    async def serve(
+        self, missed_after: int | None, welcome: Callable[[], protocol.Welcome], welcomed: Callable[[], None]
+    ) -> None:
+        """Runs until the page is gone. missed_after: its newest event, if it returns to the same session.
+
+        welcomed: called after the welcome.
+        """
         tasks = [asyncio.create_task(self._send())]
         try:
             missed, greeting = await self._run(self._prepare, missed_after, welcome)
@@ -80,6 +92,7 @@ class Client:
             for number, text in early:
                 if number > greeting.event:
                     self._put(text)
+            welcomed()
             tasks += [asyncio.create_task(self._do(queue)) for queue in (self._commands, self._asks, self._openings)]
             await self._receive()
         except ConnectionClosed:
@@ -103,6 +116,14 @@ class Client:
     def news(self) -> None:
         """Signals a newer state."""
         self._wake.set()
+
+    def tell_newest(self, about: Hashable, text: str | None) -> None:
+        """Sets the message about something; only the newest counts. None: drops it. Nothing before the welcome."""
+        if text is None:
+            self._outbox.drop_newest(about)
+        elif self._early is None:
+            self._outbox.put_newest(about, text)
+            self._wake.set()
 
     # ---- sending ----
 
@@ -158,7 +179,8 @@ class Client:
     def _take(self, message: protocol.FromPage) -> None:
         match message:
             case protocol.Wish():
-                self._session.wish(message.pose, message.seq, message.source)
+                if not self._session.wish(message.pose, message.seq, message.source, self.person):
+                    self._refuse_move()
             case protocol.Ack():
                 self._outbox.acknowledged(message.seq)
                 self._wake.set()
@@ -171,10 +193,20 @@ class Client:
                 self._take_shot(message)
             case protocol.Benchmarked():
                 self._session.benchmarked(message.id, message.figures)
+            case protocol.Here():
+                self._session.people.here(self.person, message)
+            case protocol.Named():
+                self._session.people.name(self.person, message.name)
             case protocol.Hello():
                 raise WorkbenchError("hello was said already", "hello", "say it once")
             case _:
                 self._queue(message)
+
+    def _refuse_move(self) -> None:
+        now = self._clock()
+        if now - self._refused_at >= _REFUSAL_S:
+            self._refused_at = now
+            self._refuse(None, self._session.people.refusal(), "tool")
 
     def _take_shot(self, shot: protocol.Shot) -> None:
         """A piece of a picture; the last one completes it."""
@@ -203,7 +235,7 @@ class Client:
 
     def _queue_of(self, request: Request) -> asyncio.Queue[Request]:
         match request:
-            case protocol.Command():
+            case protocol.Command() | protocol.Turning():
                 return self._commands
             case protocol.Ask() | protocol.Job():
                 return self._asks
@@ -220,7 +252,7 @@ class Client:
                 if isinstance(request, protocol.Upload):
                     answer = _text(protocol.Answer(request.id, await self._run(self._uploaded, request)))
                 else:
-                    answer = await self._run(_answer, self._session, request)
+                    answer = await self._run(_answer, self._session, request, self.person)
             except Exception as error:
                 self._refuse(request.id, error, _name(request))
             else:
@@ -261,12 +293,12 @@ class Client:
 
     def _progressed(self, job: int, frame: str) -> None:
         if job in self._jobs:
-            self._outbox.put_progress(job, frame)
+            self._outbox.put_newest(job, frame)
             self._wake.set()
 
     def _finish(self, request: protocol.Job, done: JobLike) -> None:
         self._jobs.pop(request.id, None)
-        self._outbox.end_progress(request.id)
+        self._outbox.drop_newest(request.id)
         self._requests -= 1
         try:
             self._put(_text(protocol.Answer(request.id, done.result())))
@@ -306,11 +338,13 @@ def trouble(error: Exception, where: str) -> protocol.Trouble:
     return {"what": what, "where": where, "do": "see the terminal, and report the error"}
 
 
-def _answer(session: SessionLike, request: Request) -> str:
+def _answer(session: SessionLike, request: Request, person: int) -> str:
     """Runs in a thread of the pool, encoding included: an answer may be long."""
     match request:
         case protocol.Command():
-            answer = session.command(request.name, request.args)
+            answer = session.command(request.name, request.args, person)
+        case protocol.Turning():
+            answer = session.turn(person, request)
         case protocol.Ask():
             answer = session.ask(request.name, request.args)
         case FilePiece() | OpenMockup() | SendFiles():
@@ -323,6 +357,8 @@ def _answer(session: SessionLike, request: Request) -> str:
 def _name(request: Request) -> str:
     if isinstance(request, protocol.Upload):
         return "upload"
+    if isinstance(request, protocol.Turning):
+        return "tool"
     return request.name if isinstance(request, (protocol.Command, protocol.Ask, protocol.Job)) else "open"
 
 

@@ -1,4 +1,4 @@
-"""Messages waiting for one page: a queue in order, without loss, and the newest state.
+"""Messages waiting for one page: a queue in order, without loss, and the newest state, progress and people.
 
 If the queue gets too long, the page does not read its messages: it is closed, and a new connection gets the whole
 state. Of states only the newest counts: it is encoded when sent, and none is sent while the page has two to
@@ -8,6 +8,7 @@ acknowledge.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Hashable
 
 MOST_STATES = 2
 """States sent and not acknowledged."""
@@ -24,7 +25,7 @@ class Outbox:
 
     def __init__(self, most_waiting: int = MOST_WAITING, most_bytes: int = MOST_WAITING_BYTES) -> None:
         self._waiting: deque[str | bytes] = deque()
-        self._progress: dict[int, str] = {}
+        self._newest: dict[Hashable, str] = {}
         self._bytes = 0
         self._most_waiting, self._most_bytes = most_waiting, most_bytes
         self._on_their_way: deque[int] = deque()
@@ -36,13 +37,13 @@ class Outbox:
         self._bytes += len(frame)
         return len(self._waiting) <= self._most_waiting and self._bytes <= self._most_bytes
 
-    def put_progress(self, job: int, frame: str) -> None:
-        """Sets the progress of a job; only the newest counts."""
-        self._progress[job] = frame
+    def put_newest(self, about: Hashable, frame: str) -> None:
+        """Sets the message about something, such as the progress of a job; only the newest counts."""
+        self._newest[about] = frame
 
-    def end_progress(self, job: int) -> None:
-        """Ends a job: drops its progress, since the reply has the result."""
-        self._progress.pop(job, None)
+    def drop_newest(self, about: Hashable) -> None:
+        """Drops the message about something that has ended."""
+        self._newest.pop(about, None)
 
     def take(self) -> str | bytes | None:
         """The next message; None if there is none."""
@@ -50,8 +51,8 @@ class Outbox:
             frame = self._waiting.popleft()
             self._bytes -= len(frame)
             return frame
-        if self._progress:
-            return self._progress.pop(next(iter(self._progress)))
+        if self._newest:
+            return self._newest.pop(next(iter(self._newest)))
         return None
 
     def wants_state(self, number: int) -> bool:

@@ -18,7 +18,7 @@ import platform
 import secrets
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -32,6 +32,7 @@ from websockets.http11 import Request, Response
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.workbench.document import protocol
 from feeler.workbench.document.frames import dumps
+from feeler.workbench.document.protocol_people import LEAST_HERE_MS
 from feeler.workbench.files import ANY, File, static_files, type_of
 from feeler.workbench.net.client import Client, event_frame, trouble
 from feeler.workbench.net.guard import Refused, check_bearer, check_request, is_token, new_token, security_headers
@@ -89,6 +90,8 @@ class Server:
         self._pool: ThreadPoolExecutor | None = None
         self._trouble: Exception | None = None
         self._has_news = threading.Event()
+        self._has_people_news = threading.Event()
+        self._people_news: asyncio.Event | None = None
         self._state: tuple[int, bytes | None] = (0, None)
 
     @property
@@ -149,7 +152,10 @@ class Server:
         assert self._listening is not None
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
         self._pool = ThreadPoolExecutor(_POOL, "feeler request")
+        self._people_news = asyncio.Event()
         ends = [self._session.subscribe(self._on_event), self._session.on_snapshot(self._on_snapshot)]
+        ends.append(self._session.people.on_news(self._on_people))
+        minding = asyncio.create_task(self._mind_people(self._people_news))
         servers: list[SocketServer] = []
         try:
             for each in self._listening.sockets:
@@ -157,6 +163,7 @@ class Server:
             is_up.set()
             await self._stop.wait()
         finally:
+            minding.cancel()
             for end in ends:
                 end()
             for server in servers:
@@ -293,18 +300,24 @@ class Server:
 
     async def _attend(self, socket: ServerConnection, hello: protocol.Hello) -> None:
         assert self._pool is not None
-        client = Client(socket, self._session, self._pool, self._state_frame, self._limits, self._clock)
+        people = self._session.people
+        person = people.join()
+        client = Client(socket, self._session, self._pool, self._state_frame, self._limits, self._clock, person)
         self._clients.add(client)
         self._session.pages = len(self._clients)
+        missed_after = hello.last_event if hello.session == self._id else None
         try:
-            await client.serve(hello.last_event if hello.session == self._id else None, self._welcome)
+            await client.serve(missed_after, self._welcome, lambda: self._introduce(client))
         except Exception as error:
             log.error("a page's connection failed", exc_info=error)
         finally:
             self._clients.discard(client)
             self._session.pages = len(self._clients)
+            had_tool = people.leave(person)
+            for other in self._clients:
+                other.tell_newest(("seen", person), None)
             # While the server ends there is no hand: a thread that waits for the engine would delay it.
-            if not self._clients and self._stop is not None and not self._stop.is_set():
+            if (had_tool or not self._clients) and self._stop is not None and not self._stop.is_set():
                 self._pool.submit(self._session.hand_gone)
 
     def _welcome(self) -> protocol.Welcome:
@@ -332,6 +345,44 @@ class Server:
         if not self._has_news.is_set():
             self._has_news.set()
             self._soon(self._spread_news)
+
+    def _on_people(self) -> None:
+        # A page may say where it is as often as it likes: one pending call is enough.
+        if not self._has_people_news.is_set():
+            assert self._people_news is not None
+            self._has_people_news.set()
+            self._soon(self._people_news.set)
+
+    async def _mind_people(self, told: asyncio.Event) -> None:
+        """Passes on what pages show of their people, at most once in `LEAST_HERE_MS`."""
+        people = self._session.people
+        while True:
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(told.wait(), people.look_s)
+            told.clear()
+            self._has_people_news.clear()
+            news = people.news()
+            for client in self._clients if news.is_about_people else ():
+                client.tell_newest("people", _text(people.people(client.person)))
+            for person in news.seen:
+                self._show(person, self._clients)
+            await asyncio.sleep(LEAST_HERE_MS / 1000)
+
+    def _introduce(self, client: Client) -> None:
+        """Tells a page that was welcomed who is there."""
+        people = self._session.people
+        client.tell_newest("people", _text(people.people(client.person)))
+        for other in self._clients:
+            self._show(other.person, [client])
+
+    def _show(self, person: int, clients: Iterable[Client]) -> None:
+        seen = self._session.people.seen(person)
+        if seen is None:
+            return
+        text = _text(seen)
+        for client in clients:
+            if client.person != person:
+                client.tell_newest(("seen", person), text)
 
     def _soon(self, work: Callable[..., object], *args: Any) -> None:
         assert self._loop is not None
@@ -369,6 +420,12 @@ class Server:
                 log.error("a state could not be sent", exc_info=error)
             self._state = (number, frame)
         return None if frame is None else (number, frame)
+
+
+def _text(message: protocol.People | protocol.Seen) -> str:
+    frame = protocol.encode(message)
+    assert isinstance(frame, str), "it has no arrays"
+    return frame
 
 
 def _is_number(text: str) -> bool:

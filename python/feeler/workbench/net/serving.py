@@ -9,9 +9,19 @@ from typing import IO, Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from feeler.errors import WorkbenchError
 from feeler.progress import Progress
 from feeler.workbench.document.openings import OpeningRequest, Opens
-from feeler.workbench.document.protocol import DocumentFields, HeldManifest, Manifest, State
+from feeler.workbench.document.protocol import (
+    DocumentFields,
+    HeldManifest,
+    Here,
+    Manifest,
+    People,
+    Seen,
+    State,
+    Turning,
+)
 
 
 class SnapshotLike(Protocol):
@@ -48,11 +58,62 @@ class OpeningsLike(Protocol):
         """Carries out a page's message."""
 
 
+class NewsLike(Protocol):
+    """What pages do not know yet of each other."""
+
+    @property
+    def is_about_people(self) -> bool:
+        """Whether people came, left or changed, or the turn."""
+
+    @property
+    def seen(self) -> tuple[int, ...]:
+        """The pages' numbers that show something else."""
+
+
+class PeopleLike(Protocol):
+    """The people of a session. Nothing here waits."""
+
+    @property
+    def look_s(self) -> float | None:
+        """After how long to look for news, if none is told; None: there can be none."""
+
+    def on_news(self, listener: Callable[[], None], /) -> Callable[[], None]:
+        """Calls a function whenever there is news, in any thread. Call the result to end that."""
+
+    def join(self) -> int:
+        """A page came; the result is its number."""
+
+    def leave(self, person: int, /) -> bool:
+        """A page is gone. Whether it had the tool."""
+
+    def name(self, person: int, name: str, /) -> None:
+        """Sets a name."""
+
+    def here(self, person: int, here: Here, /) -> None:
+        """Where a person points and looks."""
+
+    def news(self) -> NewsLike:
+        """What changed since the last call."""
+
+    def people(self, you: int, /) -> People:
+        """All people and the turn, for one of them."""
+
+    def seen(self, person: int, /) -> Seen | None:
+        """What others see of a person."""
+
+    def refusal(self) -> WorkbenchError:
+        """Why the tool cannot be moved, to raise."""
+
+
 class SessionLike(Protocol):
     """The session of a workbench. All methods may be called from any thread."""
 
     pages: int
     """Number of open pages, kept by the server."""
+
+    @property
+    def people(self) -> PeopleLike:
+        """Who has a page, and who has the tool."""
 
     @property
     def openings(self) -> OpeningsLike:
@@ -77,13 +138,16 @@ class SessionLike(Protocol):
     def on_snapshot(self, listener: Callable[[], None], /) -> Callable[[], None]:
         """Subscribes to new snapshots. Call the result to unsubscribe."""
 
-    def wish(self, pose: npt.NDArray[np.float64], seq: int, source: str, /) -> None:
-        """Sets the target of the hand; only the newest counts. Never waits."""
+    def wish(self, pose: npt.NDArray[np.float64], seq: int, source: str, by: int, /) -> bool:
+        """Sets the target of the hand; only the newest counts. Never waits. False: somebody else has the tool."""
 
     def hand_gone(self) -> None:
-        """The last page has left."""
+        """The last page has left, or the one that had the tool."""
 
-    def command(self, name: str, args: dict[str, Any], /) -> Any:
+    def turn(self, person: int, turning: Turning, /) -> Any:
+        """A person's wish about the turn of the tool."""
+
+    def command(self, name: str, args: dict[str, Any], by: int, /) -> Any:
         """Changes the document."""
 
     def ask(self, name: str, args: dict[str, Any], /) -> Any:

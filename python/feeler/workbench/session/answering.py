@@ -13,7 +13,7 @@ import numpy as np
 from feeler.choices import GripAxis
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
-from feeler.plan.fasteners import Fastener, find_fasteners
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.order import removal_order
 from feeler.plan.reaching import Reach, access
 from feeler.plan.removal import Removal, removal
@@ -45,19 +45,23 @@ CLEARANCE_ERROR = 0.05
 """The clearance of a way may be too large by this share (`Removal.clearance`)."""
 MOST_BLOCKERS = 20
 MOST_REACHES = 5000
-_GRIPS: dict[str, GripAxis] = {"wrench": "y"}  # of built-in tools that do not sit along z
+_WRENCH_HALF_M = 0.0046  # half the built-in wrench's thickness, and a tenth of a millimetre above the bearing face
 _NAMED = 3  # parts named in a sentence
 _FAN_STEP_DEG = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What is asked: parts of a scene, a tool, options of the card, and how many threads may work on it."""
+    """What is asked: parts of a scene, tools by name, options of the card, and how many threads may work on it.
+
+    built_in: the names of tools whose way to sit on a fastener is known.
+    """
 
     scene: Scene
     parts: tuple[int, ...]
     options: Mapping[str, Any]
-    tool: Tool | None
+    tools: Mapping[str, Tool]
+    built_in: frozenset[str]
     threads: int
 
     @property
@@ -152,36 +156,67 @@ def order(asked: Asked, progress: Progress) -> Answered:
 
 
 def reach(asked: Asked, progress: Progress) -> Answered:
-    """Whether a tool reaches fasteners."""
-    assert asked.tool is not None, "a question of access has a tool"
+    """Which tools reach fasteners: of each fastener the tool that swings farthest."""
+    assert asked.tools, "a question of access has a tool"
     bolts = find_fasteners(asked.scene, list(asked.parts) or None, _share(progress, 0.0, 0.2))
     if not len(bolts):
         return Answered("None of these parts looks like a fastener.", None)
-    grip = asked.options.get("grip") or _GRIPS.get(asked.options["tool"])
+    found: dict[str, list[Reach]] = {}
+    for number, name in enumerate(asked.tools):
+        start, end = (0.2 + 0.8 * each / len(asked.tools) for each in (number, number + 1))
+        found[name] = _reaches(asked, name, bolts, _share(progress, start, end))
+    reaching = [[name for name, rows in found.items() if rows[k].is_reachable] for k in range(len(bolts))]
+    best = [max(names or found, key=lambda name: found[name][k].swing_deg) for k, names in enumerate(reaching)]
+    order = sorted(range(len(bolts)), key=lambda k: (bool(reaching[k]), bolts[k].path))
+    facts = tuple(_reach_facts(asked, best[k], reaching[k], found[best[k]][k], bolts[k]) for k in order[:MOST_REACHES])
+    good = {name: sum(row.is_reachable for row in rows) for name, rows in found.items()}
+    more = [(f"{name} reaches", f"{count:,} of {len(bolts):,}") for name, count in good.items() if len(good) > 1]
+    if len(order) > len(facts):
+        more.append(("not listed", plural(len(order) - len(facts), "fastener")))
+    reached = sum(map(bool, reaching))
+    return Answered(
+        _reach_words(good, reached, found, len(bolts)), reached == len(bolts), reaches=facts, facts=tuple(more)
+    )
+
+
+def _reaches(asked: Asked, name: str, bolts: Fasteners, progress: Progress) -> list[Reach]:
+    """Whether one tool reaches them. The built-in wrench lies flat, its jaw about the head."""
+    is_wrench = name == "wrench" and name in asked.built_in
+    grip = asked.options.get("grip") or ("y" if is_wrench else None)
+    heads = [bolt.head_height if math.isfinite(bolt.head_height) else 0.0 for bolt in bolts]
     found = access(
         asked.scene,
-        asked.tool,
+        asked.tools[name],
         bolts,
         asked.number("swing_deg", 60.0),
         grip=cast("GripAxis | None", grip),
+        lift=[_WRENCH_HALF_M - height if height > 0.0 else 0.0 for height in heads] if is_wrench else 0.0,
         threads=asked.threads,
-        progress=_share(progress, 0.2, 1.0),
+        progress=progress,
     )
-    good = sum(row.is_reachable for row in found)
-    tool = asked.options["tool"]
-    rows = sorted(zip(found, bolts, strict=True), key=lambda row: (row[0].is_reachable, row[1].path))
-    facts = tuple(_reach_facts(asked, row, bolt) for row, bolt in rows[:MOST_REACHES])
-    if good == len(bolts):
-        sentence = f"The {tool} reaches all {plural(good, 'fastener')}." if good > 1 else f"The {tool} reaches it."
-    elif good == 0:
-        sentence = f"The {tool} reaches none of {plural(len(bolts), 'fastener')}."
-    else:
-        sentence = f"The {tool} reaches {good:,} of {plural(len(bolts), 'fastener')}."
-    if len(bolts) == 1 and not good:
-        sentence = f"The {tool} does not reach it: {found[0].because}."
-    left_out = len(rows) - len(facts)
-    more = (("not listed", plural(left_out, "fastener")),) if left_out else ()
-    return Answered(sentence, good == len(bolts), reaches=facts, facts=more)
+    return list(found)
+
+
+def _reach_words(good: Mapping[str, int], reached: int, found: Mapping[str, list[Reach]], bolts: int) -> str:
+    fasteners = plural(bolts, "fastener")
+    if len(good) == 1:
+        (tool,) = good
+        if reached == bolts:
+            return f"The {tool} reaches all {fasteners}." if bolts > 1 else f"The {tool} reaches it."
+        if bolts == 1:
+            return f"The {tool} does not reach it: {found[tool][0].because}."
+        return f"The {tool} reaches {f'{reached:,}' if reached else 'none'} of {fasteners}."
+    if not reached:
+        return f"None of {len(good)} tools reaches {'it' if bolts == 1 else f'any of {fasteners}'}."
+    which = [name for name, count in good.items() if count]
+    if bolts == 1:
+        return f"The {_list(which)} {'reaches' if len(which) == 1 else 'reach'} it."
+    most = max(good, key=lambda name: good[name])
+    if good[most] == bolts:
+        return f"The {most} reaches all {fasteners}."
+    count = f"{reached:,}" if reached < bolts else "All"
+    by = f"by the {_list(which)}" if reached == 1 else f"{good[most]:,} of them by the {most}"
+    return f"{count} of {fasteners} {'is' if reached == 1 else 'are'} reached, {by}."
 
 
 def room(asked: Asked, progress: Progress) -> Answered:
@@ -224,6 +259,7 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
         if not isinstance(facts, dict):
             return None
         given = {key: value for key, value in facts.items() if key != "kind"}
+        _name_the_tool(given, card)
         answer: CardAnswer = check(given, CardAnswer, "answer")
         ways = tuple(
             Way(
@@ -254,6 +290,15 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
         None if room is None or data is None else Room(room, data),
         tuple((each["name"], each["figure"]) for each in answer["facts"]),
     )
+
+
+def _name_the_tool(answer: dict[str, Any], card: Card) -> None:
+    """Answers that were kept before several tools could be asked about do not name theirs."""
+    rows = answer.get("reaches")
+    tool = card.options.get("tool")
+    for row in rows if isinstance(rows, list) else []:
+        if isinstance(row, dict) and "tool" not in row and isinstance(tool, str):
+            row.update(tool=tool, tools=[tool] if row.get("is_reachable") is True else [])
 
 
 ANSWERS: dict[str, Callable[[Asked, Progress], Answered]] = {
@@ -400,11 +445,13 @@ def _nearest(asked: Asked, way: Way, gaps: list[Gap]) -> str:
     return f"; nearest about {length(way.clearance)}"
 
 
-def _reach_facts(asked: Asked, row: Reach, bolt: Fastener) -> ReachFacts:
+def _reach_facts(asked: Asked, tool: str, tools: list[str], row: Reach, bolt: Fastener) -> ReachFacts:
     return {
         "part": row.part,
         "name": asked.mockup.part_names[bolt.part],
         "kind": bolt.kind,
+        "tool": tool,
+        "tools": tools,
         "is_reachable": row.is_reachable,
         "swing_deg": row.swing_deg,
         "because": row.because,
@@ -412,16 +459,16 @@ def _reach_facts(asked: Asked, row: Reach, bolt: Fastener) -> ReachFacts:
         "way": [list(motion.row(pose)) for pose in row.way],
         "point": _triple(bolt.frame[:3, 3]),
         "axis": _triple(bolt.axis),
-        "fan": _fan(asked, row, bolt),
+        "fan": _fan(asked.tools[tool], row, bolt),
         "blockers": [each.part for each in row.blockers[:MOST_BLOCKERS]],
     }
 
 
-def _fan(asked: Asked, row: Reach, bolt: Fastener) -> list[Vec3]:
+def _fan(tool: Tool, row: Reach, bolt: Fastener) -> list[Vec3]:
     """The path of the tool's far end over the free swing, about the fastener's axis."""
-    if not row.swing_deg > 0.0 or asked.tool is None:
+    if not row.swing_deg > 0.0:
         return []
-    around = motion.corners(asked.tool.bounds) @ row.pose[:3, :3].T + row.pose[:3, 3]
+    around = motion.corners(tool.bounds) @ row.pose[:3, :3].T + row.pose[:3, 3]
     origin, axis = bolt.frame[:3, 3], bolt.axis
     arms = around - origin
     flat = arms - np.outer(arms @ axis, axis)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar, cast
 
@@ -47,6 +47,7 @@ from feeler.workbench.session.finding_jobs import (
     findings_file,
     pair_side,
 )
+from feeler.workbench.session.report_jobs import report_file
 from feeler.workbench.session.requirement_jobs import export_requirements, verified
 from feeler.workbench.session.uploads import Uploads
 
@@ -63,7 +64,7 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. uploads: files of pages. taken: findings of jobs. cards: the answer of a
-    card. replay: replays the record, if there is one.
+    card. replay: replays the record, if there is one. history: of statuses, of a project.
     """
 
     document: Document
@@ -76,6 +77,7 @@ class Place:
     taken: TakenFindings
     cards: Callable[[int], CardAnswer]
     replay: Callable[[Progress], dict[str, Any]] | None = None
+    history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
 
 
 @dataclass(frozen=True)
@@ -220,6 +222,7 @@ JOBS: dict[str, Work[Any]] = {
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
     "export_project": Work(project_file),
+    "report": Work(report_file, {"pictures": Maybe(int)}),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
     "replay": Work(replay),
     "clash": Work(clash, {"parts": Maybe(Selection)}),

@@ -148,10 +148,11 @@ class Cards:
     def _found(self, card: Card, document: Document, hands: Hands, standing: Standing, progress: Progress) -> Answered:
         scene = standing.scene(document, card.without, lambda share, stage: progress(0.0, stage))
         there = tuple(part for part in card.parts if scene.part_mask[part])
-        tool = hands.tool(str(card.options["tool"])) if "tool" in card.options else None
+        names = card.options.get("tools") or [each for each in [card.options.get("tool")] if each is not None]
+        tools = {str(name): hands.tool(str(name)) for name in names}
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
-        return ANSWERS[card.question](Asked(scene, there, card.options, tool, threads), progress)
+        return ANSWERS[card.question](Asked(scene, there, card.options, tools, hands.built_in, threads), progress)
 
     def _give_up(self, number: int, is_gone: bool) -> None:
         with self._lock:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -22,7 +22,7 @@ from feeler.clashes import Clashes, Rules
 from feeler.clashes.advice import advice
 from feeler.clashes.bcf_in import topics_in
 from feeler.clashes.limits import unmatched
-from feeler.clashes.tracking import NEW
+from feeler.clashes.tracking import NEW, Mark
 from feeler.errors import OptionError, WorkbenchError
 from feeler.mockup import Mockup
 from feeler.progress import Progress
@@ -34,7 +34,7 @@ from feeler.workbench.document.document import Check, Document, Findings
 from feeler.workbench.document.finding_table import STATUS, FindingTable
 from feeler.workbench.document.frames import dumps
 from feeler.workbench.document.protocol_findings import Alike, FindingSide, Hides, Taken
-from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.parts import PartTools, with_places
 from feeler.workbench.session.finding_view import side_of, side_of_pair
 from feeler.workbench.session.uploads import Uploads
 
@@ -114,10 +114,10 @@ def clash(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
         progress=lambda share, stage: progress(_CHECKED * share, stage),
         parts=None if chosen is None else list(chosen),
     )
-    gone = _tracked(found, document.findings, mockup, is_whole=chosen is None)
+    gone, aside = _tracked(found, document.findings, mockup)
     made = findings.findings_of_clashes(found, mockup, document.absent)
     check = Check(settings.clearance, settings.contact, chosen, document.moved, document.out, tuple(document.gripped))
-    made = replace(made, check=check)
+    made = replace(made, check=check, aside=aside)
     progress(1.0, "done")
     return _taken(place, made, gone, [*notes, *advice(found)])
 
@@ -155,7 +155,7 @@ def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> T
     unknown = len(changes.unknown)
     said = [f"{unknown} of {len(topics)} topics are of no finding here"] if unknown else []
     progress(1.0, "done")
-    key = place.taken.keep(made, made)
+    key = place.taken.keep(made, found)
     return {"key": key, "count": len({*status, *notes}), "gone": 0, "notes": said}
 
 
@@ -228,32 +228,9 @@ def placed(place: FindingPlace, progress: Progress) -> tuple[Mockup, Scene]:
     moved = {part: at for part, at in document.moved.items() if part not in gone}
     if moved:
         progress(0.0, "placing parts")
-        mockup = _with_places(mockup, place.meshes, moved)
+        mockup = with_places(mockup, moved, place.meshes)
         scene = Scene(mockup, threads=threads()).without(list(document.absent))
     return mockup, scene.without(sorted(gone)) if gone else scene
-
-
-def _with_places(mockup: Mockup, meshes: PartTools, moved: Any) -> Mockup:
-    """The mock-up with some parts elsewhere. Their vertices are added, since others may share the old ones."""
-    vertices, faces = [mockup.vertices], np.array(mockup.faces)
-    count = len(mockup.vertices)
-    for part, at in moved.items():
-        there, own = meshes.at(part, at)
-        triangles = meshes.of(part)[1]
-        is_there = own < len(there)
-        faces[triangles] = np.where(is_there, own + count, faces[triangles])
-        vertices.append(there)
-        count += len(there)
-    made = Mockup(
-        np.concatenate(vertices),
-        faces,
-        mockup.part_of_face,
-        mockup.part_names,
-        part_paths=mockup.part_paths,
-        source=mockup.source,
-    )
-    made._keep_attributes(mockup._part_attributes)
-    return made
 
 
 def _tolerant(rules: Rules) -> Rules:
@@ -265,18 +242,22 @@ def _tolerant(rules: Rules) -> Rules:
     )
 
 
-def _tracked(found: Clashes, before: Findings | None, mockup: Mockup, *, is_whole: bool) -> int:
-    """Takes over statuses and notes by id; the number of findings that are gone."""
-    if before is None or not len(before.table):
-        return 0
+def _tracked(found: Clashes, before: Findings | None, mockup: Mockup) -> tuple[int, Mapping[str, Mark]]:
+    """Takes over statuses and notes by id; the number of findings that are gone, and marks of those not looked at."""
+    if before is None:
+        return 0, MappingProxyType({})
     then = before.table.clashes(mockup, before.status, before.notes)
-    if not len(then):
-        return 0
-    if is_whole and (before.check is None or before.check.of is None):
+    listed = {*then.ids}
+    elsewhere = (name for name in before.table.ids if name not in listed)  # of parts that are left out
+    then.marks.aside = {**before.aside, **{name: before.mark_of(name) for name in elsewhere}}
+    resolved: set[str] = set()
+    if len(then) or then.marks.aside:
         found.diff(then)
-        return len(found.earlier())
-    found.marks.replace({name: then.marks.of(name) for name in set(found.ids) & set(then.ids)})
-    return 0
+        resolved = {*found.earlier().where(status="resolved").ids}
+    here = {*found.ids, *resolved}
+    marks = {**{name: then.marks.of(name) for name in then.ids}, **then.marks.aside}
+    kept = {name: mark for name, mark in marks.items() if name not in here and (mark != NEW or name in before.members)}
+    return len(resolved), MappingProxyType(kept)
 
 
 def _taken(place: FindingPlace, found: Findings, gone: int, notes: list[str]) -> Taken:
@@ -298,7 +279,7 @@ def _mockup_of(place: FindingPlace, found: Findings) -> Mockup:
         return place.scene.mockup
     gone = {*check.out, *check.gripped}
     moved = {part: at for part, at in check.moved.items() if part not in gone}
-    return _with_places(place.scene.mockup, place.meshes, moved) if moved else place.scene.mockup
+    return with_places(place.scene.mockup, moved, place.meshes) if moved else place.scene.mockup
 
 
 def _as_json(found: Findings, mockup: Mockup, _progress: Progress) -> bytes:

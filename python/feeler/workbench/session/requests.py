@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from feeler.arguments import near
@@ -39,6 +39,8 @@ class Requests:
         """Findings of jobs, for the command "findings_take"."""
         self.replay: Replay | None = None
         """Replays the record, if there is one."""
+        self.history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
+        """The history of statuses, of a project."""
 
     def forget(self) -> None:
         """Another mock-up is open: drops files and caches of the previous one."""
@@ -65,6 +67,7 @@ class Requests:
                 self.taken,
                 cards,
                 self.replay,
+                self.history,
             )
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:

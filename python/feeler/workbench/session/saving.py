@@ -53,6 +53,7 @@ class Saver:
         self._is_known = False
         """Whether the mock-up is the one that the project was saved with, so that answers are about its parts."""
         self._is_begun = self._is_closed = self._has_trouble = False
+        self._trouble: str | None = None
         self._thread: threading.Thread | None = None
 
     @property
@@ -151,6 +152,13 @@ class Saver:
             self._thread.join(_CLOSE_S)
         self._project.close()
 
+    @property
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are."""
+        with self._guard:
+            is_behind = self._newest is not None and (self._newest is not self._written or self._first is not None)
+            return (self._trouble or "writing takes too long") if is_behind else None
+
     # ---- the thread ----
 
     def _loop(self) -> None:
@@ -182,14 +190,14 @@ class Saver:
             for each in (str(path.absolute()), str(path)):
                 text = text.replace(each, path.name)
             with self._guard:
-                self._has_trouble = True
+                self._has_trouble, self._trouble = True, text
             self._told(target, "failed", text)
             return
         with self._guard:
             for card, change in answers.items():
                 if self._answers.get(card) is change:
                     del self._answers[card]
-            self._written, self._has_trouble = target, False
+            self._written, self._has_trouble, self._trouble = target, False, None
             if self._first is first:
                 self._first = None
         self._told(target, "saved", None)
@@ -207,8 +215,8 @@ class Saver:
         old, new = (None if before is None else before.findings), target.findings
         if before is None or (old is not new and (old is None or new is None or old.table is not new.table)):
             yield from self._all_findings(target)
-        elif old is not new:
-            yield from self._some_marks(keeping.finding_marks(old), keeping.finding_marks(new))
+        elif old is not new and old is not None and new is not None:
+            yield from self._project.some_marks_changes(keeping.marks_that_differ(old, new), now())
         if before is not None and _is_stale(before) and not _is_stale(target):
             known = self._project.parts()
             yield from self._project.revision_changes(Revision(known, (), (), {}), is_accepted=True)
@@ -221,18 +229,12 @@ class Saver:
             if number % 16 == 0:
                 time.sleep(0)
         there = {str(row.get("id")) for row in project.findings()}
-        if there != {str(row["id"]) for row in rows}:
+        known = {row.value for row in project.rows("findings")}
+        is_some_of_them = all(dumps(row) in known for row in rows)  # others are ignored now
+        if not is_some_of_them and there != {str(row["id"]) for row in rows}:
             yield drop("facts", CHECK)  # of other findings
         yield from project.findings_changes(rows)
-        known = project.marks()
-        marks = {key: _merged(known.get(key), mark) for key, mark in keeping.finding_marks(target.findings).items()}
-        yield from project.marks_changes(marks)
-
-    def _some_marks(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[Change]:
-        differ = [key for key in {**new, **old} if old.get(key) != new.get(key)]
-        yield from self._project.some_marks_changes(
-            {key: new.get(key) for key in differ}, lambda known, mark: _merged(known, mark), now()
-        )
+        yield from project.marks_changes(keeping.finding_marks(target.findings))
 
     def _opening(
         self,
@@ -291,14 +293,6 @@ def project_of(document: Document, mockup: Mockup) -> bytes:
             return book.copied()
         finally:
             book.close()
-
-
-def _merged(known: Mapping[str, Any] | None, mark: Mapping[str, Any]) -> dict[str, Any]:
-    """What a clash check kept with a finding, such as a note, beside what the document has of it."""
-    if known is None or known.get("status") != mark.get("status"):
-        # Who approved at which depth is not known for another status.
-        known = {key: value for key, value in (known or {}).items() if key not in ("by", "approved_depth")}
-    return {**known, **mark}
 
 
 def _with_tool(document: Document, opened: Document, hands: Hands, is_chosen: bool) -> Document:

@@ -32,10 +32,10 @@ from feeler.workbench.document.cards import told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
 from feeler.workbench.document.findings import findings_of, read_findings, saved
-from feeler.workbench.document.history import History
+from feeler.workbench.document.history import History, Step
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
-from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest
+from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest, Turning
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
@@ -49,6 +49,7 @@ from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
 from feeler.workbench.session.opening import beside, opening
 from feeler.workbench.session.openings import Openings
+from feeler.workbench.session.people import DEVICE, SCRIPT, PeopleOf
 from feeler.workbench.session.record import Recorder
 from feeler.workbench.session.requests import Requests
 from feeler.workbench.session.saving import Saver
@@ -56,6 +57,8 @@ from feeler.workbench.session.wanted import Wanted
 
 LEAST_TICK_S = 0.004
 """The engine's thread starts at most one round per this time: 250 Hz."""
+IDLE_TICK_S = 0.05
+"""Time between rounds while nothing happens; a wish or a command ends the wait."""
 _CLOSE_S = 10.0  # for the current round of the engine
 
 
@@ -85,10 +88,14 @@ class Session:
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
         self._requests = Requests()
+        if project is not None:
+            self._requests.history = project.history
         self._cards = Cards(self._card_told, self._keep_answer)
         self.openings = Openings()
         """Opens other mock-ups for pages, if somebody offers it."""
         self._clock, self._seed = clock, seed
+        self.people = PeopleOf(clock, parts=self._part_count, is_playing=lambda: self._document.replaying is not None)
+        """Who has a page, and who has the tool."""
         self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
         self._recorder = None if record is None else Recorder(Path(record))
         self._hands: Hands | None = None
@@ -296,13 +303,25 @@ class Session:
 
     # ---- requests ----
 
-    def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
-        """Sets the target of the hand; only the newest counts. Raises `WorkbenchError` for an invalid pose."""
+    def wish(self, pose: npt.ArrayLike, seq: int, source: str, by: int = SCRIPT) -> bool:
+        """Sets the target of the hand; only the newest counts. Raises `WorkbenchError` for an invalid pose.
+
+        by: the person of a page, else a script; a device by its source. False: somebody else has the tool.
+        """
         wished = motion.checked(pose, "pose")
         if self.engine.is_held:
-            return
+            return True
+        if not self.people.may_move(DEVICE if source == "device" else by, wished):
+            return False
         self.engine.wish(wished, int(seq), str(source))
         self._wake.set()
+        return True
+
+    def turn(self, person: int, turning: Turning) -> dict[str, Any]:
+        """A person's wish about the turn of the tool; the answer is empty. Raises `WorkbenchError`."""
+        if self.people.turn(person, turning) and self._document.replaying is None:
+            self.hand_gone()  # it does not go on to where the other one wished it
+        return {}
 
     def hand_gone(self) -> None:
         """Releases the hand: the tool stops where it is."""
@@ -314,11 +333,14 @@ class Session:
                 self._recorder.let_go(self._clock())
         self._wake.set()
 
-    def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> CommandAnswer:
+    def command(
+        self, name: str, args: dict[str, Any], by: int | None = SCRIPT, *, is_recorded: bool = False
+    ) -> CommandAnswer:
         """Changes the document; see `commands.COMMANDS`, and `undo` and `redo`. Raises `WorkbenchError`.
 
-        The result: "id" of an added thing, "pose" of the hand, "undo_depth", "redo_depth". is_recorded: the command
-        comes from a record being replayed; others are refused meanwhile.
+        The result: "id" of an added thing, "pose" of the hand, "undo_depth", "redo_depth". by: the person of a page,
+        else a script; None: the session itself. is_recorded: the command comes from a record being replayed; others
+        are refused meanwhile.
         """
         if self.engine.is_held and not is_recorded:
             raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
@@ -328,11 +350,14 @@ class Session:
         # The engine's lock always before the session's; without it if the hand stays, so that it can go on meanwhile.
         with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
+            if by is not None and not is_recorded:
+                self._check_turn(name, by, moves_hand)
             if moves_hand:
                 self.engine.flush()
             try:
                 before = self._document
-                after = self._stepped(name, args) if name in STEPS else self._changed(name, args)
+                step = Step(str(name), SCRIPT if by is None else by)
+                after = self._stepped(name, args, step) if name in STEPS else self._changed(name, args, step)
             except FeelerError as error:
                 if self._recorder is not None and not is_of_cards:
                     self._recorder.command(now, str(name), args, None, str(error))
@@ -425,6 +450,10 @@ class Session:
                 self.engine.flush()
             self._recorder.close()
 
+    def unsaved(self) -> str | None:
+        """Why the last changes are not in the project; None if they are, or if there is no project."""
+        return None if self._saver is None else self._saver.unsaved
+
     def __enter__(self) -> Session:
         return self
 
@@ -433,7 +462,17 @@ class Session:
 
     # ---- changes ----
 
-    def _changed(self, name: str, args: Any) -> Document:
+    def _check_turn(self, name: str, by: int, moves_hand: bool) -> None:
+        """Refuses what moves the hand, while somebody else has it; a step of undo only if it does."""
+        if name in STEPS:
+            if self._history.is_empty(name):
+                return
+            after = self._history.next(name)
+            moves_hand = self._moves_engine(self._document, after)
+        if moves_hand:
+            self.people.check_move(by)
+
+    def _changed(self, name: str, args: Any, step: Step) -> Document:
         command = COMMANDS.get(name)
         hands = self._opened()
         before = self._document
@@ -468,7 +507,7 @@ class Session:
         if name != "place":
             self._engine_follows(before, after)
         if command is None or not command.is_of_cards:
-            self._history.changed(before)
+            self._history.changed(before, step)
         return after
 
     def _known(self, hands: Hands) -> Known:
@@ -490,7 +529,7 @@ class Session:
         is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
         return pose if is_free else beside(hands.scene, tool)
 
-    def _stepped(self, name: str, args: Any) -> Document:
+    def _stepped(self, name: str, args: Any, step: Step) -> Document:
         Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
         # The user did not change the mock-up opened meanwhile.
@@ -498,13 +537,21 @@ class Session:
         after = replace(after, project=now.project)
         after = replace(after, cards=now.cards, next_card=now.next_card)
         self._engine_follows(now, after)
-        self._history.stepped(name, now)
+        taken = self._history.stepped(name, now)
+        if taken.by != step.by and self.people.count > 1:
+            who, whose = self.people.name_of(step.by, is_first=True), self.people.name_of(taken.by)
+            text = f"{who} {'undid' if name == 'undo' else 'redid'} a step of {whose}: {taken.command}"
+            self._events.tell({"type": "notice", "level": "info", "text": text})
         return after
 
     def _engine_follows(self, before: Document, after: Document) -> None:
-        same_hand = held_key(before) == held_key(after) and before.world == after.world
-        if not same_hand or before.mode != after.mode or before.pose != after.pose:
+        if self._moves_engine(before, after):
             self._engine_to(after)
+
+    @staticmethod
+    def _moves_engine(before: Document, after: Document) -> bool:
+        same_hand = held_key(before) == held_key(after) and before.world == after.world
+        return not same_hand or before.mode != after.mode or before.pose != after.pose
 
     def _engine_to(self, document: Document) -> None:
         hands = self._opened()
@@ -555,7 +602,7 @@ class Session:
 
     def _played(self) -> None:
         with contextlib.suppress(WorkbenchError):  # they have already been put down
-            self.command("release", {})
+            self.command("release", {}, None)
 
     def _show(self, document: Document, command: str | None) -> None:
         with self._lock:
@@ -597,7 +644,7 @@ class Session:
             trouble = text
             if has_news:
                 self._tell_snapshot()
-            self._wake.wait(timeout=LEAST_TICK_S)
+            self._wake.wait(timeout=IDLE_TICK_S if self.engine.is_idle else LEAST_TICK_S)
             self._wake.clear()
             # From the start of the round, not from the call: it may have waited for a command.
             gone = self._clock() - self.engine.ticked_at
@@ -628,6 +675,10 @@ class Session:
             self._recorder.ticked(ticked)
 
     # ---- helpers ----
+
+    def _part_count(self) -> int:
+        mockup = self._document.mockup
+        return 0 if mockup is None else mockup.parts
 
     def _opened(self) -> Hands:
         if self._hands is None:

@@ -1,0 +1,24 @@
+"""Points and cameras in messages: a part of `protocol.py`."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+Vec3 = tuple[float, float, float]
+
+
+class CameraPlace(TypedDict):
+    """Where a camera is, and what it looks at."""
+
+    position: Vec3
+    target: Vec3
+    up: Vec3
+    fov_rad: float
+    """Vertical field of view."""
+
+
+class Camera(CameraPlace, total=False):
+    """A camera."""
+
+    is_parallel: bool
+    """Parallel projection, as high at the target as the perspective view; absent: perspective."""

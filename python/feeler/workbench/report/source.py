@@ -1,0 +1,196 @@
+"""What a report is made of: the document, the parts, the answers and the history, of a project or of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from feeler.errors import FeelerError, LoadError, WorkbenchError
+from feeler.mockup import Mockup
+from feeler.parts import Parts
+from feeler.project.book import CHECK, Book, loads
+from feeler.project.parts import PartChanges, PartContent, Revision, revised
+from feeler.workbench.document import keeping, motion
+from feeler.workbench.document.answers import CardAnswer
+from feeler.workbench.document.document import Document, MockupFacts
+from feeler.workbench.document.frames import check
+
+_SOURCES = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """See the module. mockup: None without its files: no pictures. changes: against the mock-up as it is now.
+
+    stale: how parts changed, by number. earlier: findings that are gone, as JSON. history: of statuses, as JSON.
+    """
+
+    name: str
+    document: Document
+    parts: Parts
+    mockup: Mockup | None
+    sources: tuple[str, ...]
+    answers: Mapping[int, CardAnswer] = field(default_factory=dict)
+    history: Sequence[Mapping[str, Any]] = ()
+    earlier: Sequence[Mapping[str, Any]] = ()
+    changes: PartChanges = field(default_factory=PartChanges)
+    stale: Mapping[int, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def of_book(
+    book: Book,
+    mockup: Mockup | None,
+    absent: Sequence[int] = (),
+    *,
+    content: str = "",
+    notes: Sequence[str] = (),
+    progress: Callable[[float, str], object] | None = None,
+) -> Source:
+    """The source of an open project. mockup: as it is now; None: its files are not there. content: its digest.
+
+    absent: parts left out. Raises `LoadError` for a damaged project, and one of another mock-up.
+    """
+    known, gone = book.parts(), book.gone()
+    if not known:
+        raise LoadError(f"{book.path} has no mock-up yet: open it with feeler view MOCKUP --project FILE")
+    revision = book.revision(mockup, progress) if mockup is not None else revised(known, gone, known)
+    parts = mockup.parts if mockup is not None else _named_parts(known)
+    is_numbered = revision.row_of == tuple(range(len(parts)))
+    facts = _object(book.fact("mockup"))
+    opened = _object(book.fact("opened"))
+    sources = _sources(opened)
+    name = _text(facts.get("name")) or (sources[0] if sources else Path(book.path).stem)
+    triangles = mockup.triangle_count if mockup is not None else sum(part.triangles for part in known)
+    about = MockupFacts(name, content or _text(facts.get("hash")), triangles, len(parts))
+    kept = keeping.restored(
+        Document(mockup=about, absent=tuple(absent)),
+        book.rows,
+        book.marks(),
+        lambda text, where: loads(text, f"{book.path}: {where}"),
+        parts,
+        None if is_numbered else _numbering(revision, book.path),
+    )
+    answers = {}
+    said = list(notes)
+    if is_numbered:
+        answers = _answers(book, kept.document, len(parts))
+    elif kept.document.cards:
+        said.append("The parts have other numbers now: details of answers are left out. Ask the questions again.")
+    if kept.aside:
+        said.append("Removals, measures and questions of parts that are gone are left out.")
+    earlier = _object(book.fact(CHECK)).get("earlier")
+    return Source(
+        Path(book.path).name,
+        kept.document,
+        parts,
+        mockup,
+        sources,
+        answers,
+        book.history(),
+        [each for each in earlier if isinstance(each, dict)] if isinstance(earlier, list) else [],
+        revision.changes(),
+        {number: str(change) for number, change in revision.stale.items()},
+        tuple(said),
+    )
+
+
+def of_document(
+    document: Document,
+    mockup: Mockup,
+    answers: Mapping[int, CardAnswer],
+    history: Sequence[Mapping[str, Any]] = (),
+) -> Source:
+    """The source of a session's document."""
+    project = document.project
+    stale = {} if project is None else dict(project.stale)
+    by_change: dict[str, list[str]] = {name: [] for name in ("changed", "moved", "new")}
+    paths = mockup.part_paths
+    for part, change in stale.items():
+        by_change.setdefault(change, []).append(paths[part])
+    changes = PartChanges(
+        tuple(by_change["changed"]),
+        tuple(by_change["moved"]),
+        tuple(by_change["new"]),
+        () if project is None else project.gone,
+    )
+    name = document.mockup.name if document.mockup else "mock-up"
+    return Source(
+        name if project is None else project.name,
+        document,
+        mockup.parts,
+        mockup,
+        tuple(Path(each).name for each in mockup.source.files),
+        answers,
+        history,
+        (),
+        changes,
+        stale,
+    )
+
+
+def checked_answer(facts: Any, parts: int) -> CardAnswer | None:
+    """An answer from a project of anybody; None for anything else. parts: their number."""
+    try:
+        if not isinstance(facts, dict):
+            return None
+        answer: CardAnswer = check({key: value for key, value in facts.items() if key != "kind"}, CardAnswer, "answer")
+        for way in answer["ways"]:
+            for pose in way["poses"]:
+                motion.checked(pose, "pose")
+    except (WorkbenchError, FeelerError, RecursionError):
+        return None
+    named = [part for way in answer["ways"] for part in way["parts"]]
+    named += [each["part"] for each in answer["blockers"]]
+    named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
+    is_whole = all(0 <= part < parts for part in named)
+    return answer if is_whole and all(way["poses"] and way["parts"] for way in answer["ways"]) else None
+
+
+def _answers(book: Book, document: Document, parts: int) -> dict[int, CardAnswer]:
+    found = {}
+    for card in document.cards:
+        kept = book.answer(f"card {card.id}") if card.state == "done" else None
+        answer = None if kept is None else checked_answer(kept[0], parts)
+        if answer is not None:
+            found[card.id] = answer
+    return found
+
+
+def _named_parts(known: Sequence[PartContent]) -> Parts:
+    """The parts of a project without its mock-up: names and paths alone."""
+    paths = [part.key for part in known]
+    empty = np.broadcast_to(np.array([[1.0] * 3, [0.0] * 3]), (len(paths), 2, 3))
+    triangles = np.array([part.triangles for part in known], dtype=np.uint32)
+    return Parts([path.rpartition("/")[2] for path in paths], paths, triangles, empty)
+
+
+def _numbering(revision: Revision, where: str) -> keeping.Renumber:
+    rows = revision.row_of
+
+    def number(part: int) -> int | None:
+        if not 0 <= part < len(rows):
+            raise LoadError(f"{where} names part {part}, which it does not have: it is damaged; use a copy")
+        return rows[part]
+
+    return number
+
+
+def _sources(opened: Mapping[str, Any]) -> tuple[str, ...]:
+    """The names of the files of the mock-up, without folders: a report is passed on."""
+    given = opened.get("sources")
+    listed = given[:_SOURCES] if isinstance(given, list) else []
+    places = [each[-1] for each in listed if isinstance(each, list) and each]
+    return tuple(each.replace("\\", "/").rstrip("/").rpartition("/")[2] for each in places if isinstance(each, str))
+
+
+def _object(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""
