@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import zipfile
 from collections.abc import Mapping
@@ -15,7 +14,7 @@ from commands import run
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from shapes import box
-from workbench_scene import Bench, cube
+from workbench_scene import Bench, cube, sent
 
 import feeler
 from feeler.clashes import Comment, Topic, apply_bcf, bcf_in, read_bcf, write_bcf
@@ -147,8 +146,8 @@ def test_the_page_takes_them_over_in_one_step_of_undo(tmp_path: Path) -> None:
     written = bench.session.job("export_findings", {"format": "bcf"}).result(60)
     (tmp_path / "out.bcf").write_bytes(bench.session.export(written["name"]))
     back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
-    upload = bench.session.upload(io.BytesIO(back.read_bytes()))
-    taken = bench.session.job("findings_bcf", {"upload": upload, "name": "back.bcfzip"}).result(60)
+    files = sent(bench.session, back.read_bytes())
+    taken = bench.session.job("findings_bcf", {"files": files, "name": "back.bcfzip"}).result(60)
     assert taken["count"] == 2
     bench.command("findings_take", key=taken["key"])
     findings = bench.document["findings"]
@@ -165,8 +164,8 @@ def test_the_page_takes_them_over_where_something_was_said_before(tmp_path: Path
     back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
     version = bench.document["findings"]["version"]
     bench.command("finding_mark", version=version, rows=[0], status="reviewed", note="mine")
-    upload = bench.session.upload(io.BytesIO(back.read_bytes()))
-    taken = bench.session.job("findings_bcf", {"upload": upload, "name": "back.bcfzip"}).result(60)
+    files = sent(bench.session, back.read_bytes())
+    taken = bench.session.job("findings_bcf", {"files": files, "name": "back.bcfzip"}).result(60)
     bench.command("finding_mark", version=version, rows=[1], note="said since")
     bench.command("findings_take", key=taken["key"])
     findings = bench.document["findings"]

@@ -216,6 +216,7 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.haptics.Coupling.for_device": lambda w: (haptics.Coupling.for_device, {"device": w.device}),
     "feeler.haptics.Session": lambda w: (haptics.Session, {"scene": w.scene, "tool": w.tool}),
     "feeler.haptics.Session.grip": lambda w: (started(w).grip, {"parts": "far"}),
+    "feeler.haptics.Session.guide": lambda w: (guide_while_running(w), {"world_from_tool": w.away}),
     "feeler.haptics.Session.record": lambda w: (started(w).record, {"path": "record.npz"}),
     "feeler.haptics.Session.release": lambda w: (gripping(w).release, {}),
     "feeler.haptics.Session.run": lambda w: (run_and_stop(w), {"device": w.device, "realtime": False}),
@@ -312,6 +313,21 @@ def run_and_stop(world: World) -> Callable[..., object]:
     return run
 
 
+def guide_while_running(world: World) -> Callable[..., object]:
+    session = haptics.Session(world.scene, world.tool)
+    session.start(world.away)
+
+    def guide(*args: Any, **kwargs: Any) -> object:
+        session.run(devices.Simulated(), realtime=False)
+        try:
+            return session.guide(*args, **kwargs)
+        finally:
+            session.stop()
+
+    guide.__signature__ = inspect.signature(session.guide)  # type: ignore[attr-defined]
+    return guide
+
+
 def public_callables() -> dict[str, object]:
     """Functions, constructors and methods of the public modules that take arguments, by name."""
     found: dict[str, object] = {}
@@ -390,6 +406,8 @@ VIEW_ARGUMENTS: dict[str, object] = {
     "b": "*",
     "gap": 0.01,
     "key": "none",
+    "lower": (-1.0, -1.0, -1.0),
+    "upper": (1.0, 1.0, 1.0),
     "results": [],
     "rows": [0],
     "version": "00ff",

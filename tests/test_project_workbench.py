@@ -636,6 +636,7 @@ def test_hostile_documents_are_refused_or_opened(tmp_path: Path, table: str) -> 
         ("document", "replaying", "99", "there is no such line"),
         ("document", "pose", "[1e300]", "1e\\+300"),
         ("document", "sections", '[{"id":1,"normal":[0,0],"offset":0.0,"is_on":true}]', "sections"),
+        ("document", "section_box", '{"lower":[0,0,0],"upper":[1,1,0]}', "no inside"),
         ("document", "trip", '{"way":[],"touched":[],"seated":[]}', "it has no pose"),
         ("sequence", "10", '{"id":3}', "a value is missing"),
         ("marks", "one", '{"id":"one","status":"eaten"}', "a status that does not exist"),
@@ -834,6 +835,34 @@ def test_whole_answers_of_cards_are_kept_for_the_same_mock_up(tmp_path: Path) ->
     session = opened(path, revision(p1=("scale", 1.25)), tool=None)
     with pytest.raises(WorkbenchError, match="has no answer"):
         session.ask("card", {"id": way})
+    session.close()
+
+
+def test_checks_of_ways_are_kept_with_their_lines(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    way = {"parts": [PEG], "poses": [AT_HOME, at(0, 0, 1.0).ravel().tolist()], "clearance": None}
+    session.command("way_take", {"ways": [way]})
+    number = session.command("way_check", {"id": session.document()["sequence"][0]["id"]})["id"]
+    end = time.monotonic() + 120.0
+    while session.current.cards[0].state != "done":
+        assert time.monotonic() < end
+        time.sleep(0.005)
+    before = session.ask("card", {"id": number})
+    document = saved(session)
+    session.close()
+    session = opened(path)
+    assert session.document()["cards"] == document["cards"] and not session.document()["cards"][0]["is_stale"]
+    assert json.dumps(session.ask("card", {"id": number})) == json.dumps(before)
+    assert before is not None and before["ways"][0]["hit"]["part"] == 4, "the sheet is in the way"
+    session.close()
+    with contextlib.closing(open_or_make(path)) as book:
+        facts, data = book.answer(f"card {number}")
+        facts["ways"][0]["places"] = {"99": AT_HOME}
+        book.write_answer(f"card {number}", "card", facts, data)
+    session = opened(path)
+    with pytest.raises(WorkbenchError, match="has no answer"):
+        session.ask("card", {"id": number})
     session.close()
 
 

@@ -14,6 +14,7 @@ from shapes import at, box, cube, inverted, joined, mockup_of, open_chest
 import feeler
 from feeler.errors import OptionError
 from feeler.io.film import moments
+from feeler.plan import question
 from feeler.plan.as_glb import in_steps
 
 # A chest, a lid that lies inside the rim of it, a cover on the rim, and a thing in the chest; metres.
@@ -62,6 +63,34 @@ def test_what_cannot_come_out_is_not_claimed_to() -> None:
     order = feeler.removal_order(closed, "inner", seconds=2.0, threads=1)
     assert not order.is_found
     assert [closed.mockup.part_names[each.part] for each in order.steps[-1].removal.blocked_by] == ["outer"]
+
+
+def test_what_stands_in_the_way_is_named() -> None:
+    closed = feeler.Scene(closed_box(), threads=1)
+    order = feeler.removal_order(closed, "inner", seconds=1.0, threads=1)
+    assert names(closed, order.stuck) == ["inner"] and [each.path for each in order.blocked_by] == ["outer"]
+    # The thing is stopped by the lid, the lid by the room, and the room by the chest in it, which stays.
+    hollow = inverted(box((-1.0, -1.0, -0.125), (1.5, 1.5, 1.0)))
+    room = joined(box((-1.125, -1.125, -0.25), (1.625, 1.625, 1.125)), hollow)
+    lid = box((0.0, 0.0, 0.3125), (0.5, 0.5, 0.34375))
+    scene = feeler.Scene(mockup_of({**CHEST, "lid": lid, "cover": room}), threads=1)
+    order = feeler.removal_order(scene, "thing", seconds=2.0, threads=1, keep="chest")
+    assert not order.is_found and names(scene, order.stuck) == ["cover"]
+    assert [each.path for each in order.blocked_by] == ["chest"]
+
+
+def test_a_part_is_looked_at_with_one_eye_on_the_caller(monkeypatch: pytest.MonkeyPatch, chest: feeler.Scene) -> None:
+    monkeypatch.setattr(question, "LOOK_S", 0.0)
+    told: list[str] = []
+
+    def hear(_share: float, stage: str) -> None:
+        told.append(stage)
+        if told.count("what blocks thing") == 3:
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        feeler.removal_order(chest, "thing", threads=1, keep="chest", progress=hear)
+    assert told[-1] == "what blocks thing", "it ends within the look at one part"
 
 
 def closed_box() -> feeler.Mockup:

@@ -35,6 +35,7 @@ from feeler.workbench.report.content import report_of
 from feeler.workbench.report.drawing import Drawing
 from feeler.workbench.report.source import Source, of_book
 from feeler.workbench.report.values import Media
+from feeler.workbench.session.session import Session
 
 WHEN = datetime.datetime(2026, 1, 2, 3, 4, tzinfo=datetime.timezone.utc)
 HOSTILE = [BOLD, "</script><script>alert(1)</script>", "=cmd|' /C calc'!A0", "@x", "\u202egnp.exe", "\0\ud800\x07"]
@@ -121,6 +122,23 @@ def test_pictures_and_films(there: Path, tmp_path: Path) -> None:
     assert [*as_html.files_of(made)] == ["question-1.glb", "question-2.glb", "sequence.glb"]
 
 
+def test_parts_are_drawn_where_they_lay_at_the_check(there: Path, world: feeler.Mockup) -> None:
+    source = source_of(there, world)
+    report = report_of(source, WHEN)
+    wrong = report.requirements[0]
+    assert wrong.place is not None
+    home = media.media_of(source, report, 1).pictures["requirement-1"]
+    shifted = (1.0, 0.0, 0.0, 0.05, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    asked, *rest = source.document.requirements
+    assert asked.verdict is not None
+    for moved, is_same in (({wrong.place.a: shifted}, False), ({99: shifted}, True), ({wrong.place.a: (1.0,)}, None)):
+        verdict = replace(asked.verdict, moved=moved)
+        document = replace(source.document, requirements=(replace(asked, verdict=verdict), *rest))
+        made = media.media_of(replace(source, document=document), report, 1)
+        drawn = made.pictures.get("requirement-1")
+        assert (drawn is None and made.left_out != []) if is_same is None else ((drawn == home) == is_same)
+
+
 def test_a_film_that_would_make_the_page_too_large_is_left_out(there: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     report = report_of(source_of(there), WHEN)
     monkeypatch.setattr(as_html, "MOST_EMBEDDED", 10)
@@ -173,18 +191,23 @@ def test_a_newer_revision_makes_results_out_of_date(there: Path, tmp_path: Path)
     assert "The mock-up has changed since" in page and page.count("Out of date: block changed.") >= 2
 
 
-def test_parts_with_other_numbers_leave_out_the_details_of_answers(there: Path, tmp_path: Path) -> None:
+def without_post() -> feeler.Mockup:
+    """The mock-up without its left post: the parts after it have other numbers."""
     whole = mockup()
-    kept = [0, 2, 3, 4, 5]  # the left post is gone
+    kept = [0, 2, 3, 4, 5]
     number = {old: new for new, old in enumerate(kept)}
     chosen = np.isin(whole.part_of_face, kept)
-    fewer = feeler.Mockup(
+    return feeler.Mockup(
         whole.vertices,
         whole.faces[chosen],
         np.array([number[part] for part in whole.part_of_face[chosen].tolist()]),
         [whole.part_names[part] for part in kept],
         part_paths=[whole.part_paths[part] for part in kept],
     )
+
+
+def test_parts_with_other_numbers_leave_out_the_details_of_answers(there: Path, tmp_path: Path) -> None:
+    fewer = without_post()
     report = report_of(source_of(there, loaded(tmp_path, fewer)), WHEN)
     assert report.stale.gone == ("stand/stand/posts/left",)
     assert [len(row.ways) for row in report.questions] == [0, 0, 0] and "other numbers" in report.notes[0]
@@ -192,6 +215,21 @@ def test_parts_with_other_numbers_leave_out_the_details_of_answers(there: Path, 
     assert (clear.status, clear.place) == ("not checked", None), "a part of its verdict is gone"
     assert (far.status, far.stale) == ("holds", "pattern b names no part now")
     assert any(finding.stale == "a part is gone" for finding in report.findings)
+
+
+def test_answers_of_other_numbers_do_not_come_back(there: Path, tmp_path: Path) -> None:
+    """They would name other parts when the newer mock-up is opened the second time."""
+    path = tmp_path / "revised.feelproj"
+    path.write_bytes(there.read_bytes())
+    fewer = loaded(tmp_path, without_post())
+    for _ in range(2):
+        session = Session(project=open_or_make(path), has_threads=False)
+        session.open(fewer, feeler.Scene(fewer, threads=1), None, name="stand.glb")
+        assert session._saver is not None and session._saver.wait(WAIT_S)
+        assert len(session.current.cards) == 3 and session._cards.ways == {}
+        session.close()
+    report = report_of(source_of(path, fewer), WHEN)
+    assert [len(row.ways) for row in report.questions] == [0, 0, 0]
 
 
 def test_a_report_of_the_document_is_that_of_its_project(there: Path) -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
-from browser import differing, document, keep, opened, picture, program, settled, troubles, wait
+from browser import differing, document, keep, move, opened, picture, program, settled, troubles, wait
 
 DONE = "() => window.feeler.document.cards.length > 0 && window.feeler.document.cards.at(-1).state === 'done'"
 
@@ -15,6 +16,12 @@ def select(page: Any, words: str, row: str) -> None:
     page.keyboard.type(words)
     page.locator("[role=treeitem]", has_text=row).last.click()
     page.locator("#picture").focus()
+
+
+def far(page: Any) -> float:
+    """From the camera to what it looks at, metres."""
+    camera = page.evaluate("() => window.feeler.camera")
+    return math.dist(camera["position"], camera["target"])
 
 
 def test_a_part_is_asked_for_watched_taken_out_and_put_back(context: Any, stand: Path, cube: Path) -> None:
@@ -71,4 +78,57 @@ def test_the_room_that_a_part_needs_is_seen(context: Any, stand: Path) -> None:
         page.locator("#panel li.question button[aria-expanded=true]").click()
         settled(page)
         assert differing(picture(page), before) < 0.005
+        assert troubles(page) == []
+
+
+def test_a_way_guides_the_hand_is_checked_and_shortened(context: Any, stand: Path) -> None:
+    with program(stand) as started:
+        page = opened(context, started)
+        select(page, "pump", "pump")
+        page.keyboard.press("q")
+        wait(page, DONE)
+        panel = page.locator("#panel")
+        panel.get_by_role("slider").wait_for()
+        # The camera goes back until the whole way is in the picture.
+        page.locator("#picture").focus()
+        page.keyboard.press("f")
+        near = far(page)
+        panel.get_by_role("button", name="Show the whole way").click()
+        assert far(page) > 1.2 * near
+        # The way draws the hand while the hand holds its parts.
+        panel.get_by_role("button", name="Guide my hand").click()
+        wait(page, "() => window.feeler.document.guiding !== null")
+        assert len(document(page)["gripped"]) == 1
+        settled(page)
+        assert panel.get_by_role("button", name="Stop guiding").is_visible()
+        keep(page.screenshot(), "guide.png")
+        page.locator("#picture").focus()
+        page.keyboard.press("Escape")
+        wait(page, "() => window.feeler.document.guiding === null")
+        assert len(document(page)["gripped"]) == 1, "the parts stay in the hand"
+        # Up, aside and back: the way of the hand is longer than it need be.
+        x, y, z = (page.evaluate("() => window.feeler.pose")[k] for k in (3, 7, 11))
+        for shift in ((0.0, 0.0, 0.5), (0.5, 0.0, 0.5), (0.0, 0.0, 0.5), (0.0, 0.0, 0.8)):
+            move(page, x + shift[0], y + shift[1], z + shift[2])
+        page.keyboard.press("e")
+        wait(page, "() => window.feeler.document.sequence.length === 1")
+        poses = len(document(page)["sequence"][0]["way"])
+        page.keyboard.press("Alt+5")
+        panel.get_by_role("button", name="Check this way").click()
+        wait(page, DONE)
+        panel.get_by_text("The way holds at and between").wait_for()
+        # The picture has the part where it is, until the film is played; then where it was.
+        panel.get_by_role("slider").wait_for()
+        settled(page)
+        out = picture(page)
+        panel.get_by_role("slider").fill("1")
+        settled(page)
+        assert differing(picture(page), out) > 0.01
+        panel.get_by_role("button", name="Does the way of pump hold?", exact=True).click()
+        settled(page)
+        assert differing(picture(page), out) < 0.01
+        panel.get_by_role("button", name="Shorten it").click()
+        panel.get_by_role("button", name="Use it").click()
+        wait(page, "most => window.feeler.document.sequence[0].way.length < most", poses)
+        keep(page.screenshot(), "line.png")
         assert troubles(page) == []

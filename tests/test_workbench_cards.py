@@ -117,6 +117,29 @@ def test_what_has_to_go_first_and_its_steps() -> None:
     assert card.sentence == f"block comes out after {bench.mockup.part_names[first]} goes: 2 steps."
 
 
+def test_an_order_that_is_not_found_names_what_is_in_the_way() -> None:
+    # A block in a case with a window that is too small for it.
+    block = ((0.02, 0.02, 0.02), (0.08, 0.08, 0.08))
+    walls = [
+        ((0.0, 0.0, 0.0), (0.1, 0.1, 0.01)),
+        ((0.0, 0.0, 0.09), (0.1, 0.1, 0.1)),
+        ((0.0, 0.0, 0.01), (0.01, 0.1, 0.09)),
+        ((0.09, 0.0, 0.01), (0.1, 0.1, 0.09)),
+        ((0.01, 0.09, 0.01), (0.09, 0.1, 0.09)),
+        ((0.01, 0.0, 0.01), (0.09, 0.01, 0.07)),
+    ]
+    mockup = feeler.Mockup(
+        np.concatenate([corners(*side) for side in (block, *walls)]),
+        np.concatenate([BOX_FACES + 8 * i for i in range(7)]),
+        np.repeat([0, 1, 1, 1, 1, 1, 1], 12),
+        ["block", "case"],
+    )
+    bench = Bench(mockup=mockup)
+    card, answer = asked(bench, "order", parts="block", seconds=1.0)
+    assert card.is_good is False and card.sentence == "No order was found in 1 s; stopped by case."
+    assert [each["part"] for each in answer["blockers"]] == [1] and answer["ways"] == []
+
+
 def test_the_room_of_a_way_holds_the_parts_on_it() -> None:
     bench = Bench(mockup=chest())
     card, answer = asked(bench, "swept", parts="lid")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import pickle
 from collections.abc import Callable
@@ -54,6 +55,33 @@ def test_isolate_again_is_the_state_before(bench: Bench) -> None:
     assert not bench.document["isolated"] and bench.document["hidden"] == [PEG]
 
 
+def test_a_section_box_cuts_picks_and_outlines_and_a_viewpoint_keeps_it(bench: Bench) -> None:
+    ray = {"origin": [0.0, 0.0, 0.25], "direction": [0.0, 0.0, -1.0]}
+    top = bench.session.ask("ray", ray)
+    outlines = bench.session.job("outline", {}).result(60)
+    lower, upper = [-0.25, -0.25, -0.5], [3.0, 3.0, -0.03125]
+    bench.command("section_box", lower=lower, upper=upper)
+    assert bench.document["section_box"] == {"lower": lower, "upper": upper, "is_on": True}
+    cut = bench.session.ask("ray", ray)
+    assert top["point"][2] == 0.0 and cut["point"][2] == -0.03125, "the fill is met where the box begins"
+    assert cut["triangle"] == -1 and cut["part"] == PLATE
+    assert bench.session.ask("ray", {**ray, "origin": [-0.4, 0.0, 0.25]}) is None, "the plate is cut away there"
+    found = bench.session.job("outline", {}).result(60)
+    ends = np.frombuffer(base64.b64decode(found["segments"]), dtype="<f4").reshape(-1, 3)
+    assert outlines["count"] == 0 and found["count"] > 0
+    assert ends.min(axis=0) == pytest.approx([-0.25, -0.25, -0.0625]), "outlines end at the other faces"
+    camera = {"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5}
+    number = bench.command("viewpoint_add", camera=camera)["id"]
+    bench.command("section_box_switch", is_on=False)
+    assert bench.session.ask("ray", ray) == top
+    bench.command("section_box_remove")
+    bench.command("section_add", normal=[1, 0, 0], offset=0.0)
+    bench.command("viewpoint_show", id=number)
+    assert bench.document["sections"] == [] and bench.document["section_box"]["upper"] == upper
+    bench.command("undo")
+    assert len(bench.document["sections"]) == 1 and bench.document["section_box"] is None
+
+
 def test_hidden_parts_still_collide(bench: Bench) -> None:
     bench.command("hide_all")
     bench.drag(at(0, 0, 0), 1.0)
@@ -81,7 +109,8 @@ def test_sections_measures_viewpoints_and_units(bench: Bench) -> None:
     bench.command("measure_remove", id=number)
     camera = {"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5, "is_parallel": True}
     number = bench.command("viewpoint_add", name="front", camera=camera)["id"]
-    assert bench.document["viewpoints"] == [{"id": number, "name": "front", "camera": camera}]
+    kept = {"id": number, "name": "front", "camera": camera, "sections": [], "section_box": None}
+    assert bench.document["viewpoints"] == [kept]
     bench.command("viewpoint_remove", id=number)
     bench.command("set_unit", unit="in")
     bench.command("ghost", parts=[PEG], is_on=True)
@@ -207,6 +236,10 @@ def test_what_the_mockup_is_made_of(bench: Bench) -> None:
         ("set_mode", {"mode": "stopp"}, "do you mean stop"),
         ("section_add", {"normal": [0, 0, 0], "offset": 0}, "no direction"),
         ("section_add", {"normal": [0, 0], "offset": 0}, "not three numbers"),
+        ("section_box", {"lower": [0, 0, 0], "upper": [1, 0, 1]}, "no inside"),
+        ("section_box_switch", {"is_on": True}, "no section box"),
+        ("section_box_remove", {}, "no section box"),
+        ("viewpoint_show", {"id": 99}, "there is no 99"),
         ("section_move", {"id": 99, "normal": [0, 0, 1], "offset": 0}, "there is no 99"),
         ("place", {"pose": [1] * 16}, "not a pose"),
         ("place", {"pose": [0] * 15}, "not a pose"),
@@ -270,9 +303,13 @@ VERSION = findings_of(GIVEN, stand().parts).table.key
 ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "parts": PARTS,
     "is_on": st.booleans(),
+    "is_added": st.booleans(),
+    "line": st.integers(1, 6),
     "share": st.floats(0, 1),
     "normal": st.tuples(*[st.floats(-1, 1)] * 3).map(list),
     "offset": st.floats(-1, 1),
+    "lower": st.tuples(*[st.floats(-1, -0.1)] * 3).map(list),
+    "upper": st.tuples(*[st.floats(0, 1)] * 3).map(list),
     "id": st.integers(1, 6),
     "index": st.integers(0, 2),
     "unit": st.sampled_from(["mm", "cm", "m", "in"]),

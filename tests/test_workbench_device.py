@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from workbench_scene import PLATE, Bench, at, cube
 
-from feeler.errors import SessionError
+from feeler.errors import OptionError, PoseError, SessionError
 from feeler.haptics import View, devices
 from feeler.workbench.engine.device import DeviceHand
 
@@ -63,3 +63,33 @@ def test_a_device_feels_what_the_page_shows(bench: Bench) -> None:
         hand.close()
     assert hand.haptics is None
     hand.close()
+
+
+def test_a_way_draws_the_device_and_stops_where_it_ends(bench: Bench) -> None:
+    # Nobody holds the handle: what moves it is the guide alone.
+    hand = DeviceHand(bench.session, devices.Simulated("desktop_6dof"))
+    try:
+        until(bench, hand, lambda view: view.number > 10)
+        guide = bench.session.engine
+        bench.command("place", pose=at(0.0, 0.0, 0.1).ravel().tolist())
+        until(bench, hand, lambda view: abs(view.world_from_device[2, 3] - 0.1) < 0.01)
+        bench.clock.now += 60.0  # the script has the tool no more
+        guide.set_guide([at(0.01, -0.05, 0.1), at(0.01, 0.05, 0.1)])
+        # To the way, and along it.
+        felt = until(bench, hand, lambda view: view.force.any())
+        assert np.linalg.norm(felt.force) <= 1.5 + 1e-9
+        felt = until(bench, hand, lambda view: view.world_from_device[1, 3] > 0.03)
+        assert felt.world_from_device[0, 3] == pytest.approx(0.01, abs=4e-3)
+        guide.set_guide(None)
+        until(bench, hand, lambda view: not view.force.any())
+        haptics = hand.haptics
+        assert haptics is not None
+        for pose in (np.full((4, 4), np.nan), 2 * np.eye(4)):
+            with pytest.raises(PoseError):
+                haptics.guide(pose)
+        with pytest.raises(OptionError, match="pull"):
+            haptics.guide(None, (0.0, np.nan, 0.0))
+    finally:
+        hand.close()
+    with pytest.raises(SessionError, match="does not run"):
+        haptics.guide(None)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, Bench, at, cube, stand
+from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, Bench, at, cube, sent, stand
 
 import feeler
 from feeler.errors import WorkbenchError
@@ -265,20 +265,20 @@ def test_a_file_of_any_size_is_opened(tmp_path: Path) -> None:
     many = [{**pair, "id": f"finding {k}", "depth": 0.01 / (k + 1)} for k in range(20_000)]
     data = json.dumps({"version": 1, "clashes": many}).encode()
     assert len(data) > 1_500_000
-    upload = bench.session.upload(BytesIO(data))
-    taken = bench.session.job("findings_file", {"upload": upload, "name": "a.json"}).result(WAIT_S)
+    files = sent(bench.session, data)
+    taken = bench.session.job("findings_file", {"files": files, "name": "a.json"}).result(WAIT_S)
     bench.command("findings_take", key=taken["key"])
     assert len(table_of(bench)) == 20_000 and table_of(bench).ids[0] == "finding 0"
-    with pytest.raises(WorkbenchError, match="there is no file"):
-        bench.session.job("findings_file", {"upload": upload, "name": "a.json"}).result(WAIT_S)
+    with pytest.raises(WorkbenchError, match="there are no files"):
+        bench.session.job("findings_file", {"files": files, "name": "a.json"}).result(WAIT_S)
     for text, words in (
         (b"{", "a.json cannot be read as JSON"),
         (b"\xff\xfe\x00", "not text|JSON"),
         (b"[]", "holds no list"),
     ):
-        upload = bench.session.upload(BytesIO(text))
+        files = sent(bench.session, text)
         with pytest.raises(feeler.errors.LoadError, match=words):
-            bench.session.job("findings_file", {"upload": upload, "name": "a.json"}).result(WAIT_S)
+            bench.session.job("findings_file", {"files": files, "name": "a.json"}).result(WAIT_S)
 
 
 def test_files_of_findings(tmp_path: Path) -> None:

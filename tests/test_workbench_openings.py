@@ -25,7 +25,8 @@ from feeler.workbench.document import protocol
 from feeler.workbench.document.openings import FilePiece, FileToSend, OpenMockup, SendFiles
 from feeler.workbench.net.server import Server
 from feeler.workbench.net.serving import Limits
-from feeler.workbench.session.openings import OpeningLimits, Openings, Wanted
+from feeler.workbench.session.openings import Openings, Wanted
+from feeler.workbench.session.sent_files import FileLimits
 from feeler.workbench.session.session import Session
 
 
@@ -53,7 +54,7 @@ def opener() -> Opened:
 
 @pytest.fixture
 def openings(tmp_path: Path, opened: Opened) -> Iterator[Openings]:
-    made = Openings(OpeningLimits(bytes=1000, files=3), tmp_path)
+    made = Openings(FileLimits(bytes=1000, files=3, job_bytes=10), tmp_path)
     made.offer(opened)
     yield made
     made.close()
@@ -64,7 +65,7 @@ def send(openings: Openings, **files: bytes) -> int:
     """Announces and sends files; `a_stl` is a.stl. Their number."""
     named = {name.replace("_", "."): data for name, data in files.items()}
     listed: list[FileToSend] = [{"name": name, "bytes": len(data)} for name, data in named.items()]
-    number: int = openings.request(SendFiles(1, listed))["files"]
+    number: int = openings.request(SendFiles(1, "open", listed))["files"]
     for at, data in enumerate(named.values()):
         for k in range(0, len(data), 3):
             piece(openings, number, at, data[k : k + 3])
@@ -140,13 +141,13 @@ def test_what_is_refused_before_a_byte_comes(
 ) -> None:
     listed: list[FileToSend] = [{"name": name, "bytes": size} for name, size in files]
     with pytest.raises(WorkbenchError, match=words):
-        openings.request(SendFiles(1, listed))
+        openings.request(SendFiles(1, "open", listed))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_name_is_never_a_path(openings: Openings, opened: Opened, tmp_path: Path) -> None:
     for name in ("../../a.stl", "/etc/a.stl", "..\\a.stl", "C:a.stl", "a\0b.stl", "a\nb.stl", "~/a.stl"):
-        number = openings.request(SendFiles(1, [{"name": name, "bytes": 0}]))["files"]
+        number = openings.request(SendFiles(1, "open", [{"name": name, "bytes": 0}]))["files"]
         openings.request(OpenMockup(1, number, None, None))
         wait(opened, openings)
         (source,) = opened.wanted[-1].sources or ()
@@ -161,11 +162,11 @@ def test_any_name_stays_in_its_folder(name: str) -> None:
     made = Openings()
     made.offer(lambda wanted: True)
     try:
-        number = made.request(SendFiles(1, [{"name": name + ".stl", "bytes": 0}]))["files"]
+        number = made.request(SendFiles(1, "open", [{"name": name + ".stl", "bytes": 0}]))["files"]
     except WorkbenchError:
         return
     else:
-        sent = made._sent[number]
+        sent = made.files._sent[number]
         assert [path.parent for path in sent.paths] == [sent.folder]
         assert [path.name for path in sent.folder.iterdir()] == [sent.paths[0].name]
     finally:
@@ -173,7 +174,7 @@ def test_any_name_stays_in_its_folder(name: str) -> None:
 
 
 def test_pieces_that_do_not_belong(openings: Openings, tmp_path: Path) -> None:
-    number = openings.request(SendFiles(1, [{"name": "a.stl", "bytes": 5}]))["files"]
+    number = openings.request(SendFiles(1, "open", [{"name": "a.stl", "bytes": 5}]))["files"]
     for files, file in ((number + 1, 0), (-1, 0), (number, 1), (number, -1)):
         with pytest.raises(WorkbenchError, match=r"there (is|are) no file"):
             piece(openings, files, file, b"abc")
@@ -191,7 +192,7 @@ def test_pieces_that_do_not_belong(openings: Openings, tmp_path: Path) -> None:
 
 def test_sets_that_nobody_opens_do_not_pile_up(openings: Openings, tmp_path: Path) -> None:
     for _ in range(10):
-        openings.request(SendFiles(1, [{"name": "a.stl", "bytes": 5}]))
+        openings.request(SendFiles(1, "open", [{"name": "a.stl", "bytes": 5}]))
     assert folders(tmp_path) == ["10", "7", "8", "9"]
 
 
@@ -217,11 +218,39 @@ def test_without_an_offer_nothing_is_opened() -> None:
     made = Openings()
     assert made.facts() is None
     with pytest.raises(WorkbenchError, match="no other mock-up"):
-        made.request(SendFiles(1, [{"name": "a.stl", "bytes": 5}]))
+        made.request(SendFiles(1, "open", [{"name": "a.stl", "bytes": 5}]))
+    assert made.request(SendFiles(1, "job", [{"name": "a.json", "bytes": 0}])) == {"files": 1}
+    made.close()
     scene = feeler.Scene(feeler.sample("differential", 10_000))
     with Session(has_threads=False) as session:
         session.open(scene.mockup, scene, None)
         assert session.openings.facts() is None, "scripts keep their scene"
+
+
+def test_a_file_for_a_job_comes_the_same_way_and_is_read_once(
+    openings: Openings, opened: Opened, tmp_path: Path
+) -> None:
+    """Of any name and format, and without anything to open."""
+    for size in (11, -1):
+        with pytest.raises(WorkbenchError, match="more than 0 MiB"):
+            openings.request(SendFiles(1, "job", [{"name": "a.json", "bytes": size}]))
+    with pytest.raises(WorkbenchError, match="more than"):
+        openings.request(SendFiles(1, "job", []))
+    number = openings.request(SendFiles(1, "job", [{"name": "../a.json", "bytes": 5}]))["files"]
+    piece(openings, number, 0, b"abc")
+    with pytest.raises(WorkbenchError, match="not all"):
+        openings.files.read(number)
+    number = openings.request(SendFiles(1, "job", [{"name": "../a.json", "bytes": 5}]))["files"]
+    piece(openings, number, 0, b"abcde")
+    assert [path.name for path in tmp_path.glob("*/*/*")] == ["file"] * 2
+    with pytest.raises(WorkbenchError, match="there are no files"):
+        openings.request(OpenMockup(1, number, None, None))
+    assert openings.files.read(number) == b"abcde" and folders(tmp_path) == ["1"]
+    with pytest.raises(WorkbenchError, match="no files"):
+        openings.files.read(number)
+    mesh = send(openings, a_stl=b"solid")
+    with pytest.raises(WorkbenchError, match="no files"):
+        openings.files.read(mesh)
 
 
 # ---- over a socket ----
@@ -238,12 +267,12 @@ def test_only_a_page_with_the_token_sends_files() -> None:
                     assert told in (0, 400, 405), (method, path)
         for hello in (None, "wrong"):
             with Page(server.url, hello=hello) as stranger:
-                stranger.send(SendFiles(1, [{"name": "a.stl", "bytes": 3}]))
+                stranger.send(SendFiles(1, "open", [{"name": "a.stl", "bytes": 3}]))
                 assert stranger.code() == protocol.NOT_ALLOWED
         assert session.openings.came == []
         with Page(server.url) as page:
             page.next(protocol.Welcome)
-            page.send(SendFiles(1, [{"name": "a.stl", "bytes": 3}]))
+            page.send(SendFiles(1, "open", [{"name": "a.stl", "bytes": 3}]))
             assert page.next(protocol.Answer).id == 1
             page.send(FilePiece(2, 1, 0, np.frombuffer(b"abc", np.uint8)))
             assert page.next(protocol.Answer).id == 2
@@ -279,7 +308,7 @@ def loaded(session: Session, openings: Openings, files: dict[str, bytes], unit: 
     number = None
     if files:
         listed: list[FileToSend] = [{"name": name, "bytes": len(data)} for name, data in files.items()]
-        number = openings.request(SendFiles(1, listed))["files"]
+        number = openings.request(SendFiles(1, "open", listed))["files"]
         for at, data in enumerate(files.values()):
             openings.request(FilePiece(1, number, at, np.frombuffer(data, np.uint8)))
     openings.request(OpenMockup(1, number, None, unit))

@@ -65,8 +65,9 @@ def test_a_cut_is_dragged_by_its_arrow_and_then_outlined(context: Any, stand: Pa
         page = opened(context, started)
         press(page, CORNER)
         page.keyboard.press("Alt+3")
-        page.get_by_role("button", name="Across X").click()
-        wait(page, "() => window.feeler.document.sections.length === 1")
+        for _ in range(2):
+            page.get_by_role("button", name="Across X").click()
+            wait(page, "() => window.feeler.document.sections.length === 1")
         wait(page, "() => document.querySelectorAll('.cut-arrow').length === 1")
         whole = picture(page)
         x, y = arrow(page)
@@ -95,6 +96,61 @@ def test_a_cut_is_dragged_by_its_arrow_and_then_outlined(context: Any, stand: Pa
         while differing(picture(page), dragged) < 0.0008:
             assert time.monotonic() < deadline, "no outline came"
         keep(page.screenshot(), "cut_outlined.png")
+        assert troubles(page) == []
+
+
+def test_a_section_box_is_made_by_a_key_and_dragged_and_a_face_is_cut_along(
+    context: Any, stand: Path, cube: Path
+) -> None:
+    with program(stand, "--tool", cube) as started:
+        page = opened(context, started)
+        press(page, CORNER)
+        whole = picture(page)
+        page.mouse.click(*pixel(page, (0.0, -0.04, 0.05)))
+        page.locator("[role=treeitem][aria-selected=true]", has_text="pump").wait_for()
+        press(page, "b")
+        wait(page, "() => window.feeler.document.section_box?.is_on")
+        wait(page, "() => document.querySelectorAll('.cut-arrow').length === 6")
+        settled(page)
+        keep(page.screenshot(), "section_box.png")
+        boxed = picture(page)
+        assert differing(boxed, whole) > 0.01, "what is beside the pump is cut away"
+        before = document(page)["section_box"]
+        # The upper face, down into the pump: what it cuts is filled.
+        top = page.locator(".cut-arrow[data-cut='-6']").bounding_box()
+        x, y = top["x"] + 0.5 * top["width"], top["y"] + 0.5 * top["height"]
+        page.mouse.move(x, y)
+        page.mouse.down()
+        for step in range(1, 16):
+            page.mouse.move(x, y + 2 * step)
+        assert document(page)["section_box"] == before, "the picture follows before the server knows"
+        page.mouse.up()
+        wait(page, "top => window.feeler.document.section_box.upper[2] < top - 0.005", before["upper"][2])
+        after = document(page)["section_box"]
+        assert after["lower"] == before["lower"] and after["upper"][:2] == before["upper"][:2]
+        keep(page.screenshot(), "section_box_dragged.png")
+        # Typed in the panel, switched off by the key, and undone.
+        page.get_by_label("X to").fill("20")
+        press(page, "Enter")
+        wait(page, "() => Math.abs(window.feeler.document.section_box.upper[0] - 0.02) < 1e-9")
+        page.locator("#picture").focus()
+        press(page, "b")
+        wait(page, "() => window.feeler.document.section_box.is_on === false")
+        press(page, "Control+z", "Control+z", "Control+z")
+        wait(page, "box => JSON.stringify(window.feeler.document.section_box) === JSON.stringify(box)", before)
+        press(page, "Control+z")
+        wait(page, "() => window.feeler.document.section_box === null")
+        # A face: the next click cuts along its plane.
+        press(page, FRONT)
+        settled(page)
+        page.get_by_role("button", name="Along a face").click()
+        page.get_by_text("Click a face in the picture").wait_for()
+        page.mouse.click(*pixel(page, (0.03, 0.0, 0.05)))
+        wait(page, "() => window.feeler.document.sections.length === 1")
+        section = document(page)["sections"][0]
+        assert section["normal"] == pytest.approx([0, 1, 0]) and section["offset"] == pytest.approx(-0.04)
+        settled(page)
+        keep(page.screenshot(), "cut_along_a_face.png")
         assert troubles(page) == []
 
 
@@ -423,6 +479,23 @@ def test_a_record_is_replayed_in_the_page(context: Any, stand: Path, cube: Path,
         height = page.evaluate("() => [document.scrollingElement.scrollHeight, innerHeight]")
         assert height[0] == height[1], "the page does not scroll as a whole"
         assert page.evaluate("() => window.feeler.pose[11]") == pytest.approx(0.3)
+        # The timeline: back to the moment of the grip, forward by entries, by a click on the tightest place, and on.
+        bar = page.get_by_role("region", name="Record")
+        bar.get_by_text("2 entries").click()
+        bar.get_by_role("button", name="Grip left").click()
+        wait(page, "() => window.feeler.document.gripped.length === 1")
+        bar.get_by_role("button", name="Next entry").click()
+        wait(page, "() => window.feeler.document.gripped.length === 0")
+        bar.get_by_role("button", name="Tightest").click()
+        wait(page, "() => window.feeler.pose[11] < 0.2")
+        keep(page.screenshot(), "record_scrubbed.png")
+        slider = bar.get_by_role("slider", name="Place in the record")
+        slider.press("Home")
+        wait(page, "() => window.feeler.document.record.at === 0")
+        bar.get_by_role("combobox", name="Speed").select_option("8")
+        bar.get_by_role("button", name="Play the record").click()
+        wait(page, "() => !window.feeler.document.record.is_playing && window.feeler.document.record.at > 1")
+        assert page.evaluate("() => window.feeler.pose[11]") == pytest.approx(0.3)
         # From there on it is a workbench like any other.
         on_pump = PUMP_TOP_M + HALF_TOOL_M
         assert on_pump <= move(page, 0.0, 0.0, 0.05)[2, 3] < on_pump + CAST_M
@@ -437,6 +510,39 @@ def test_a_record_is_replayed_in_the_page(context: Any, stand: Path, cube: Path,
         page = opened(context, started)
         page.get_by_role("button", name="Replay", exact=True).click()
         page.get_by_text(f"It parts at entry {hit}: the hand comes elsewhere").wait_for()
+
+
+def test_the_sequence_is_a_film(context: Any, stand: Path) -> None:
+    with program(stand) as started:
+        page = opened(context, started)
+        for part, x in (("stand/pump", 0.0), ("stand/posts/left", -0.3)):
+            page.evaluate("part => window.feeler.grip(part)", part)
+            start = page.evaluate("() => window.feeler.pose")
+            start[3] += x
+            start[11] += 0.4
+            page.evaluate("pose => window.feeler.moveTo(pose)", start)
+            page.evaluate("() => window.feeler.release()")
+        press(page, "Alt+5")
+        page.get_by_role("button", name="Show as a film").click()
+        film = page.get_by_role("article", name="Film of the sequence")
+        film.get_by_text("0:00.0 of").wait_for()
+        settled(page)
+        start = picture(page)
+        keep(page.screenshot(), "film_of_the_sequence.png")
+        film.get_by_role("button", name="Next entry").click()
+        film.get_by_role("slider").press("ArrowRight")
+        settled(page)
+        assert differing(picture(page), start) > 0.01, "the pump is out"
+        film.get_by_role("combobox", name="Speed").select_option("8")
+        film.get_by_role("button", name="Play the sequence").click()
+        film.get_by_role("button", name="Play the sequence").wait_for()
+        settled(page)
+        end = picture(page)
+        film.get_by_role("button", name="End the film").click()
+        settled(page)
+        assert differing(picture(page), end) < 0.01, "the film ends where the parts lie"
+        assert document(page)["moved"]["3"][11] == pytest.approx(0.4)
+        assert troubles(page) == []
 
 
 def test_the_keyboard_alone_takes_a_part_out(context: Any, stand: Path) -> None:

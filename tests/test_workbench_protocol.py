@@ -91,7 +91,6 @@ MESSAGES = {
     "pose": protocol.Wish(seq=41, time_ms=1234.5, source="spacemouse", pose=turned()),
     "file_piece": openings.FilePiece(id=7, files=1, file=0, data=np.frombuffer(b"solid", np.uint8)),
     "state": state(),
-    "upload": protocol.Upload(id=7, more=True, data=np.arange(5, dtype=np.uint8)),
     "state_free": state(**NOTHING, is_free=True, blocked=False, mode="glide"),
 }
 DOCUMENT: protocol.DocumentFields = {
@@ -111,12 +110,14 @@ DOCUMENT: protocol.DocumentFields = {
     "explode": 0.5,
     "isolated": False,
     "sections": [{"id": 1, "normal": (0, 0, 1), "offset": 0.25, "is_on": True}],
+    "section_box": {"lower": (0, 0, 0), "upper": (0.1, 0.2, 0.3), "is_on": True},
     "pose": turned().ravel().tolist(),
     "gripped": [],
     "moved": {"1": np.eye(4).ravel().tolist()},
     "out": [],
     "sequence": [],
     "replaying": None,
+    "guiding": None,
     "measures": [],
     "viewpoints": [],
     "findings": None,
@@ -131,7 +132,7 @@ DOCUMENT: protocol.DocumentFields = {
                 "title": "Can pump come out?",
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
-            **{"is_good": None, "is_stale": False},
+            **{"is_good": None, "is_stale": False, "line": None},
         }
     ],
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},
@@ -182,7 +183,7 @@ TEXT_FROM_PAGE = [
     protocol.Cancel(3),
     protocol.Shot(4, "view", "aGVsbG8=", False),
     protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
-    openings.SendFiles(6, [{"name": "a <b>.stl", "bytes": 84}]),
+    openings.SendFiles(6, "open", [{"name": "a <b>.stl", "bytes": 84}]),
     openings.OpenMockup(8, 1, None, "mm"),
     protocol.Named("Ann <b>"),
     protocol.Here((0.5, 0.0, 1.0), [4], CAMERA, True),
@@ -206,7 +207,7 @@ def same(one: Any, other: Any) -> bool:
 def test_binary_messages_are_as_the_golden_files(name: str) -> None:
     frame = (GOLDEN / f"{name}.bin").read_bytes()
     assert encode(MESSAGES[name]) == frame
-    is_of_page = name in ("pose", "file_piece", "upload")
+    is_of_page = name in ("pose", "file_piece")
     assert same(decode_from_page(frame) if is_of_page else decode_from_server(frame), MESSAGES[name])
 
 
@@ -230,7 +231,7 @@ def test_text_from_the_page_comes_back(message: Any) -> None:
 
 
 def test_every_message_is_tried_here() -> None:
-    binary = [MESSAGES[name] for name in ("pose", "file_piece", "upload")]
+    binary = [MESSAGES[name] for name in ("pose", "file_piece")]
     assert {type(each) for each in [*TEXT_FROM_PAGE, *binary]} == {*protocol.FROM_PAGE}
     assert {type(each) for each in [*TEXT_FROM_SERVER, MESSAGES["state"]]} == {*protocol.FROM_SERVER}
 

@@ -13,10 +13,11 @@ from workbench_scene import LEFT, PEG, PLATE, RIGHT, Bench, at, cube, stand
 import feeler
 from feeler.errors import LoadError, MissingFileError, WorkbenchError
 from feeler.io import write_glb, write_stl
-from feeler.workbench.session import replaying
+from feeler.workbench.session import player
 from feeler.workbench.session.jobs import JobCancelledError
-from feeler.workbench.session.record import read_record
-from feeler.workbench.session.replaying import Player, replay
+from feeler.workbench.session.player import Player
+from feeler.workbench.session.record import document_digest, read_record
+from feeler.workbench.session.replaying import Replay, replay
 from feeler.workbench.session.session import Session
 
 
@@ -197,8 +198,8 @@ def test_a_disk_that_is_full_does_not_stop_the_session(tmp_path: Path) -> None:
 def test_pages_are_shown_a_replay_and_cannot_disturb_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.jsonl"
     bench = session_of(path)
-    monkeypatch.setattr(replaying, "_LONGEST_REST_S", 0.0)
-    monkeypatch.setattr(replaying, "_TOLD_S", 0.0)
+    monkeypatch.setattr(player, "LONGEST_REST_S", 0.0)
+    monkeypatch.setattr(player, "TOLD_S", 0.0)
     with Session() as session:
         Player(read_record(path), session, bench.mockup, bench.scene, cube(), name="stand")
         assert session.document()["record"]["name"] == "a.jsonl" and session.document()["record"]["verdict"] is None
@@ -225,7 +226,8 @@ def test_pages_are_shown_a_replay_and_cannot_disturb_it(tmp_path: Path, monkeypa
         for _ in range(2):
             told = session.job("replay", {}, disturb).result(60)
             assert told["is_same"] and "to the last triangle" in told["verdict"]
-            assert session.document()["record"] == {"name": "a.jsonl", "is_playing": False, **told}
+            record = session.document()["record"]
+            assert record == {"name": "a.jsonl", "is_playing": False, "at": 0.0, "has_gaps": False, **told}
             assert session.document()["sequence"] == bench.document["sequence"]
         assert refused and len(set(seen)) > 100, "each round is shown"
         monkeypatch.setattr(session.engine, "_round", rounds)
@@ -235,12 +237,58 @@ def test_pages_are_shown_a_replay_and_cannot_disturb_it(tmp_path: Path, monkeypa
         session.engine.tick()
 
 
+@pytest.mark.parametrize("mode", ["stop", "glide", "pass"])
+def test_every_moment_of_a_record_is_shown_from_both_sides(tmp_path: Path, mode: str) -> None:
+    path = tmp_path / "a.jsonl"
+    bench = session_of(path, mode)
+    record = read_record(path)
+    # What the session was after each entry, by a replay that nobody disturbs.
+    truth: list[tuple[str, list[float]]] = []
+    with Session(has_threads=False, clock=lambda: 0.0) as plain:
+        gone = Replay(record, plain)
+        gone.open(bench.mockup, bench.scene, cube())
+        for number, _ in gone.steps():
+            if number > 1:
+                truth.append(state(plain))
+        truth.append(state(plain))
+    with Session() as session:
+        shown = Player(record, session, bench.mockup, bench.scene, cube())
+        timeline = session.ask("record", {})
+        assert timeline["gaps"] == [] and timeline["seconds"] == shown.seconds > 4.0
+        assert [step["title"] for step in timeline["steps"]][:3] == ["Hide left", "Hide pig (refused)", "Grip peg"]
+        entries = [*range(0, len(truth), 17), *range(len(truth) - 1, 0, -23), 0, len(truth) - 1]
+        for number in entries:
+            at = shown._ats[number + 1]
+            last = max(k for k, each in enumerate(shown._ats) if each <= at + 1e-9)
+            session.job("replay_to", {"at": at}).result(60)
+            assert state(session) == truth[last - 1], f"{mode}: entry {last}"
+            parts = session.snapshot().hits.parts.tolist()
+            if record.entries[last - 1]["kind"] == "tick":
+                assert parts == record.entries[last - 1]["parts"]
+            assert session.document()["record"]["at"] == pytest.approx(at)
+        assert session.document()["record"]["is_same"]
+        gaps = session.ask("record", {})["gaps"]
+        assert 50 < len(gaps) <= 202 and [gap["share"] for gap in gaps] == sorted(gap["share"] for gap in gaps)
+        assert min(gap["gap"] for gap in gaps if gap["gap"] is not None) < 1e-5, "it touched the plate"
+        # The start, before all entries; from there it plays on to the same end.
+        session.job("replay_to", {"at": 0.0}).result(60)
+        assert session.job("replay", {"start": 0.0, "speed": 20.0}).result(60)["is_same"]
+        assert state(session) == truth[-1]
+        with pytest.raises(WorkbenchError, match="from 0"):
+            session.job("replay", {"speed": 0.0}).result(60)
+
+
+def state(session: Session) -> tuple[str, list[float]]:
+    """The document, and where the hand is."""
+    return document_digest(session.current), session.engine.pose.ravel().tolist()
+
+
 def test_a_replay_in_pages_tells_where_it_parts_and_can_be_given_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "a.jsonl"
     bench = session_of(path)
-    monkeypatch.setattr(replaying, "_LONGEST_REST_S", 0.0)
+    monkeypatch.setattr(player, "LONGEST_REST_S", 0.0)
     lines = path.read_text().splitlines()
     hit = next(i for i, line in enumerate(lines) if json.loads(line).get("came"))
     entry = json.loads(lines[hit])
@@ -257,10 +305,8 @@ def test_a_replay_in_pages_tells_where_it_parts_and_can_be_given_up(
 
         with pytest.raises(JobCancelledError):
             session.job("replay", {}, give_up).result(60)
-        assert session.document()["record"] == {
-            **{"name": "a.jsonl", "is_playing": False},
-            **{"is_same": None, "verdict": None},
-        }
+        record = session.document()["record"]
+        assert (record["is_playing"], record["is_same"], record["verdict"]) == (False, None, None)
     with Session() as session:
         with pytest.raises(LoadError, match="another tool"):
             Player(read_record(path), session, bench.mockup, bench.scene, None)

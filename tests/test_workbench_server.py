@@ -448,55 +448,16 @@ def test_a_picture_comes_as_png_in_any_number_of_pieces(session: FakeSession) ->
         assert "more than 200 bytes" in page.next(protocol.Refusal).error["what"]
 
 
-def pieces_of(data: bytes, number: int = 1, size: int = 100) -> list[protocol.Upload]:
-    array = np.frombuffer(data, np.uint8)
-    starts = range(0, max(1, len(data)), size)
-    return [protocol.Upload(number, at + size < len(data), array[at : at + size]) for at in starts]
-
-
-def test_a_file_comes_in_pieces_each_answered(server: Server, session: FakeSession) -> None:
-    data = bytes(range(256)) * 2
-    with Page(server.url) as page:
-        for number, content in enumerate((data, b"")):
-            pieces = pieces_of(content, number)
-            for piece in pieces:
-                page.send(piece)
-            answers = [page.next(protocol.Answer) for _ in pieces]
-            assert [answer.id for answer in answers] == [number] * len(pieces)
-            assert answers[-1].result == {"upload": f"upload-{number + 1}"}
-            assert [answer.result["bytes"] for answer in answers[:-1]] == list(range(100, len(content), 100))
-    assert session.uploads == [data, b""]
-
-
-def test_a_file_that_is_too_large_is_refused_and_its_room_is_free_again(session: FakeSession) -> None:
-    limits = Limits(upload_bytes=250, uploads=2)
-    with Server(session, files=FILES, limits=limits) as server, Page(server.url) as page:
-        page.next(protocol.Welcome)
-        for piece in pieces_of(bytes(300)):
-            page.send(piece)
-        page.next(protocol.Answer)
-        page.next(protocol.Answer)
-        assert "the file has more than" in page.next(protocol.Refusal).error["what"]
-        # Two are on their way, a third one has to wait; one that is given up makes room.
-        for number in (1, 2, 3):
-            page.send(pieces_of(bytes(200), number)[0])
-        assert "2 files are on their way" in page.next(protocol.Refusal).error["what"]
-        page.send(protocol.Cancel(1))
-        page.send(pieces_of(bytes(50), 4)[0])
-        assert page.next(protocol.Answer).result == {"upload": "upload-1"}
-    assert session.uploads == [bytes(50)]
-
-
 def test_a_piece_is_no_larger_than_the_protocol_says(server: Server, session: FakeSession) -> None:
     with Page(server.url) as page:
         page.next(protocol.Welcome)
         header = json.dumps(
-            {"kind": "upload", "id": 1, "more": False, "arrays": {"data": ["u1", [524_289], 0]}}
+            {"kind": "file_piece", "id": 1, "files": 1, "file": 0, "arrays": {"data": ["u1", [524_289], 0]}}
         ).encode()
         header += b" " * (-len(header) % 8)
         page.raw(struct.pack("<II", 1, len(header)) + header + bytes(524_296))
         assert "524288" in page.next(protocol.Refusal).error["what"].replace(",", "")
-    assert session.uploads == []
+    assert session.openings.came == []
 
 
 def test_events_go_to_all_pages_in_order(server: Server, session: FakeSession) -> None:

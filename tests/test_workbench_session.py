@@ -323,6 +323,7 @@ def test_the_sequence_as_csv_html_and_film() -> None:
     assert stages
     rows = list(csv.reader(io.StringIO(bench.session.export("sequence.csv").decode("utf-8-sig"))))
     assert rows[0][3] == "way (mm)" and rows[1][1] == "'=pull <b>", "no formula for a spreadsheet"
+    assert rows[0][-1] == "end" and rows[1][-1] == "not out"
     assert rows[1][2] == "stand/peg" and float(rows[1][3]) == pytest.approx(500, rel=1e-3)
     page = bench.session.export("sequence.html").decode()
     assert "=pull &lt;b&gt;" in page and "<b>" not in page

@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import IO, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -76,7 +76,6 @@ class FakeSession:
         self.shots: queue.Queue[tuple[int, bytes]] = queue.Queue()
         self.figures: queue.Queue[tuple[int, dict[str, Any]]] = queue.Queue()
         self.gone = threading.Event()
-        self.uploads: list[bytes] = []
         self.go_on = threading.Event()
         self.began = threading.Event()
         self.jobs: list[Future[Any]] = []
@@ -198,12 +197,6 @@ class FakeSession:
         if version != "00ff":
             raise WorkbenchError("the findings are others now", "findings")
         return b"rows"
-
-    def upload(self, file: IO[bytes]) -> str:
-        file.seek(0)
-        self.uploads.append(file.read())
-        file.close()
-        return f"upload-{len(self.uploads)}"
 
     def export(self, name: str) -> bytes:
         if name != "a.csv":

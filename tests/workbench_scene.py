@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import feeler
+from feeler.workbench.document.openings import FilePiece, SendFiles
 from feeler.workbench.session.session import Session
 
 QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
@@ -119,3 +120,10 @@ class Bench:
 
     def of_type(self, kind: str) -> list[dict]:
         return [event for event in self.events if event["type"] == kind]
+
+
+def sent(session: Session, data: bytes) -> int:
+    """Sends a file for a job, as a page does; the number of the set."""
+    number: int = session.openings.request(SendFiles(1, "job", [{"name": "a", "bytes": len(data)}]))["files"]
+    session.openings.request(FilePiece(2, number, 0, np.frombuffer(data, np.uint8)))
+    return number

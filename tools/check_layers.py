@@ -172,6 +172,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "velocity": HAPTICS_BASE,
         # All of them, once a tick.
         "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity", "shading"},
+        # Beside the force of contact, within its bounds.
+        "guide": {*HAPTICS_BASE, "saturation", "coupling", "force"},
         "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set", "shading"},
         "session": {
             *HAPTICS_BASE,
@@ -182,7 +184,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "statistics": HAPTICS_BASE,
         "runner": {
             *HAPTICS_BASE,
-            *("device", "coupling", "stability", "force", "servo", "constraint_set", "session", "clock", "statistics"),
+            *("device", "coupling", "stability", "force", "guide", "servo", "constraint_set", "session", "clock"),
+            "statistics",
         },
         # What tests, examples and measurements of the other crates ask of the engine; hidden from users.
         "internals": {"constraint_set", "device", "force", "proxy", "servo", "shading", "velocity"},

@@ -42,7 +42,10 @@ SHARES = {
         *("document/protocol_values", "document/protocol_people"),
         *("document/protocol_findings", "document/answers"),
     ),
-    "document/commands": ("document/finding_commands", "document/requirement_commands", "document/cards"),
+    "document/commands": tuple(
+        f"document/{name}"
+        for name in ("finding_commands", "requirement_commands", "cards", "line_cards", "guide_commands")
+    ),
     "session/asking": ("session/finding_jobs", "session/report_jobs", "session/requirement_jobs"),
 }
 """Modules that hold a part of another one's messages or tables."""

@@ -785,6 +785,8 @@ class HapticsRun:
         """The run up to now; after its end, all of it."""
     def view(self) -> TickAnswer:
         """The newest tick."""
+    def guide(self, place: PoseLike | None, pull: Sequence[float]) -> None:
+        """Draws the tool to a pose, with a pull besides; None: nothing draws it."""
     def trace(self) -> TraceAnswer:
         """Every tick since the last call, the newest 4 s at most."""
     def granted(self) -> GrantedAnswer:

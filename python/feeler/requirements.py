@@ -13,11 +13,9 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 from feeler.arguments import (
     check_kind,
@@ -31,16 +29,11 @@ from feeler.arguments import (
     shown,
 )
 from feeler.clashes import Clash, Rule, Rules, Verdict, clash
-from feeler.errors import LoadError, MeshError, MissingFileError, OptionError
-from feeler.io.text import text_of
+from feeler.errors import LoadError, MeshError, OptionError
+from feeler.io.toml import toml_of
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.scene import Scene
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 VERSION = 1
 Words = tuple[str, ...]
@@ -118,7 +111,7 @@ def read_requirements(path: str | os.PathLike[str]) -> tuple[Requirement, ...]:
     """The requirements of a TOML file. Raises `MissingFileError`, and `LoadError` if the file is invalid."""
     file = check_path("path", path)
     try:
-        return _parsed(_toml(file), str(file))
+        return _parsed(toml_of(file, "docs/requirements.md has the form"), str(file))
     except OptionError as error:
         raise LoadError(str(error)) from None
 
@@ -206,15 +199,6 @@ def _requirements(given: RequirementsLike) -> tuple[Requirement, ...]:
     found = tuple(check_kind("requirements", each, Requirement, wanted) for each in every)
     _check_names(found, "requirements")
     return found
-
-
-def _toml(file: Path) -> Mapping[str, Any]:
-    try:
-        return cast("Mapping[str, Any]", tomllib.loads(text_of(file)))
-    except FileNotFoundError:
-        raise MissingFileError(f"{file} does not exist: docs/requirements.md has the form") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise LoadError(f"{file} is not valid TOML: {error}") from None
 
 
 def _parsed(data: Mapping[str, object], where: str) -> tuple[Requirement, ...]:

@@ -1,11 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cutCenter, hitCut, layCuts } from "../src/input/cuts";
+import { cutCenter, faceOf, hitCut, layCuts } from "../src/input/cuts";
 import type { GizmoView } from "../src/input/gizmo";
 import type { Document, SequenceLine } from "../src/link/protocol";
 import { translation } from "../src/math/matrix";
 import type { Box, Vec3 } from "../src/math/vectors";
 import { poseAt, replayed, secondsOf, startsOf } from "../src/model/offline-replay";
+import { boxPlanes, boxRound, withFace } from "../src/model/sections";
 
 const BOX: Box = { lower: [0, 0, 0], upper: [2, 2, 2] };
 /** Looks along +y from far away: a metre is 100 pixels, z is up. */
@@ -53,6 +54,39 @@ test("the nearest arrow within reach is hit", () => {
   assert.equal(hitCut(handles, { x: 20, y: -105 })?.id, 1);
   assert.equal(hitCut(handles, { x: 102, y: -105 })?.id, 2);
   assert.equal(hitCut(handles, { x: 60, y: -80 }), null);
+});
+
+test("a section box keeps what is inside of its faces, and has an arrow at each", () => {
+  const inside = (p: Vec3): boolean =>
+    boxPlanes(BOX).every(({ normal, offset }) => normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2] >= offset);
+  assert.deepEqual(
+    [inside([1, 1, 1]), inside([2, 0, 2]), inside([1, 1, 2.1]), inside([-0.1, 1, 1])],
+    [true, true, false, false],
+  );
+  const across = { id: 7, normal: [1, 0, 0] as Vec3, offset: 0.5 };
+  const handles = layCuts([across], { lower: [-9, -9, -9], upper: [9, 9, 9] }, VIEW, BOX);
+  assert.deepEqual(
+    handles.map((handle) => [faceOf(handle), handle.center]),
+    [
+      [null, [0.5, 1, 1]],
+      [0, [0, 1, 1]],
+      [1, [1, 0, 1]],
+      [2, [1, 1, 0]],
+      [3, [2, 1, 1]],
+      [4, [1, 2, 1]],
+      [5, [1, 1, 2]],
+    ],
+  );
+});
+
+test("a face of a section box moves alone, and never past the opposite one", () => {
+  assert.deepEqual(withFace(BOX, 3, 5), { lower: [0, 0, 0], upper: [5, 2, 2] });
+  assert.deepEqual(withFace(BOX, 1, -1), { lower: [0, -1, 0], upper: [2, 2, 2] });
+  const thin = withFace(BOX, 2, 9);
+  assert.ok(thin.lower[2] < 2 && thin.lower[2] > 1.99);
+  assert.equal(boxRound({ lower: [1, 1, 1], upper: [0, 0, 0] }), null);
+  const flat = boxRound({ lower: [0, 0, 1], upper: [3, 4, 1] });
+  assert.deepEqual(flat, { lower: [-0.1, -0.1, 0.9], upper: [3.1, 4.1, 1.1] });
 });
 
 const line = (id: number, parts: number[], ...xs: number[]): SequenceLine => ({

@@ -2,8 +2,20 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Pose } from "../src/math/matrix";
 import { multiply, rotation, translation } from "../src/math/matrix";
+import { formatTime } from "../src/math/units";
 import type { Vec3 } from "../src/math/vectors";
-import { advanced, gapAt, motionAt, placesAt, secondsOf, sharesOf, tightest } from "../src/model/film";
+import {
+  advanced,
+  gapAt,
+  gapsOf,
+  motionAt,
+  placeAt,
+  placesAt,
+  secondsOf,
+  sharesOf,
+  tightest,
+  timeOf,
+} from "../src/model/film";
 
 const HOME: Pose = translation([0, 0, 0]);
 const BOX: Vec3[] = [
@@ -73,4 +85,43 @@ test("gaps: the one looked for nearest to a place, and the tightest", () => {
   assert.equal(gapAt([], 0.4), null);
   assert.equal(tightest(gaps), gaps[2]);
   assert.equal(tightest([gap(0, null)]), null);
+});
+
+test("a moment of a film is a place on one of its ways, and back", () => {
+  const ways = [way([1], [HOME], 0.3), way([2], [HOME], 0.6)];
+  const [first, second] = ways.map(secondsOf) as [number, number];
+  assert.deepEqual(placeAt(ways, 0), { step: 0, share: 0 });
+  assert.deepEqual(placeAt(ways, first), { step: 1, share: 0 });
+  assert.deepEqual(placeAt(ways, first + second / 4), { step: 1, share: 0.25 });
+  assert.deepEqual(placeAt(ways, 99), { step: 1, share: 1 });
+  assert.deepEqual(placeAt([], 1), { step: 0, share: 1 });
+  for (const at of [0.1, first - 0.1, first + 0.2]) assert.ok(Math.abs(timeOf(placeAt(ways, at), ways) - at) < 1e-12);
+  const gap = { share: 0.5, gap: 0.01, part: 3, point: null };
+  const gaps = gapsOf(ways.map((each) => ({ ...each, gaps: [gap] })));
+  assert.deepEqual(
+    gaps.map(({ share }) => Math.round(1e6 * share * (first + second)) / 1e6),
+    [first / 2, first + second / 2],
+  );
+  assert.deepEqual([formatTime(0), formatTime(65.25), formatTime(-1)], ["0:00.0", "1:05.3", "0:00.0"]);
+});
+
+test("lines of a sequence begin where they began, and one part may go twice", () => {
+  const line = (id: number, parts: number[], start: number, ...xs: number[]) => ({
+    ...way(
+      parts,
+      xs.map((x) => translation([x, 0, 0])),
+    ),
+    id,
+    starts: start === 0 ? {} : Object.fromEntries(parts.map((part) => [part, [...translation([start, 0, 0])]])),
+  });
+  const ways = [line(1, [4], 0, 0, 2), line(2, [7], 0, 0, 5), line(3, [4], 2, 0, 1)];
+  const now = { "4": [...translation([3, 0, 0])], "7": [...translation([5, 0, 0])] };
+  const at = (step: number, share: number) => {
+    const places = placesAt({ card: "sequence", step, share, is_playing: false }, ways, now, () => BOX);
+    return [places.get(4)?.[3], places.get(7)?.[3]];
+  };
+  assert.deepEqual(at(0, 0), [0, 0], "the later line waits at home, not where it lies now");
+  assert.deepEqual(at(0, 1), [2, 0]);
+  assert.deepEqual(at(1, 0.5), [2, 2.5]);
+  assert.deepEqual(at(2, 1), [3, 5]);
 });

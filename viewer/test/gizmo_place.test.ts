@@ -112,6 +112,16 @@ test("a tool that reaches behind the eye covers the picture in its direction", (
   assert.ok(area && area.left < 0 && area.bottom > 600 && area.top < 0);
 });
 
+test("beside a tool that is out of the picture, the gizmo is not under what lies over it", () => {
+  const cube = { left: 690, right: 800, top: 0, bottom: 160 };
+  const tool = hull(square(1500, 100, 20));
+  const bare = placeGizmo({ x: 1500, y: 100 }, tool, PICTURE, [], null);
+  assert.deepEqual([1500 + bare.dx, 100 + bare.dy], [800 - GIZMO_RADIUS_PX, 100]);
+  const { dx, dy } = placeGizmo({ x: 1500, y: 100 }, tool, PICTURE, [cube], null);
+  assert.equal(1500 + dx, 800 - GIZMO_RADIUS_PX);
+  assert.ok(100 + dy - GIZMO_RADIUS_PX >= 160 && 100 + dy < 160 + GIZMO_RADIUS_PX + 20);
+});
+
 test("the slices of a box lie along its longest side, and make up all of it", () => {
   const box = corners({ lower: [0, 0, 0], upper: [1, 2, 8] });
   const found = slices(box);

@@ -224,9 +224,9 @@ test("a page too many says so, and tries again when it is asked to", () => {
 test("files go out in pieces, each answered before it counts as sent", async () => {
   const { link, socket, welcome } = setUp();
   welcome();
-  const number = link.sendFiles([{ name: "a.stl", bytes: 3 }]);
+  const number = link.sendFiles("open", [{ name: "a.stl", bytes: 3 }]);
   const asked = socket().last() as { id: number };
-  assert.deepEqual(asked, { kind: "send_files", id: asked.id, files: [{ name: "a.stl", bytes: 3 }] });
+  assert.deepEqual(asked, { kind: "send_files", id: asked.id, purpose: "open", files: [{ name: "a.stl", bytes: 3 }] });
   socket().say({ kind: "reply", id: asked.id, ok: true, result: { files: 7 } });
   assert.equal(await number, 7);
   const sent = link.sendPiece(7, 0, Uint8Array.of(1, 2, 3));

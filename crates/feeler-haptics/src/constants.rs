@@ -331,3 +331,27 @@ pub const SHADING_RAMP: f64 = 1.5;
 /// How much a turned force may have given beside its potential before it is damped, as a share of the force times the height of the
 /// smooth surface over its facets. Larger: closed motions may gain more; smaller: coarse facets are damped.
 pub const SHADING_CREDIT: f64 = 0.2;
+
+/// The most that a guide draws the hand with, newtons. A device of 8 N has four times as much left for contacts. Larger: it is
+/// harder to leave the way.
+pub const GUIDE_FORCE_N: f64 = 1.5;
+
+/// Of its spring: all of its force at 25 mm. It is far below what any device holds stably at a few hundred hertz.
+pub const GUIDE_STIFFNESS_N_PER_M: f64 = 60.0;
+
+/// Of its damper, by a velocity that is the mean of the last [`GUIDE_VELOCITY_S`]. Larger: slower, and rough where the encoders are.
+pub const GUIDE_DAMPING_NS_PER_M: f64 = 1.0;
+
+/// Seconds over which the velocity is a mean. Shorter: encoder steps are felt; longer: the damping comes late.
+pub const GUIDE_VELOCITY_S: f64 = 0.01;
+
+/// Seconds in which it grows to its whole, and goes. Shorter kicks.
+pub const GUIDE_RISE_S: f64 = 0.15;
+
+/// The most that its force changes, newtons a second. Less than the spring needs at its own frequency, and the handle swings about
+/// the place for ever: a bound on the rate comes late.
+pub const GUIDE_SLEW_N_PER_S: f64 = 200.0;
+
+/// Age (seconds) of what was told last from which on a guide draws no more. Shorter: a hiccup of whoever tells drops it; longer: an
+/// old place pulls on.
+pub const OLDEST_GUIDE_S: f64 = 0.1;

@@ -45,6 +45,7 @@ mod coupling;
 pub mod device;
 mod error;
 mod force;
+mod guide;
 #[doc(hidden)]
 pub mod internals;
 mod passivity;
@@ -64,6 +65,7 @@ pub use coupling::Coupling;
 pub use error::{Error, Result};
 pub use feeler_core::{Twist, Wrench};
 pub use feeler_world::{Plane, PutDown, Release, Seat, SeatKind, World};
+pub use guide::Guide;
 pub use proxy::ProxyOptions;
 pub use runner::{
     AroundWork, CollisionSide, MappingOptions, OnThreadStart, Refused, Runner, RunnerOptions, ServoSide, Sides,

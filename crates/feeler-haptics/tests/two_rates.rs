@@ -11,7 +11,7 @@ use feeler_haptics::device::faulty::{Fault, Faulty};
 use feeler_haptics::device::hand::HandPath;
 use feeler_haptics::device::simulated::SimulatedOptions;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState, Freedoms};
-use feeler_haptics::{Mode, RunnerOptions, Session, SessionOptions, Sides, Twist, View, Wrench};
+use feeler_haptics::{Guide, Mode, RunnerOptions, Session, SessionOptions, Sides, Twist, View, Wrench};
 use feeler_shapes::random::Random;
 
 const TICK: f64 = 1e-3;
@@ -95,6 +95,34 @@ fn at_full_rate_the_block_stays_above_and_the_hand_feels_it() {
     assert!(views[2000..].iter().all(|view| view.held().iter().all(|plane| plane.normal[2] > 0.999)));
     // The hand presses with 400 N/m over some 15 mm.
     assert!(largest(views) > 1.5, "{}", largest(views));
+}
+
+#[test]
+fn a_guide_is_felt_beside_contact_and_no_longer_than_it_is_told() {
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pushing()));
+    drive.run(2500, always, always);
+    let contact = drive.views[2499].wrench.force;
+    assert!(contact[2] > 1.0, "{contact:?}");
+    let [x, y, z] = *drive.views[2499].device.translation();
+    let place = at([x - 0.02, y, z], [0.0; 3]);
+    for _ in 0..400 {
+        drive.sides.watch.guide(Some(Guide { place, pull: [0.0; 3] }));
+        drive.run(1, always, always);
+    }
+    let guided = drive.views[2899].wrench.force;
+    assert!((0.5..1.5).contains(&(contact[0] - guided[0])), "{guided:?} {contact:?}");
+    assert!((guided[2] / contact[2] - 1.0).abs() < 0.2, "{guided:?} {contact:?}");
+    // Told no more, it draws no more, and contact is as it was.
+    let views = drive.run(300, always, always);
+    assert!(views[..90].iter().all(|view| contact[0] - view.wrench.force[0] > 0.4));
+    let last = views[299].wrench.force;
+    assert!((last[0] - contact[0]).abs() < 0.2, "{last:?} {contact:?}");
+    // In doubt there is nothing of it either: the collision side is silent for too long.
+    for _ in 0..700 {
+        drive.sides.watch.guide(Some(Guide { place, pull: [1.0, 0.0, 0.0] }));
+        drive.run(1, always, never);
+    }
+    assert_eq!(drive.views.last().map(|view| (view.mode, view.wrench)), Some((Mode::Doubt, Wrench::ZERO)));
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_devices::machine::{lock_memory, raise_priority, raise_priority_below_servo};
-use feeler_haptics::{Error, MappingOptions, Runner, RunnerOptions, Statistics, Stopped, ThreadKind};
+use feeler_haptics::{Error, Guide, MappingOptions, Runner, RunnerOptions, Statistics, Stopped, ThreadKind};
 use pyo3::prelude::*;
 
 use crate::arguments::PoseArgument;
@@ -161,6 +161,12 @@ impl HapticsRun {
     fn view(&self, py: Python<'_>) -> PyResult<TickAnswer> {
         let view = self.with(py, |runner| *runner.watch().view())?;
         Ok(TickAnswer::new(py, &view))
+    }
+
+    /// Draws the tool to a pose, with a pull besides; None: nothing draws it.
+    fn guide(&self, py: Python<'_>, place: Option<PoseArgument>, pull: [f64; 3]) -> PyResult<()> {
+        let guide = place.map(|place| Guide { place: place.0, pull });
+        self.with(py, |runner| runner.watch().guide(guide))
     }
 
     /// Every tick since the last call, the newest 4 s at most.

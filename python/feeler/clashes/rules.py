@@ -29,10 +29,8 @@ fasteners = true
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any
 
 from feeler.arguments import (
@@ -48,13 +46,8 @@ from feeler.arguments import (
 )
 from feeler.choices import Chord, Severity
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
-from feeler.errors import LoadError, MissingFileError, OptionError
-from feeler.io.text import text_of
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from feeler.errors import LoadError, OptionError
+from feeler.io.toml import parsed_toml, toml_of
 
 VERSION = 1
 
@@ -148,7 +141,7 @@ class Rules:
     def read(cls, path: str | os.PathLike[str]) -> Rules:
         """Reads the rules of a TOML file. Raises `MissingFileError`, and `LoadError` if the file is invalid."""
         file = check_path("path", path)
-        data = _read(file)
+        data = toml_of(file, f"feeler clash --write-rules {file} starts one")
         try:
             return cls(**_parsed(data, str(file)))
         except OptionError as error:
@@ -159,7 +152,7 @@ class Rules:
         """Reads the text of such a file. Raises `LoadError` if it is invalid."""
         check_text("text", text)
         try:
-            return cls(**_parsed(_toml(text, where), where))
+            return cls(**_parsed(parsed_toml(text, where), where))
         except OptionError as error:
             raise LoadError(str(error)) from None
 
@@ -188,23 +181,6 @@ _TABLES = {"rule": Rule, "exclude": Exclusion}
 def is_chord(contact: object) -> bool:
     """Whether a limit is `"chord"`: the chordal errors of both parts."""
     return isinstance(contact, str) and contact == "chord"
-
-
-def _read(file: Path) -> dict[str, Any]:
-    """The contents of a TOML file: see `Rules.read`."""
-    try:
-        text = text_of(file)
-    except FileNotFoundError:
-        raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
-    return _toml(text, str(file))
-
-
-def _toml(text: str, where: str) -> dict[str, Any]:
-    try:
-        data: dict[str, Any] = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise LoadError(f"{where}: not valid TOML: {error}") from None
-    return data
 
 
 def _parsed(data: Mapping[str, Any], where: str = "rules") -> dict[str, Any]:

@@ -16,7 +16,6 @@ from feeler.cli.app import FOUND, INTERRUPTED, command, fail
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
-    Choice,
     ChordTolerance,
     MockupFiles,
     MockupUnit,
@@ -24,8 +23,8 @@ from feeler.cli.inputs import (
     Threads,
     Up,
     Without,
-    read_mockup,
-    warn_of_doubts,
+    indexed,
+    read_checked,
 )
 from feeler.cli.projects import Work, files_of, named_project, open_named, take_mockup, work_of
 from feeler.cli.values import LENGTH, Or, Word
@@ -176,16 +175,12 @@ def clash(
         if given is not None:
             found = found.with_rules(given)
     else:
-        world = read_mockup(mockup, work.unit, work.up, chord_tolerance=chord_tolerance)
-        warn_of_doubts(world)
+        world = read_checked(mockup, work.unit, work.up, chord_tolerance)
         if book is not None:
             take_mockup(book, world, work)
         if before is not None:
             check_previous(world, before)
-        with bar("indexing") as progress:
-            scene = feeler.Scene(world, threads=threads, progress=progress)
-        if without or only:
-            scene = Choice(None, without, only).scene_of(scene)
+        scene = indexed(world, without, only, threads)
         try:
             with bar("looking for clashes") as progress:
                 found = feeler.clash(

@@ -153,6 +153,24 @@ class Choice:
         return chosen
 
 
+def read_checked(
+    mockup: list[str], unit: str | None, up: str | None, chord_tolerance: float | None = None
+) -> feeler.Mockup:
+    """The mock-up of a check. Prints doubts about it to stderr, a line each."""
+    world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
+    warn_of_doubts(world)
+    return world
+
+
+def indexed(
+    world: feeler.Mockup, without: list[str] | None, only: list[str] | None, threads: int | None
+) -> feeler.Scene:
+    """The scene of a check, with the parts that stay."""
+    with bar("indexing") as progress:
+        scene = feeler.Scene(world, threads=threads, progress=progress)
+    return Choice(None, without, only).scene_of(scene) if without or only else scene
+
+
 @contextlib.contextmanager
 def _named(option: str) -> Iterator[None]:
     """Puts the option in front of errors about its parts."""

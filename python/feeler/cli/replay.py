@@ -102,7 +102,7 @@ def _show_page(
 ) -> None:
     from feeler.cli.view import name_of, open_browser, say_where, wait_for_ctrl_c
     from feeler.workbench.net.server import Server
-    from feeler.workbench.session.replaying import Player
+    from feeler.workbench.session.player import Player
     from feeler.workbench.session.session import Session
 
     with contextlib.suppress(KeyboardInterrupt), Session() as session:

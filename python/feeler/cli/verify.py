@@ -12,7 +12,6 @@ from feeler.cli.app import FOUND, command
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
-    Choice,
     ChordTolerance,
     MockupFiles,
     MockupUnit,
@@ -20,8 +19,8 @@ from feeler.cli.inputs import (
     Threads,
     Up,
     Without,
-    read_mockup,
-    warn_of_doubts,
+    indexed,
+    read_checked,
 )
 from feeler.progress import bar
 from feeler.requirements import Verified
@@ -52,12 +51,8 @@ def verify(
     from feeler.cli import outputs
 
     asked = feeler.read_requirements(requirements)
-    world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
-    warn_of_doubts(world)
-    with bar("indexing") as progress:
-        scene = feeler.Scene(world, threads=threads, progress=progress)
-    if without or only:
-        scene = Choice(None, without, only).scene_of(scene)
+    world = read_checked(mockup, unit, up, chord_tolerance)
+    scene = indexed(world, without, only, threads)
     with bar("checking") as progress:
         found = feeler.verify(scene, asked, threads=threads, progress=progress)
     is_violated = not all(found)

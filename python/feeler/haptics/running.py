@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_flag, check_number, check_whole
+from feeler.arguments import check_array, check_flag, check_number, check_whole
 from feeler.choices import ProxyMode
 from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
@@ -194,6 +194,19 @@ class Runs(_core.HapticsSession):
         self._held = tuple(self._gripped)
         self._run = _core.HapticsRun(self, device._device, rate, ratio, pose, is_absolute, clutch, is_realtime)
         self._ended = None
+
+    def guide(self, world_from_tool: PoseLike | None, pull: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Draws the hand softly to a pose while the session runs, such as the nearest place of a way.
+
+        - `world_from_tool`: the place to draw it to, at the tool's centre of area; turns do not count. None: ends it.
+        - `pull`: `(3,)`, newtons, world axes: a pull besides, such as along the way.
+
+        Call it again at least every 0.1 s: without news there is no force, and none in doubt. The force is at most 1.5
+        N, and less where contact needs the device's whole force; contact stays what it is. Raises `PoseError`,
+        `OptionError`, and `SessionError` if the session does not run.
+        """
+        place = None if world_from_tool is None else nearest_rigid(one_pose(world_from_tool), QUERY_DEVIATION)
+        self._running().guide(place, check_array("pull", pull, (3,)).tolist())
 
     @property
     def is_running(self) -> bool:

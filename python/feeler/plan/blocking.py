@@ -18,6 +18,7 @@ from feeler.mockup import Tool
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
+from feeler.progress import Progress
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -78,7 +79,7 @@ class BlockingGraph:
         computed_at_once: Callable[[Sequence[int]], Mapping[int, FirstExits]] | None = None,
     ) -> None:
         self.question, self.clock = question, clock
-        self.joints = Joints(question.scene)
+        self.joints = Joints(question.scene, lambda share, stage: self.clock.look(share, stage))
         self.allowed = frozenset(question.options["ignore"])
         self.overlap = question.options["overlap"]
         self._computed_at_once = computed_at_once
@@ -143,6 +144,14 @@ class BlockingGraph:
         self._exits[node] = [one for one in left if one.motions]
         return known
 
+    def known_blockers(self, node: int) -> dict[int, int]:
+        """The blockers of a part that are known so far, and along how many directions each stands in its way."""
+        found: dict[int, int] = {}
+        for one in self._exits.get(node, []):
+            for other in one.blockers:
+                found[other] = found.get(other, 0) + len(one.motions)
+        return found
+
     def reached(self) -> list[int]:
         """The wanted parts, those that block them, those that block these, and so on, as far as known."""
         found = [TARGET]
@@ -193,6 +202,7 @@ class _Source:
         while self.done < len(self._directions):
             if not graph.clock.goes_on():
                 return None
+            graph.clock.look()
             direction = self._directions[self.done]
             self.done += 1
             least = set(map(node_of, self._mover.opposed(direction)))
@@ -264,6 +274,7 @@ class _Mover:
         passed = {*found, *self.seats, *self.passed}
         pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
+            self.graph.clock.look()
             ignore = [("*", sorted(passed))] if passed else None
             # The next cast starts where the last one hit.
             hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
@@ -296,6 +307,7 @@ class _Mover:
         for start in range(0, len(parts), DEPTHS_AT_ONCE):
             if start and not self.graph.clock.goes_on():
                 break
+            self.graph.clock.look()
             depths = self.rest.only(parts[start : start + DEPTHS_AT_ONCE]).depth(self.tool, pose)
             for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
                 found[part] = max(depth, found.get(part, 0.0))
@@ -320,8 +332,9 @@ class _Mover:
 class Joints:
     """The fasteners of a scene and the parts that each joins, computed on demand."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, look: Progress) -> None:
+        """look: called often; what it raises ends the work."""
+        self.scene, self._look = scene, look
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._seen: set[int] = set()
         self._rows: dict[int, Fastener] = {}
@@ -331,8 +344,8 @@ class Joints:
         """The parts that are fasteners."""
         new = sorted(set(parts) - self._seen)
         if new:
+            rows = find_fasteners(self.scene, new, self._look)
             self._seen.update(new)
-            rows = find_fasteners(self.scene, parts=new)
             self._rows.update((row.part, row) for row in rows if row.confidence >= NAMED)
         return [self._rows[part] for part in parts if part in self._rows]
 
@@ -353,6 +366,7 @@ class Joints:
         """The parts that a fastener joins: those around its shank, and under its nut."""
         known = self._joined.get(row.part)
         if known is None:
+            self._look(0.0, "")
             rest = self.scene.without([row.part])
             shank = _shank(row, self._bounds[row.part])
             met = {int(part) for part in rest.collide(shank, row.frame).parts}

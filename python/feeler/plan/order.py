@@ -8,6 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
@@ -17,7 +18,7 @@ from feeler.parts import PartsLike
 from feeler.plan.blocking import BlockingGraph
 from feeler.plan.crew import Crew
 from feeler.plan.question import TARGET, Attempt, Budget, Clock, Question
-from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, alone
+from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, RemovalBlocker, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
 from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
@@ -51,6 +52,10 @@ class RemovalOrder(OldAttributes):
     - `seconds`: the time it took.
     - `is_out_of_time`: whether time cut the search or one of its attempts. If not, the order is the same on every
       machine, with any number of threads and any executor.
+    - `stuck`: if no order was found, the last parts on the search's way that could not leave: the wanted ones, or some
+      that stand in their way.
+    - `blocked_by`: the parts that stood in the way of those, most frequent first. A part that no attempt met, but casts
+      did, counts once for each direction, at the identity.
     """
 
     _RENAMED: ClassVar[Mapping[str, str]] = {"found": "is_found"}
@@ -59,6 +64,8 @@ class RemovalOrder(OldAttributes):
     steps: tuple[RemovalStep, ...]
     seconds: float
     is_out_of_time: bool = False
+    stuck: tuple[int, ...] = ()
+    blocked_by: tuple[RemovalBlocker, ...] = ()
 
     @property
     def parts(self) -> tuple[int, ...]:
@@ -172,6 +179,8 @@ class _Search:
         self.ways: dict[tuple[int, ...], list[tuple[frozenset[int], Removal]]] = {}
         self.tries = 0
         self.last: Removal | None = None
+        self.failed: dict[int, Removal] = {}
+        """The last attempts of parts alone that found no way."""
 
     def order(self) -> RemovalOrder:
         """The order; if there is none, the best attempt of the wanted parts."""
@@ -200,11 +209,50 @@ class _Search:
                     break
             plan = self._plan()
         last = self.last or self.crew.way(Attempt(target, frozenset(), None, (self._least,)))
-        return self._ended(False, [RemovalStep(question.wanted, last)])
+        self._note_failed(target, last)
+        stuck, blockers = self._stopped()
+        ended = self._ended(False, [RemovalStep(question.wanted, last)])
+        return replace(ended, stuck=question.parts_of([stuck]), blocked_by=blockers)
 
     def _ended(self, found: bool, steps: list[RemovalStep]) -> RemovalOrder:
         is_cut = self.crew.is_cut or not self.clock.goes_on()
         return RemovalOrder(found, tuple(steps), self.clock.spent, is_cut)
+
+    def _note_failed(self, nodes: frozenset[int], way: Removal) -> None:
+        if len(nodes) == 1 and not way.is_found:
+            self.failed[next(iter(nodes))] = way
+
+    def _stopped(self) -> tuple[int, tuple[RemovalBlocker, ...]]:
+        """From the wanted parts on to what stands in their way, and in the way of that, as far as it is known: the last
+        one that could not leave, and its blockers but those that it blocks itself."""
+        gone, node, seen = self.graph.most_gone(), TARGET, frozenset([TARGET])
+        blockers = self._blockers_of(TARGET, gone, seen)
+        while True:
+            others = [self.question.node_of(each.part) for each in blockers]
+            for deeper in others:
+                if not {deeper} & (gone | self.question.kept):
+                    more = self._blockers_of(deeper, gone, seen | {deeper})
+                    if more:
+                        break
+            else:
+                return node, blockers
+            node, blockers, seen = deeper, more, seen | {deeper}
+
+    def _blockers_of(self, node: int, gone: frozenset[int], seen: frozenset[int]) -> tuple[RemovalBlocker, ...]:
+        """The blockers of parts as their last attempt met them, else as casts did, without some parts. Those that come
+        out are left out, unless there are no others."""
+        tried = self.failed.get(node)
+        found = () if tried is None else tried.blocked_by
+        if not found:
+            known = self.graph.known_blockers(node).items()
+            counted = [(part, count) for other, count in known for part in self.question.parts_of([other])]
+            paths = self.question.scene.mockup.part_paths
+            found = tuple(
+                RemovalBlocker(part, paths[part], count, 0.0, np.eye(4))
+                for part, count in sorted(counted, key=lambda each: (-each[1], each[0]))
+            )
+        found = tuple(each for each in found if self.question.node_of(each.part) not in seen)
+        return tuple(each for each in found if each.part not in gone) or found
 
     def _plan(self) -> list[SequenceStep] | None:
         goes_on, count = self.clock.goes_on, self.question.node_count
@@ -249,6 +297,7 @@ class _Search:
             # A way that was found with more parts removed is valid if it is free of those still there.
             held = next((way for before, way in self.ways.get(parts, []) if before <= gone), None)
             if held is None:
+                self._note_failed(step.parts, way)
                 self._learn_blockers(step, gone, way)
                 return None
             way = held
@@ -289,13 +338,18 @@ class _Search:
         self.tries += 1
         if nodes == {TARGET}:
             self.last = way
+        self._note_failed(nodes, way)
         if not way.is_found:
             return False
-        met = frozenset(node for node in gone if question.is_met(nodes, node, way))
+        met = frozenset(node for node in gone if self._is_met(nodes, node, way))
         self.ways.setdefault(question.parts_of(nodes), []).append((met, way))
         for node in nodes:
             self.graph.learn(node, Exit((self.tries,), met | nodes - {node}, self.graph.holding(node)))
         return True
+
+    def _is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
+        self.clock.look()
+        return self.question.is_met(nodes, other, way)
 
     @property
     def _least(self) -> Budget:

@@ -20,6 +20,8 @@ TARGET = -1
 """The node of the wanted parts, which leave together, among the indices of all other parts."""
 LEAST_S = 1e-3
 """Seconds of a removal that starts after the time is up."""
+LOOK_S = 0.05
+"""Long work reports at least this often, so that whoever waits for it can end it."""
 
 Direction = tuple[float, float, float]
 
@@ -61,6 +63,7 @@ class Clock:
     ) -> None:
         self.seconds, self.progress, self._is_stopped = seconds, progress, is_stopped
         self._begun = time.monotonic()
+        self._told, self._what = self._begun, ""
 
     @property
     def spent(self) -> float:
@@ -78,10 +81,16 @@ class Clock:
 
     def tell(self, what: str) -> None:
         """Reports the share of the time and the current attempt. Raises `StoppedError` if it was stopped."""
+        self._told, self._what = time.monotonic(), what
         if self._is_stopped():
             raise StoppedError
         if self.progress is not None:
             self.progress(min(1.0, self.spent / self.seconds), what)
+
+    def look(self, _share: float = 0.0, _stage: str = "") -> None:
+        """Reports the current attempt again, at most every `LOOK_S`. Raises what `tell` raises."""
+        if time.monotonic() - self._told >= LOOK_S:
+            self.tell(self._what)
 
 
 @dataclass(frozen=True)

@@ -90,7 +90,7 @@ def _connect(path: Path, size: int, mode: str, read_only: bool) -> sqlite3.Conne
         if size <= _CHECKED_BYTES:
             (said,) = found.execute("PRAGMA integrity_check(1)").fetchone()
             if said != "ok":
-                raise LoadError(f"{path} is damaged ({said!r:.120}): use a copy")
+                raise LoadError(f"{path} is damaged ({str(said).splitlines()[-1]:.120}): use a copy")
         if version < layout.VERSION:
             if read_only:
                 found = _copied(found, path, size)
@@ -217,7 +217,7 @@ def files_beside(path: Path) -> list[Path]:
 
 def refusal(path: Path, error: Exception) -> LoadError:
     """The error for a file that SQLite cannot read."""
-    text = str(error)
+    text = " ".join(str(error).split())
     if "not a database" in text:
         return LoadError(f"{path} is not a project of feeler: give a file of feeler view --project")
     return LoadError(f"{path} is damaged ({text[:120]}): use a copy")
@@ -225,7 +225,7 @@ def refusal(path: Path, error: Exception) -> LoadError:
 
 def not_written(path: Path, error: Exception) -> FeelerError:
     """The error for a file that cannot be written."""
-    text = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    text = " ".join(((error.strerror if isinstance(error, OSError) else None) or str(error)).split())
     if "disk is full" in text or "No space" in text:
         return WriteError(f"cannot write {path}: the disk is full; free some space")
     if "malformed" in text or "not a database" in text:

@@ -111,7 +111,12 @@ class Revision:
     @property
     def is_same(self) -> bool:
         """Whether all parts have the same numbers, keys and contents as before."""
-        return not self.gone and self.row_of == tuple(range(len(self.parts))) and not self.stale and not self.renamed
+        return not self.gone and self.is_numbered_as_before and not self.stale and not self.renamed
+
+    @property
+    def is_numbered_as_before(self) -> bool:
+        """Whether each part has the number that it had, and there are no others."""
+        return self.row_of == tuple(range(len(self.parts)))
 
     @property
     def stale(self) -> dict[int, Change]:

@@ -92,6 +92,18 @@ class ViewCommands:
         """Removes a section plane."""
         return self.command("section_remove", id=id)
 
+    def section_box(self, lower: VectorLike, upper: VectorLike) -> CommandAnswer:
+        """Cuts everything outside a box along the world axes away; replaces the box that was there. Metres."""
+        return self.command("section_box", lower=lower, upper=upper)
+
+    def section_box_switch(self, is_on: bool) -> CommandAnswer:
+        """Switches the section box on or off."""
+        return self.command("section_box_switch", is_on=is_on)
+
+    def section_box_remove(self) -> CommandAnswer:
+        """Removes the section box."""
+        return self.command("section_box_remove")
+
     def set_unit(self, unit: Unit) -> CommandAnswer:
         """Sets the unit in which lengths are shown."""
         return self.command("set_unit", unit=unit)
@@ -156,8 +168,12 @@ class ViewCommands:
         return self.command("measure_remove", id=id)
 
     def viewpoint_add(self, camera: Camera, name: str | None = None) -> CommandAnswer:
-        """Saves a camera."""
+        """Saves a camera, and the sections as they are."""
         return self._command("viewpoint_add", camera=camera, name=name)
+
+    def viewpoint_show(self, id: int) -> CommandAnswer:
+        """Restores the sections that a viewpoint was saved with; the camera belongs to the page."""
+        return self.command("viewpoint_show", id=id)
 
     def viewpoint_remove(self, id: int) -> CommandAnswer:
         """Removes a saved camera."""
@@ -297,6 +313,32 @@ class ViewCommands:
     ) -> CommandAnswer:
         """Takes parts out along the ways of a card, and adds them to the sequence."""
         return self._command("way_take", id=id, steps=steps, ways=ways)
+
+    def way_check(self, id: int) -> CommandAnswer:
+        """Asks whether the way of a line of the sequence holds: at every pose, and between them."""
+        return self.command("way_check", id=id)
+
+    def way_shorten(self, id: int) -> CommandAnswer:
+        """Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end."""
+        return self.command("way_shorten", id=id)
+
+    def way_keep(
+        self,
+        id: int | None = None,
+        is_added: bool | None = None,
+        line: int | None = None,
+        ways: list[GivenWay] | None = None,
+    ) -> CommandAnswer:
+        """Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line."""
+        return self._command("way_keep", id=id, is_added=is_added, line=line, ways=ways)
+
+    def guide(self, card: int | None = None, step: int | None = None, line: int | None = None) -> CommandAnswer:
+        """Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence."""
+        return self._command("guide", card=card, step=step, line=line)
+
+    def guide_end(self) -> CommandAnswer:
+        """Ends the guidance of the hand."""
+        return self.command("guide_end")
 
     def seat(self, pose: Pose | PoseLike) -> CommandAnswer:
         """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""

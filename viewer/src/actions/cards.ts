@@ -2,11 +2,14 @@
 
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { carry, type Pose } from "../math/matrix";
-import { corners, subtract, type Vec3 } from "../math/vectors";
-import { type Film, placesAt } from "../model/film";
+import { type Box, centre, corners, emptyBox, include, subtract, type Vec3 } from "../math/vectors";
+import { type Film, type FilmOf, placeAt, placesAt, startsOf, timeOf, type Way } from "../model/film";
 import type { Workbench } from "./workbench";
 
 type Reach = CardAnswer["reaches"][number];
+
+/** How near to where a way meets something a film says so, as a share of the way. */
+const AT_HIT = 0.004;
 
 /** Asks about the selected parts, or about those under the pointer; of access: about all fasteners if there are none. */
 export async function ask(
@@ -38,7 +41,7 @@ export function askTools(wb: Workbench): Promise<void> {
   return ask(wb, "access", wb.targets(), [], wb.store.document.peek()?.tools ?? []);
 }
 
-/** Shows a card with its whole answer; a film, if it has ways, stands at its start. */
+/** Shows a card with its whole answer; a film of parts that are still there stands at its start. */
 export async function openCard(wb: Workbench, id: number | null): Promise<void> {
   const { store } = wb;
   store.card.value = id;
@@ -59,7 +62,8 @@ export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
     const piece = answer.room && wb.fetchRoom ? await wb.fetchRoom(id) : null;
     // Another card may have been opened meanwhile.
     if (store.card.peek() !== id) return;
-    if (answer.ways.length > 0 && store.film.peek()?.card !== id)
+    // A film of a removal in the sequence has the parts where they were: it begins when it is asked for.
+    if (answer.ways.length > 0 && store.film.peek()?.card !== id && cardOf(wb, id)?.line === null)
       store.film.value = { card: id, step: 0, share: 0, is_playing: false };
     wb.stage.setRoom(piece && answer.room ? { piece, manifest: answer.room } : null);
     wb.redraw();
@@ -90,10 +94,14 @@ function forget(wb: Workbench, id: number): void {
   wb.stage.setRoom(null);
 }
 
+/** The ways of a film; none before they were fetched. */
+export const waysOf = ({ store }: Workbench, of: FilmOf | undefined): readonly Way[] =>
+  (of === "sequence" ? store.sequence_film.value : of === undefined ? null : store.answers.value.get(of)?.ways) ?? [];
+
 /** Plays a film from where it is, or from the start if it is at its end; a second call pauses it. */
-export function playFilm(wb: Workbench, card: number): void {
-  const { film, answers } = wb.store;
-  const ways = answers.peek().get(card)?.ways ?? [];
+export function playFilm(wb: Workbench, card: FilmOf): void {
+  const { film } = wb.store;
+  const ways = waysOf(wb, card);
   const now = film.peek();
   const is_same = now?.card === card;
   if (is_same && now.is_playing) film.value = { ...now, is_playing: false };
@@ -104,9 +112,33 @@ export function playFilm(wb: Workbench, card: number): void {
   wb.redraw();
 }
 
-/** Goes to a place of a film, and stands there. */
-export function scrub(wb: Workbench, card: number, step: number, share: number): void {
-  wb.store.film.value = { card, step, share, is_playing: false };
+/** Goes to a moment of a film, seconds, and stands there. */
+export function scrub(wb: Workbench, card: FilmOf, seconds: number): void {
+  wb.store.film.value = { card, ...placeAt(waysOf(wb, card), seconds), is_playing: false };
+  wb.redraw();
+}
+
+/** Fetches the sequence as a film, if it is not there, and shows its start. */
+export async function openSequenceFilm(wb: Workbench): Promise<void> {
+  const { store } = wb;
+  if (store.sequence_film.peek()) {
+    scrub(wb, "sequence", 0);
+    return;
+  }
+  try {
+    const sequence = store.document.peek()?.sequence;
+    const film = await wb.job("film", {}, "Film of the sequence")?.result;
+    if (!film || store.document.peek()?.sequence !== sequence) return;
+    store.sequence_film.value = film.ways;
+    scrub(wb, "sequence", 0);
+  } catch (error) {
+    wb.tell(error);
+  }
+}
+
+/** The film ends: the picture has the parts where they are. */
+export function endFilm(wb: Workbench): void {
+  wb.store.film.value = null;
   wb.redraw();
 }
 
@@ -146,24 +178,59 @@ export function pointsOf(wb: Workbench, parts: readonly number[]): Vec3[] {
   });
 }
 
-/** Where a film has its parts; empty: no film is open. */
+/** Where parts lie when a way begins, by their number: for a removal in the sequence as that has them, else as they lie now. */
+function beginningsOf(wb: Workbench, way: Way | undefined): Record<string, Pose> {
+  const places = way?.places ?? wb.store.document.peek()?.moved ?? {};
+  return Object.fromEntries(Object.entries(places).map(([part, pose]) => [part, [...pose]]));
+}
+
+/** Where the picture has all parts that are not where they were loaded, with those of a film on their way. */
 export function filmPlaces(wb: Workbench, film: Film | null): Map<number, Pose> {
-  const ways = film ? wb.store.answers.peek().get(film.card)?.ways : undefined;
-  if (!film || !ways) return new Map();
-  const moved = wb.store.document.peek()?.moved ?? {};
-  const starts = Object.fromEntries(Object.entries(moved).map(([part, pose]) => [part, [...pose]]));
-  return placesAt(film, ways, starts, (parts) => pointsOf(wb, parts));
+  const ways = waysOf(wb, film?.card);
+  const starts = beginningsOf(wb, film ? ways[film.step] : undefined);
+  const places = new Map(Object.entries(starts).map(([part, pose]) => [Number(part), pose]));
+  if (!film || ways.length === 0) return places;
+  return new Map([...places, ...placesAt(film, ways, starts, (parts) => pointsOf(wb, parts))]);
+}
+
+/** The box of the parts of a way where it begins, or all along it. */
+function boxOfWay(wb: Workbench, way: Way, isAlong: boolean): Box {
+  const box = emptyBox();
+  const starts = startsOf(way) ?? beginningsOf(wb, way);
+  for (const part of way.parts) {
+    const start = starts[part];
+    for (const corner of pointsOf(wb, [part])) {
+      const point = start ? carry([...start], corner) : corner;
+      if (isAlong) for (const pose of way.poses) include(box, carry(pose, point));
+      else include(box, point);
+    }
+  }
+  return box;
 }
 
 /** The path of the middle of the parts of the way that plays, world. */
-export function filmPath(wb: Workbench, film: Film | null): Vec3[] {
-  const way = film ? wb.store.answers.peek().get(film.card)?.ways[film.step] : undefined;
+export function filmPath(wb: Workbench, film: Pick<Film, "card" | "step"> | null): Vec3[] {
+  const way = film ? waysOf(wb, film.card)[film.step] : undefined;
   if (!way) return [];
-  const box = wb.boxOf(way.parts);
-  const middle: Vec3 = [
-    (box.lower[0] + box.upper[0]) / 2,
-    (box.lower[1] + box.upper[1]) / 2,
-    (box.lower[2] + box.upper[2]) / 2,
-  ];
+  const middle = centre(boxOfWay(wb, way, false));
   return way.poses.map((pose) => carry(pose, middle));
 }
+
+/** Glides to where a whole way and its parts are in sight. */
+export function frameWay(wb: Workbench, way: Way): void {
+  const box = boxOfWay(wb, way, true);
+  wb.look((camera) => camera.fit(box));
+}
+
+/** Goes to where a way meets something, and looks at it. */
+export function showHit(wb: Workbench, card: number, step: number, way: Way): void {
+  const { hit } = way;
+  if (!hit) return;
+  wb.select([hit.part]);
+  scrub(wb, card, timeOf({ step, share: hit.share }, waysOf(wb, card)));
+  wb.look((camera) => camera.translate(subtract([...hit.point], camera.target)));
+}
+
+/** What a way meets at a share of it; null: nothing there. */
+export const hitAt = (way: Way, share: number): Way["hit"] | null =>
+  way.hit && Math.abs(way.hit.share - share) < AT_HIT ? way.hit : null;

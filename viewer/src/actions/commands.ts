@@ -7,7 +7,7 @@ import type { Vec3 } from "../math/vectors";
 import { MODES } from "../model/document";
 import { STYLES } from "../model/navigation";
 import { type Dialog, PANELS, type Panel } from "../model/page-state";
-import { ask, askTools } from "./cards";
+import { ask, askTools, endFilm, openSequenceFilm } from "./cards";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "./exports";
 import {
   checkClashes,
@@ -20,12 +20,14 @@ import {
   openRules,
   stepFinding,
 } from "./findings";
+import { checkWays, endGuide } from "./lines";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
 import { changeTurn } from "./people";
 import { isStale, project, saveProject, selectStale } from "./project";
+import { playRecord } from "./record";
 import { addRequirement, checkRequirements } from "./requirements";
-import { addSection, flipped, toggleSections } from "./sections";
+import { addSection, fitBox, flipped, pickFace, toggleBox, toggleSections } from "./sections";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
 
@@ -64,6 +66,7 @@ const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.v
 const canAskAccess = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.tool != null;
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
+const hasBox = (wb: Workbench): boolean => canLook(wb) && wb.store.document.value?.section_box != null;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
 const hasRules = (wb: Workbench): boolean => (wb.store.document.value?.clash.rules ?? "") !== "";
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
@@ -71,6 +74,7 @@ const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.s
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
 const hasOthers = (wb: Workbench): boolean => canChange(wb) && wb.store.people.others.value.length > 0;
 const hasStale = (wb: Workbench): boolean => isStale(project(wb));
+const isGuided = (wb: Workbench): boolean => canChange(wb) && Boolean(wb.store.document.value?.guiding);
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -193,7 +197,10 @@ function endNearest(wb: Workbench): void {
   else if (store.drawer.peek()) store.drawer.value = null;
   else if (store.tour_step.peek() !== null) store.tour_step.value = null;
   else if (store.measuring.peek()) stopMeasuring(wb);
+  else if (store.is_picking_face.peek()) pickFace(wb);
+  else if (store.film.peek()?.card === "sequence") endFilm(wb);
   else if (store.findings.isLooking) leaveFinding(wb);
+  else if (store.document.peek()?.guiding) void endGuide(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
 }
 
@@ -225,11 +232,6 @@ function nextRegion(): void {
     ? next
     : next?.querySelector<HTMLElement>("[tabindex='0'], button:not([disabled]), input, select");
   target?.focus();
-}
-
-/** The server replays the record that it was opened with; the picture follows. */
-function replayRecord(wb: Workbench): void {
-  wb.job("replay", {}, "Replay")?.result.catch((error: unknown) => wb.tell(error));
 }
 
 const toggleTheme = (wb: Workbench): void =>
@@ -402,6 +404,24 @@ export const COMMANDS: readonly PageCommand[] = [
       (wb) => canLook(wb) && hasMockup(wb),
     ),
   ),
+  command("Sections", "section-face", "Cut along a face", "", pickFace, (wb) => canChange(wb) && hasMockup(wb)),
+  command(
+    "Sections",
+    "section-box",
+    "Section box round the selection; off, on",
+    "B",
+    toggleBox,
+    (wb) => canLook(wb) && hasMockup(wb),
+  ),
+  command(
+    "Sections",
+    "section-box-fit",
+    "Fit the section box to the selection",
+    "",
+    fitBox,
+    (wb) => canLook(wb) && hasMockup(wb),
+  ),
+  command("Sections", "section-box-remove", "Delete the section box", "", (wb) => wb.run("section_box_remove"), hasBox),
   command(
     "Sections",
     "section-flip",
@@ -467,7 +487,20 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
 
-  command("Sequence", "replay", "Replay the record", "", replayRecord, hasRecord),
+  command("Sequence", "check-ways", "Check the ways of all removals", "", checkWays, hasSequence),
+  command("Sequence", "guide-end", "End the guidance of the hand", "", endGuide, isGuided),
+  command(
+    "Sequence",
+    "film",
+    "Show the sequence as a film",
+    "",
+    (wb) => {
+      wb.store.panel.value = "sequence";
+      return openSequenceFilm(wb);
+    },
+    (wb) => canChange(wb) && hasSequence(wb),
+  ),
+  command("Sequence", "replay", "Replay the record", "", (wb) => playRecord(wb), hasRecord),
 
   command(
     "Findings",

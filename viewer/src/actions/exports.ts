@@ -1,6 +1,7 @@
 // Exports: pictures, and the files that jobs of the server write.
 
-import type { Camera } from "../link/protocol";
+import type { Camera, Viewpoint } from "../link/protocol";
+import { showCutsOf } from "./sections";
 import type { Workbench } from "./workbench";
 
 /** Pictures have one size, independent of the window's. */
@@ -46,8 +47,10 @@ export async function takeSnapshot(wb: Workbench): Promise<void> {
   }
 }
 
-/** Puts the camera where a viewpoint has it. */
-export function lookFrom(wb: Workbench, camera: Camera): void {
+/** Puts the camera where a viewpoint has it, and its cuts. */
+export function lookFrom(wb: Workbench, viewpoint: Viewpoint): void {
+  const { camera } = viewpoint;
+  showCutsOf(wb, viewpoint);
   wb.look((each) => each.fromJSON(camera));
   wb.store.set({ is_parallel: camera.is_parallel ?? false });
 }

@@ -6,10 +6,9 @@ import { add, type Box, centre, diagonal, include, isEmpty, normalize, scale, ty
 import type { Focus } from "../model/finding-state";
 import { type Finding, neighbour, partsOf, sentence } from "../model/findings";
 import { download } from "./exports";
+import { sendFiles } from "./sending";
 import type { Workbench } from "./workbench";
 
-/** As the server takes. */
-const MOST_BYTES = 200 * 2 ** 20;
 /** From the right, the front and above: where the server says nothing. */
 const USUAL: Vec3 = [0.62, -0.66, 0.42];
 /** A mark of nothing smaller is seen. */
@@ -79,33 +78,11 @@ export function chooseFile(accept: string, opened: (file: File) => Promise<unkno
 export async function takeFindings(wb: Workbench, file: File): Promise<void> {
   await wb.told(
     (async () => {
-      const upload = await sent(wb, file);
-      const job = upload && wb.job("findings_file", { upload, name: file.name }, `Opening ${file.name}`);
+      const files = await sendFiles(wb, [file], "job");
+      const job = files === null ? null : wb.job("findings_file", { files, name: file.name }, `Opening ${file.name}`);
       if (job) await take(wb, await job.result);
     })(),
   );
-}
-
-/** Sends a file to the server, for a job; null without a server. */
-export async function sent(wb: Workbench, file: File): Promise<string | null> {
-  if (file.size > MOST_BYTES) throw new RangeError(`${file.name} has more than ${MOST_BYTES / 2 ** 20} MiB`);
-  const { jobs } = wb.store;
-  const id = -Date.now();
-  let is_ended = false;
-  const cancel = (): void => {
-    is_ended = true;
-  };
-  jobs.value = [...jobs.peek(), { id, title: `Sending ${file.name}`, share: 0, cancel }];
-  try {
-    return (
-      (await wb.link?.upload(file, (share) => {
-        if (is_ended) throw new Error(`${file.name} was not opened`);
-        jobs.value = jobs.peek().map((each) => (each.id === id ? { ...each, share } : each));
-      })) ?? null
-    );
-  } finally {
-    jobs.value = jobs.peek().filter((each) => each.id !== id);
-  }
 }
 
 /** Asks for a BCF file, whose statuses and comments go to the findings. */
@@ -113,8 +90,8 @@ export function openBcf(wb: Workbench): void {
   chooseFile(".bcf,.bcfzip", async (file) =>
     wb.told(
       (async () => {
-        const upload = await sent(wb, file);
-        const job = upload && wb.job("findings_bcf", { upload, name: file.name }, `Opening ${file.name}`);
+        const files = await sendFiles(wb, [file], "job");
+        const job = files === null ? null : wb.job("findings_bcf", { files, name: file.name }, `Opening ${file.name}`);
         if (!job) return;
         const { key, count, notes } = await job.result;
         if (count > 0) await wb.send("findings_take", { key });

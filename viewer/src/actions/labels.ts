@@ -26,6 +26,14 @@ const LABELS: Readonly<Record<string, (wb: Workbench) => string>> = {
     if (sections.length === 0) return store.selection.value.size > 0 ? "Cut through the selection" : "Cut open";
     return sections.some((section) => section.is_on) ? "Cuts off" : "Cuts on";
   },
+  "section-face": ({ store }) => (store.is_picking_face.value ? "Click a face, or end this" : "Cut along a face"),
+  "section-box": ({ store }) => {
+    const box = store.document.value?.section_box;
+    if (box) return box.is_on ? "Section box off" : "Section box on";
+    return store.selection.value.size > 0 ? "Section box round the selection" : "Section box round everything";
+  },
+  "section-box-fit": ({ store }) =>
+    store.selection.value.size > 0 ? "Fit the section box to the selection" : "Fit the section box to everything",
   measure: ({ store }) => (store.measuring.value?.type === "point" ? "End measuring" : "Measure point to point"),
   theme: ({ store }) => (store.theme.value === "dark" ? "Light theme" : "Dark theme"),
   mute: ({ store }) => (store.settings.value.is_muted ? "Sound on" : "Sound off"),

@@ -3,12 +3,8 @@
 import type { Opens } from "../link/openings";
 import type { Unit } from "../link/protocol";
 import { takeFindings } from "./findings";
+import { sendFiles } from "./sending";
 import type { Workbench } from "./workbench";
-
-/** Of a file in one message: a multiple of the disk's blocks, below the limit of the protocol. */
-const PIECE_BYTES = 1 << 18;
-/** Messages on the way at a time: while one is written, the next one comes. */
-const WINDOW = 2;
 
 /** The suffix of a name, in lower case: ".stl". */
 export const suffixOf = (name: string): string => /\.[^./\\]+$/.exec(name)?.[0].toLowerCase() ?? "";
@@ -78,34 +74,11 @@ export async function openFiles(wb: Workbench, files: readonly File[], unit: str
   const { link, store } = wb;
   store.pending_files.value = [];
   if (store.dialog.peek() === "open") store.dialog.value = null;
-  if (!link) return;
-  const name = files.length === 1 ? (files[0]?.name ?? "") : `${files.length} files`;
-  const sending = wb.local(`Sending ${name}`);
   try {
-    const number = await link.sendFiles(files.map((file) => ({ name: file.name, bytes: file.size })));
-    const total = Math.max(
-      1,
-      files.reduce((sum, file) => sum + file.size, 0),
-    );
-    let sent = 0;
-    for (const [at, file] of files.entries()) {
-      let waiting: Promise<void>[] = [];
-      for (let from = 0; from < file.size; from += PIECE_BYTES) {
-        if (sending.is_cancelled) return;
-        const data = new Uint8Array(await file.slice(from, from + PIECE_BYTES).arrayBuffer());
-        waiting.push(link.sendPiece(number, at, data));
-        if (waiting.length >= WINDOW) await waiting.shift();
-        sent += data.length;
-        sending.tell(sent / total);
-      }
-      await Promise.all(waiting);
-      waiting = [];
-    }
-    await link.openMockup({ files: number, sample: null, unit });
+    const number = await sendFiles(wb, files, "open");
+    if (number !== null) await link?.openMockup({ files: number, sample: null, unit });
   } catch (error) {
     wb.tell(error);
-  } finally {
-    sending.end();
   }
 }
 

@@ -171,8 +171,9 @@ export class Workbench {
       return;
     }
     const text = error instanceof Error ? error.message : String(error);
-    const where = error instanceof LinkError && error.where ? ` (${error.where})` : "";
-    this.store.notify("error", text + where);
+    // Names of commands and of rooms of the program say nothing to people; places in what they gave do.
+    const where = error instanceof LinkError && !/^[a-z_]*$/.test(error.where) ? ` (${error.where})` : "";
+    this.store.notify("error", sentences(text) + where);
   }
 
   /** The parts that a command is about: the selected ones, else the one under the pointer. */
@@ -250,11 +251,11 @@ export class Workbench {
     return parts.filter((part) => !unseen.has(part));
   }
 
-  /** The box of parts at their present places; empty for none. */
-  boxOf(parts: readonly number[]): Box {
+  /** The box of parts at their present places, or at others; empty for none. */
+  boxOf(parts: readonly number[], places?: Readonly<Record<string, readonly number[]>>): Box {
     const box = emptyBox();
     const manifest = this.store.manifest.peek();
-    const moved = this.document?.moved ?? {};
+    const moved = places ?? this.document?.moved ?? {};
     for (const part of parts) {
       const lower = manifest?.parts.lower[part];
       const upper = manifest?.parts.upper[part];
@@ -275,6 +276,10 @@ export class Workbench {
     return [origin[0] + direction[0] * far, origin[1] + direction[1] * far, origin[2] + direction[2] * far];
   }
 }
+
+/** With capitals, as messages of the server have none; a word that may be a name stays. */
+export const sentences = (text: string): string =>
+  text.replace(/(^|[.] )([a-z])(?=[a-z]*[ ,])/g, (_, before: string, letter: string) => before + letter.toUpperCase());
 
 const readOnly = (name: string): LinkError =>
   new LinkError("this page is read-only", name, "Open the mock-up by `feeler view`");

@@ -4,7 +4,7 @@
 import type { Workbench } from "../actions/workbench";
 import { movedBy, type Pose } from "../math/matrix";
 import { diagonal, scale, type Vec3 } from "../math/vectors";
-import { drawnSections, offsetRange } from "../model/sections";
+import { offsetRange } from "../model/sections";
 import type { FrameStats } from "../scene/stage";
 import type { Loop } from "./loop";
 
@@ -264,7 +264,10 @@ async function sectionCost(wb: Workbench): Promise<Cost> {
   const found = await cost(wb, STEPS, (k) => {
     stage.setSections([{ normal, offset: least + ((most - least) * (k + 1)) / (2 * STEPS) }]);
   });
-  stage.setSections(drawnSections(store.document.peek()?.sections ?? [], store.section_draft.peek()));
+  stage.setSections(
+    store.drawn_sections.peek().map(({ normal, offset }) => ({ normal, offset })),
+    store.drawn_box.peek(),
+  );
   return found;
 }
 

@@ -31,7 +31,8 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       loop.request();
     }),
     effect(() => {
-      stage.setSections(store.drawn_sections.value.map(({ normal, offset }) => ({ normal, offset })));
+      const cuts = store.drawn_sections.value.map(({ normal, offset }) => ({ normal, offset }));
+      stage.setSections(cuts, store.drawn_box.value);
       loop.request();
     }),
     effect(() => {

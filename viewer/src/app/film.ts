@@ -1,7 +1,8 @@
 // Plays films of ways: once a frame the open film goes on, and the picture has its parts where it has them.
 
 import { effect } from "@preact/signals";
-import { fetchAnswer, filmPath, filmPlaces } from "../actions/cards";
+import { fetchAnswer, filmPath, filmPlaces, hitAt, waysOf } from "../actions/cards";
+import { guidePath } from "../actions/lines";
 import type { Workbench } from "../actions/workbench";
 import { advanced, gapAt } from "../model/film";
 import type { Loop } from "./loop";
@@ -15,14 +16,14 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
   let last_ms: number | null = null;
   const play = (now_ms: number): boolean => {
     const film = store.film.peek();
-    const ways = film ? store.answers.peek().get(film.card)?.ways : undefined;
-    if (!film?.is_playing || !ways) {
+    const ways = waysOf(wb, film?.card);
+    if (!film?.is_playing || ways.length === 0) {
       last_ms = null;
       return false;
     }
     const seconds = last_ms === null ? 0 : Math.min(LONGEST_FRAME_S, (now_ms - last_ms) / 1000);
     last_ms = now_ms;
-    store.film.value = advanced(film, ways, seconds);
+    store.film.value = advanced(film, ways, store.speed.peek() * seconds);
     return true;
   };
   loop.each_frame.add(play);
@@ -34,24 +35,35 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
       if (card?.state === "done" && !store.answers.value.has(card.id)) void fetchAnswer(wb, card.id);
       if (id !== null && store.document.value && !card) store.card.value = null;
     }),
+    // The film is of the sequence as it was: of another one, none is there yet.
+    effect(() => {
+      void store.document.value?.sequence;
+      store.sequence_film.value = null;
+      if (store.film.peek()?.card === "sequence") store.film.value = null;
+    }),
     effect(() => {
       void store.manifest.value;
-      const film = store.film.value;
-      void store.answers.value;
-      const moved = store.document.value?.moved ?? {};
-      const places = new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]]));
-      for (const [part, pose] of filmPlaces(wb, film)) places.set(part, [...pose]);
-      stage.setMoved(places);
+      void [store.answers.value, store.sequence_film.value, store.document.value?.moved];
+      const places = filmPlaces(wb, store.film.value);
+      stage.setMoved(new Map([...places].map(([part, pose]) => [part, [...pose]])));
       loop.request();
     }),
     effect(() => {
       const film = store.film.value;
       const reach = store.reach.value;
-      const way = film ? store.answers.value.get(film.card)?.ways[film.step] : undefined;
+      const way = film ? waysOf(wb, film.card)[film.step] : undefined;
       const gap = film && way ? gapAt(way.gaps, film.share) : null;
+      const hit = film && way ? hitAt(way, film.share) : null;
+      const card = store.card.value;
+      const open = film ?? (card === null ? null : { card, step: 0 });
+      const guiding = store.document.value?.guiding ?? null;
       store.way_marks.value = {
-        path: filmPath(wb, film),
-        gap: gap?.point && gap.gap !== null ? { point: [...gap.point], value: gap.gap, part: gap.part ?? -1 } : null,
+        path: guiding && !film ? guidePath(wb, guiding) : filmPath(wb, open),
+        gap: hit
+          ? { point: [...hit.point], value: 0, part: hit.part }
+          : gap?.point && gap.gap !== null
+            ? { point: [...gap.point], value: gap.gap, part: gap.part ?? -1 }
+            : null,
         fan: reach
           ? { centre: [...reach.point], rim: reach.fan.map((each) => [...each]), isGood: reach.is_reachable }
           : null,

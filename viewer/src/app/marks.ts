@@ -75,10 +75,13 @@ function wayOf(store: Store, unit: Unit): Marks["way"] {
   if (path.length === 0 && !fan) return null;
   return {
     path: [...path],
-    gap: gap && { point: gap.point, text: `${formatLength(gap.value, unit)} to ${store.nameOf(gap.part)}` },
+    gap: gap && { point: gap.point, text: gapText(gap.value, store.nameOf(gap.part), unit) },
     fan: fan && { centre: fan.centre, rim: [...fan.rim], isGood: fan.isGood },
   };
 }
+
+const gapText = (gap: number, name: string, unit: Unit): string =>
+  gap > 0 ? `${formatLength(gap, unit)} to ${name}` : `meets ${name}`;
 
 type ContactMarks = Pick<Marks, "planes" | "force" | "clearances" | "distance" | "touches">;
 

@@ -10,14 +10,14 @@ export function followOutlines(wb: Workbench, loop: Loop): () => void {
   let asked = 0;
   return effect(() => {
     const document = wb.store.document.value;
-    const isDragging = wb.store.section_draft.value !== null;
-    const sections = (document?.sections ?? []).filter((section) => section.is_on);
+    const isDragging = wb.store.section_draft.value !== null || wb.store.box_draft.value !== null;
+    const isCut = document?.sections.some((section) => section.is_on) || document?.section_box?.is_on;
     // Hidden parts have no outline, and moved parts have another one: request them again.
     void [document?.hidden, document?.gripped, document?.moved];
     const mine = ++asked;
     wb.stage.setOutlines(null);
     // Outlines belong to parts at their places: an exploded mock-up has none.
-    if (isDragging || sections.length === 0 || (document?.explode ?? 0) > 0) return;
+    if (isDragging || !isCut || (document?.explode ?? 0) > 0) return;
     if (wb.store.is_read_only.value || !wb.store.manifest.value) return;
     wb.link
       ?.job("outline", {})

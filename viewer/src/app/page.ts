@@ -2,6 +2,7 @@
 
 import { pictureFor } from "../actions/exports";
 import { lookAtFinding } from "../actions/findings";
+import { followRecord } from "../actions/record";
 import { Workbench } from "../actions/workbench";
 import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
@@ -100,6 +101,7 @@ export class Page {
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
+    followRecord(this.wb);
     followPeople(this.wb, this.loop);
     followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
     listenToKeys(this.wb);

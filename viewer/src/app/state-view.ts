@@ -26,7 +26,7 @@ export class StateView {
   private spoken_ms = Number.NEGATIVE_INFINITY;
   private base_states: Uint8Array = new Uint8Array(0);
   private solid: ArrayLike<number> | null = null;
-  private wish: Pose | null = null;
+  private wish: readonly number[] | null = null;
   private lit = "";
   private last_spoken = "";
 
@@ -47,7 +47,9 @@ export class StateView {
   /** In each frame, before the stage draws. */
   frame(now: number): void {
     if (this.isNew) this.takeState(now);
-    this.setPose(this.state?.pose ?? this.wb.document?.pose ?? null, this.wb.hand.wish);
+    // A hand that nobody moves has its ghost where the way ends that guides it.
+    const end = this.wb.document?.guiding?.way.at(-1) ?? null;
+    this.setPose(this.state?.pose ?? this.wb.document?.pose ?? null, this.wb.hand.wish ?? end);
   }
 
   /** Panels follow the state more slowly than the picture does; the last one always gets there. */
@@ -80,7 +82,7 @@ export class StateView {
   }
 
   /** The stage redraws for every pose that it gets, so that only changed ones are sent. */
-  private setPose(solid: ArrayLike<number> | null, wish: Pose | null): void {
+  private setPose(solid: ArrayLike<number> | null, wish: readonly number[] | null): void {
     if (!solid || (solid === this.solid && wish === this.wish)) return;
     this.solid = solid;
     this.wish = wish;
@@ -89,5 +91,5 @@ export class StateView {
 }
 
 /** The ghost is drawn if the hand is ahead of the tool. */
-const ghostOf = (wish: Pose | null, solid: ArrayLike<number>): Pose | null =>
-  wish && !isSamePose(wish, solid, 1e-6) ? wish : null;
+const ghostOf = (wish: readonly number[] | null, solid: ArrayLike<number>): Pose | null =>
+  wish && !isSamePose(wish, solid, 1e-6) ? [...wish] : null;

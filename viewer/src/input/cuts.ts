@@ -2,10 +2,12 @@
 // pixels; drawn as elements over it.
 
 import { add, type Box, centre, dot, isEmpty, type Point, scale, type Vec3 } from "../math/vectors";
+import { BOX_FACES, type BoxFace, boxPlanes } from "../model/sections";
 import { clipBox, planeInBox, type SectionPlane } from "../scene/sections";
 import { distanceToLine, type GizmoView } from "./gizmo";
 
 export interface CutHandle {
+  /** Of the cut; a face of the section box: -1 for the first one, and so on down. */
   readonly id: number;
   readonly normal: Vec3;
   readonly offset: number;
@@ -31,23 +33,53 @@ export function cutCenter(cut: SectionPlane, others: readonly SectionPlane[], bo
   return add(middle, scale(cut.normal, cut.offset - dot(cut.normal, middle)));
 }
 
-/** The handles of the cuts that are drawn; none of those behind the eye. */
-export function layCuts(cuts: readonly CutPlane[], box: Box, view: GizmoView): CutHandle[] {
-  if (isEmpty(box)) return [];
-  return cuts.flatMap(({ id, normal, offset }) => {
-    const others = cuts.filter((each) => each.id !== id);
-    const center = cutCenter({ normal, offset }, others, box);
-    const middle = view.project(center);
-    if (!middle.isAhead) return [];
-    const tip = view.project(add(center, scale(normal, ARROW_PX * view.metresPerPixel(middle.depth))));
-    let [dx, dy] = [tip.x - middle.x, tip.y - middle.y];
-    if (Math.hypot(dx, dy) < LEAST_PX) [dx, dy] = [0, -ARROW_PX];
-    const line: [Point, Point] = [
-      { x: middle.x - dx, y: middle.y - dy },
-      { x: middle.x + dx, y: middle.y + dy },
-    ];
-    return [{ id, normal, offset, center, line }];
-  });
+/** The handles of the cuts that are drawn, and of the faces of the section box; none of those behind the eye. */
+export function layCuts(
+  cuts: readonly CutPlane[],
+  box: Box,
+  view: GizmoView,
+  sectionBox: Box | null = null,
+): CutHandle[] {
+  const faces = sectionBox ? boxPlanes(sectionBox) : [];
+  const handles = isEmpty(box)
+    ? []
+    : cuts.flatMap((cut) => {
+        const others = [...cuts.filter((each) => each.id !== cut.id), ...faces];
+        return layArrow(cut, cutCenter(cut, others, box), view);
+      });
+  if (!sectionBox) return handles;
+  return [
+    ...handles,
+    ...BOX_FACES.flatMap((face) => {
+      const { normal, offset } = faces[face] as SectionPlane;
+      const middle = centre(sectionBox);
+      const center = add(middle, scale(normal, offset - dot(normal, middle)));
+      const outward = scale(normal, -1);
+      return layArrow({ id: -1 - face, normal, offset }, center, view, outward);
+    }),
+  ];
+}
+
+/** The face of the section box that a handle moves; null: it moves a cut. */
+export const faceOf = ({ id }: Pick<CutHandle, "id">): BoxFace | null => (id < 0 ? ((-1 - id) as BoxFace) : null);
+
+/** `outward`: the arrow begins in the middle and points there, so that those of a small box stay apart. */
+function layArrow(
+  { id, normal, offset }: CutPlane,
+  center: Vec3,
+  view: GizmoView,
+  outward: Vec3 | null = null,
+): CutHandle[] {
+  const middle = view.project(center);
+  if (!middle.isAhead) return [];
+  const tip = view.project(add(center, scale(outward ?? normal, ARROW_PX * view.metresPerPixel(middle.depth))));
+  let [dx, dy] = [tip.x - middle.x, tip.y - middle.y];
+  if (Math.hypot(dx, dy) < LEAST_PX) [dx, dy] = [0, -ARROW_PX];
+  const line: [Point, Point] = [
+    outward ? { x: middle.x, y: middle.y } : { x: middle.x - dx, y: middle.y - dy },
+    { x: middle.x + dx, y: middle.y + dy },
+  ];
+  return [{ id, normal, offset, center, line }];
 }
 
 /** The handle at a pixel: the nearest within reach. */
@@ -74,7 +106,7 @@ export function drawCuts(place: HTMLElement, handles: readonly CutHandle[], lit:
     }
     const [from, to] = line;
     const [dx, dy] = [to.x - from.x, to.y - from.y];
-    arrow.className = id === lit ? "cut-arrow lit" : "cut-arrow";
+    arrow.className = `cut-arrow${id < 0 ? " of-face" : ""}${id === lit ? " lit" : ""}`;
     arrow.dataset.cut = String(id);
     arrow.style.width = `${Math.hypot(dx, dy)}px`;
     arrow.style.transform = `translate(${from.x}px, ${from.y}px) rotate(${Math.atan2(dy, dx)}rad)`;

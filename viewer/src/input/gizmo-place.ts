@@ -66,6 +66,9 @@ export function hullOf(points: readonly Point[]): Point[] {
   return [...half(sorted), ...half(sorted.reverse())];
 }
 
+const SLIDE_PX = 12;
+const MOST_SLIDES = 60;
+
 const turn = (a: Point, b: Point, c: Point): number => (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 
 /** How far a point is from a convex hull; 0 within. */
@@ -132,8 +135,18 @@ export function placeGizmo(
   }
   const x = Math.min(Math.max(middle.x, GIZMO_RADIUS_PX), Math.max(width - GIZMO_RADIUS_PX, width / 2));
   const y = Math.min(Math.max(middle.y, GIZMO_RADIUS_PX), Math.max(height - GIZMO_RADIUS_PX, height / 2));
-  return { dx: x - middle.x, dy: y - middle.y, way: null };
+  // The tool is mostly out of the picture: at its edge, but not under what lies over it.
+  const near = Array.from({ length: 2 * MOST_SLIDES }, (_, k) => ({ x, y: y + SLIDE_PX * slide(k) })).find(
+    (each) =>
+      each.y >= GIZMO_RADIUS_PX &&
+      each.y <= height - GIZMO_RADIUS_PX &&
+      !taken.some((area) => doOverlap(area, around(each))),
+  );
+  return { dx: x - middle.x, dy: (near?.y ?? y) - middle.y, way: null };
 }
+
+/** 0, 1, -1, 2, -2, ... */
+const slide = (k: number): number => Math.ceil(k / 2) * (k % 2 === 0 ? -1 : 1);
 
 const SLICES = 8;
 
@@ -149,9 +162,6 @@ export function slices(box: readonly Vec3[]): Vec3[][] {
     }),
   );
 }
-
-const SLIDE_PX = 12;
-const MOST_SLIDES = 60;
 
 /**
  * Where an arrow at the edge of the picture points to something out of it, and by which angle (radians, clockwise from
@@ -172,7 +182,7 @@ export function edgeArrow(
   const first = { x: halfX + dx * share, y: halfY + dy * share };
   const angle = Math.atan2(dy, dx);
   for (let k = 0; k < MOST_SLIDES; k++) {
-    const by = SLIDE_PX * Math.ceil(k / 2) * (k % 2 === 0 ? 1 : -1);
+    const by = SLIDE_PX * slide(k);
     const at = isAtSide ? { x: first.x, y: first.y + by } : { x: first.x + by, y: first.y };
     if (Math.abs(at.x - halfX) > mostX + 1e-6 || Math.abs(at.y - halfY) > mostY + 1e-6) continue;
     const area = { left: at.x - margin, right: at.x + margin, top: at.y - margin, bottom: at.y + margin };

@@ -1,15 +1,16 @@
 // The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles assign the buttons.
 
 import { clickMeasure, hoverMeasure } from "../actions/measures";
-import { draftSection, settleSection } from "../actions/sections";
+import { cutAlongFace, draftFace, draftSection, settleBox, settleSection } from "../actions/sections";
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
 import type { Pose } from "../math/matrix";
 import { type Point, subtract, type Vec3 } from "../math/vectors";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
+import { isUpper } from "../model/sections";
 import type { Area } from "../scene/labels";
-import { type CutHandle, hitCut, layCuts } from "./cuts";
+import { type CutHandle, faceOf, hitCut, layCuts } from "./cuts";
 import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
 import { type Handle, hitGizmo, layGizmo, shifted } from "./gizmo";
 import { areaOf, type GizmoPlace, hullOf, isInPicture, placeGizmo, pointsOf } from "./gizmo-place";
@@ -129,7 +130,7 @@ export class Pointer {
     const { store, stage } = this.wb;
     const manifest = store.manifest.peek();
     if (!manifest || !store.can_look.peek()) return [];
-    return layCuts(store.drawn_sections.peek(), manifest, stage.camera);
+    return layCuts(store.drawn_sections.peek(), manifest, stage.camera, store.drawn_box.peek());
   }
 
   /** The pick under the pointer, at most once a frame and only while the view rests. */
@@ -264,6 +265,14 @@ export class Pointer {
   private dragCut(gesture: Extract<Gesture, { kind: "cut" }>, event: PointerEvent, at: Point): void {
     goOn(gesture, event, at);
     const { center, id, normal, offset } = gesture.cut;
+    const face = faceOf(gesture.cut);
+    const box = this.wb.store.drawn_box.peek();
+    if (face !== null && box) {
+      const by = alongAxis(center, normal, this.wb.stage.camera, gesture.from, gesture.to);
+      const sense = isUpper(face) ? -1 : 1;
+      draftFace(this.wb, box, face, sense * (offset + this.snap(event)(by, "length")));
+      return;
+    }
     const section = this.wb.document?.sections.find((each) => each.id === id);
     if (!section) return;
     const by = alongAxis(center, normal, this.wb.stage.camera, gesture.from, gesture.to);
@@ -307,7 +316,7 @@ export class Pointer {
   /** The dragged thing stays where it is. */
   private settle(gesture: Gesture | null): void {
     if (gesture?.kind === "tool") this.wb.hand.put();
-    else if (gesture?.kind === "cut") void settleSection(this.wb);
+    else if (gesture?.kind === "cut") void (faceOf(gesture.cut) === null ? settleSection(this.wb) : settleBox(this.wb));
   }
 
   private end(event: PointerEvent): void {
@@ -360,6 +369,7 @@ export class Pointer {
     const { wb } = this;
     const picked = wb.stage.pick(at.x, at.y);
     if (button === 2) this.openMenu(event, at);
+    else if (button === 0 && wb.store.is_picking_face.peek()) void cutAlongFace(wb, at);
     else if (button === 0 && wb.store.measuring.peek()) clickMeasure(wb, at);
     else if (button === 0 && !this.handle && this.cut === null) {
       const isAdding = event.ctrlKey || event.metaKey || event.shiftKey;

@@ -5,14 +5,13 @@
 // whether they were done; the next welcome has the present state.
 
 import { decodeFrame, encodeFrame } from "./frames";
-import type { FileToSend, OpenMockup } from "./openings";
+import type { FilePurpose, FileToSend, OpenMockup } from "./openings";
 import {
   type CommandRequest,
   type FromPage,
   type FromServer,
   type Here,
   type Jobs,
-  MOST_UPLOAD_PIECE,
   NOT_ALLOWED,
   type People,
   type Pose,
@@ -198,9 +197,9 @@ export class Link {
     return { id, result, cancel };
   }
 
-  /** Announces files to open; resolves with their number. */
-  async sendFiles(files: readonly FileToSend[]): Promise<number> {
-    const { result } = this.expect<{ files: number }>((id) => ({ kind: "send_files", id, files }), "open");
+  /** Announces files; resolves with their number. */
+  async sendFiles(purpose: FilePurpose, files: readonly FileToSend[]): Promise<number> {
+    const { result } = this.expect<{ files: number }>((id) => ({ kind: "send_files", id, purpose, files }), "open");
     return (await result).files;
   }
 
@@ -212,28 +211,6 @@ export class Link {
   /** Opens another mock-up. Its progress is in the document. */
   async openMockup(what: Omit<OpenMockup, "kind" | "id">): Promise<void> {
     await this.expect((id) => ({ kind: "open_mockup", id, ...what }), "open").result;
-  }
-
-  /** Sends a file for a job, piece by piece; resolves with its name there. An error of `onShare` gives it up. */
-  async upload(file: Blob, onShare: (share: number) => void): Promise<string> {
-    const id = this.next_id++;
-    for (let from = 0; ; from += MOST_UPLOAD_PIECE) {
-      const data = new Uint8Array(await file.slice(from, from + MOST_UPLOAD_PIECE).arrayBuffer());
-      const more = from + MOST_UPLOAD_PIECE < file.size;
-      const socket = this.open;
-      if (!socket) throw LOST;
-      const answer = await new Promise<unknown>((resolve, reject) => {
-        this.waiting.set(id, { resolve, reject });
-        this.send(socket, { kind: "upload", id, more, data });
-      });
-      if (!more) return (answer as { upload: string }).upload;
-      try {
-        onShare(Math.min(1, (from + MOST_UPLOAD_PIECE) / file.size));
-      } catch (error) {
-        this.send(socket, { kind: "cancel", id });
-        throw error;
-      }
-    }
   }
 
   /** Answers the server's wish for a picture, in pieces that a message may have. */

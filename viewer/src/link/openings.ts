@@ -1,6 +1,8 @@
 // Written by tools/protocol_ts.py from python/feeler/workbench (protocol.py, commands.py, asking.py): change it there.
 // SI: metres, newtons, radians; poses are world_from_tool, row by row. `frames.ts` packs and unpacks binary data.
 
+export type FilePurpose = "open" | "job";
+
 /** Bytes of a file in one message. */
 export const MOST_PIECE_BYTES = 524288;
 
@@ -23,10 +25,14 @@ export interface FileToSend {
   readonly bytes: number;
 }
 
-/** Announces files to open. Answered by a reply with their number, "files". */
+/**
+ * Announces files: to open in place of the mock-up, or one for a job. Answered by a reply with their number,
+ * "files".
+ */
 export interface SendFiles {
   readonly kind: "send_files";
   readonly id: number;
+  readonly purpose: FilePurpose;
   readonly files: readonly FileToSend[];
 }
 

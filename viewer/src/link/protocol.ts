@@ -350,8 +350,35 @@ export interface Gap {
   readonly point: Vec3 | null;
 }
 
+/** Where a way does not hold. */
+export interface WayHit {
+  /** Of the length of the way, 0 to 1. */
+  readonly share: number;
+  readonly part: number;
+  /** On the part, world. */
+  readonly point: Vec3;
+}
+
+/** A command of a record. */
+export interface RecordStep {
+  /** Of the replay, seconds. */
+  readonly at: number;
+  /** Of the recorded session, seconds since its start. */
+  readonly time: number;
+  readonly title: string;
+}
+
+/** A record over time. */
+export interface RecordTimeline {
+  /** Of a replay at the recorded speed: pauses are cut. */
+  readonly seconds: number;
+  readonly steps: readonly RecordStep[];
+  /** At some moments, `share` of `seconds`; empty before the record was replayed. */
+  readonly gaps: readonly Gap[];
+}
+
 /** A way that was found, with what it passes. */
-export interface WayFacts extends GivenWay {
+export interface FoundWay extends GivenWay {
   readonly legs: readonly string[];
   /** The travel of the middle of the parts, metres. */
   readonly length: number;
@@ -359,6 +386,25 @@ export interface WayFacts extends GivenWay {
   readonly rotation: number;
   /** At some poses of it, in order: between them the gap may be smaller. */
   readonly gaps: readonly Gap[];
+}
+
+/** The same; of a removal in the sequence also where parts lie when it begins, and where it does not hold. */
+export interface WayFacts extends FoundWay {
+  /** Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now. */
+  readonly places?: Readonly<Record<string, Pose>>;
+  readonly hit?: WayHit;
+}
+
+/** A line of the sequence, as a way. */
+export interface FilmWay extends WayFacts {
+  readonly id: number;
+  /** world_from_part of its parts before it; those that are missing were at home. */
+  readonly starts: Readonly<Record<string, Pose>>;
+}
+
+/** The sequence of removals as a film. */
+export interface SequenceFilm {
+  readonly ways: readonly FilmWay[];
 }
 
 /** A part that stops others. */
@@ -433,9 +479,6 @@ export const MOST_PLANES = 32;
 /** Clearance rows listed in a state. */
 export const MOST_CLEARANCES = 16;
 
-/** Bytes of one piece of a file. */
-export const MOST_UPLOAD_PIECE = 524288;
-
 /** 16 numbers of a rigid pose, row by row. */
 export type Pose = readonly number[];
 
@@ -461,6 +504,10 @@ export type MeasureType = "point" | "edge" | "angle" | "parts";
 export type Material = "steel" | "aluminium" | "plastic" | "rubber";
 
 export type CardQuestion = "removal" | "order" | "access" | "swept";
+
+export type LineQuestion = "way" | "shorten";
+
+export type CardKind = "removal" | "order" | "access" | "swept" | "way" | "shorten";
 
 export type CardState = "waiting" | "running" | "done" | "failed" | "cancelled";
 
@@ -493,6 +540,10 @@ export interface RecordFacts {
   readonly is_same: boolean | null;
   /** The same as a sentence. */
   readonly verdict: string | null;
+  /** The moment that is shown, seconds of the replay; null before one was. */
+  readonly at: number | null;
+  /** Whether the timeline of the question "record" has gaps. */
+  readonly has_gaps: boolean;
 }
 
 /** The project file that the document is saved in. */
@@ -526,6 +577,13 @@ export interface Section {
   readonly is_on: boolean;
 }
 
+/** A section box along the world axes: keeps the points inside it. */
+export interface SectionBox {
+  readonly lower: Vec3;
+  readonly upper: Vec3;
+  readonly is_on: boolean;
+}
+
 /** One removal: parts, their way, and its clearance. */
 export interface SequenceLine {
   readonly id: number;
@@ -553,17 +611,20 @@ export interface Measure {
   readonly is_exact: boolean;
 }
 
-/** A stored camera. */
+/** A stored camera, and the sections of that moment. */
 export interface Viewpoint {
   readonly id: number;
   readonly name: string;
   readonly camera: Camera;
+  /** Null in viewpoints of older projects: they change no sections. */
+  readonly sections: readonly Section[] | null;
+  readonly section_box: SectionBox | null;
 }
 
 /** A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest. */
 export interface Card {
   readonly id: number;
-  readonly question: CardQuestion;
+  readonly question: CardKind;
   /** Empty: all fasteners. */
   readonly parts: readonly number[];
   /** Parts left out for this question. */
@@ -581,8 +642,10 @@ export interface Card {
   readonly sentence: string;
   /** Whether the answer is what one hopes for; null before it, and if it is neither. */
   readonly is_good: boolean | null;
-  /** Parts were moved since it was asked. */
+  /** Parts were moved since it was asked; of a line: its way, what is before it, or parts outside of the sequence. */
   readonly is_stale: boolean;
+  /** The line of the sequence that it is about; null for questions about parts. */
+  readonly line: number | null;
 }
 
 /** A way of parts: poses of their motion in the world, the first the identity. */
@@ -591,6 +654,17 @@ export interface GivenWay {
   readonly poses: readonly Pose[];
   /** Metres; null: nothing near, or not known. */
   readonly clearance: number | null;
+}
+
+/** A way that guides the hand, which holds its parts. */
+export interface Guiding {
+  readonly card: number | null;
+  readonly line: number | null;
+  /** Of the ways of the card, from 0. */
+  readonly step: number;
+  readonly parts: readonly number[];
+  /** world_from_hand, from where the hand was when it began. */
+  readonly way: readonly Pose[];
 }
 
 /** The state that a page shows and that commands may change; a reload restores it. */
@@ -617,6 +691,7 @@ export interface Document {
   readonly explode: number;
   readonly isolated: boolean;
   readonly sections: readonly Section[];
+  readonly section_box: SectionBox | null;
   /** The last pose of the hand that a command set. */
   readonly pose: Pose;
   readonly gripped: readonly number[];
@@ -627,6 +702,8 @@ export interface Document {
   readonly sequence: readonly SequenceLine[];
   /** The line of the sequence being replayed. */
   readonly replaying: number | null;
+  /** Null: nothing draws the hand. */
+  readonly guiding: Guiding | null;
   readonly measures: readonly Measure[];
   readonly viewpoints: readonly Viewpoint[];
   readonly findings: Findings | null;
@@ -787,16 +864,6 @@ export interface Shot {
   readonly png_base64: string;
   /** Another piece follows. */
   readonly more: boolean;
-}
-
-/** The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file. */
-export interface Upload {
-  readonly kind: "upload";
-  /** The same for all pieces of a file. */
-  readonly id: number;
-  /** Another piece follows. */
-  readonly more: boolean;
-  readonly data: Uint8Array;
 }
 
 /** The measurements for a "benchmark" event. */
@@ -992,7 +1059,7 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked;
+export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
 
 export type FromPage = PageMessage | OpeningRequest | PersonMessage;
 
@@ -1026,6 +1093,12 @@ export interface Commands {
   readonly section_switch: { readonly id: number; readonly is_on: boolean };
   /** Removes a section plane. */
   readonly section_remove: { readonly id: number };
+  /** Cuts everything outside a box along the world axes away; replaces the box that was there. Metres. */
+  readonly section_box: { readonly lower: Vec3; readonly upper: Vec3 };
+  /** Switches the section box on or off. */
+  readonly section_box_switch: { readonly is_on: boolean };
+  /** Removes the section box. */
+  readonly section_box_remove: Record<string, never>;
   /** Sets the unit in which lengths are shown. */
   readonly set_unit: { readonly unit: Unit };
   /** Sets the material that contact sounds like; null: steel. */
@@ -1061,8 +1134,10 @@ export interface Commands {
   };
   /** Removes a measure. */
   readonly measure_remove: { readonly id: number };
-  /** Saves a camera. */
+  /** Saves a camera, and the sections as they are. */
   readonly viewpoint_add: { readonly name?: string; readonly camera: Camera };
+  /** Restores the sections that a viewpoint was saved with; the camera belongs to the page. */
+  readonly viewpoint_show: { readonly id: number };
   /** Removes a saved camera. */
   readonly viewpoint_remove: { readonly id: number };
   /** Renames a step of the sequence. */
@@ -1137,6 +1212,21 @@ export interface Commands {
   readonly card_remove: { readonly id: number };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
+  /** Asks whether the way of a line of the sequence holds: at every pose, and between them. */
+  readonly way_check: { readonly id: number };
+  /** Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end. */
+  readonly way_shorten: { readonly id: number };
+  /** Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line. */
+  readonly way_keep: {
+    readonly id?: number;
+    readonly is_added?: boolean;
+    readonly line?: number;
+    readonly ways?: readonly GivenWay[];
+  };
+  /** Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence. */
+  readonly guide: { readonly card?: number; readonly step?: number; readonly line?: number };
+  /** Ends the guidance of the hand. */
+  readonly guide_end: Record<string, never>;
   /** Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found. */
   readonly seat: { readonly pose: Pose };
   readonly undo: Record<string, never>;
@@ -1168,6 +1258,8 @@ export interface Questions {
   readonly find: { readonly args: { readonly query: string }; readonly answer: FoundParts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
+  /** The record over time. */
+  readonly record: { readonly args: Record<string, never>; readonly answer: RecordTimeline };
   /** Patterns for the parts of a finding and their numbered siblings, and how many findings they hide. */
   readonly finding_alike: { readonly args: { readonly version: string; readonly row: number }; readonly answer: Alike };
   /** From where a finding is seen; null if none of its parts is here. */
@@ -1186,7 +1278,7 @@ export interface Questions {
 
 /** The arguments of jobs, and their results. */
 export interface Jobs {
-  /** The exact outlines of the active sections, or of one plane. */
+  /** The exact outlines of the active sections and of the section box, or of one plane. */
   readonly outline: { readonly args: { readonly normal?: Vec3; readonly offset?: number }; readonly answer: Outline };
   readonly export_csv: { readonly args: Record<string, never>; readonly answer: Written };
   readonly export_html: { readonly args: Record<string, never>; readonly answer: Written };
@@ -1197,14 +1289,18 @@ export interface Jobs {
   readonly report: { readonly args: { readonly pictures?: number }; readonly answer: Written };
   /** One HTML file with the mock-up inside, to download; see `page`. `camera`: the initial view. */
   readonly page: { readonly args: { readonly camera?: Camera }; readonly answer: WrittenPage };
-  /** Replays the record that the workbench was opened with. */
-  readonly replay: { readonly args: Record<string, never>; readonly answer: Replayed };
+  /** Replays the record that the workbench was opened with: exactly; or shows it from some seconds on. */
+  readonly replay: { readonly args: { readonly start?: number; readonly speed?: number }; readonly answer: Replayed };
+  /** Shows the record at some seconds of its replay. */
+  readonly replay_to: { readonly args: { readonly at: number }; readonly answer: Replayed };
+  /** The sequence as a film. */
+  readonly film: { readonly args: Record<string, never>; readonly answer: SequenceFilm };
   /** Checks the scene as it is now: parts taken out and parts in the hand do not count, hidden ones do. */
   readonly clash: { readonly args: { readonly parts?: Selection }; readonly answer: Taken };
   /** Opens a file that a page sent: findings of `feeler clash --json` or --save. */
-  readonly findings_file: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  readonly findings_file: { readonly args: { readonly files: number; readonly name: string }; readonly answer: Taken };
   /** Takes statuses and comments of a BCF file that a page sent: `count` findings have changed. */
-  readonly findings_bcf: { readonly args: { readonly upload: string; readonly name: string }; readonly answer: Taken };
+  readonly findings_bcf: { readonly args: { readonly files: number; readonly name: string }; readonly answer: Taken };
   /** Checks the requirements in the scene as it is now, as "clash" does; for the command "requirements_checked". */
   readonly verify: { readonly args: Record<string, never>; readonly answer: readonly RequirementResult[] };
   /** Writes the requirements as TOML, for `feeler verify`. */
@@ -1235,9 +1331,6 @@ export const ARRAYS = {
   },
   pose: {
     pose: ["f8", [4, 4], null],
-  },
-  upload: {
-    data: ["u1", ["bytes"], MOST_UPLOAD_PIECE],
   },
   state: {
     pose: ["f8", [4, 4], null],

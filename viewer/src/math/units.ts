@@ -98,3 +98,10 @@ export const volumeText = (volume_m3: number, unit: Unit): string =>
 /** Four digits that count, or all before the point. */
 const fewDigits = (value: number): string =>
   value >= 1000 ? formatCount(Math.round(value)) : String(Number(value.toPrecision(4)));
+
+/** Seconds as minutes and seconds: "1:05.3". */
+export function formatTime(seconds: number): string {
+  const tenths = Math.round(10 * Math.max(0, seconds));
+  const rest = ((tenths % 600) / 10).toFixed(1).padStart(4, "0");
+  return `${Math.floor(tenths / 600)}:${rest}`;
+}

@@ -1,14 +1,20 @@
 // Films of ways: where parts are at a share of a way that was found. Pure.
 
-import type { CardAnswer, Gap } from "../link/protocol";
+import type { CardAnswer, FilmWay, Gap } from "../link/protocol";
 import { carry, IDENTITY, multiply, orthonormal, type Pose } from "../math/matrix";
 import { distance, type Vec3 } from "../math/vectors";
 
-type Way = CardAnswer["ways"][number];
+export type Way = CardAnswer["ways"][number] | FilmWay;
 
-/** A film that is open: the ways of a card one after the other, and how far it is. */
+/** Where the parts of a line begin; null of a card's way, which begins where the parts lie now. */
+export const startsOf = (way: Way): FilmWay["starts"] | null => ("starts" in way ? (way as FilmWay).starts : null);
+
+/** The subject of a film: the ways of a card, or the sequence of removals. */
+export type FilmOf = number | "sequence";
+
+/** A film that is open: its ways one after the other, and how far it is. */
 export interface Film {
-  readonly card: number;
+  readonly card: FilmOf;
   /** The way that plays, from 0. */
   readonly step: number;
   /** Of that way, 0 to 1. */
@@ -48,7 +54,7 @@ export function motionAt(poses: readonly Pose[], shares: readonly number[], shar
 export const secondsOf = (way: Pick<Way, "length">): number =>
   Math.min(MOST_S, Math.max(LEAST_S, way.length / M_PER_S));
 
-/** A film some seconds later: on to the next way at the end of one; it stands at the end of the last. */
+/** A film some seconds later, of its own time: on to the next way at the end of one; it stands at the end of the last. */
 export function advanced(film: Film, ways: readonly Pick<Way, "length">[], seconds: number): Film {
   let { step, share } = film;
   let rest = seconds;
@@ -63,7 +69,34 @@ export function advanced(film: Film, ways: readonly Pick<Way, "length">[], secon
   return { ...film, is_playing: false };
 }
 
-/** world_from_part of all parts that a film moves: those of earlier ways are at their ends. */
+/** The moment of a film, seconds from its start. */
+export function timeOf(film: Pick<Film, "step" | "share">, ways: readonly Pick<Way, "length">[]): number {
+  const before = ways.slice(0, film.step).reduce((sum, way) => sum + secondsOf(way), 0);
+  const way = ways[film.step];
+  return before + (way ? film.share * secondsOf(way) : 0);
+}
+
+/** How far a film is at some seconds; of two ways, the later one begins. */
+export function placeAt(ways: readonly Pick<Way, "length">[], seconds: number): Pick<Film, "step" | "share"> {
+  let rest = Math.max(0, seconds);
+  for (const [step, way] of ways.entries()) {
+    const length = secondsOf(way);
+    if (rest < length) return { step, share: rest / length };
+    rest -= length;
+  }
+  return { step: Math.max(0, ways.length - 1), share: 1 };
+}
+
+/** The gaps of all ways, by their share of the whole film. */
+export function gapsOf(ways: readonly (Pick<Way, "length"> & { readonly gaps: readonly Gap[] })[]): Gap[] {
+  const total = ways.reduce((sum, way) => sum + secondsOf(way), 0);
+  return ways.flatMap((way, step) =>
+    way.gaps.map((gap) => ({ ...gap, share: timeOf({ step, share: gap.share }, ways) / total })),
+  );
+}
+
+/** world_from_part of all parts that a film moves: those of earlier ways are at their ends, of later lines at their
+ * starts. */
 export function placesAt(
   film: Film,
   ways: readonly Way[],
@@ -71,11 +104,16 @@ export function placesAt(
   pointsOf: (parts: readonly number[]) => Vec3[],
 ): Map<number, Pose> {
   const places = new Map<number, Pose>();
-  for (const [k, way] of ways.slice(0, film.step + 1).entries()) {
+  const startOf = (way: Way, part: number): Pose => [...((startsOf(way) ?? starts)[part] ?? IDENTITY)];
+  for (const [k, way] of ways.entries()) {
+    if (k > film.step) {
+      if (startsOf(way)) for (const part of way.parts) if (!places.has(part)) places.set(part, startOf(way, part));
+      continue;
+    }
     const share = k < film.step ? 1 : film.share;
     const poses = way.poses.map((pose) => [...pose]);
     const motion = motionAt(poses, share < 1 ? sharesOf(poses, pointsOf(way.parts)) : [], share);
-    for (const part of way.parts) places.set(part, multiply(motion, starts[part] ?? IDENTITY));
+    for (const part of way.parts) places.set(part, multiply(motion, startOf(way, part)));
   }
   return places;
 }

@@ -56,6 +56,16 @@ const CHANGES: { readonly [Name in keyof Commands]?: Change<Name> } = {
     ...document,
     sections: document.sections.filter((section) => section.id !== id),
   }),
+  section_box: (document, { lower, upper }) => ({ ...document, section_box: { lower, upper, is_on: true } }),
+  section_box_switch: (document, { is_on }) => ({
+    ...document,
+    section_box: document.section_box && { ...document.section_box, is_on },
+  }),
+  section_box_remove: (document) => ({ ...document, section_box: null }),
+  viewpoint_show: (document, { id }) => {
+    const kept = document.viewpoints.find((each) => each.id === id);
+    return kept?.sections ? { ...document, sections: kept.sections, section_box: kept.section_box } : document;
+  },
   measure_add: (document, { type, points: [one, other] = [] }) =>
     type === "point" && one && other ? withMeasure(document, [one, other]) : null,
   measure_edit: (document, { id, name }) => ({

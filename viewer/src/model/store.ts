@@ -2,9 +2,17 @@
 
 import { computed, signal } from "@preact/signals";
 import type { Opens } from "../link/openings";
-import type { CardAnswer, Document, Manifest, MeasureType, State } from "../link/protocol";
+import type {
+  CardAnswer,
+  Document,
+  Manifest,
+  MeasureType,
+  RecordTimeline,
+  SequenceFilm,
+  State,
+} from "../link/protocol";
 import { isSame } from "../math/same";
-import type { Vec3 } from "../math/vectors";
+import type { Box, Vec3 } from "../math/vectors";
 import type { Film } from "./film";
 import { FindingState } from "./finding-state";
 import {
@@ -106,6 +114,10 @@ export class Store {
   readonly measuring = signal<Measuring | null>(null);
   readonly snap = signal<{ point: Vec3; type: "vertex" | "edge" | "face" } | null>(null);
   readonly section_draft = signal<SectionDraft | null>(null);
+  /** The section box while one of its faces is dragged. */
+  readonly box_draft = signal<Box | null>(null);
+  /** The next click on the picture cuts along the face there. */
+  readonly is_picking_face = signal(false);
   /** The findings, and how they are shown. */
   readonly findings = new FindingState(this.document);
   /** The card whose answer is open. */
@@ -113,6 +125,12 @@ export class Store {
   /** The answers that were fetched, by card. */
   readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
   readonly film = signal<Film | null>(null);
+  /** The sequence as a film; null before it was fetched. */
+  readonly sequence_film = signal<SequenceFilm["ways"] | null>(null);
+  /** How fast films and records play. */
+  readonly speed = signal(1);
+  /** The record over time; null before it was fetched. */
+  readonly timeline = signal<RecordTimeline | null>(null);
   /** The fastener at which the tool is seated. */
   readonly reach = signal<CardAnswer["reaches"][number] | null>(null);
   readonly way_marks = signal<WayMarks>(NO_WAY);
@@ -166,6 +184,12 @@ export class Store {
   readonly drawn_sections = computed(() =>
     drawnSections(this.document.value?.sections ?? [], this.section_draft.value),
   );
+  /** The drawn section box, a dragged face at its dragged place; null: none is on. */
+  readonly drawn_box = computed((): Box | null => {
+    const box = this.document.value?.section_box;
+    if (!box?.is_on) return null;
+    return this.box_draft.value ?? { lower: [...box.lower], upper: [...box.upper] };
+  });
   readonly hidden = computed(() => new Set(this.document.value?.hidden ?? []));
   readonly ghost = computed(() => new Set(this.document.value?.ghost ?? []));
   readonly has_hand = computed(() => {

@@ -18,7 +18,9 @@ export class Model {
   middle: Vec3 = [0, 0, 0];
   /** All of it, wherever parts were moved. */
   bounds: Box = emptyBox();
+  /** The cuts, and behind them the faces of the section box. */
   sections: SectionPlane[] = [];
+  section_box: Box | null = null;
   #pieces: Pieces | null = null;
   #table: PartTable | null = null;
   #shapeVersion = 0;

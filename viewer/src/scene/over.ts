@@ -4,6 +4,7 @@
 import { type Group, Scene, type WebGLRenderer } from "three";
 import { isSame } from "../math/same";
 import type { Vec3 } from "../math/vectors";
+import { BOX_FACES } from "../model/sections";
 import type { CameraRig } from "./camera";
 import type { Eye } from "./eye";
 import { Heat } from "./heat";
@@ -65,10 +66,11 @@ export class Over {
     this.room.setOrigin(middle);
   }
 
-  setSections({ sections, bounds }: Model): void {
+  setSections({ sections, section_box, bounds }: Model): void {
     for (const room of [this.held, this.room, this.heat, this.#heldLayer, this.#hits, this.#marks])
       room.setSections(sections.length);
-    this.#lines.setPlanes(sections, bounds);
+    const cuts = section_box ? sections.slice(0, -BOX_FACES.length) : sections;
+    this.#lines.setFrames(cuts, section_box, bounds, sections.length);
   }
 
   /** The engine's outlines of the sections: (k, 2, 3) world metres, null for none. */

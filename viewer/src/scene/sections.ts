@@ -26,10 +26,9 @@ export interface SectionPlane {
 const FRAME: Tint = [0.45, 0.72, 1.0, 0.7];
 const OUTLINE: Tint = [0.05, 0.05, 0.07, 0.9];
 
-/** The polygon in which the plane meets `box`, in order around it: 3 to 6 points, or none. */
-export function planeInBox({ normal, offset }: SectionPlane, box: Box): Vec3[] {
-  const points: Vec3[] = [];
-  // The 12 edges: along each axis, from the four corners of the box's face at its lower side.
+/** The 12 edges of a box: along each axis, from the four corners of its face at the lower side. */
+function edges(box: Box): [Vec3, Vec3][] {
+  const found: [Vec3, Vec3][] = [];
   for (let axis = 0; axis < 3; axis++) {
     for (let bits = 0; bits < 4; bits++) {
       const from: Vec3 = [...box.lower];
@@ -38,10 +37,19 @@ export function planeInBox({ normal, offset }: SectionPlane, box: Box): Vec3[] {
       if (bits & 2) from[v] = box.upper[v] as number;
       const to: Vec3 = [...from];
       to[axis] = box.upper[axis] as number;
-      const [a, b] = [dot(normal, from) - offset, dot(normal, to) - offset];
-      if (a < 0 === b < 0) continue;
-      points.push(add(from, scale(subtract(to, from), a / (a - b))));
+      found.push([from, to]);
     }
+  }
+  return found;
+}
+
+/** The polygon in which the plane meets `box`, in order around it: 3 to 6 points, or none. */
+export function planeInBox({ normal, offset }: SectionPlane, box: Box): Vec3[] {
+  const points: Vec3[] = [];
+  for (const [from, to] of edges(box)) {
+    const [a, b] = [dot(normal, from) - offset, dot(normal, to) - offset];
+    if (a < 0 === b < 0) continue;
+    points.push(add(from, scale(subtract(to, from), a / (a - b))));
   }
   if (points.length < 3) return [];
   const middle = scale(points.reduce(add, [0, 0, 0] as Vec3), 1 / points.length);
@@ -79,18 +87,19 @@ export class SectionLines {
     return !this.#frames.mesh.visible && !this.#outlines.mesh.visible;
   }
 
-  /** The frames of `sections`: where each meets `box`. */
-  setPlanes(sections: readonly SectionPlane[], box: Box): void {
+  /** The frames of the cuts, where each meets `box`, and the edges of the section box. `count`: of all planes. */
+  setFrames(cuts: readonly SectionPlane[], sectionBox: Box | null, box: Box, count: number): void {
     this.#frames.clear();
-    for (const section of sections) {
+    for (const [from, to] of sectionBox ? edges(sectionBox) : []) this.#frames.add(from, to, FRAME, 1.5);
+    for (const section of cuts) {
       const polygon = planeInBox(section, box);
       polygon.forEach((p, k) => {
         this.#frames.add(p, polygon[(k + 1) % polygon.length] as Vec3, FRAME, 1.5);
       });
     }
     this.#frames.commit();
-    this.#frames.setSections(sections.length);
-    this.#outlines.setSections(sections.length);
+    this.#frames.setSections(count);
+    this.#outlines.setSections(count);
   }
 
   /** Exact outlines by the engine: (k, 2, 3), world metres. */
@@ -109,16 +118,19 @@ export class SectionLines {
   }
 }
 
-/** Writes `sections` into the uniforms: world coordinates less `middle`, and view coordinates of the camera's axes. */
+/** Writes `sections` into the uniforms: world coordinates less `middle`, and view coordinates of the camera's axes.
+ *
+ * `slack`: as much more is cut away, metres, so that a face in the plane of a cut is gone as a whole, not in specks. */
 export function writePlanes(
   sections: readonly SectionPlane[],
   middle: Vec3,
   camera: { position: Vec3; right: Vec3; top: Vec3; forward: Vec3 },
   cut: Vector4[],
   view: Vector4[],
+  slack = 0,
 ): void {
   sections.forEach(({ normal, offset }, k) => {
-    cut[k]?.set(...normal, offset - dot(normal, middle));
+    cut[k]?.set(...normal, offset - dot(normal, middle) + slack);
     const [x, y, z] = [dot(normal, camera.right), dot(normal, camera.top), -dot(normal, camera.forward)];
     view[k]?.set(x, y, z, offset - dot(normal, camera.position));
   });

@@ -7,7 +7,8 @@ import { Group, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
 import { IDENTITY } from "../math/matrix";
 import { isSame } from "../math/same";
-import { add, type Box, dot, isEmpty, scale, union, type Vec3 } from "../math/vectors";
+import { add, type Box, diagonal, dot, isEmpty, scale, union, type Vec3 } from "../math/vectors";
+import { boxPlanes } from "../model/sections";
 import { aim } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
@@ -28,7 +29,7 @@ import { type SectionPlane, writePlanes } from "./sections";
 import { backFragment } from "./shaders";
 import { pngOf } from "./shot";
 import { channels, coloursOf, type Theme } from "./theme";
-import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
+import { CUT_SLACK, MAX_SECTIONS, sharedUniforms } from "./uniforms";
 import { warmUp } from "./warmup";
 
 export { PartState } from "./parts";
@@ -260,11 +261,13 @@ export class Stage {
     this.#stir();
   }
 
-  /** The planes that cut the mock-up: at most six, the others are not cut. */
-  setSections(sections: SectionPlane[]): void {
-    const next = sections.slice(0, MAX_SECTIONS);
+  /** The planes that cut the mock-up: at most six, the others cut nothing. And the section box, if there is one. */
+  setSections(cuts: SectionPlane[], box: Box | null = null): void {
+    const faces = box ? boxPlanes(box) : [];
+    const next = [...cuts.slice(0, MAX_SECTIONS - faces.length), ...faces];
     if (isSame(next, this.#model.sections)) return;
     this.#model.sections = structuredClone(next);
+    this.#model.section_box = structuredClone(box);
     this.#cut();
     this.#stir();
   }
@@ -555,7 +558,9 @@ export class Stage {
     const isReversed = this.renderer.capabilities.reversedDepthBuffer;
     const picture = { width, height, pixelRatio };
     aim(this.eye, this.#uniforms, { camera: this.camera, box, middle, isReversed, picture });
-    writePlanes(sections, middle, this.camera, this.#uniforms.cutPlanes.value, this.#uniforms.viewPlanes.value);
+    const { cutPlanes, viewPlanes } = this.#uniforms;
+    const slack = CUT_SLACK * diagonal(bounds);
+    writePlanes(sections, middle, this.camera, cutPlanes.value, viewPlanes.value, slack);
   }
 
   /** Redraws the mock-up: all of it, or as much as the pace allows while the camera moves. */

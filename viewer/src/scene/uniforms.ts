@@ -2,7 +2,10 @@
 
 import { type IUniform, Matrix4, type Texture, Vector2, Vector3, Vector4 } from "three";
 
-export const MAX_SECTIONS = 6;
+/** Six cuts, and the six faces of the section box. */
+export const MAX_SECTIONS = 12;
+/** A cut takes so much more away, a share of the mock-up's diagonal: a face in its plane is gone as a whole. */
+export const CUT_SLACK = 1e-6;
 
 const vectors = (count: number) => Array.from({ length: count }, () => new Vector4());
 

@@ -65,7 +65,8 @@ export function AskPanel() {
 
 const ICONS = { removal: "back", order: "list", access: "turn", swept: "explode" } as const;
 
-function CardItem({ card }: { card: Card }) {
+/** A question and its answer; a click on it opens the whole answer. */
+export function CardItem({ card }: { card: Card }) {
   const wb = useWorkbench();
   const { store } = wb;
   const isLocked = store.is_read_only.value;
@@ -113,7 +114,11 @@ function CardItem({ card }: { card: Card }) {
       )}
       <p class="note">
         {card.setting}
-        {card.is_stale && <strong class="stale"> · parts were moved since</strong>}
+        {card.is_stale && (
+          <strong class="stale">
+            {card.line === null ? " · parts were moved since" : " · the way, or what is around it, changed since"}
+          </strong>
+        )}
       </p>
       {isOpen && answer && <Answer card={card} answer={answer} />}
     </li>
@@ -145,7 +150,7 @@ function Answer({ card, answer }: { card: Card; answer: CardAnswer }) {
         </dl>
       )}
       {answer.ways.length > 0 && <WayPlayer card={card} answer={answer} />}
-      {answer.ways.length === 0 && <Blockers card={card} answer={answer} />}
+      {answer.ways.length === 0 && card.line === null && <Blockers card={card} answer={answer} />}
       {answer.reaches.length > 0 && <ReachList answer={answer} />}
     </>
   );
@@ -178,7 +183,7 @@ function Blockers({ card, answer }: { card: Card; answer: CardAnswer }) {
               type="button"
               class="button small"
               disabled={store.is_read_only.value}
-              onClick={() => ask(wb, card.question, card.parts, [...card.without, part])}
+              onClick={() => ask(wb, card.question as CardQuestion, card.parts, [...card.without, part])}
             >
               Try without
             </button>

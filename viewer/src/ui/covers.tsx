@@ -1,10 +1,13 @@
 // Overlays on the picture: loading, failure, a broken link, notices.
 
+import { showPart } from "../actions/cards";
+import { canPause, recordAt, seekRecord, toggleRecord } from "../actions/record";
 import type { Workbench } from "../actions/workbench";
-import { formatCount, formatShare } from "../math/units";
+import { formatCount, formatShare, formatTime } from "../math/units";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
+import { Timeline } from "./timeline";
 
 interface Failure {
   readonly title: string;
@@ -172,19 +175,38 @@ export function AllHidden() {
   );
 }
 
-/** A record that the workbench was opened with: replayed by a button, and what came of it. */
+/** A record that the workbench was opened with: replayed by a button, scrubbed, and what came of it. */
 export function RecordBar() {
-  const { store } = useWorkbench();
+  const wb = useWorkbench();
+  const { store } = wb;
+  const timeline = store.timeline.value;
   const record = store.document.value?.record;
   if (!record || store.connection.value !== "open") return null;
   const state = record.is_playing ? "playing" : record.is_same === null ? "" : record.is_same ? "same" : "parted";
   return (
     <section class={`record-bar ${state}`} aria-label="Record">
-      <p role="status">
-        <strong>{record.name}</strong>
-        {record.is_playing ? " is being replayed." : (record.verdict && ` ${record.verdict}`) || " can be replayed."}
-      </p>
-      <CommandButton id="replay" icon="play" text={record.verdict ? "Replay again" : "Replay"} />
+      <div class="record-line">
+        <p role="status">
+          <strong>{record.name}</strong>
+          {record.is_playing ? " is being replayed." : (record.verdict && ` ${record.verdict}`) || " can be replayed."}
+        </p>
+        <CommandButton id="replay" icon="play" text={record.verdict ? "Replay again" : "Replay"} />
+      </div>
+      {timeline && (
+        <Timeline
+          name="the record"
+          seconds={timeline.seconds}
+          at={recordAt(wb)}
+          gaps={timeline.gaps}
+          stops={timeline.steps.map(({ at, time, title }) => ({ at, title, note: formatTime(time) }))}
+          is_playing={record.is_playing}
+          is_compact
+          disabled={record.is_playing && !canPause()}
+          toggle={() => toggleRecord(wb)}
+          go={(at) => seekRecord(wb, at)}
+          show={(part) => showPart(wb, part)}
+        />
+      )}
     </section>
   );
 }

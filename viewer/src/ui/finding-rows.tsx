@@ -1,14 +1,13 @@
 // The list of findings: a hundred thousand of them, at most eighty rows in the page. Groups fold.
 
-import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { useSignalEffect } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
 import { formatCount } from "../math/units";
 import { factsText, lineOf, middleCut, nameA, nameB, relation, sentence, statusOf } from "../model/findings";
 import { useWorkbench } from "./context";
 import { NameField } from "./fields";
 import { Icon } from "./icons";
-import { scrollTo, visibleRows } from "./virtual";
+import { useVirtualList } from "./virtual-list";
 
 const ROW_PX = 42;
 /** Characters of a part's name in a row; the whole is in its tooltip. */
@@ -17,27 +16,9 @@ const MOST_NAME = 22;
 export function FindingRows() {
   const wb = useWorkbench();
   const { findings } = wb.store;
-  const scroll_top = useSignal(0);
-  const height = useSignal(300);
-  const active = useSignal(0);
-  const list = useRef<HTMLDivElement>(null);
-  const is_focus_due = useRef(false);
-
-  useEffect(() => {
-    const element = list.current;
-    if (!element) return;
-    const observer = new ResizeObserver(() => {
-      height.value = element.clientHeight;
-    });
-    observer.observe(element);
-    return () => observer.disconnect();
-  }, []);
-
-  const show = (line: number): void => {
-    active.value = line;
-    const element = list.current;
-    if (element) element.scrollTop = scrollTo(line, element.scrollTop, element.clientHeight, ROW_PX);
-  };
+  const { lines } = findings.shown.value;
+  const rows = useVirtualList(lines.length, ROW_PX);
+  const { show } = rows;
 
   // The current one comes into sight.
   useSignalEffect(() => {
@@ -46,13 +27,6 @@ export function FindingRows() {
     if (line >= 0) show(line);
   });
 
-  useLayoutEffect(() => {
-    if (!is_focus_due.current) return;
-    is_focus_due.current = false;
-    list.current?.querySelector<HTMLElement>("[role=treeitem][tabindex='0']")?.focus({ preventScroll: true });
-  });
-
-  const { lines } = findings.shown.value;
   const groupAt = (line: number) => findings.shown.peek().groups[-1 - (findings.shown.peek().lines[line] ?? 0)];
 
   const choose = (line: number, event: MouseEvent | KeyboardEvent): void => {
@@ -79,51 +53,34 @@ export function FindingRows() {
 
   const onKey = (event: KeyboardEvent): void => {
     if (event.altKey || event.ctrlKey || event.metaKey || event.target instanceof HTMLInputElement) return;
-    const at = active.peek();
-    const page = Math.max(1, Math.floor(height.peek() / ROW_PX) - 1);
+    const at = rows.active.peek();
     const group = groupAt(at);
     const is_folded = group !== undefined && findings.folded.peek().has(group.key);
-    const moves: Record<string, number> = {
-      ArrowDown: at + 1,
-      ArrowUp: at - 1,
-      PageDown: at + page,
-      PageUp: at - page,
-      Home: 0,
-      End: lines.length - 1,
-    };
-    const to = moves[event.key];
-    if (to !== undefined) show(Math.max(0, Math.min(lines.length - 1, to)));
+    const to = rows.target(event.key);
+    if (to !== null) show(to);
     else if (event.key === "ArrowRight" && group && is_folded) findings.fold(group.key);
     else if (event.key === "ArrowLeft" && group && !is_folded) findings.fold(group.key);
     else if (event.key === "Enter" || event.key === " ") choose(at, event);
     else return;
     event.preventDefault();
     event.stopPropagation();
-    is_focus_due.current = true;
+    rows.focus();
   };
 
-  const count = lines.length;
-  const current = Math.min(active.value, Math.max(0, count - 1));
-  const { first, end } = visibleRows(scroll_top.value, height.value, ROW_PX, count);
-  const shown: number[] = [];
-  for (let k = first; k < end; k++) shown.push(k);
-  if (count > 0 && (current < first || current >= end)) shown.push(current);
   return (
     <div
-      ref={list}
+      ref={rows.list}
       class="finding-list"
       role="tree"
       aria-label="Findings"
       aria-multiselectable="true"
-      onScroll={(event) => {
-        scroll_top.value = event.currentTarget.scrollTop;
-      }}
+      onScroll={rows.onScroll}
       onKeyDown={onKey}
     >
-      <div class="finding-space" role="none" style={{ height: `${count * ROW_PX}px` }}>
-        {shown.map((line) => {
+      <div class="finding-space" role="none" style={{ height: `${lines.length * ROW_PX}px` }}>
+        {rows.shown.map((line) => {
           const at = lines[line] ?? -1;
-          const props = { line, isActive: line === current, choose: (event: MouseEvent) => choose(line, event) };
+          const props = { line, isActive: line === rows.current, choose: (event: MouseEvent) => choose(line, event) };
           return at < 0 ? (
             <GroupLine key={`g${at}`} index={-1 - at} {...props} />
           ) : (

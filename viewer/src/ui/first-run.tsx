@@ -45,7 +45,9 @@ export function FirstRun() {
   const { store } = wb;
   const { has_first_run, first_run_step } = store.settings.value;
   const isThere = store.paths.value.includes("gearbox/starter/body");
-  if (!has_first_run || !isThere || store.connection.value !== "open" || store.tour_step.value !== null) return null;
+  // The bar of a record has the same place, and comes first.
+  const isFirst = store.tour_step.value === null && store.document.value?.record == null;
+  if (!has_first_run || !isThere || store.connection.value !== "open" || !isFirst) return null;
   return (
     <section class="first-run" aria-label="Three questions to begin with">
       <header>

@@ -19,6 +19,7 @@ const PATHS = {
   home: "M3 11l9-8 9 8M5 9.5V20h5v-6h4v6h5V9.5",
   parallel: "M4 8h11v11H4zM9 3h11v11M4 8l5-5M15 8l5-5M15 19l5-5",
   section: "M4 7l8-4 8 4v10l-8 4-8-4zM3 14.5l18-6",
+  box: "M4 7l8-4 8 4v10l-8 4-8-4zM4 7l8 4 8-4M12 11v10",
   measure: "M3 16L16 3l5 5L8 21zM7 12l2 2M10 9l3 3M13 6l2 2",
   camera:
     "M4 8h3l2-3h6l2 3h3a1 1 0 0 1 1 1v10a1 1 0 0 1-1 1H4a1 1 0 0 1-1-1V9a1 1 0 0 1 1-1zM12 10a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z",
@@ -38,6 +39,8 @@ const PATHS = {
   down: "M12 5v14M6 13l6 6 6-6",
   play: "M7 4l13 8-13 8z",
   pause: "M8 5v14M16 5v14",
+  previous: "M18 5L9 12l9 7zM6 5v14",
+  next: "M6 5l9 7-9 7zM18 5v14",
   check: "M5 12.5l4.5 4.5L19 7.5",
   download: "M12 3v12M7 11l5 5 5-5M4 20h16",
   close: "M6 6l12 12M18 6L6 18",

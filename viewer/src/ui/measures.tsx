@@ -73,7 +73,7 @@ export function MeasurePanel() {
         <ul class="card-list" aria-label="Viewpoints">
           {viewpoints.map((viewpoint) => (
             <li class="line" key={viewpoint.id}>
-              <button type="button" class="part-line" onClick={() => lookFrom(wb, viewpoint.camera)}>
+              <button type="button" class="part-line" onClick={() => lookFrom(wb, viewpoint)}>
                 <Icon name="eye" size={14} />
                 <span class="row-name">{viewpoint.name}</span>
               </button>

@@ -4,11 +4,11 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 import { commandOf, runCommand, shownKey } from "../actions/commands";
 import { labelOf } from "../actions/labels";
 import { measureFrom } from "../actions/measures";
-import { addSection } from "../actions/sections";
+import { addSection, cutAlongFace } from "../actions/sections";
 import { useWorkbench } from "./context";
 import { Name } from "./names";
 
-const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit", "clashes-of"] as const;
+const PART_ITEMS = ["hide", "isolate", "ghost", "grip", "put-back", "fit", "section-box-fit", "clashes-of"] as const;
 const ASK_ITEMS = ["ask-removal", "ask-order", "ask-tools", "ask-swept"] as const;
 const EMPTY_ITEMS = ["fit", "show-all", "undo", "redo", "snapshot", "palette"] as const;
 
@@ -46,6 +46,7 @@ export function ContextMenu() {
     menu.part >= 0 && point
       ? [
           { text: "Cut here", run: () => addSection(wb, undefined, point), isOff: !store.can_look.value },
+          { text: "Cut along this face", run: () => cutAlongFace(wb, menu.at), isOff: isLocked },
           { text: "Measure from here", run: () => measureFrom(wb, menu.at), isOff: isLocked },
         ]
       : [];

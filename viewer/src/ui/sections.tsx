@@ -1,10 +1,10 @@
 // Sections: cuts through the mock-up, moved by a slider or a figure.
 
-import { addSection, draftSection, flipped, settleSection } from "../actions/sections";
-import type { Section } from "../link/protocol";
+import { addSection, draftSection, flipped, pickFace, settleSection } from "../actions/sections";
+import type { Section, SectionBox } from "../link/protocol";
 import { formatShare } from "../math/units";
 import type { Vec3 } from "../math/vectors";
-import { offsetRange, senseOf } from "../model/sections";
+import { axisOf, type BoxFace, isUpper, offsetRange, senseOf, withFace } from "../model/sections";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
 
@@ -14,12 +14,16 @@ const AXES: readonly (readonly [string, Vec3])[] = [
   ["Z", [0, 0, 1]],
 ];
 
+/** Both ends of an axis side by side. */
+const FACE_ORDER: readonly BoxFace[] = [0, 3, 1, 4, 2, 5];
+
 export function SectionPanel() {
   const wb = useWorkbench();
   const { store } = wb;
   const sections = store.document.value?.sections ?? [];
   const isLocked = !store.can_look.value;
   const explode = store.document.value?.explode ?? 0;
+  const box = store.document.value?.section_box ?? null;
   return (
     <div class="panel-body">
       <section>
@@ -37,6 +41,15 @@ export function SectionPanel() {
             </button>
           ))}
         </div>
+        <div class="button-row">
+          <CommandButton id="section-face" icon="section" pressed={store.is_picking_face.value} text="Along a face" />
+        </div>
+        {store.is_picking_face.value && (
+          <div class="hint-bar" role="status">
+            <span>Click a face in the picture</span>
+            <IconButton icon="close" label="End picking a face" run={() => pickFace(wb)} />
+          </div>
+        )}
         {sections.length === 0 && (
           <p class="note">
             A cut goes through what is selected, else through the middle. It is filled, and picking and measuring obey
@@ -54,6 +67,21 @@ export function SectionPanel() {
               text={sections.some((each) => each.is_on) ? "All off" : "All on"}
             />
           </div>
+        )}
+      </section>
+      <section>
+        <h2>Section box</h2>
+        <div class="button-row">
+          <CommandButton
+            id="section-box-fit"
+            icon="box"
+            text={store.selection.value.size > 0 ? "Round the selection" : "Round everything"}
+          />
+        </div>
+        {box ? (
+          <BoxCard box={box} />
+        ) : (
+          <p class="note">A box shows what is inside it. Drag its arrows in the picture, or type its ends here.</p>
         )}
       </section>
       <section>
@@ -134,6 +162,48 @@ function SectionCard({ section, name }: { section: Section; name: string }) {
         disabled={isLocked}
         change={(value) => wb.run("section_move", { id: section.id, normal: section.normal, offset: sense * value })}
       />
+    </article>
+  );
+}
+
+function BoxCard({ box }: { box: SectionBox }) {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const isLocked = !store.can_look.value;
+  const now = (box.is_on ? store.box_draft.value : null) ?? { lower: [...box.lower], upper: [...box.upper] };
+  return (
+    <article class={`card ${box.is_on ? "" : "off"}`} aria-label="Section box">
+      <header>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={box.is_on}
+            disabled={isLocked}
+            onChange={(event) => wb.run("section_box_switch", { is_on: event.currentTarget.checked })}
+          />
+          Box
+        </label>
+        <IconButton
+          icon="trash"
+          label="Remove the section box"
+          disabled={isLocked}
+          run={() => wb.run("section_box_remove")}
+        />
+      </header>
+      <div class="box-faces">
+        {FACE_ORDER.map((face) => (
+          <Figure
+            key={face}
+            label={`${(AXES[axisOf(face)] ?? ["?"])[0]} ${isUpper(face) ? "to" : "from"}`}
+            kind="length"
+            unit={store.unit.value}
+            value={(isUpper(face) ? now.upper : now.lower)[axisOf(face)]}
+            step={store.settings.value.step_m}
+            disabled={isLocked}
+            change={(value) => wb.run("section_box", withFace(now, face, value))}
+          />
+        ))}
+      </div>
     </article>
   );
 }

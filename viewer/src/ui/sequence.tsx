@@ -1,10 +1,15 @@
 // The sequence of removals: parts, order, clearances, and exports.
 
+import { endFilm, openSequenceFilm } from "../actions/cards";
 import { EXPORTS, type Export } from "../actions/exports";
+import { askOfLine } from "../actions/lines";
 import type { SequenceLine } from "../link/protocol";
 import { formatLength } from "../math/units";
+import { CardItem } from "./cards";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton, NameField } from "./fields";
+import { Icon } from "./icons";
+import { FilmPlayer, GuideButton } from "./way";
 
 const FILES = Object.keys(EXPORTS) as Export[];
 
@@ -20,6 +25,7 @@ export function SequencePanel() {
             Select a part, grip it with E, move it away, and release it with E: that is the first line here.
           </p>
         )}
+        {sequence.length > 0 && <SequenceFilmPlayer />}
         <ol class="card-list sequence" aria-label="Removals">
           {sequence.map((line, k) => (
             <Line key={line.id} line={line} at={k} count={sequence.length} />
@@ -38,11 +44,45 @@ export function SequencePanel() {
   );
 }
 
+/** The whole sequence as a film: in the picture only, the scene stays as it is. */
+function SequenceFilmPlayer() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const ways = store.sequence_film.value;
+  if (store.connection.value === "offline") return null;
+  if (!ways || store.film.value?.card !== "sequence")
+    return (
+      <div class="button-row">
+        <button type="button" class="button" disabled={store.is_read_only.value} onClick={() => openSequenceFilm(wb)}>
+          <Icon name="play" size={14} />
+          <span>Show as a film</span>
+        </button>
+      </div>
+    );
+  return (
+    <article class="card playing" aria-label="Film of the sequence">
+      <header>
+        <span class="note">In the picture only: the parts stay where they are.</span>
+        <IconButton icon="close" label="End the film" run={() => endFilm(wb)} />
+      </header>
+      <FilmPlayer of="sequence" ways={ways} name="the sequence" />
+    </article>
+  );
+}
+
 function Line({ line, at, count }: { line: SequenceLine; at: number; count: number }) {
   const wb = useWorkbench();
   const { store } = wb;
   const isLocked = store.is_read_only.value;
+  const cards = (store.document.value?.cards ?? []).filter((card) => card.line === line.id).reverse();
   const isReplaying = store.document.value?.replaying === line.id;
+  const document = store.document.value;
+  // The last line that moves its parts tells where they lie.
+  const isLast = !document?.sequence
+    .slice(at + 1)
+    .some((later) => later.parts.some((each) => line.parts.includes(each)));
+  const isInside =
+    isLast && line.parts.some((part) => document?.moved[part] !== undefined && !document.out.includes(part));
   const clearance =
     line.least_clearance === null
       ? "nothing near"
@@ -86,12 +126,45 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
           {line.parts.length === 1 ? "1 part" : `${line.parts.length} parts`}
         </button>
         {` · ${clearance}${line.tool ? ` · with ${line.tool}` : ""}`}
+        {isInside && (
+          <span class="tag violated" title="Its parts lie inside the box of the mock-up: this is not a removal yet">
+            not out
+          </span>
+        )}
       </p>
       {line.touched.length > 0 && (
         <p class="note touched">
           <span class="swatch hit" aria-hidden="true" />
           {`touched ${touchedText(line.touched)}`}
         </p>
+      )}
+      <div class="button-row">
+        <button
+          type="button"
+          class="button"
+          disabled={isLocked}
+          title="Is it free at every pose, and between them? With the lines before it done"
+          onClick={() => askOfLine(wb, "way_check", line.id)}
+        >
+          Check this way
+        </button>
+        <button
+          type="button"
+          class="button"
+          disabled={isLocked}
+          title="Looks for a shorter way of straight pieces, and checks it"
+          onClick={() => askOfLine(wb, "way_shorten", line.id)}
+        >
+          Shorten it
+        </button>
+        <GuideButton of={{ line: line.id }} parts={line.parts} />
+      </div>
+      {cards.length > 0 && (
+        <ul class="card-list" aria-label={`Answers about ${line.name}`}>
+          {cards.map((card) => (
+            <CardItem key={card.id} card={card} />
+          ))}
+        </ul>
       )}
     </li>
   );

@@ -1,7 +1,6 @@
 // The tree of parts: ten thousand of them, at most eighty rows in the page.
 
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { formatCount } from "../math/units";
 import type { TreeRow } from "../model/part-tree";
 import { useWorkbench } from "./context";
@@ -10,7 +9,7 @@ import { Icon } from "./icons";
 import { Name } from "./names";
 import { useFoundParts } from "./part-search";
 import { Properties } from "./properties";
-import { scrollTo, visibleRows } from "./virtual";
+import { useVirtualList } from "./virtual-list";
 import { partsText } from "./words";
 
 /** For a mouse, and for a finger. */
@@ -32,12 +31,7 @@ export function Tree() {
   const { store } = wb;
   const open = useSignal<ReadonlySet<number>>(new Set());
   const shut = useSignal<ReadonlySet<number>>(new Set());
-  const active = useSignal(0);
   const anchor = useSignal(0);
-  const scroll_top = useSignal(0);
-  const height = useSignal(600);
-  const list = useRef<HTMLDivElement>(null);
-  const is_focus_due = useRef(false);
   const row_px = store.is_coarse.value ? COARSE_ROW_PX : ROW_PX;
 
   const answered = useFoundParts();
@@ -45,6 +39,9 @@ export function Tree() {
   const found = useComputed(() =>
     store.search.value.trim() === "" ? null : store.tree.value.matching(store.search.value, answered.value),
   );
+
+  const virtual = useVirtualList(rows.value.length, row_px);
+  const { active, list, show } = virtual;
 
   // Another mock-up: its first levels are open.
   useSignalEffect(() => {
@@ -64,28 +61,6 @@ export function Tree() {
     open.value = new Set([...open.peek(), ...tree.above(node)]);
     const at = rows.peek().findIndex((row) => row.node === node);
     if (at >= 0) show(at);
-  });
-
-  const show = (at: number): void => {
-    active.value = at;
-    const element = list.current;
-    if (element) element.scrollTop = scrollTo(at, element.scrollTop, element.clientHeight, row_px);
-  };
-
-  useEffect(() => {
-    const element = list.current;
-    if (!element) return;
-    const observer = new ResizeObserver(() => {
-      height.value = element.clientHeight;
-    });
-    observer.observe(element);
-    return () => observer.disconnect();
-  }, []);
-
-  useLayoutEffect(() => {
-    if (!is_focus_due.current) return;
-    is_focus_due.current = false;
-    list.current?.querySelector<HTMLElement>("[role=treeitem][tabindex='0']")?.focus({ preventScroll: true });
   });
 
   const partsOf = (row: TreeRow | undefined): number[] => (row ? store.tree.peek().partsUnder(row.node) : []);
@@ -120,7 +95,7 @@ export function Tree() {
 
   const go = (at: number, event: KeyboardEvent): void => {
     const next = Math.max(0, Math.min(rows.peek().length - 1, at));
-    is_focus_due.current = true;
+    virtual.focus();
     if (event.shiftKey) choose(next, event);
     else {
       anchor.value = next;
@@ -133,14 +108,8 @@ export function Tree() {
     const at = active.peek();
     const row = rows.peek()[at];
     if (!row) return;
-    const page = Math.max(1, Math.floor(height.peek() / row_px) - 1);
+    const to = virtual.target(event.key);
     const moves: Record<string, () => void> = {
-      ArrowDown: () => go(at + 1, event),
-      ArrowUp: () => go(at - 1, event),
-      PageDown: () => go(at + page, event),
-      PageUp: () => go(at - page, event),
-      Home: () => go(0, event),
-      End: () => go(rows.peek().length - 1, event),
       ArrowRight: () => (row.isGroup && !row.isOpen ? toggle(row, true) : go(at + (row.isGroup ? 1 : 0), event)),
       ArrowLeft: () => {
         if (row.isGroup && row.isOpen) toggle(row, false);
@@ -153,21 +122,15 @@ export function Tree() {
       Enter: () => choose(at, event),
       " ": () => choose(at, event),
     };
-    const move = moves[event.key];
+    const move = to === null ? moves[event.key] : () => go(to, event);
     if (!move) return;
     event.preventDefault();
     event.stopPropagation();
-    is_focus_due.current = true;
+    virtual.focus();
     move();
   };
 
   const count = rows.value.length;
-  const current = Math.min(active.value, Math.max(0, count - 1));
-  const { first, end } = visibleRows(scroll_top.value, height.value, row_px, count);
-  const shown: number[] = [];
-  for (let k = first; k < end; k++) shown.push(k);
-  // The row with the focus stays in the page, so that scrolling does not lose it.
-  if (count > 0 && (current < first || current >= end)) shown.push(current);
 
   return (
     <nav id="tree" class="tree" aria-label="Parts">
@@ -194,7 +157,7 @@ export function Tree() {
                 store.search.value = "";
               } else if (event.key === "ArrowDown") {
                 event.preventDefault();
-                is_focus_due.current = true;
+                virtual.focus();
                 active.value = 0;
                 list.current?.querySelector<HTMLElement>("[role=treeitem]")?.focus();
               }
@@ -219,13 +182,11 @@ export function Tree() {
         role="tree"
         aria-label="Parts"
         aria-multiselectable="true"
-        onScroll={(event) => {
-          scroll_top.value = event.currentTarget.scrollTop;
-        }}
+        onScroll={virtual.onScroll}
         onKeyDown={onKey}
       >
         <div class="tree-space" role="none" style={{ height: `${count * row_px}px` }}>
-          {shown.map((at) => {
+          {virtual.shown.map((at) => {
             const row = rows.value[at];
             return (
               row && (
@@ -233,7 +194,7 @@ export function Tree() {
                   key={row.node}
                   row={row}
                   at={at}
-                  isActive={at === current}
+                  isActive={at === virtual.current}
                   toggle={() => toggle(row)}
                   choose={(event) => choose(at, event)}
                 />

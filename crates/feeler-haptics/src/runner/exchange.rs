@@ -5,6 +5,7 @@ use feeler_core::Pose;
 
 use crate::constants::VIEW_PLANES;
 use crate::constraint_set::{ConstraintSet, Plane};
+use crate::guide::Guide;
 use crate::servo::Mode;
 
 /// From the servo side to the collision side: where the device wants the tool.
@@ -29,6 +30,13 @@ pub struct Handed {
     pub start: u64,
     /// Where the tool was put by the last start, `world_from_tool`.
     pub start_pose: Pose,
+}
+
+/// From a third thread to the servo side: where a guide draws the tool; `None`: nowhere.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Told {
+    /// See [`Guide`].
+    pub guide: Option<Guide>,
 }
 
 /// For the picture: one tick of the servo side.

@@ -15,7 +15,7 @@ use feeler_core::geometry::vectors::length;
 use feeler_core::{Pose, Scene};
 use feeler_world::Release;
 use rtrb::{Consumer, RingBuffer};
-use triple_buffer::{triple_buffer, Output};
+use triple_buffer::{triple_buffer, Input, Output};
 
 use crate::clock::Clock;
 use crate::constants::{COLLISION_REFRESH_S, COLLISION_REST_S, RATE_SHARE, TICKS_FOR_A_RATE, TRACE_TICKS};
@@ -24,6 +24,7 @@ use crate::coupling::Coupling;
 use crate::device::mapping::Mapping;
 use crate::device::{Device, DeviceError, DeviceInfo};
 use crate::error::{Error, Result};
+use crate::guide::Guide;
 use crate::session::{Session, Start};
 use crate::stability::{in_words, Limitations};
 use crate::statistics::{CollisionRecord, ServoRecord, Statistics};
@@ -32,7 +33,7 @@ use servo_side::{ServoEnds, Setting};
 
 pub use collision_side::CollisionSide;
 pub use exchange::View;
-use exchange::{Handed, Target};
+use exchange::{Handed, Target, Told};
 pub use options::{AroundWork, MappingOptions, OnThreadStart, RunnerOptions, ThreadKind};
 pub use servo_side::ServoSide;
 pub use trace::TraceTick;
@@ -71,9 +72,16 @@ pub struct Watch {
     servo: Output<ServoRecord>,
     collision: Output<CollisionRecord>,
     trace: Consumer<TraceTick>,
+    guides: Input<Told>,
 }
 
 impl Watch {
+    /// A soft force of at most 1.5 N draws the tool to a place from now on, until it is told otherwise or nothing is told for 0.1 s;
+    /// `None`: nothing draws it. Contact and its force stay what they are.
+    pub fn guide(&mut self, guide: Option<Guide>) {
+        self.guides.write(Told { guide });
+    }
+
     /// The newest tick.
     pub fn view(&mut self) -> &View {
         self.views.read()
@@ -135,9 +143,16 @@ impl Sides {
         let (views_in, views) = triple_buffer(&View::new(&pose));
         let (servo_in, servo_records) = triple_buffer(&ServoRecord::default());
         let (collision_in, collision_records) = triple_buffer(&CollisionRecord::default());
+        let (guides, guides_out) = triple_buffer(&Told::default());
         let (trace_in, trace) = RingBuffer::new(TRACE_TICKS);
-        let ends =
-            ServoEnds { targets: targets_in, sets: sets_out, views: views_in, records: servo_in, trace: trace_in };
+        let ends = ServoEnds {
+            targets: targets_in,
+            sets: sets_out,
+            views: views_in,
+            records: servo_in,
+            trace: trace_in,
+            guides: guides_out,
+        };
         let rate_hz = options.rate_hz;
         let setting = Setting { mapping, is_absolute, coupling, limitations, centre, start_pose: pose, rate_hz };
         let servo = match ServoSide::new(device, setting, ends) {
@@ -148,7 +163,7 @@ impl Sides {
             }
         };
         let collision = CollisionSide::new(session, wanted, pose, targets_out, sets_in, collision_in);
-        let watch = Watch { views, servo: servo_records, collision: collision_records, trace };
+        let watch = Watch { views, servo: servo_records, collision: collision_records, trace, guides };
         Ok(Sides { collision, servo, watch })
     }
 }

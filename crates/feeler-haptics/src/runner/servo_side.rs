@@ -7,7 +7,7 @@ use feeler_core::{Point, Pose};
 use rtrb::Producer;
 use triple_buffer::{Input, Output};
 
-use super::exchange::{Handed, Target, View};
+use super::exchange::{Handed, Target, Told, View};
 use super::trace::TraceTick;
 use crate::constants::{JUMP_SPEED, RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
 use crate::constraint_set::Plane;
@@ -16,6 +16,7 @@ use crate::device::mapping::{Mapped, Mapping};
 use crate::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
 use crate::force::{is_tick, slewed};
+use crate::guide::{beside, GuideForce};
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
 use crate::stability::Limitations;
 use crate::statistics::ServoRecord;
@@ -38,6 +39,7 @@ pub(super) struct ServoEnds {
     pub views: Input<View>,
     pub records: Input<ServoRecord>,
     pub trace: Producer<TraceTick>,
+    pub guides: Output<Told>,
 }
 
 /// The soft wall's force on the way to the hand: it grows from nothing after letting go and after a jump of the handle, and changes by
@@ -85,6 +87,9 @@ pub struct ServoSide {
     /// The tool's pose for the handle's next reported pose.
     index_at: Option<Pose>,
     border: Border,
+    guide: GuideForce,
+    /// Where the guide acts, tool frame: where the coupling does.
+    centre: Point,
     servo: Servo,
     limitations: Limitations,
     ends: ServoEnds,
@@ -118,6 +123,8 @@ impl ServoSide {
             is_absolute,
             index_at: (!is_absolute).then_some(start_pose),
             border: Border::default(),
+            guide: GuideForce::default(),
+            centre,
             servo,
             limitations,
             ends,
@@ -169,7 +176,8 @@ impl ServoSide {
             self.ends.targets.publish();
         }
         let is_clutched = mapped.is_some_and(|mapped| mapped.is_clutched);
-        let output = self.answer(mapped.as_ref(), now, dt);
+        let mut output = self.answer(mapped.as_ref(), now, dt);
+        self.guide(&mut output, now, dt);
         if let Some(twist) = mapped.and_then(|mapped| mapped.twist).filter(|_| self.is_rate_controlled()) {
             // Beyond the coordinate limit it stays as it is.
             let _ = self.mapping.keep_near(&output.proxy, &twist);
@@ -187,6 +195,7 @@ impl ServoSide {
             self.index_at = (!self.is_absolute).then_some(handed.start_pose);
             self.target.pose = handed.start_pose;
             self.servo.let_go();
+            self.guide.let_go();
         }
     }
 
@@ -236,6 +245,16 @@ impl ServoSide {
             output.mode = Mode::Doubt;
         }
         output
+    }
+
+    /// Adds the force of a guide, as far as that of contact leaves room for it. In doubt there is none.
+    fn guide(&mut self, output: &mut ServoOutput, now: f64, dt: f64) {
+        if self.ends.guides.update() {
+            self.guide.tell(self.ends.guides.output_buffer().guide, now);
+        }
+        let in_doubt = output.mode == Mode::Doubt || self.is_rate_controlled();
+        let force = self.guide.step(&self.target.pose, &self.centre, now, dt, in_doubt);
+        output.wrench = beside(&output.wrench, &force, self.servo.coupling());
     }
 
     fn is_rate_controlled(&self) -> bool {

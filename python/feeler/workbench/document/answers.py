@@ -110,7 +110,37 @@ class Gap(TypedDict):
     """On the part, world."""
 
 
-class WayFacts(GivenWay):
+class WayHit(TypedDict):
+    """Where a way does not hold."""
+
+    share: float
+    """Of the length of the way, 0 to 1."""
+    part: int
+    point: Vec3
+    """On the part, world."""
+
+
+class RecordStep(TypedDict):
+    """A command of a record."""
+
+    at: float
+    """Of the replay, seconds."""
+    time: float
+    """Of the recorded session, seconds since its start."""
+    title: str
+
+
+class RecordTimeline(TypedDict):
+    """A record over time."""
+
+    seconds: float
+    """Of a replay at the recorded speed: pauses are cut."""
+    steps: list[RecordStep]
+    gaps: list[Gap]
+    """At some moments, `share` of `seconds`; empty before the record was replayed."""
+
+
+class FoundWay(GivenWay):
     """A way that was found, with what it passes."""
 
     legs: list[str]
@@ -120,6 +150,28 @@ class WayFacts(GivenWay):
     """Radians in total."""
     gaps: list[Gap]
     """At some poses of it, in order: between them the gap may be smaller."""
+
+
+class WayFacts(FoundWay, total=False):
+    """The same; of a removal in the sequence also where parts lie when it begins, and where it does not hold."""
+
+    places: dict[str, Pose]
+    """Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now."""
+    hit: WayHit
+
+
+class FilmWay(WayFacts):
+    """A line of the sequence, as a way."""
+
+    id: int
+    starts: dict[str, Pose]
+    """world_from_part of its parts before it; those that are missing were at home."""
+
+
+class SequenceFilm(TypedDict):
+    """The sequence of removals as a film."""
+
+    ways: list[FilmWay]
 
 
 class BlockerFacts(TypedDict):

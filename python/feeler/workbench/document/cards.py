@@ -17,7 +17,7 @@ from feeler.errors import WorkbenchError
 from feeler.words import plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments, replaced, without
-from feeler.workbench.document.document import Card, Document, Removal
+from feeler.workbench.document.document import Card, Document, Removal, line_world
 from feeler.workbench.document.known import Known, Way
 from feeler.workbench.document.protocol import CardQuestion, GivenWay, Pose, Selection
 from feeler.workbench.document.values import is_sequence
@@ -65,6 +65,8 @@ def card_again(document: Document, given: Arguments, known: Known) -> Document:
     if card.state in ("waiting", "running"):
         raise given.fail("id", "this question is not answered yet", "wait for the answer, or cancel it")
     gone = {*known.absent, *document.out, *document.gripped}
+    if card.line is not None:
+        gone = set()
     if card.parts and not any(part not in gone for part in card.parts):
         raise given.fail("id", "none of its parts is in the mock-up now", "put them back")
     asked = replace(
@@ -77,7 +79,17 @@ def card_again(document: Document, given: Arguments, known: Known) -> Document:
         setting=_setting(document, card.without, known),
         world=document.world,
     )
+    if card.line is not None:
+        asked = _line_again(document, asked, given)
     return replace(document, cards=replaced(document.cards, at, asked))
+
+
+def _line_again(document: Document, card: Card, given: Arguments) -> Card:
+    at = next((at for at, line in enumerate(document.sequence) if line.id == card.line), None)
+    if at is None:
+        raise given.fail("id", "this removal is not in the sequence any more", "undo that, or remove the card")
+    line = document.sequence[at]
+    return replace(card, parts=line.parts, setting=line_setting(at), way=line.way_key, world=line_world(document, at))
 
 
 def card_cancel(document: Document, given: Arguments, _known: Known) -> Document:
@@ -101,10 +113,10 @@ def way_take(document: Document, given: Arguments, known: Known) -> Document:
     `steps`: how many of its ways that were not taken yet, all by default. `ways`: these instead of the card's, as a
     record has them.
     """
-    ways = _given_ways(given, known) if given.has("ways") else ()
+    ways = given_ways(given, known) if given.has("ways") else ()
     if not ways:
         card = document.cards[given.place_of(document.cards)]
-        ways = known.ways.get(card.id, ())
+        ways = known.ways.get(card.id, ()) if card.line is None else ()
         if not ways:
             raise given.fail("id", "this card has no way", "ask how the parts come out")
         ways = _ways_left(document, card, ways, given)
@@ -149,6 +161,7 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
         touched=(),
         tool=None,
         starts=tuple((part, document.moved[part]) for part in way.parts if part in document.moved),
+        out=way.parts,
     )
     return document.with_id(
         moved=MappingProxyType(dict(sorted({**document.moved, **placed}.items()))),
@@ -196,7 +209,8 @@ def _tools(given: Arguments, known: Known) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
+def given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
+    """The argument "ways"."""
     ways: Any = given.raw("ways", list[GivenWay])
     if not is_sequence(ways) or not ways:
         raise given.fail("ways", "this is not a list of ways", "send parts and poses")
@@ -239,6 +253,11 @@ def _setting(document: Document, left_out: tuple[int, ...], known: Known) -> str
     told += [f"{plural(len(document.gripped), 'part')} in hand left out"] if document.gripped else []
     told += [f"without {named(left_out, known)}"] if left_out else []
     return ", ".join(told) if told else "as loaded"
+
+
+def line_setting(at: int) -> str:
+    """The same for a line of the sequence at a place."""
+    return f"after {plural(at, 'removal')} of the sequence" if at else "first of the sequence"
 
 
 def told(document: Document, number: int, **changes: Any) -> Document:

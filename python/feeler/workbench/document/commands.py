@@ -27,6 +27,7 @@ from feeler.workbench.document.document import (
     Isolation,
     Measure,
     Removal,
+    SectionBox,
     SectionPlane,
     ToolFacts,
     Trip,
@@ -45,7 +46,9 @@ from feeler.workbench.document.finding_commands import (
     findings_open,
     findings_take,
 )
+from feeler.workbench.document.guide_commands import guide, guide_end
 from feeler.workbench.document.known import Known, Measured
+from feeler.workbench.document.line_cards import way_check, way_keep, way_shorten
 from feeler.workbench.document.motion import Row
 from feeler.workbench.document.protocol import (
     Camera,
@@ -162,6 +165,32 @@ def section_remove(document: Document, given: Arguments, _known: Known) -> Docum
     return replace(document, sections=without(document.sections, given.place_of(document.sections)))
 
 
+def section_box(document: Document, given: Arguments, _known: Known) -> Document:
+    """Cuts everything outside a box along the world axes away; replaces the box that was there. Metres."""
+    lower, upper = given.point("lower"), given.point("upper")
+    if not all(low < high for low, high in zip(lower, upper, strict=True)):
+        raise WorkbenchError("a section box has no inside", given.command, "give lower corners below the upper ones")
+    return replace(document, section_box=SectionBox(lower, upper))
+
+
+def section_box_switch(document: Document, given: Arguments, _known: Known) -> Document:
+    """Switches the section box on or off."""
+    box = _box_of(document, given)
+    return replace(document, section_box=replace(box, is_on=given.flag("is_on")))
+
+
+def section_box_remove(document: Document, given: Arguments, _known: Known) -> Document:
+    """Removes the section box."""
+    _box_of(document, given)
+    return replace(document, section_box=None)
+
+
+def _box_of(document: Document, given: Arguments) -> SectionBox:
+    if document.section_box is None:
+        raise WorkbenchError("there is no section box", given.command, "make one first")
+    return document.section_box
+
+
 def set_unit(document: Document, given: Arguments, _known: Known) -> Document:
     """Sets the unit in which lengths are shown."""
     return replace(document, unit=given.choice("unit", UNITS))
@@ -267,6 +296,7 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
         touched=tuple(known.parts[part].path for part in trip.touched),
         tool=document.tool.name if document.tool else None,
         starts=tuple((part, motion.row(at)) for part, at in away.items()),
+        out=outside,
     )
     return changed.with_id(sequence=(*document.sequence, line))
 
@@ -333,10 +363,19 @@ def camera_of(given: Arguments) -> CameraView:
 
 
 def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """Saves a camera."""
+    """Saves a camera, and the sections as they are."""
     seen = camera_of(given)
     name = given.text("name") if given.has("name") else f"view {document.next_id}"
-    return document.with_id(viewpoints=(*document.viewpoints, Viewpoint(document.next_id, name, seen)))
+    viewpoint = Viewpoint(document.next_id, name, seen, document.sections, document.section_box)
+    return document.with_id(viewpoints=(*document.viewpoints, viewpoint))
+
+
+def viewpoint_show(document: Document, given: Arguments, _known: Known) -> Document:
+    """Restores the sections that a viewpoint was saved with; the camera belongs to the page."""
+    kept = document.viewpoints[given.place_of(document.viewpoints)]
+    if kept.sections is None:
+        return document
+    return replace(document, sections=kept.sections, section_box=kept.section_box)
 
 
 def viewpoint_remove(document: Document, given: Arguments, _known: Known) -> Document:
@@ -417,6 +456,9 @@ COMMANDS: dict[str, Command] = {
     "section_move": Command(section_move, {"id": int, "normal": Vec3, "offset": float}),
     "section_switch": Command(section_switch, {"id": int, "is_on": bool}),
     "section_remove": Command(section_remove, {"id": int}),
+    "section_box": Command(section_box, {"lower": Vec3, "upper": Vec3}),
+    "section_box_switch": Command(section_box_switch, {"is_on": bool}),
+    "section_box_remove": Command(section_box_remove),
     "set_unit": Command(set_unit, {"unit": Unit}),
     "set_material": Command(set_material, {"material": Material | None}),
     "set_mode": Command(set_mode, {"mode": Mode}, moves_hand=True),
@@ -429,6 +471,7 @@ COMMANDS: dict[str, Command] = {
     "measure_edit": Command(measure_edit, {"id": int, "type": Maybe(MeasureType), **MEASURED, "name": Maybe(str)}),
     "measure_remove": Command(measure_remove, {"id": int}),
     "viewpoint_add": Command(viewpoint_add, {"name": Maybe(str), "camera": Camera}),
+    "viewpoint_show": Command(viewpoint_show, {"id": int}),
     "viewpoint_remove": Command(viewpoint_remove, {"id": int}),
     "sequence_rename": Command(sequence_rename, {"id": int, "name": str}),
     "sequence_move": Command(sequence_move, {"id": int, "index": int}),
@@ -464,6 +507,13 @@ COMMANDS: dict[str, Command] = {
     "way_take": Command(
         cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True
     ),
+    "way_check": Command(way_check, {"id": int}, is_of_cards=True),
+    "way_shorten": Command(way_shorten, {"id": int}, is_of_cards=True),
+    "way_keep": Command(
+        way_keep, {"id": Maybe(int), "is_added": Maybe(bool), "line": Maybe(int), "ways": Maybe(list[GivenWay])}
+    ),
+    "guide": Command(guide, {"card": Maybe(int), "step": Maybe(int), "line": Maybe(int)}, is_of_cards=True),
+    "guide_end": Command(guide_end, is_of_cards=True),
     "seat": Command(seat, {"pose": Pose}, moves_hand=True),
 }
 STEPS = ("undo", "redo")

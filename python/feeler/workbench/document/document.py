@@ -6,14 +6,17 @@ that differ. Lengths are metres, poses 16 numbers row by row (`motion.Row`), par
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, cast
 
 from feeler.clashes.tracking import NEW, Mark
+from feeler.poses import inverse
 from feeler.workbench.document.finding_table import FindingTable
-from feeler.workbench.document.motion import HOME, Row
+from feeler.workbench.document.motion import HOME, Row, matrix, row
 from feeler.workbench.document.protocol import DocumentFields
 
 Point = tuple[float, float, float]
@@ -50,12 +53,17 @@ class ToolFacts:
 
 @dataclass(frozen=True)
 class RecordFacts:
-    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one."""
+    """A record for replay. is_playing: now. is_same, verdict: the result; None before there is one.
+
+    at: the moment that is shown, seconds of the replay; None before one was. has_gaps: whether its timeline has gaps.
+    """
 
     name: str
     is_playing: bool = False
     is_same: bool | None = None
     verdict: str | None = None
+    at: float | None = None
+    has_gaps: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,13 +102,40 @@ class SectionPlane:
 
 
 @dataclass(frozen=True)
+class SectionBox:
+    """A section box along the world axes: keeps the points inside it."""
+
+    lower: Point
+    upper: Point
+    is_on: bool = True
+
+    @property
+    def planes(self) -> list[tuple[Point, float]]:
+        """Its faces: normals that point inward, and offsets."""
+        lower = [(_axis(k, 1.0), at) for k, at in enumerate(self.lower)]
+        return lower + [(_axis(k, -1.0), -at) for k, at in enumerate(self.upper)]
+
+
+def _axis(k: int, sense: float) -> Point:
+    x, y, z = (sense if axis == k else 0.0 for axis in range(3))
+    return (x, y, z)
+
+
+def active_planes(document: Document) -> list[tuple[Point, float]]:
+    """The planes that cut the picture: normal and offset of the sections, and of the faces of the section box."""
+    box = document.section_box
+    cuts = [(each.normal, each.offset) for each in document.sections if each.is_on]
+    return cuts + (box.planes if box is not None and box.is_on else [])
+
+
+@dataclass(frozen=True)
 class Removal:
     """A line of the sequence: parts that were moved.
 
     way: poses of the hand, `world_from_hand`, from grip to release: `way[i] @ inverse(way[0])` moves the parts from
     where they were gripped. starts: these places, for parts that were not at home. least_clearance: of the moved parts,
     on the way, to all parts without seats, metres; None if no part came within reach. touched: paths of the parts that
-    they touched or that stopped them.
+    they touched or that stopped them. out: those of its parts that it took out of the mock-up.
     """
 
     id: int
@@ -111,6 +146,24 @@ class Removal:
     touched: tuple[str, ...]
     tool: str | None
     starts: tuple[tuple[int, Row], ...] = ()
+    out: tuple[int, ...] = ()
+
+    @cached_property
+    def before(self) -> Mapping[int, Row]:
+        """Where its parts begin."""
+        return {part: dict(self.starts).get(part, HOME) for part in self.parts}
+
+    @cached_property
+    def after(self) -> Mapping[int, Row]:
+        """Where its parts end."""
+        moves = matrix(self.way[-1]) @ inverse(matrix(self.way[0]))
+        return {part: row(moves @ matrix(start)) for part, start in self.before.items()}
+
+    @cached_property
+    def way_key(self) -> str:
+        """The same for the same parts on the same way, with the same tool."""
+        told = repr((self.parts, self.way, self.starts, self.tool))
+        return hashlib.blake2b(told.encode(), digest_size=8).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -140,11 +193,13 @@ class CameraView:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """A camera with a name."""
+    """A camera with a name, and the sections of that moment. sections: None in viewpoints of older projects."""
 
     id: int
     name: str
     camera: CameraView
+    sections: tuple[SectionPlane, ...] | None = None
+    section_box: SectionBox | None = None
 
 
 @dataclass(frozen=True)
@@ -256,7 +311,8 @@ class Card:
 
     without: parts left out for this question. options: tool, grip, swing_deg, clearance, seconds, as far as given.
     setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
-    is_good: whether the answer is what one hopes for; None before it, and if it is neither.
+    is_good: whether the answer is what one hopes for; None before it, and if it is neither. line: the line of the
+    sequence that it is about, and way its `way_key`; world is that of `line_world` then.
     """
 
     id: int
@@ -272,6 +328,8 @@ class Card:
     stage: str = ""
     sentence: str = ""
     is_good: bool | None = None
+    line: int | None = None
+    way: str = ""
 
 
 @dataclass(frozen=True)
@@ -285,6 +343,17 @@ class Trip:
     way: tuple[Row, ...]
     touched: tuple[int, ...] = ()
     seated: frozenset[tuple[int, int]] = frozenset()
+
+
+@dataclass(frozen=True)
+class Guiding:
+    """A way that guides the hand: step `step` of a card, or a line of the sequence. way: poses of the hand."""
+
+    card: int | None
+    line: int | None
+    step: int
+    parts: tuple[int, ...]
+    way: tuple[Row, ...]
 
 
 @dataclass(frozen=True)
@@ -321,6 +390,7 @@ class Document:
     explode: float = 0.0
     isolation: Isolation | None = None
     sections: tuple[SectionPlane, ...] = ()
+    section_box: SectionBox | None = None
     pose: Row = HOME
     gripped: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
     moved: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
@@ -328,6 +398,7 @@ class Document:
     sequence: tuple[Removal, ...] = ()
     trip: Trip | None = field(default=None, compare=False)
     replaying: int | None = None
+    guiding: Guiding | None = None
     measures: tuple[Measure, ...] = ()
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None
@@ -355,8 +426,60 @@ class Document:
 
 # The fields that the page gets. Only commands need the others.
 _KEPT_BACK = {"isolation", "next_card", "next_id", "trip"}
-_KEPT_BACK_OF = {Card: {"world"}, Removal: {"starts"}, Measure: {"parts"}}
+_KEPT_BACK_OF = {Card: {"way", "world"}, Removal: {"out", "starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
+
+
+def line_places(document: Document, at: int) -> dict[int, Row]:
+    """Where parts lie when a line of the sequence begins, as far as they are not where they were loaded: those of the
+    lines before it at their ends, those of later ones where they begin, others where they lie now."""
+    places = dict(document.moved)
+    seen: set[int] = set()
+    for number, line in enumerate(document.sequence):
+        if number < at:
+            places.update(line.after)
+            seen.update(line.parts)
+        else:
+            places.update({part: start for part, start in line.before.items() if part not in seen})
+            seen.update(line.parts)
+    return {part: place for part, place in sorted(places.items()) if place != HOME}
+
+
+def line_out(document: Document, at: int) -> tuple[int, ...]:
+    """The parts that are out of the mock-up then."""
+    out = set(document.out).difference(part for line in document.sequence for part in line.parts)
+    for line in document.sequence[:at]:
+        out = out.difference(line.parts).union(line.out)
+    return tuple(sorted(out))
+
+
+def line_world(document: Document, at: int) -> World:
+    """A key of where parts lie when a line begins, and which of them are out."""
+    # Asked for at each change of the document, also where a question only goes on.
+    about = (document.sequence, document.moved, document.out)
+    key = (*map(id, about), at)
+    kept = _line_worlds.get(key)
+    if kept is None:
+        places = line_places(document, at)
+        rounded = tuple((part, tuple(round(each, 9) for each in place)) for part, place in places.items())
+        kept = (about, (rounded, line_out(document, at)))
+        if len(_line_worlds) >= _MOST_LINE_WORLDS:
+            _line_worlds.clear()
+        _line_worlds[key] = kept
+    return kept[1]
+
+
+_MOST_LINE_WORLDS = 256
+_line_worlds: dict[tuple[int, ...], tuple[object, World]] = {}
+"""By the identity of what they are about, which is kept with them so that it stays theirs."""
+
+
+def is_stale(document: Document, card: Card) -> bool:
+    """Whether the answer of a card is about another mock-up, or another way."""
+    if card.line is None:
+        return card.world != document.world
+    at = next((at for at, line in enumerate(document.sequence) if line.id == card.line), None)
+    return at is None or card.way != document.sequence[at].way_key or card.world != line_world(document, at)
 
 
 def patch(before: Document, after: Document) -> dict[str, Any]:
@@ -368,8 +491,7 @@ def _value(document: Document, name: str) -> Any:
     if name == "isolated":
         return document.isolation is not None
     if name == "cards":
-        world = document.world
-        return tuple((card, card.world != world) for card in document.cards)
+        return tuple((card, is_stale(document, card)) for card in document.cards)
     return getattr(document, name)
 
 

@@ -42,7 +42,7 @@ from feeler.workbench.document.finding_table import FindingTable, table_of
 from feeler.workbench.document.values import is_number
 
 NOT_KEPT = frozenset(
-    ("mockup", "loading", "failed", "tools", "record", "absent", "project"),
+    ("mockup", "loading", "failed", "tools", "record", "absent", "project", "guiding"),
 )
 """Fields of one run of the program."""
 
@@ -394,6 +394,7 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
         moved = replace(
             line,
             parts=in_order(line.parts),
+            out=in_order(line.out),
             starts=tuple((now, row) for part, row in line.starts if (now := renumber(part)) is not None),
         )
         if moved.parts:
@@ -482,6 +483,9 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
         raise _damaged("the document", "a word that does not exist")
     if not 0.0 <= document.explode <= 1.0 or len(document.sections) > 64:
         raise _damaged("the document", "a number out of range")
+    box = document.section_box
+    if box is not None and not all(low < high for low, high in zip(box.lower, box.upper, strict=True)):
+        raise _damaged("section_box", "it has no inside")
     if document.isolation is not None:
         check.rising(document.isolation.parts, "isolation")
         check.rising(document.isolation.hidden_before, "isolation")
@@ -492,7 +496,7 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
         if not document.trip.way:
             raise _damaged("trip", "it has no pose")
     for line in document.sequence:
-        check.there([*line.parts, *(part for part, _ in line.starts)], "sequence")
+        check.there([*line.parts, *line.out, *(part for part, _ in line.starts)], "sequence")
         check.poses([*line.way, *(row for _, row in line.starts)], "sequence")
         if not line.way or not line.parts:
             raise _damaged("sequence", "a line without a way")

@@ -1,15 +1,16 @@
-"""The messages by which a page opens another mock-up; `protocol.py` has the others and the encoding."""
+"""The messages by which a page sends files and opens another mock-up; `protocol.py` has the others and the encoding."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, TypedDict
+from typing import Annotated, ClassVar, Literal, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.workbench.document.frames import Array
 
+FilePurpose = Literal["open", "job"]
 U1 = npt.NDArray[np.uint8]
 
 MOST_PIECE_BYTES = 524_288
@@ -39,10 +40,12 @@ class FileToSend(TypedDict):
 
 @dataclass(frozen=True)
 class SendFiles:
-    """Announces files to open. Answered by a reply with their number, "files"."""
+    """Announces files: to open in place of the mock-up, or one for a job. Answered by a reply with their number,
+    "files"."""
 
     KIND: ClassVar[str] = "send_files"
     id: int
+    purpose: FilePurpose
     files: list[FileToSend]
 
 

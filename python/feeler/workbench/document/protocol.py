@@ -40,7 +40,6 @@ __all__ = [
     "MOST_CLEARANCES",
     "MOST_HITS",
     "MOST_PLANES",
-    "MOST_UPLOAD_PIECE",
     "NOT_ALLOWED",
     "RELOAD",
     "TOO_MANY_PAGES",
@@ -81,9 +80,6 @@ MOST_PLANES = 32
 MOST_CLEARANCES = 16
 """Clearance rows listed in a state."""
 
-MOST_UPLOAD_PIECE = 524_288
-"""Bytes of one piece of a file."""
-
 F8 = npt.NDArray[np.float64]
 F4 = npt.NDArray[np.float32]
 U4 = npt.NDArray[np.uint32]
@@ -111,6 +107,8 @@ UpAxis = Literal["x", "y", "z"]
 MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
 CardQuestion = Literal["removal", "order", "access", "swept"]
+LineQuestion = Literal["way", "shorten"]
+CardKind = Literal["removal", "order", "access", "swept", "way", "shorten"]
 CardState = Literal["waiting", "running", "done", "failed", "cancelled"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
@@ -147,6 +145,10 @@ class RecordFacts(TypedDict):
     """Whether all results equalled the recorded ones; null before that is known."""
     verdict: str | None
     """The same as a sentence."""
+    at: float | None
+    """The moment that is shown, seconds of the replay; null before one was."""
+    has_gaps: bool
+    """Whether the timeline of the question "record" has gaps."""
 
 
 class ProjectFacts(TypedDict):
@@ -183,6 +185,14 @@ class Section(TypedDict):
     is_on: bool
 
 
+class SectionBox(TypedDict):
+    """A section box along the world axes: keeps the points inside it."""
+
+    lower: Vec3
+    upper: Vec3
+    is_on: bool
+
+
 class SequenceLine(TypedDict):
     """One removal: parts, their way, and its clearance."""
 
@@ -213,18 +223,21 @@ class Measure(TypedDict):
 
 
 class Viewpoint(TypedDict):
-    """A stored camera."""
+    """A stored camera, and the sections of that moment."""
 
     id: int
     name: str
     camera: Camera
+    sections: list[Section] | None
+    """Null in viewpoints of older projects: they change no sections."""
+    section_box: SectionBox | None
 
 
 class Card(TypedDict):
     """A question about parts, and its answer in a sentence; `GET /cards/ID` and the question "card" have the rest."""
 
     id: int
-    question: CardQuestion
+    question: CardKind
     parts: list[int]
     """Empty: all fasteners."""
     without: list[int]
@@ -243,7 +256,9 @@ class Card(TypedDict):
     is_good: bool | None
     """Whether the answer is what one hopes for; null before it, and if it is neither."""
     is_stale: bool
-    """Parts were moved since it was asked."""
+    """Parts were moved since it was asked; of a line: its way, what is before it, or parts outside of the sequence."""
+    line: int | None
+    """The line of the sequence that it is about; null for questions about parts."""
 
 
 class GivenWay(TypedDict):
@@ -253,6 +268,18 @@ class GivenWay(TypedDict):
     poses: list[Pose]
     clearance: float | None
     """Metres; null: nothing near, or not known."""
+
+
+class Guiding(TypedDict):
+    """A way that guides the hand, which holds its parts."""
+
+    card: int | None
+    line: int | None
+    step: int
+    """Of the ways of the card, from 0."""
+    parts: list[int]
+    way: list[Pose]
+    """world_from_hand, from where the hand was when it began."""
 
 
 class DocumentFields(TypedDict):
@@ -280,6 +307,7 @@ class DocumentFields(TypedDict):
     """0 to 1."""
     isolated: bool
     sections: list[Section]
+    section_box: SectionBox | None
     pose: Pose
     """The last pose of the hand that a command set."""
     gripped: list[int]
@@ -290,6 +318,8 @@ class DocumentFields(TypedDict):
     sequence: list[SequenceLine]
     replaying: int | None
     """The line of the sequence being replayed."""
+    guiding: Guiding | None
+    """Null: nothing draws the hand."""
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None
@@ -474,18 +504,6 @@ class Shot:
     """A multiple of 4 characters in each piece but the last."""
     more: bool
     """Another piece follows."""
-
-
-@dataclass(frozen=True, eq=False)
-class Upload:
-    """The next piece of a file for a job. Each is answered: the last by {"upload"}, which names the file."""
-
-    KIND: ClassVar[str] = "upload"
-    id: int
-    """The same for all pieces of a file."""
-    more: bool
-    """Another piece follows."""
-    data: Annotated[U1, Array("u1", ("bytes",), MOST_UPLOAD_PIECE)]
 
 
 @dataclass(frozen=True)
@@ -709,13 +727,13 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Upload | Benchmarked
+PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
 FromPage = PageMessage | OpeningRequest | PersonMessage
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal | People | Seen
 
 FROM_PAGE: tuple[type, ...] = (
-    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Upload, Benchmarked),
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
     *(SendFiles, FilePiece, OpenMockup),
     *(Named, Here, Turning),
 )

@@ -1,8 +1,9 @@
 """A haptic device that moves the hand of a session: a servo loop makes its force, and its pose is the wish.
 
 `feeler.haptics` runs the device against the scene on the pages, with the content of the hand, independently of the
-pages and the engine. A thread here passes on the device's pose, and restarts the run when parts are gripped, taken out
-or put down, or the hand is placed elsewhere. When a device stops, the hand stays, and the pages get the reason.
+pages and the engine. A thread here passes on the device's pose, tells where the way is that guides the hand, and
+restarts the run when parts are gripped, taken out or put down, or the hand is placed elsewhere. When a device stops,
+the hand stays, and the pages get the reason.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from feeler.errors import FeelerError
 from feeler.haptics import Coupling, Session, View
 from feeler.haptics.devices import Device
 from feeler.mockup import Tool
+from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.world import World
 
 LOOK_S = 0.004
@@ -34,6 +36,9 @@ class Moved(Protocol):
 
     def hand_key(self) -> object:
         """A key that changes whenever the hand, or the world around it, changes."""
+
+    def guide_now(self) -> Guide | None:
+        """The way that guides the hand."""
 
     def hand_now(self) -> tuple[object, World, Tool | None, npt.NDArray[np.float64]]:
         """The key, the world, the content of the hand (None: nothing), and its pose, `world_from_tool`."""
@@ -85,7 +90,7 @@ class DeviceHand:
             self._haptics = haptics
 
     def _follow(self) -> None:
-        last, count = 0, 0
+        last, count, is_guided = 0, 0, False
         while not self._ends.wait(LOOK_S):
             try:
                 if self._moved.hand_key() != self._key:
@@ -98,12 +103,25 @@ class DeviceHand:
                     self._tell_stopped("; ".join(haptics.troubles) or "it ended")
                     return
                 view: View = haptics.view()
+                if view.number > last:
+                    is_guided = self._guide(haptics, view, is_guided)
             except FeelerError as error:
                 self._tell_stopped(str(error))
                 return
             if view.number > last:
                 last, count = view.number, count + 1
                 self._moved.wish(view.world_from_device, count, "device")
+
+    def _guide(self, haptics: Session, view: View, is_guided: bool) -> bool:
+        """Tells the servo where the nearest place of the way is, or once that nothing guides. Only with news of the
+        device: in silence it draws no more."""
+        guide = self._moved.guide_now()
+        held = None if guide is None or view.mode == "doubt" else guide.held(view.world_from_device)
+        if held is not None:
+            haptics.guide(*held)
+        elif is_guided:
+            haptics.guide(None)
+        return held is not None
 
     def _tell_stopped(self, why: str) -> None:
         if self._ends.is_set():

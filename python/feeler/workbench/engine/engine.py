@@ -23,7 +23,9 @@ from feeler.poses import between
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Trip
 from feeler.workbench.document.motion import Floats
+from feeler.workbench.engine.gaps import Near, nearest
 from feeler.workbench.engine.gliding import MOST_STEPS, STEP_S, Glide
+from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.snapshot import NO_FORCE, Places, Snapshot
 from feeler.workbench.engine.trip import TripRecorder, least_clearance
 from feeler.workbench.engine.world import NO_HITS, NO_PLANES, NO_ROWS, World
@@ -103,10 +105,14 @@ class Engine:
         clock: Callable[[], float],
         on_bump: Callable[[Bump], None] = lambda bump: None,
         on_tick: Callable[[Ticked], None] = lambda ticked: None,
+        on_guided: Callable[[Guide], None] = lambda guide: None,
         budget_s: float = BUDGET_S,
     ) -> None:
-        """clock: seconds, never backwards. on_bump, on_tick: called within a tick; they must not block."""
+        """clock: seconds, never backwards. on_bump, on_tick: called within a tick; they must not block. on_guided:
+        called after a tick in which the hand came to the end of the way that guides it."""
         self._clock, self._on_bump, self._on_tick, self._budget_s = clock, on_bump, on_tick, budget_s
+        self._on_guided = on_guided
+        self._guide: Guide | None = None
         self._lock = threading.RLock()
         self._wish_lock = threading.Lock()
         self._world: World | None = None
@@ -150,6 +156,7 @@ class Engine:
         is_carrying: from now on the way is recorded, after that of `trip`, if there is one.
         """
         with self._lock:
+            self._guide = None
             self._world, self._tool, self._mode = world, tool, mode
             self._places, self._held_places = places, held_places
             self._jump(pose)
@@ -161,6 +168,16 @@ class Engine:
         """Sets the target of the hand; only the newest counts. Never waits."""
         with self._wish_lock:
             self._newest = (pose, seq, source, self._clock())
+
+    @property
+    def guide(self) -> Guide | None:
+        """The way that guides the hand. Never waits."""
+        return self._guide
+
+    def set_guide(self, way: Sequence[Floats] | None) -> None:
+        """Lets a way of the hand guide it, or nothing; another content of the hand ends it. Never waits."""
+        tool = self._tool
+        self._guide = None if way is None or tool is None else Guide(np.array(way), tool.bounds)
 
     def let_go(self) -> None:
         """Clears the target: the hand stays where it is."""
@@ -232,6 +249,24 @@ class Engine:
             self._round(steps)
             return self._ticked(steps)
 
+    def shown(self, pose: Floats, wish: Floats, *, is_last: bool) -> None:
+        """Puts the hand at a recorded pose, and shows the contacts there, and what held it back from a wish.
+
+        is_last: right after `set`, whose trip goes on.
+        """
+        with self._lock:
+            if not is_last:
+                self._jump(pose)
+            self.replayed(wish if self._mode == "stop" else pose, self._seq, "api", 0)
+
+    def nearest(self) -> Near | None:
+        """The nearest neighbour of the hand's content, without seats; None: nothing is within reach."""
+        with self._lock:
+            if self._world is None or self._tool is None:
+                return None
+            seats = self._trip.seat_parts if self._trip is not None else frozenset()
+            return nearest(self._world, self._tool, self._pose, seats)
+
     @property
     def ticked_at(self) -> float:
         """Start of the last round, on the engine's clock."""
@@ -302,8 +337,12 @@ class Engine:
             played = self._on_played if self._on_played and not self._way and self._newest is None else None
             if played is not None:
                 self._on_played = None
+            guide = self._guide
+            is_there = guide is not None and has_moved and guide.is_at_end(self._pose)
         if played is not None:
             played()
+        if guide is not None and is_there:
+            self._on_guided(guide)
         return has_moved
 
     def warm_up(self) -> None:
@@ -342,6 +381,10 @@ class Engine:
         if newest is None:
             return False
         pose, self._seq, self._source, time = newest
+        guide = self._guide
+        # A device feels the way instead; what is placed or replayed goes where it was told to.
+        if guide is not None and self._source != "device" and not (self._is_quiet or self._is_held):
+            pose = guide.drawn(pose)
         self._wish_elapsed, self._wish_time = max(1e-3, time - self._wish_time), time
         self._hand_from, self._wish = self._wish, pose
         return True

@@ -103,9 +103,10 @@ class Hands:
         name, gripped = key
         if not gripped and name is not None:
             return self.tool(name)
-        return _kept(self._held, key, lambda: self._assembled(name, gripped))
+        return _kept(self._held, key, lambda: self.assembled(name, gripped))
 
-    def _assembled(self, name: str | None, gripped: tuple[tuple[int, Row], ...]) -> Tool:
+    def assembled(self, name: str | None, gripped: tuple[tuple[int, Row], ...]) -> Tool:
+        """A tool, if it is named, and parts at their places in the hand, as one."""
         items: dict[str, Tool | tuple[Tool, motion.Floats]] = {}
         if name is not None:
             items[name] = self.tool(name)

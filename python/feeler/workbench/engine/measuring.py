@@ -16,7 +16,7 @@ from feeler.poses import inverse
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.document import MEASURES, Document, Point
+from feeler.workbench.document.document import MEASURES, Document, Point, active_planes
 from feeler.workbench.document.known import Measured
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.parts import PartTools
@@ -63,7 +63,7 @@ class Sight:
         in_place = world.in_place.without(hidden) if hidden else world.in_place
         there = [(part, scene) for part, scene in world.put_down.items() if part not in document.hidden]
         self._scenes: list[tuple[int | None, Scene]] = [(None, in_place), *there]
-        self.planes: list[Plane] = [(each.normal, each.offset) for each in document.sections if each.is_on]
+        self.planes: list[Plane] = active_planes(document)
         rows = [[*normal, offset] for normal, offset in self.planes]
         self.sections = np.array(rows, dtype=np.float64) if rows else None
         self._outlines: dict[Plane, Floats] = {}
@@ -100,14 +100,20 @@ class Sight:
         return best
 
     def _entry(self, origin: Floats, direction: Floats) -> tuple[Plane, float] | None:
-        """The section through which a ray enters the remainder of all, and the distance; None: it begins inside."""
+        """The section through which a ray enters the remainder of all, and the distance; None: it begins inside, or
+        misses the remainder."""
         last: tuple[Plane, float] | None = None
+        leaves = math.inf
         for plane in self.planes:
             normal, offset = np.array(plane[0]), plane[1]
             before, speed = offset - float(normal @ origin), float(normal @ direction)
-            if before > 0.0 and speed > 0.0 and (last is None or before / speed > last[1]):
+            if before > 0.0 and speed <= 0.0:
+                return None
+            if before > 0.0 and (last is None or before / speed > last[1]):
                 last = (plane, before / speed)
-        return last
+            elif speed < 0.0:
+                leaves = min(leaves, before / speed)
+        return None if last is not None and last[1] > leaves else last
 
     def cut_lines(self, plane: Plane) -> Floats:
         """The outline of an active section, `(k, 2, 3)`, clipped by the others; computed once."""

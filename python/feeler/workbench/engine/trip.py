@@ -28,7 +28,8 @@ class TripRecorder:
         self._poses = [pose] if trip is None else [motion.matrix(each) for each in trip.way]
         self._step = STEP_M
         self._seated = seated if trip is None else trip.seated
-        self._seat_parts = {part for _, part in self._seated}
+        self.seat_parts = frozenset(part for _, part in self._seated)
+        """Parts in contact at the grip."""
         self._touched: set[int] = set() if trip is None else set(trip.touched)
 
     def moved(self, pose: Floats, impact: Impact | None, hits: Collision) -> None:
@@ -37,8 +38,8 @@ class TripRecorder:
             self._poses.append(pose)
             if len(self._poses) > MOST_POSES:
                 self._poses, self._step = self._poses[::2], 2 * self._step
-        self._touched |= {part for part in hits.parts.tolist() if part not in self._seat_parts}
-        if impact is not None and impact.part not in self._seat_parts:
+        self._touched |= {part for part in hits.parts.tolist() if part not in self.seat_parts}
+        if impact is not None and impact.part not in self.seat_parts:
             self._touched.add(impact.part)
 
     def so_far(self, pose: Floats) -> Trip:

@@ -10,10 +10,9 @@ import asyncio
 import base64
 import binascii
 import logging
-import tempfile
 from collections.abc import Callable, Hashable
 from concurrent.futures import CancelledError, Executor
-from typing import IO, Any
+from typing import Any
 
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
@@ -31,7 +30,7 @@ log = logging.getLogger("feeler.workbench")
 _NO_SHOT: tuple[None, list[str]] = (None, [])
 _REFUSAL_S = 1.0  # a page that moves a tool that it does not have hears of it no more often
 
-Request = protocol.Command | protocol.Turning | protocol.Ask | protocol.Job | protocol.Upload | OpeningRequest
+Request = protocol.Command | protocol.Turning | protocol.Ask | protocol.Job | OpeningRequest
 
 
 class Client:
@@ -68,7 +67,6 @@ class Client:
         self._requests = 0
         self._pieces = 0
         self._jobs: dict[int, JobLike] = {}
-        self._uploads: dict[int, IO[bytes]] = {}
         self._shot: tuple[int | None, list[str]] = _NO_SHOT
         self._early: list[tuple[int, str]] | None = []  # events from before the welcome was ready
         self._refused_at = -_REFUSAL_S
@@ -103,8 +101,6 @@ class Client:
             await asyncio.gather(*tasks, return_exceptions=True)
             for job in [*self._jobs.values()]:
                 job.cancel()  # nobody is left to receive the result
-            for file in [*self._uploads.values()]:
-                file.close()
 
     def tell(self, number: int, text: str) -> None:
         """Queues an event, by its number and encoded."""
@@ -187,8 +183,6 @@ class Client:
             case protocol.Cancel():
                 if (job := self._jobs.get(message.id)) is not None:
                     job.cancel()
-                if (file := self._uploads.pop(message.id, None)) is not None:
-                    file.close()
             case protocol.Shot():
                 self._take_shot(message)
             case protocol.Benchmarked():
@@ -249,33 +243,13 @@ class Client:
                 await self._start(request)
                 continue
             try:
-                if isinstance(request, protocol.Upload):
-                    answer = _text(protocol.Answer(request.id, await self._run(self._uploaded, request)))
-                else:
-                    answer = await self._run(_answer, self._session, request, self.person)
+                answer = await self._run(_answer, self._session, request, self.person)
             except Exception as error:
                 self._refuse(request.id, error, _name(request))
             else:
                 self._put(answer)
             self._requests -= 1
             self._pieces -= isinstance(request, FilePiece)
-
-    def _uploaded(self, piece: protocol.Upload) -> dict[str, Any]:
-        """Appends a piece of a file; the last one hands the file to the session. In a thread of the pool."""
-        file = self._uploads.get(piece.id)
-        if file is None:
-            if len(self._uploads) >= self._limits.uploads:
-                raise WorkbenchError(f"{len(self._uploads)} files are on their way", "upload", "wait for their end")
-            # On disk, without a name: a page must not fill the memory, and the file vanishes with the process.
-            file = self._uploads[piece.id] = tempfile.TemporaryFile()  # noqa: SIM115
-        if file.tell() + len(piece.data) > self._limits.upload_bytes:
-            self._uploads.pop(piece.id).close()
-            most = self._limits.upload_bytes >> 20
-            raise WorkbenchError(f"the file has more than {most} MiB", "upload", "open a smaller one")
-        file.write(piece.data.tobytes())
-        if piece.more:
-            return {"bytes": file.tell()}
-        return {"upload": self._session.upload(self._uploads.pop(piece.id))}
 
     async def _start(self, request: protocol.Job) -> None:
         def progressed(share: float, stage: str) -> None:
@@ -349,14 +323,12 @@ def _answer(session: SessionLike, request: Request, person: int) -> str:
             answer = session.ask(request.name, request.args)
         case FilePiece() | OpenMockup() | SendFiles():
             answer = session.openings.request(request)
-        case protocol.Job() | protocol.Upload():
+        case protocol.Job():
             raise AssertionError("these are answered elsewhere")
     return _text(protocol.Answer(request.id, answer))
 
 
 def _name(request: Request) -> str:
-    if isinstance(request, protocol.Upload):
-        return "upload"
     if isinstance(request, protocol.Turning):
         return "tool"
     return request.name if isinstance(request, (protocol.Command, protocol.Ask, protocol.Job)) else "open"

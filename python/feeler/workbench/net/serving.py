@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import IO, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -183,9 +183,6 @@ class SessionLike(Protocol):
     def finding_rows(self, version: str, /) -> bytes:
         """The rows of the findings of a version."""
 
-    def upload(self, file: IO[bytes], /) -> str:
-        """Takes a whole file from a page; the result is its name for jobs."""
-
     def export(self, name: str, /) -> bytes:
         """A file written by a job."""
 
@@ -196,8 +193,7 @@ class Limits:
 
     hello_s: time until the first message; message_bytes: of one message; pages: at once; waiting: sockets before their
     hello; messages_per_s; requests: unanswered commands, questions and jobs of a page; pieces: unanswered ones of
-    files; shot_bytes: of a picture in base64, all pieces together; upload_bytes: of a file for a job; uploads: files of
-    a page on their way.
+    files; shot_bytes: of a picture in base64, all pieces together.
     """
 
     hello_s: float = 2.0
@@ -208,5 +204,3 @@ class Limits:
     requests: int = 256
     pieces: int = 4
     shot_bytes: int = 32 << 20
-    upload_bytes: int = 200 << 20
-    uploads: int = 2

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from feeler.errors import FeelerError
 from feeler.mockup import Mockup
 from feeler.progress import Progress
+from feeler.workbench.document import motion
+from feeler.workbench.document.document import Check, Verdict
 from feeler.workbench.engine.parts import with_places
 from feeler.workbench.report.drawing import FRAMES, Drawing
 from feeler.workbench.report.source import Source
@@ -40,7 +42,7 @@ def media_of(source: Source, report: Report, pictures: int = PICTURES, progress:
                 progress(number / len(work), f"{kind} {number + 1} of {len(work)}")
             try:
                 make()
-            except (FeelerError, ValueError, ArithmeticError):
+            except (FeelerError, ValueError, ArithmeticError, LookupError):
                 media.left_out.append(f"{kind} of {key}")  # of a part without triangles, or a place out of reach
     except KeyboardInterrupt:
         media.is_partial = True
@@ -67,39 +69,44 @@ class _Maker:
         self._source, self._media, self._mockup = source, media, mockup
         self._absent = source.document.absent
         self._drawing = Drawing(mockup, self._absent)
+        self._placed: tuple[object, Drawing] | None = None
 
     def pairs(self, report: Report, most: int) -> list[Making]:
         """Pictures of requirements and findings."""
         wrong = [row for row in report.requirements if row.place is not None][:most]
         rows = pictured(report.findings, most)
         found = self._source.document.findings
-        made = None if found is None else found.check
-        moved = {} if made is None else dict(made.moved)
-        gone = () if made is None else (*made.out, *made.gripped)
-        where = {part: place for part, place in moved.items() if part not in gone and part < self._mockup.part_count}
-        kept: list[Drawing] = []
-
-        def drawing() -> Drawing:
-            if not kept:
-                placed = with_places(self._mockup, where) if where else None
-                kept.append(self._drawing if placed is None else Drawing(placed, self._absent))
-            return kept[0]
+        check = None if found is None else found.check
+        verdicts = {each.id: each.verdict for each in self._source.document.requirements}
 
         def finding(row: FindingRow) -> Callable[[], object]:
-            return lambda: self._pair(drawing(), f"finding-{row.id}", row, gone)
+            return lambda: self._pair(f"finding-{row.id}", row, check)
 
         def requirement(row: RequirementRow) -> Callable[[], object]:
-            return lambda: self._pair(self._drawing, f"requirement-{row.id}", row, ())
+            return lambda: self._pair(f"requirement-{row.id}", row, verdicts.get(row.id))
 
         return [
             *(("picture", f"requirement {row.name}", requirement(row)) for row in wrong),
             *(("picture", f"finding {row.id}", finding(row)) for row in rows),
         ]
 
-    def _pair(self, drawing: Drawing, key: str, row: FindingRow | RequirementRow, gone: Sequence[int]) -> None:
+    def _pair(self, key: str, row: FindingRow | RequirementRow, made: Check | Verdict | None) -> None:
+        """Draws the parts where they lay when they were checked."""
         assert row.place is not None
+        gone = () if made is None else (*made.out, *made.gripped)
+        moved = {} if made is None else {part: place for part, place in made.moved.items() if part not in gone}
+        drawing = self._drawing_at(moved)
         if drawing.can_show((row.place.a, row.place.b)):
             self._media.pictures[key] = [drawing.pair(row.place, gone)]
+
+    def _drawing_at(self, moved: Mapping[int, motion.Row]) -> Drawing:
+        """A drawing of the mock-up with parts elsewhere; the last one is kept."""
+        places = tuple((part, place) for part, place in moved.items() if part < self._mockup.part_count)
+        if not places:
+            return self._drawing
+        if self._placed is None or self._placed[0] != places:
+            self._placed = (places, Drawing(with_places(self._mockup, dict(places)), self._absent))
+        return self._placed[1]
 
     def ways(self, report: Report, most: int) -> list[Making]:
         """Pictures along ways and of steps."""

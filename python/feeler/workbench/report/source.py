@@ -60,7 +60,7 @@ def of_book(
         raise LoadError(f"{book.path} has no mock-up yet: open it with feeler view MOCKUP --project FILE")
     revision = book.revision(mockup, progress) if mockup is not None else revised(known, gone, known)
     parts = mockup.parts if mockup is not None else _named_parts(known)
-    is_numbered = revision.row_of == tuple(range(len(parts)))
+    is_numbered = revision.is_numbered_as_before
     facts = _object(book.fact("mockup"))
     opened = _object(book.fact("opened"))
     sources = _sources(opened)

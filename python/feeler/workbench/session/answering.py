@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, cast
@@ -13,10 +13,11 @@ import numpy as np
 from feeler.choices import GripAxis
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
+from feeler.parts import Part
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
-from feeler.plan.order import removal_order
+from feeler.plan.order import RemovalOrder, removal_order
 from feeler.plan.reaching import Reach, access
-from feeler.plan.removal import Removal, removal
+from feeler.plan.removal import Removal, RemovalBlocker, removal
 from feeler.plan.swept import swept
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -28,14 +29,12 @@ from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import HeldManifest, Vec3
+from feeler.workbench.engine.gaps import Gaps, gap_json
 from feeler.workbench.engine.geometry import HeldGeometry
+from feeler.workbench.engine.world import World
 
 SECONDS, ORDER_SECONDS = 30.0, 120.0
 """Time for the search of a way, and of an order, unless another is asked for."""
-SEATED_M = 1e-6
-"""Parts nearer than this at the start are in contact; they count as neighbours once they are farther."""
-WITHIN_M = 0.05
-"""Gaps along a way are looked for up to this distance."""
 MOST_GAPS = 121
 """Poses of a way at which the gap is looked for."""
 ROOM_SHARE, ROOM_STEPS = 1.0 / 60.0, 300.0
@@ -111,7 +110,7 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     """Whether parts come out."""
     found = _removal(asked, progress)
     if not found.is_found:
-        return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
+        return Answered(_blocked(asked, found), False, blockers=_blockers(found.held_by, found.blocked_by))
     gaps = _gaps(asked.scene, asked.parts, found, progress)
     way = _way(asked.parts, found, gaps)
     what, wanted = _names(asked.mockup, asked.parts), asked.number("clearance", 0.0)
@@ -120,11 +119,11 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     is_kept = way.clearance is None or way.clearance >= wanted * (1.0 - CLEARANCE_ERROR)
     short = "" if is_kept else f", less than the {length(wanted)} that you asked for"
     return Answered(
-        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found)}{_nearest(asked, way, gaps)}{short}.",
+        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found)}{nearest(asked.mockup, way, gaps)}{short}.",
         is_kept,
         (way,),
         (_way_facts(way, found, gaps),),
-        _blockers(asked, found),
+        _blockers(found.held_by, found.blocked_by),
     )
 
 
@@ -138,12 +137,8 @@ def order(asked: Asked, progress: Progress) -> Answered:
         threads=asked.threads,
         progress=progress,
     )
-    last = found.steps[-1].removal if found.steps else None
     if not found.is_found:
-        said = f"No order was found in {found.seconds:.0f} s"
-        blockers = () if last is None else _blockers(asked, last)
-        names = _list([asked.mockup.part_names[each["part"]] for each in blockers])
-        return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
+        return _no_order(asked, found)
     ways = tuple(_way(step.parts, step.removal, []) for step in found.steps)
     facts = tuple(_way_facts(way, step.removal, []) for way, step in zip(ways, found.steps, strict=True))
     what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
@@ -151,20 +146,34 @@ def order(asked: Asked, progress: Progress) -> Answered:
     if not others:
         return Answered(f"{what} with nothing before: one step.", True, ways, facts)
     go = "goes" if len(others) == 1 else "go"
-    sentence = f"{what} after {_list(others)} {go}: {plural(len(found.steps), 'step')}."
+    sentence = f"{what} after {listed(others)} {go}: {plural(len(found.steps), 'step')}."
     return Answered(sentence, True, ways, facts)
+
+
+def _no_order(asked: Asked, found: RemovalOrder) -> Answered:
+    last = found.steps[-1].removal
+    said = f"No order was found in {found.seconds:.0f} s"
+    if last.held_by or not found.blocked_by:
+        blockers = _blockers(last.held_by, last.blocked_by)
+    else:
+        blockers = _blockers((), found.blocked_by)
+        if found.stuck != asked.parts:
+            do = "does" if len(found.stuck) == 1 else "do"
+            said += f": {_names(asked.mockup, found.stuck)} {do} not come out"
+    names = listed([asked.mockup.part_names[each["part"]] for each in blockers])
+    return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
 
 
 def reach(asked: Asked, progress: Progress) -> Answered:
     """Which tools reach fasteners: of each fastener the tool that swings farthest."""
     assert asked.tools, "a question of access has a tool"
-    bolts = find_fasteners(asked.scene, list(asked.parts) or None, _share(progress, 0.0, 0.2))
+    bolts = find_fasteners(asked.scene, list(asked.parts) or None, part_of(progress, 0.0, 0.2))
     if not len(bolts):
         return Answered("None of these parts looks like a fastener.", None)
     found: dict[str, list[Reach]] = {}
     for number, name in enumerate(asked.tools):
         start, end = (0.2 + 0.8 * each / len(asked.tools) for each in (number, number + 1))
-        found[name] = _reaches(asked, name, bolts, _share(progress, start, end))
+        found[name] = _reaches(asked, name, bolts, part_of(progress, start, end))
     reaching = [[name for name, rows in found.items() if rows[k].is_reachable] for k in range(len(bolts))]
     best = [max(names or found, key=lambda name: found[name][k].swing_deg) for k, names in enumerate(reaching)]
     order = sorted(range(len(bolts)), key=lambda k: (bool(reaching[k]), bolts[k].path))
@@ -210,20 +219,20 @@ def _reach_words(good: Mapping[str, int], reached: int, found: Mapping[str, list
         return f"None of {len(good)} tools reaches {'it' if bolts == 1 else f'any of {fasteners}'}."
     which = [name for name, count in good.items() if count]
     if bolts == 1:
-        return f"The {_list(which)} {'reaches' if len(which) == 1 else 'reach'} it."
+        return f"The {listed(which)} {'reaches' if len(which) == 1 else 'reach'} it."
     most = max(good, key=lambda name: good[name])
     if good[most] == bolts:
         return f"The {most} reaches all {fasteners}."
     count = f"{reached:,}" if reached < bolts else "All"
-    by = f"by the {_list(which)}" if reached == 1 else f"{good[most]:,} of them by the {most}"
+    by = f"by the {listed(which)}" if reached == 1 else f"{good[most]:,} of them by the {most}"
     return f"{count} of {fasteners} {'is' if reached == 1 else 'are'} reached, {by}."
 
 
 def room(asked: Asked, progress: Progress) -> Answered:
     """The room that parts need on their way out."""
-    found = _removal(asked, _share(progress, 0.0, 0.6))
+    found = _removal(asked, part_of(progress, 0.0, 0.6))
     if not found.is_found:
-        return Answered(_blocked(asked, found), False, blockers=_blockers(asked, found))
+        return Answered(_blocked(asked, found), False, blockers=_blockers(found.held_by, found.blocked_by))
     moving = Tool.of_parts(asked.mockup, list(asked.parts))
     error = _room_error(moving, found)
     volume = swept(
@@ -231,7 +240,7 @@ def room(asked: Asked, progress: Progress) -> Answered:
         found.poses,
         error,
         threads=asked.threads,
-        progress=_share(progress, 0.6, 1.0),
+        progress=part_of(progress, 0.6, 1.0),
     )
     low, high = volume.bounds
     way = _way(asked.parts, found, [])
@@ -275,6 +284,11 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
     named += [each["part"] for each in answer["blockers"]]
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
     named += [each["part"] for way in answer["ways"] for each in way["gaps"] if each["part"] is not None]
+    named += [way["hit"]["part"] for way in answer["ways"] if "hit" in way]
+    elsewhere = [part for way in answer["ways"] for part in way.get("places", {})]
+    if not all(part.isascii() and part.isdigit() and len(part) < 12 for part in elsewhere):
+        return None
+    named += map(int, elsewhere)
     if not all(0 <= part < parts for part in named) or not all(way.poses and way.parts for way in ways):
         return None
     room = answer["room"]
@@ -356,28 +370,23 @@ def _way_facts(way: Way, found: Removal, gaps: list[Gap]) -> WayFacts:
 
 
 def _gaps(scene: Scene, parts: tuple[int, ...], found: Removal, progress: Progress) -> list[Gap]:
-    """The nearest neighbour at poses spread evenly over the way; those in contact at the start count once they are
-    apart."""
     moving = Tool.of_parts(scene.mockup, list(parts))
-    rest = scene.without(list(parts))
-    poses, shares = _spread(found.poses, moving.bounds)
-    seated = set(rest.clearance(moving, poses[0], SEATED_M).parts.tolist())
+    return gaps_along(scene.without(list(parts)), moving, found.poses, progress)
+
+
+def gaps_along(rest: Scene | World, moving: Tool, way: Floats, progress: Progress) -> list[Gap]:
+    """The nearest neighbour at poses spread evenly over a way; those in contact at the start count once they are
+    apart."""
+    poses, shares = spread(way, moving.bounds)
+    nearest = Gaps(rest, moving, poses[0])
     gaps: list[Gap] = []
     for number, (pose, share) in enumerate(zip(poses, shares, strict=True)):
         progress(number / len(poses), "measuring gaps")
-        rows = rest.clearance(moving, pose, WITHIN_M)
-        near = dict(zip(rows.parts.tolist(), rows.distances.tolist(), strict=True))
-        seated = {part for part in seated if near.get(part, math.inf) <= SEATED_M}
-        at = next((row for row, part in enumerate(near) if part not in seated), None)
-        if at is None:
-            gaps.append({"share": share, "gap": None, "part": None, "point": None})
-        else:
-            point = _triple(rows.points_on_mockup[at])
-            gaps.append({"share": share, "gap": float(rows.distances[at]), "part": int(rows.parts[at]), "point": point})
+        gaps.append(gap_json(share, nearest.at(pose)))
     return gaps
 
 
-def _spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
+def spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
     """Poses of a way at even steps of its fastest corner, and their shares of it: its own poses and some between."""
     corners = motion.corners(bounds)
     steps = [motion.carried(one, other, corners) for one, other in pairwise(poses)]
@@ -400,15 +409,15 @@ def _spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
     return np.array([spread[each] for each in kept]), [shares[each] for each in kept]
 
 
-def _blockers(asked: Asked, found: Removal) -> tuple[BlockerFacts, ...]:
+def _blockers(held_by: Sequence[Part], blocked_by: Sequence[RemovalBlocker]) -> tuple[BlockerFacts, ...]:
     home = list(motion.HOME)
     proofs: list[BlockerFacts] = [
-        {"part": part.index, "attempts": 0, "is_proof": True, "pose": home} for part in found.held_by
+        {"part": part.index, "attempts": 0, "is_proof": True, "pose": home} for part in held_by
     ]
-    proven = {part.index for part in found.held_by}
+    proven = {part.index for part in held_by}
     stopped: list[BlockerFacts] = [
         {"part": each.part, "attempts": each.count, "is_proof": False, "pose": list(motion.row(each.pose))}
-        for each in found.blocked_by
+        for each in blocked_by
         if each.part not in proven
     ]
     return tuple([*proofs, *stopped][:MOST_BLOCKERS])
@@ -417,10 +426,10 @@ def _blockers(asked: Asked, found: Removal) -> tuple[BlockerFacts, ...]:
 def _blocked(asked: Asked, found: Removal) -> str:
     names, parts = _names(asked.mockup, asked.parts), asked.parts
     if found.held_by:
-        held = _list([part.name for part in found.held_by])
+        held = listed([part.name for part in found.held_by])
         return f"{names} cannot come out while {held} {'stays' if len(found.held_by) == 1 else 'stay'}: this is proven."
     how = f"in {found.seconds:.0f} s" if found.is_out_of_time else "in a complete search"
-    stopped = _list([asked.mockup.part_names[each.part] for each in found.blocked_by])
+    stopped = listed([asked.mockup.part_names[each.part] for each in found.blocked_by])
     tail = f"; stopped by {stopped}" if stopped else ""
     return f"No way out was found for {names} {how}{tail}." if parts else f"No way out was found{tail}."
 
@@ -433,13 +442,13 @@ def _way_words(found: Removal) -> str:
     return f"{legs}, {length(found.path_length)}{turned}"
 
 
-def _nearest(asked: Asked, way: Way, gaps: list[Gap]) -> str:
+def nearest(mockup: Mockup, way: Way, gaps: list[Gap]) -> str:
     """The tightest place, and of which neighbour it is, if that was seen."""
     known = [each for each in gaps if each["gap"] is not None and each["part"] is not None]
     near = min(known, key=lambda each: each["gap"] or 0.0, default=None)
     if way.clearance is None or near is None or near["part"] is None or near["gap"] is None:
         return ""
-    name = _list([asked.mockup.part_names[near["part"]]])
+    name = listed([mockup.part_names[near["part"]]])
     if near["gap"] <= way.clearance * (1.0 + CLEARANCE_ERROR):
         return f"; nearest about {length(near['gap'])} to {name}"
     return f"; nearest about {length(way.clearance)}"
@@ -457,8 +466,8 @@ def _reach_facts(asked: Asked, tool: str, tools: list[str], row: Reach, bolt: Fa
         "because": row.because,
         "pose": list(motion.row(row.pose)),
         "way": [list(motion.row(pose)) for pose in row.way],
-        "point": _triple(bolt.frame[:3, 3]),
-        "axis": _triple(bolt.axis),
+        "point": triple(bolt.frame[:3, 3]),
+        "axis": triple(bolt.axis),
         "fan": _fan(asked.tools[tool], row, bolt),
         "blockers": [each.part for each in row.blockers[:MOST_BLOCKERS]],
     }
@@ -478,10 +487,10 @@ def _fan(tool: Tool, row: Reach, bolt: Fastener) -> list[Vec3]:
     along = axis * (far @ axis)
     across = far - along
     side = np.cross(axis, across)
-    return [_triple(origin + along + math.cos(turn) * across + math.sin(turn) * side) for turn in turns]
+    return [triple(origin + along + math.cos(turn) * across + math.sin(turn) * side) for turn in turns]
 
 
-def _share(progress: Progress, start: float, end: float) -> Progress:
+def part_of(progress: Progress, start: float, end: float) -> Progress:
     """Reports a stage of a task as this share of it."""
 
     def report(share: float, stage: str) -> None:
@@ -511,7 +520,7 @@ def _verb(parts: tuple[int, ...], verb: str) -> str:
     return verb + "s" if len(parts) == 1 else verb
 
 
-def _list(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
     """ "a, b and c", or "a, b, c and 5 more", without folders."""
     names = [name.rpartition("/")[2] for name in names]
     if len(names) > _NAMED + 1:
@@ -519,6 +528,7 @@ def _list(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
 
 
-def _triple(vector: Any) -> Vec3:
+def triple(vector: Any) -> Vec3:
+    """Three numbers."""
     x, y, z = np.asarray(vector, dtype=np.float64).tolist()
     return (x, y, z)

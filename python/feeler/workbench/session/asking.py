@@ -6,7 +6,7 @@ import base64
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -21,21 +21,23 @@ from feeler.workbench.document.answers import (
     Outline,
     PartFacts,
     RayHit,
+    RecordTimeline,
     Replayed,
+    SequenceFilm,
     Snapped,
     Written,
     WrittenPage,
 )
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
-from feeler.workbench.document.document import Document, plain
+from feeler.workbench.document.document import Document, active_planes, plain
 from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
 from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
-from feeler.workbench.session import export, page, saving
+from feeler.workbench.session import export, films, page, saving
 from feeler.workbench.session.finding_jobs import (
     TakenFindings,
     clash,
@@ -49,22 +51,40 @@ from feeler.workbench.session.finding_jobs import (
 )
 from feeler.workbench.session.report_jobs import report_file
 from feeler.workbench.session.requirement_jobs import export_requirements, verified
-from feeler.workbench.session.uploads import Uploads
+from feeler.workbench.session.sent_files import SentFiles
 
 PAGE = "mock-up.html"
 MOST_QUERY = 1_000
 """The most characters of a search that count."""
 _SNAP_M = 0.005
+SPEEDS = (0.05, 20.0)
+"""Of a replay, at least and at most."""
 
 Found = TypeVar("Found")
+
+
+class Recorded(Protocol):
+    """A record to replay; `player.Player` has the meanings."""
+
+    def timeline(self) -> RecordTimeline:
+        """Commands and gaps over time."""
+        ...
+
+    def play(self, progress: Progress, start: float | None = None, speed: float = 1.0) -> dict[str, Any]:
+        """Replays it."""
+        ...
+
+    def seek(self, progress: Progress, at: float) -> dict[str, Any]:
+        """Shows a moment of it."""
+        ...
 
 
 @dataclass(frozen=True)
 class Place:
     """The subject of questions and jobs.
 
-    exports: files written by jobs, by name. uploads: files of pages. taken: findings of jobs. cards: the answer of a
-    card. replay: replays the record, if there is one. history: of statuses, of a project.
+    exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
+    card. recorded: the record to replay, if there is one. history: of statuses, of a project.
     """
 
     document: Document
@@ -73,10 +93,10 @@ class Place:
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]
-    uploads: Uploads
+    files: SentFiles
     taken: TakenFindings
     cards: Callable[[int], CardAnswer]
-    replay: Callable[[Progress], dict[str, Any]] | None = None
+    recorded: Recorded | None = None
     history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
 
 
@@ -135,11 +155,11 @@ def card(place: Place, given: Arguments) -> CardAnswer:
 
 
 def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
-    """The exact outlines of the active sections, or of one plane."""
+    """The exact outlines of the active sections and of the section box, or of one plane."""
     if given.has("normal"):
         planes = [(given.unit("normal"), given.number("offset"))]
     else:
-        planes = [(each.normal, each.offset) for each in place.document.sections if each.is_on]
+        planes = active_planes(place.document)
     segments, owners = [np.empty((0, 2, 3))], []
     for number, (normal, offset) in enumerate(planes):
         progress(number / len(planes), "outlines")
@@ -160,7 +180,7 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> WrittenPage
     camera = cast(Camera, plain(camera_of(given))) if given.has("camera") else None
     rows = b"" if document.findings is None else document.findings.table.frame()
     data, left_out = page.page(
-        {**document.to_json(), "project": None},
+        {**document.to_json(), "project": None, "guiding": None},
         camera,
         geometry.manifest(),
         geometry.piece,
@@ -183,10 +203,31 @@ def project_file(place: Place, given: Arguments, progress: Progress) -> Written:
 
 
 def replay(place: Place, given: Arguments, progress: Progress) -> Replayed:
-    """Replays the record that the workbench was opened with."""
-    if place.replay is None:
+    """Replays the record that the workbench was opened with: exactly; or shows it from some seconds on."""
+    start = given.number("start", 0.0) if given.has("start") else None
+    speed = given.number("speed", *SPEEDS) if given.has("speed") else 1.0
+    return cast(Replayed, _recorded(place, given).play(progress, start, speed))
+
+
+def replay_to(place: Place, given: Arguments, progress: Progress) -> Replayed:
+    """Shows the record at some seconds of its replay."""
+    return cast(Replayed, _recorded(place, given).seek(progress, given.number("at", 0.0)))
+
+
+def record(place: Place, given: Arguments) -> RecordTimeline:
+    """The record over time."""
+    return _recorded(place, given).timeline()
+
+
+def _recorded(place: Place, given: Arguments) -> Recorded:
+    if place.recorded is None:
         raise WorkbenchError("there is no record", given.command, "start by feeler replay FILE --page")
-    return cast(Replayed, place.replay(progress))
+    return place.recorded
+
+
+def film(place: Place, given: Arguments, progress: Progress) -> SequenceFilm:
+    """The sequence as a film."""
+    return {"ways": films.ways(place.document, place.scene, place.meshes, progress)}
 
 
 def _writing(name: str, write: Callable[..., bytes]) -> Work[Written]:
@@ -211,6 +252,7 @@ ASKS: dict[str, Question[Any]] = {
     "part": Question(part, {"part": Selection}),
     "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
+    "record": Question(record, {}),
     "finding_alike": Question(finding_alike, {"version": str, "row": int}),
     "finding_side": Question(finding_side, {"version": str, "row": int}),
     "pair_side": Question(pair_side, {"parts": Selection, "point": Vec3}),
@@ -224,10 +266,12 @@ JOBS: dict[str, Work[Any]] = {
     "export_project": Work(project_file),
     "report": Work(report_file, {"pictures": Maybe(int)}),
     "page": Work(page_file, {"camera": Maybe(Camera)}),
-    "replay": Work(replay),
+    "replay": Work(replay, {"start": Maybe(float), "speed": Maybe(float)}),
+    "replay_to": Work(replay_to, {"at": float}),
+    "film": Work(film),
     "clash": Work(clash, {"parts": Maybe(Selection)}),
-    "findings_file": Work(findings_file, {"upload": str, "name": str}),
-    "findings_bcf": Work(findings_bcf, {"upload": str, "name": str}),
+    "findings_file": Work(findings_file, {"files": int, "name": str}),
+    "findings_bcf": Work(findings_bcf, {"files": int, "name": str}),
     "verify": Work(verified),
     "export_requirements": Work(export_requirements),
     "export_findings": Work(export_findings, {"format": FindingFormat}),

@@ -17,6 +17,7 @@ from feeler.workbench.engine.hand import Hands
 from feeler.workbench.engine.standing import Standing
 from feeler.workbench.session.answering import ANSWERS, Answered, Asked
 from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
+from feeler.workbench.session.line_ways import LINE_ANSWERS
 
 TELL_S = 0.2
 """Progress is told at most this often."""
@@ -146,6 +147,8 @@ class Cards:
                     del self._running[card.id]
 
     def _found(self, card: Card, document: Document, hands: Hands, standing: Standing, progress: Progress) -> Answered:
+        if card.line is not None:
+            return LINE_ANSWERS[card.question](document, card, hands, progress)
         scene = standing.scene(document, card.without, lambda share, stage: progress(0.0, stage))
         there = tuple(part for part in card.parts if scene.part_mask[part])
         names = card.options.get("tools") or [each for each in [card.options.get("tool")] if each is not None]

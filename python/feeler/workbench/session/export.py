@@ -95,7 +95,7 @@ def _first(document: Document, part: int) -> Floats:
 
 
 def _headings(unit: str) -> list[str]:
-    return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool"]
+    return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool", "end"]
 
 
 def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[Cell]:
@@ -108,7 +108,17 @@ def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> li
         None if line.least_clearance is None else _rounded(line.least_clearance / per_unit),
         "; ".join(line.touched),
         line.tool or "",
+        _end(number, line, document),
     ]
+
+
+def _end(number: int, line: Removal, document: Document) -> str:
+    """Where its parts are since: a short shove is not a removal."""
+    if any(part in later.parts for later in document.sequence[number:] for part in line.parts):
+        return "moved again"
+    if all(part in document.out for part in line.parts):
+        return "out"
+    return "not out" if any(part in document.moved for part in line.parts) else "put back"
 
 
 def _rounded(length: float) -> float:

@@ -36,7 +36,7 @@ from feeler.workbench.document.frames import dumps
 from feeler.workbench.document.protocol_findings import Alike, FindingSide, Hides, Taken
 from feeler.workbench.engine.parts import PartTools, with_places
 from feeler.workbench.session.finding_view import side_of, side_of_pair
-from feeler.workbench.session.uploads import Uploads
+from feeler.workbench.session.sent_files import SentFiles
 
 _MOST_TAKEN = 8
 _FORMATS = ("json", "csv", "xlsx", "html", "bcf", "rules")
@@ -65,8 +65,8 @@ class FindingPlace(Protocol):
         """Files written by jobs, by name."""
 
     @property
-    def uploads(self) -> Uploads:
-        """Files that pages opened."""
+    def files(self) -> SentFiles:
+        """Files that pages sent."""
 
     @property
     def taken(self) -> TakenFindings:
@@ -125,7 +125,7 @@ def clash(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
 def findings_file(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
     """Opens a file that a page sent: findings of `feeler clash --json` or --save."""
     progress(0.0, "reading")
-    data = findings.parsed_findings(place.uploads.take(given.text("upload")), given.text("name"))
+    data = findings.parsed_findings(place.files.read(given.whole("files")), given.text("name"))
     progress(_READ, "reading")
     found = findings.findings_of(data, place.scene.mockup.parts, place.document.absent)
     progress(1.0, "done")
@@ -139,7 +139,7 @@ def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> T
         raise WorkbenchError("there are no findings", given.command, "check clashes first: BCF has no geometry")
     progress(0.0, "reading")
     name = given.text("name")
-    topics = topics_in(io.BytesIO(place.uploads.take(given.text("upload"))), name)
+    topics = topics_in(io.BytesIO(place.files.read(given.whole("files"))), name)
     progress(_READ, "reading")
     clashes = found.table.clashes(place.scene.mockup, found.status, found.notes)
     changes = room.apply_bcf(clashes, topics)

@@ -210,6 +210,11 @@ class PeopleOf:
             self._listener()
         return True
 
+    def could_move(self, mover: int) -> bool:
+        """Whether somebody may move the tool now; the turn stays as it is."""
+        with self._lock:
+            return self._holder == mover or self._is_free()
+
     def check_move(self, mover: int) -> None:
         """As `may_move`. Raises `WorkbenchError`."""
         if not self.may_move(mover):

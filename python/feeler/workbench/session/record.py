@@ -43,6 +43,8 @@ def document_digest(document: Document) -> str:
     facts = dict(document.to_json())
     for name in ("mockup", "loading", "failed", "tools", "record", "project", "absent", "cards"):
         del facts[name]
+    if facts["section_box"] is None:  # as in records of versions without it
+        del facts["section_box"]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 

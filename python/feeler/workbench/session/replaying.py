@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,16 +14,12 @@ from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench.document import motion
-from feeler.workbench.document.document import RecordFacts
 from feeler.workbench.engine.engine import Ticked
 from feeler.workbench.engine.geometry import absent_parts
 from feeler.workbench.session.record import Record, digest, document_digest, hits_digest
 from feeler.workbench.session.session import Session
 
 _MOST_IDS = 20
-_LONGEST_REST_S = 0.5
-"""Pages see a replay at the recorded speed; pauses are cut to this."""
-_TOLD_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -199,50 +194,6 @@ class Replay:
         if trouble is None and document_digest(self._session.current) != entry["document"]:
             return Parted(number, f"after the command {entry['name']} the document is another")
         return None
-
-
-class Player:
-    """Replays a record in a session with pages, at the recorded speed, any number of times."""
-
-    def __init__(
-        self,
-        record: Record,
-        session: Session,
-        mockup: Mockup,
-        scene: Scene,
-        tool: Tool | None,
-        *,
-        name: str | None = None,
-    ) -> None:
-        """Opens the session at the record's start, and offers the record. Raises `LoadError` for other meshes."""
-        check_meshes(record, scene, tool)
-        self._record, self._session = record, session
-        self._meshes = (mockup, scene, tool, name)
-        self._facts = RecordFacts(record.path.name)
-        Replay(record, session).open(*self._meshes)
-        session.offer(self._facts, self.play)
-
-    def play(self, progress: Progress) -> dict[str, Any]:
-        """Replays to the end, or to a difference: {"is_same", "verdict"}."""
-        session, entries = self._session, self._record.entries
-        gone = Replay(self._record, session)
-        shown = self._facts
-        with session.replaying():
-            try:
-                session.show_record(replace(self._facts, is_playing=True))
-                gone.open(*self._meshes)
-                told = before = float("-inf")
-                for number, at in gone.steps():
-                    time.sleep(min(_LONGEST_REST_S, max(0.0, at - before)) if before > float("-inf") else 0.0)
-                    before = at
-                    if time.monotonic() - told > _TOLD_S:
-                        told = time.monotonic()
-                        progress(number / len(entries), "replay")
-                found = gone.found
-                shown = replace(self._facts, is_same=bool(found), verdict=sentence(found))
-            finally:
-                session.show_record(shown)
-        return {"is_same": shown.is_same, "verdict": shown.verdict}
 
 
 def sentence(found: Replayed) -> str:

@@ -15,12 +15,11 @@ from feeler.workbench.document.document import Document
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.hand import Hands
-from feeler.workbench.session.asking import ASKS, JOBS, Place
+from feeler.workbench.session.asking import ASKS, JOBS, Place, Recorded
 from feeler.workbench.session.finding_jobs import TakenFindings
 from feeler.workbench.session.jobs import Job, Jobs
-from feeler.workbench.session.uploads import Uploads
+from feeler.workbench.session.sent_files import SentFiles
 
-Replay = Callable[[Progress], dict[str, Any]]
 Places = Callable[[], Place]
 """The present subject. Raises `WorkbenchError` before a mock-up is open."""
 
@@ -28,17 +27,17 @@ Places = Callable[[], Place]
 class Requests:
     """Thread-safe. The jobs' thread begins with the first job."""
 
-    def __init__(self) -> None:
+    def __init__(self, files: SentFiles) -> None:
+        """files: those that pages send for jobs."""
         self._lock = threading.Lock()
         self._jobs: Jobs | None = None
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
-        self.uploads = Uploads()
-        """Files that pages opened."""
+        self._files = files
         self.taken = TakenFindings()
         """Findings of jobs, for the command "findings_take"."""
-        self.replay: Replay | None = None
-        """Replays the record, if there is one."""
+        self.recorded: Recorded | None = None
+        """The record to replay, if there is one."""
         self.history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
         """The history of statuses, of a project."""
 
@@ -51,7 +50,7 @@ class Requests:
     def place(self, document: Document, hands: Hands, geometry: Geometry, cards: Callable[[int], CardAnswer]) -> Place:
         """The subject of questions and jobs: immutable, so that nothing waits for them."""
         world = hands.world(document)
-        key = (world, document.hidden, document.sections)
+        key = (world, document.hidden, document.sections, document.section_box)
         with self._lock:
             if self._sight is None or self._sight[0] != key:
                 self._sight = (key, measuring.Sight(world, document))
@@ -63,10 +62,10 @@ class Requests:
                 sight,
                 geometry,
                 self._exports,
-                self.uploads,
+                self._files,
                 self.taken,
                 cards,
-                self.replay,
+                self.recorded,
                 self.history,
             )
 
@@ -102,7 +101,6 @@ class Requests:
         return data
 
     def close(self) -> None:
-        """Cancels all jobs, and drops files."""
-        self.uploads.close()
+        """Cancels all jobs."""
         if self._jobs is not None:
             self._jobs.close()

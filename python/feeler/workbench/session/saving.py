@@ -110,7 +110,8 @@ class Saver:
         document = replace(document, project=facts, tools=hands.names, held_version=hands.version(document))
         with self._guard:
             self._written = there
-            self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, aside)
+            lost = () if revision is None or revision.is_numbered_as_before else tuple(c.id for c in document.cards)
+            self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, aside, lost)
             self._is_begun = True
             if self._thread is None and not self._project.is_read_only:
                 self._thread = threading.Thread(target=self._loop, name="feeler project", daemon=True)
@@ -244,8 +245,12 @@ class Saver:
         tool_facts: dict[str, Any] | None,
         revision: Revision | None,
         aside: tuple[tuple[str, str], ...],
+        lost: tuple[int, ...],
     ) -> Iterator[Change]:
-        """What the project says of the mock-up and the tool."""
+        """What the project says of the mock-up and the tool.
+
+        lost: cards whose answers name parts by the numbers of another revision.
+        """
         project, facts = self._project, opened.mockup
         assert facts is not None
         mockup = {
@@ -259,6 +264,7 @@ class Saver:
                     change = tool_change(tool, tool_facts["hash"])
                     if change is not None:
                         yield change
+        yield from (drop("answers", row_id(_answer_id(card))) for card in lost)
         if revision is not None:
             yield from project.revision_changes(revision)
         elif not project.parts():

@@ -14,7 +14,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,7 @@ from feeler.workbench.document.cards import told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
 from feeler.workbench.document.findings import findings_of, read_findings, saved
+from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
@@ -39,11 +40,12 @@ from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, He
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
+from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.hand import Hands, held_key
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
 from feeler.workbench.session.answering import Answered, kept_answer
-from feeler.workbench.session.asking import Place
+from feeler.workbench.session.asking import Place, Recorded
 from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
@@ -87,16 +89,16 @@ class Session:
         self._history = History()
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
-        self._requests = Requests()
-        if project is not None:
-            self._requests.history = project.history
         self._cards = Cards(self._card_told, self._keep_answer)
         self.openings = Openings()
-        """Opens other mock-ups for pages, if somebody offers it."""
+        """Files of pages, and the opening of other mock-ups, if somebody offers it."""
+        self._requests = Requests(self.openings.files)
+        if project is not None:
+            self._requests.history = project.history
         self._clock, self._seed = clock, seed
         self.people = PeopleOf(clock, parts=self._part_count, is_playing=lambda: self._document.replaying is not None)
         """Who has a page, and who has the tool."""
-        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
+        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked, on_guided=self._guided)
         self._recorder = None if record is None else Recorder(Path(record))
         self._hands: Hands | None = None
         self._geometry: Geometry | None = None
@@ -183,10 +185,10 @@ class Session:
 
     # ---- a record that is gone through again ----
 
-    def offer(self, record: RecordFacts, replay: Callable[[Progress], dict[str, Any]]) -> None:
-        """Lets pages replay a record, by the job "replay", which calls `replay`."""
+    def offer(self, record: RecordFacts, recorded: Recorded) -> None:
+        """Lets pages replay a record, by the jobs "replay" and "replay_to"."""
         with self._lock:
-            self._requests.replay = replay
+            self._requests.recorded = recorded
             self.show_record(record)
 
     def show_record(self, record: RecordFacts) -> None:
@@ -203,6 +205,25 @@ class Session:
         ticked = self.engine.replayed(wish, seq, source, steps)
         self._tell_snapshot()
         return ticked
+
+    def show_moment(self, document: Document, pose: Floats, wish: Floats, *, is_last: bool) -> None:
+        """Shows a state of a record: a document, and the hand at a pose, held back from a wish. Undo begins anew there.
+
+        is_last: work may go on from it; else others follow at once.
+        """
+        with self.engine.paused(), self._lock:
+            now, hands = self._document, self._opened()
+            after = self._of_this_run(document)
+            after = replace(after, held_version=hands.version(after))
+            if is_last or held_key(now) != held_key(after) or now.world != after.world or now.mode != after.mode:
+                self._engine_to(replace(after, pose=motion.row(pose)))
+            self.engine.shown(pose, wish, is_last=is_last)
+            self._history = History()
+            if after != now:
+                self._show(after, None)
+            if after.held_version != now.held_version:
+                self._tell_held(after)
+        self._tell_snapshot()
 
     # ---- state ----
 
@@ -289,10 +310,6 @@ class Session:
             raise WorkbenchError("the findings are others now", "findings", "fetch those of the document")
         return found.table.frame()
 
-    def upload(self, file: IO[bytes]) -> str:
-        """Takes a whole file from a page; the result is its name for jobs."""
-        return self._requests.uploads.keep(file)
-
     def export(self, name: str) -> bytes:
         """A file written by a job. Raises `WorkbenchError`."""
         return self._requests.export(name)
@@ -331,6 +348,7 @@ class Session:
             self.engine.let_go()
             if self._recorder is not None:
                 self._recorder.let_go(self._clock())
+        self._guided(None)
         self._wake.set()
 
     def command(
@@ -363,6 +381,8 @@ class Session:
                     self._recorder.command(now, str(name), args, None, str(error))
                 raise
             self._show(after, name)
+            if after.guiding is not before.guiding:
+                self._guide(after)
             if is_of_cards:
                 self._cards.follow(before, after, self._opened())
             if after.held_version != before.held_version:
@@ -372,6 +392,8 @@ class Session:
                     args = {**args, "saved": saved(after.findings)}  # a replay has no jobs
                 if name == "way_take":
                     args = self._with_ways(args, before, after)
+                elif name == "way_keep":
+                    args = self._with_short_way(args, before)
                 self._recorder.command(now, name, args, after, None)
             if name == "sequence_replay":
                 self._play(after)
@@ -419,6 +441,10 @@ class Session:
         """A key that changes whenever the hand's content, its placement or the world changes."""
         document = self._document
         return held_key(document), document.world, document.pose
+
+    def guide_now(self) -> Guide | None:
+        """The way that guides the hand of a device; None while somebody else has the tool."""
+        return self.engine.guide if self.people.could_move(DEVICE) else None
 
     def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
         """That key, the world around the hand, its content, and its pose (`world_from_tool`, `(4, 4)`)."""
@@ -469,7 +495,7 @@ class Session:
                 return
             after = self._history.next(name)
             moves_hand = self._moves_engine(self._document, after)
-        if moves_hand:
+        if moves_hand or name in GUIDES:
             self.people.check_move(by)
 
     def _changed(self, name: str, args: Any, step: Step) -> Document:
@@ -503,6 +529,8 @@ class Session:
         elif name == "findings_take" and isinstance(args, dict):
             known = replace(known, findings=self._requests.taken.of(args.get("key"), before))
         after = applied(before, name, args, known)
+        if after.guiding is not None and held_key(after) != held_key(before):
+            after = replace(after, guiding=None)
         after = replace(after, held_version=hands.version(after))
         if name != "place":
             self._engine_follows(before, after)
@@ -532,10 +560,8 @@ class Session:
     def _stepped(self, name: str, args: Any, step: Step) -> Document:
         Arguments(name, args, {})
         now, after = self._document, self._history.next(name)
-        # The user did not change the mock-up opened meanwhile.
-        after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
-        after = replace(after, project=now.project)
-        after = replace(after, cards=now.cards, next_card=now.next_card)
+        after = self._of_this_run(after)
+        after = replace(after, guiding=now.guiding if held_key(after) == held_key(now) else None)
         self._engine_follows(now, after)
         taken = self._history.stepped(name, now)
         if taken.by != step.by and self.people.count > 1:
@@ -543,6 +569,12 @@ class Session:
             text = f"{who} {'undid' if name == 'undo' else 'redid'} a step of {whose}: {taken.command}"
             self._events.tell({"type": "notice", "level": "info", "text": text})
         return after
+
+    def _of_this_run(self, document: Document) -> Document:
+        """An earlier document, with what the user did not change and what is no step of undo as it is now."""
+        now = self._document
+        document = replace(document, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
+        return replace(document, project=now.project, cards=now.cards, next_card=now.next_card)
 
     def _engine_follows(self, before: Document, after: Document) -> None:
         if self._moves_engine(before, after):
@@ -566,6 +598,7 @@ class Session:
             is_carrying=bool(document.gripped),
             trip=document.trip,
         )
+        self._guide(document)
 
     def _with_ways(self, args: Any, before: Document, after: Document) -> Any:
         """The arguments of `way_take` with the ways that were taken, so that a record repeats them without the card."""
@@ -575,6 +608,15 @@ class Session:
         begin = sum(all(part in before.out for part in way.parts) for way in ways)
         taken = ways[begin : begin + len(after.sequence) - len(before.sequence)]
         return {"ways": [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in taken]}
+
+    def _with_short_way(self, args: Any, before: Document) -> Any:
+        """The same of `way_keep`."""
+        if args.get("ways") is not None:
+            return args
+        line = next(card.line for card in before.cards if card.id == args["id"])
+        ways = self._cards.ways[args["id"]]
+        given = [{"parts": list(w.parts), "poses": w.poses, "clearance": w.clearance} for w in ways]
+        return {"line": line, "ways": given, **({"is_added": True} if args.get("is_added") else {})}
 
     def _keep_answer(self, number: int, found: Answered) -> None:
         if self._saver is not None:
@@ -603,6 +645,18 @@ class Session:
     def _played(self) -> None:
         with contextlib.suppress(WorkbenchError):  # they have already been put down
             self.command("release", {}, None)
+
+    def _guide(self, document: Document) -> None:
+        way = document.guiding
+        self.engine.set_guide(None if way is None else [motion.matrix(pose) for pose in way.way])
+
+    def _guided(self, guide: Guide | None) -> None:
+        """The hand came to the end of its guide; None: it is gone."""
+        with self._lock:
+            if self._document.guiding is None or (guide is not None and guide is not self.engine.guide):
+                return
+            self._show(replace(self._document, guiding=None), None)
+            self.engine.set_guide(None)
 
     def _show(self, document: Document, command: str | None) -> None:
         with self._lock:
