@@ -138,6 +138,7 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.Mockup": lambda w: (feeler.Mockup, {"vertices": w.mockup.vertices, "faces": w.mockup.faces}),
     "feeler.Mockup.pack": lambda w: (w.mockup.pack, {}),
     "feeler.Parts.find": lambda w: (w.mockup.parts.find, {"path": "plate"}),
+    "feeler.Parts.search": lambda w: (w.mockup.parts.search, {"query": "plate"}),
     "feeler.Parts.select": lambda w: (w.mockup.parts.select, {"parts": "plate"}),
     "feeler.Scene": lambda w: (feeler.Scene, {"mockup": w.mockup}),
     "feeler.Scene.cast": lambda w: (w.scene.cast, {"tool": w.tool, "start": w.away, "end": w.pose}),

@@ -30,7 +30,7 @@ from feeler.workbench.net.guard import new_token
 from feeler.workbench.net.server import Server
 from feeler.workbench.net.serving import Limits
 
-SECRETS = ["/scene", "/scene/pieces/0", "/held/1", "/exports/a.csv", "/findings/00ff"]
+SECRETS = ["/scene", "/scene/pieces/0", "/scene/sent/0", "/held/1", "/exports/a.csv", "/findings/00ff"]
 
 
 @pytest.fixture
@@ -91,6 +91,8 @@ def test_what_is_not_there(server: Server) -> None:
         "/scene/pieces/-1",
         "/scene/pieces/1e3",
         "/scene/pieces/",
+        "/scene/sent/",
+        "/scene/sent/1",
         "/held/x",
         "/held/" + "9" * 50,
         "/exports/",

@@ -264,13 +264,16 @@ ROOMS: dict[str, set[str]] = {
     "atomic": {"arguments", "errors"},
     "travel": {"_core", "errors"},
     "poses": {"arguments", "errors"},
-    "parts": {"arguments", "errors"},
+    # Material, layer and the like, by part.
+    "attributes": {"arguments", "errors"},
+    "parts": {"arguments", "attributes", "errors"},
     "memory": set(),
     # The files of saved scenes, which mock-ups and scenes can be in.
-    "saved": {"_core", "arguments", "errors", "memory", "source"},
+    "saved": {"_core", "arguments", "attributes", "errors", "memory", "source"},
     "source": set(),
     "mockup": {
-        *("_core", "arguments", "choices", "errors", "parts", "poses", "saved", "source", "travel", "words"),
+        *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
+        "words",
     },
     "part_meshes": {"mockup"},
     "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
@@ -296,7 +299,7 @@ ROOMS: dict[str, set[str]] = {
             "travel",
         ),
     },
-    "io": {*BASE, "saved"},
+    "io": {*BASE, "attributes", "saved"},
     "interchange": {*BASE, "io"},
     # Interfaces of other libraries.
     "compat": {*BASE, "_core"},

@@ -194,6 +194,18 @@ class Packed:
     @property
     def middle(self) -> npt.NDArray[np.float64]:
         """`(3,)`: the origin of positions, in the mesh's frame, metres: the middle of its box."""
+    def _shared(
+        self, number: int
+    ) -> (
+        tuple[
+            npt.NDArray[np.uint32],
+            npt.NDArray[np.float32],
+            npt.NDArray[np.float32],
+            npt.NDArray[np.uint16] | npt.NDArray[np.uint32],
+            npt.NDArray[np.uint16],
+        ]
+        | None
+    ): ...
 
 @final
 class PackedPiece:

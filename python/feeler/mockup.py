@@ -13,8 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core, saved
+from feeler import attributes as attributes_of
 from feeler._core import Packed
 from feeler.arguments import check_kind, check_list, check_text, check_whole, shown
+from feeler.attributes import Attributes
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
@@ -140,7 +142,39 @@ def _converted(held: object, unit: str | None, others: Mapping[str, object]) -> 
     return _converters[0](held, unit)
 
 
-class Mockup(_core.Mockup):
+class _Attributed:
+    """A mesh whose parts may have attributes."""
+
+    part_count: int
+    _saved: saved.SavedFile | None = None
+    """The file that it is in, where it was opened from one."""
+
+    @cached_property
+    def _part_attributes(self) -> Attributes | None:
+        """Those of its file, unless others were given."""
+        return None if self._saved is None else self._saved.attributes
+
+    @property
+    def part_attributes(self) -> list[dict[str, str]]:
+        """Of each part its attributes, text by name: copies. You can set it: a dict for each part, or None.
+
+        Raises `MeshError` for anything but text, and `LimitError` for more than 100 attributes of a part, names longer
+        than 100 characters or values longer than 1,000.
+        """
+        own = self._part_attributes
+        return [{} for _ in range(self.part_count)] if own is None else [dict(row) for row in own]
+
+    @part_attributes.setter
+    def part_attributes(self, given: Sequence[Mapping[str, str]] | None) -> None:
+        self._keep_attributes(attributes_of.checked(given, self.part_count))
+
+    def _keep_attributes(self, attributes: Attributes | None) -> None:
+        """Keeps attributes that were checked."""
+        self.__dict__.pop("parts", None)
+        self._part_attributes = attributes
+
+
+class Mockup(_Attributed, _core.Mockup):
     """A static mock-up: triangles in named parts, metres, right-handed.
 
     `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. `part_of_face` is
@@ -158,6 +192,7 @@ class Mockup(_core.Mockup):
     - `part_names`, `part_paths`: lists of text, by part: the name, and the place in the assembly.
     - `part_colours`: `(parts, 3)` sRGB, 0 to 1, of pictures, GLB files and the workbench; a row of NaN is a part
       without a colour, None: no part has one. You can set it.
+    - `part_attributes`: of each part a dict of text by name, such as its material. You can set it.
     - `source`: the `feeler.types.Source`: files, unit, notes.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
@@ -172,9 +207,6 @@ class Mockup(_core.Mockup):
     A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones.
     """
 
-    _saved: saved.SavedFile | None = None
-    """The file that it is in, where it was opened from one."""
-
     def __new__(
         cls,
         vertices: Any,
@@ -183,10 +215,12 @@ class Mockup(_core.Mockup):
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
         source: Source | None = None,
         unit: UnitName | None = None,
     ) -> Mockup:
         """See the class."""
+        given = vertices
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
@@ -201,6 +235,10 @@ class Mockup(_core.Mockup):
         self = super().__new__(cls, points, indices, parts, len(names))
         self.part_names = names
         self.part_paths = paths
+        if part_attributes is not None:
+            self.part_attributes = part_attributes
+        elif isinstance(given, _Attributed):
+            self._keep_attributes(given._part_attributes)
         self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
@@ -215,7 +253,13 @@ class Mockup(_core.Mockup):
     @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
-        return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
+        return Parts(
+            self.part_names,
+            self.part_paths,
+            self.part_triangles,
+            self.part_bounds.reshape(-1, 2, 3),
+            self._part_attributes,
+        )
 
     @property
     def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
@@ -244,11 +288,13 @@ class Mockup(_core.Mockup):
         file = self._saved
         if file is not None and file.is_there:
             own = {**_attributes(file), "parts": attributes.get("parts")}
+            if "_part_attributes" in attributes:
+                own["_part_attributes"] = file.attributes
             changed = {name: value for name, value in attributes.items() if value is not own.get(name)}
             return (*reduced("Mockup", (type(self), file.path, file.core.content_hash)), changed)
         parts = self.part_of_face if self.part_count > 1 else None
         state = (type(self), self.vertices, self.faces, parts, self.part_count)
-        return (*reduced("Mockup", state), attributes)
+        return (*reduced("Mockup", state), {**attributes, "_part_attributes": self._part_attributes})
 
     @classmethod
     def _restore(cls, *state: Any) -> Mockup:
@@ -260,7 +306,7 @@ class Mockup(_core.Mockup):
         return f"Mockup({plural(self.triangle_count, 'triangle')}, {plural(self.part_count, 'part')})"
 
 
-class Tool(_core.Tool):
+class Tool(_Attributed, _core.Tool):
     """A moving tool in its own frame, metres; prepared once, usable with any number of scenes and threads.
 
     `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. It may have parts,
@@ -268,7 +314,7 @@ class Tool(_core.Tool):
     of a mock-up, `Tool.assembly` one from several tools. Instead of arrays, the first argument may be a mesh object, as
     for `Mockup`, or a whole `Mockup`.
 
-    Attributes: `name`; `part_names`, `part_paths`, `part_colours` and `source` as of `Mockup`.
+    Attributes: `name`; `part_names`, `part_paths`, `part_colours`, `part_attributes` and `source` as of `Mockup`.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """
@@ -289,10 +335,12 @@ class Tool(_core.Tool):
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
         source: Source | None = None,
         unit: UnitName | None = None,
     ) -> Tool:
         """See the class."""
+        given = vertices
         if faces is None:
             others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
             vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
@@ -309,6 +357,10 @@ class Tool(_core.Tool):
         self.name = name
         self.part_names = names
         self.part_paths = paths
+        if part_attributes is not None:
+            self.part_attributes = part_attributes
+        elif isinstance(given, _Attributed):
+            self._keep_attributes(given._part_attributes)
         self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
         return self
 
@@ -349,6 +401,8 @@ class Tool(_core.Tool):
         colours = np.asarray(mockup.part_colours)
         if colours.shape == (mockup.part_count, 3):
             tool.part_colours = colours[chosen]
+        own = mockup._part_attributes
+        tool._keep_attributes(None if own is None else tuple(own[part] for part in chosen))
         return tool
 
     @classmethod
@@ -386,7 +440,13 @@ class Tool(_core.Tool):
     @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`; a single one, named as the tool, unless it was made of several."""
-        return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
+        return Parts(
+            self.part_names,
+            self.part_paths,
+            self.part_triangles,
+            self.part_bounds.reshape(-1, 2, 3),
+            self._part_attributes,
+        )
 
     @property
     def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
@@ -419,8 +479,10 @@ class Tool(_core.Tool):
 def _attributes(file: saved.SavedFile) -> dict[str, Any]:
     """Those of a mock-up that a file describes; the same objects at every call."""
     facts = file.facts
-    known = {"part_names": facts.part_names, "part_paths": facts.part_paths, "source": facts.source}
-    return known if facts.colours is None else {**known, "part_colours": facts.colours}
+    known: dict[str, Any] = {"part_names": facts.part_names, "part_paths": facts.part_paths, "source": facts.source}
+    if facts.colours is not None:
+        known["part_colours"] = facts.colours
+    return known
 
 
 def _first(paths: Sequence[str]) -> str:

@@ -8,14 +8,16 @@ import fnmatch
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler import attributes as attributes_of
 from feeler.arguments import check_text, shown
+from feeler.attributes import Attributes
 from feeler.errors import OptionError
 
 _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
@@ -23,7 +25,10 @@ _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a ten
 
 @dataclass(frozen=True)
 class Part:
-    """One part of a mock-up or tool. `lower` and `upper` bound its queried triangles, metres; NaN if it has none."""
+    """One part of a mock-up or tool. `lower` and `upper` bound its queried triangles, metres; NaN if it has none.
+
+    `attributes`: text by name, such as its material, as the file or the caller states it; a copy.
+    """
 
     index: int
     name: str
@@ -31,6 +36,7 @@ class Part:
     triangles: int
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
+    attributes: dict[str, str] = field(default_factory=dict, compare=False)
 
 
 PartsLike = int | str | Part | Iterable[int | str | Part] | npt.NDArray[Any]
@@ -41,11 +47,17 @@ class Parts(Sequence[Part]):
     """The parts of a mock-up or tool, by index; `find` and `select` look them up by path, name or pattern."""
 
     def __init__(
-        self, names: list[str], paths: list[str], triangles: npt.NDArray[np.uint32], bounds: npt.NDArray[np.float64]
+        self,
+        names: list[str],
+        paths: list[str],
+        triangles: npt.NDArray[np.uint32],
+        bounds: npt.NDArray[np.float64],
+        attributes: Attributes | None = None,
     ) -> None:
         """`bounds`: (parts, 2, 3), crossed where a part is empty."""
         self._names, self._paths = names, paths
         self._triangles, self._bounds = triangles, bounds
+        self._attributes = attributes
 
     def __len__(self) -> int:
         return len(self._names)
@@ -66,7 +78,8 @@ class Parts(Sequence[Part]):
         lower, upper = self._bounds[i]
         if lower[0] > upper[0]:
             lower = upper = np.full(3, np.nan)
-        return Part(i, self._names[i], self._paths[i], int(self._triangles[i]), _xyz(lower), _xyz(upper))
+        own = {} if self._attributes is None else dict(self._attributes[i])
+        return Part(i, self._names[i], self._paths[i], int(self._triangles[i]), _xyz(lower), _xyz(upper), own)
 
     def __repr__(self) -> str:
         first = ", ".join(map(repr, self._paths[:3])) + (", ..." if len(self) > 3 else "")
@@ -79,13 +92,24 @@ class Parts(Sequence[Part]):
         """Parts whose path or name equals `path`, or whose path lies below it."""
         return [self[i] for i in self._called(check_text("path", path, "the path or name of a part"))]
 
+    def search(self, query: str) -> npt.NDArray[np.uint32]:
+        """The indices of the parts that have every word of a search, ascending; none for an empty one.
+
+        A word is a part of the path, in any case. `material:steel` is a part of the path, or the part has an attribute
+        `material` (or `....material`) whose value contains `steel`, in any case. A value with `*`, `?` or `[...]` is a
+        pattern of the whole value, and `material:` asks for any. Quotes keep blanks together: `material:"cast iron"`.
+        """
+        check_text("query", query, "words of a path, or name:value of an attribute")
+        return np.array(attributes_of.search(query, self._paths, self._attributes), dtype=np.uint32)
+
     def select(self, parts: PartsLike) -> npt.NDArray[np.uint32]:
         """The indices of the named parts, ascending, each once.
 
         `parts` is an index; a `Part`; a path or name, which includes everything below that path; a case-sensitive
-        pattern with `*`, `?` or `[...]` that matches a whole path or name (`*` also matches `/`); or several of these.
-        A boolean array with an entry for each part is a mask. Raises `OptionError` for parts that do not exist, with
-        the similar names.
+        pattern with `*`, `?` or `[...]` that matches a whole path or name (`*` also matches `/`); a search of
+        attributes such as `material:steel` (see `search`); or several of these. What is a path, a name or a pattern of
+        one is no search. A boolean array with an entry for each part is a mask. Raises `OptionError` for parts that do
+        not exist, with the similar names.
         """
         if isinstance(parts, np.ndarray) and parts.dtype == bool:
             if parts.shape != (len(self),):
@@ -117,6 +141,10 @@ class Parts(Sequence[Part]):
             matches = re.compile(fnmatch.translate(part)).match
             named = enumerate(zip(self._names, self._paths, strict=True))
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
+        if not called and attributes_of.asks_for_attributes(part):
+            called = attributes_of.search(part, self._paths, self._attributes)
+            if not called and self._attributes is not None:
+                raise OptionError(f"no part has the path, name or attribute {part!r}{self._attributes_alike(part)}")
         if not called:
             alike = self._alike(part)
             hint = f"; do you mean {' or '.join(map(repr, alike))}?" if alike else ""
@@ -133,6 +161,17 @@ class Parts(Sequence[Part]):
         asked = re.sub(r"\[.*?\]|[*?]", "", part).strip("/ ").casefold()
         found = difflib.get_close_matches(asked, known, 3, 0.6)
         return list(dict.fromkeys(known[word] for word in found))
+
+    def _attributes_alike(self, query: str) -> str:
+        """What there is instead of the attributes that a search asks for."""
+        known = attributes_of.names(self._attributes)
+        folded = {ending: name for name in known for ending in (name.casefold(), name.casefold().rpartition(".")[2])}
+        for term in attributes_of.terms(query):
+            if term.name and term.name not in folded:
+                alike = difflib.get_close_matches(term.name, list(folded)[:_MOST_COMPARED], 3, 0.6)
+                close = list(dict.fromkeys(folded[each] for each in alike)) or known[:5]
+                return f"; attributes are {', '.join(map(repr, close))}"
+        return ""
 
     def _called(self, path: str) -> list[int]:
         base = path.rstrip("/")
@@ -154,7 +193,7 @@ class Parts(Sequence[Part]):
         return sorted(zip(self._paths, range(len(self)), strict=True))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), (self._names, self._paths, self._triangles, self._bounds))
+        return (type(self), (self._names, self._paths, self._triangles, self._bounds, self._attributes))
 
 
 def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:

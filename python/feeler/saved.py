@@ -1,4 +1,4 @@
-"""Saved scenes: what their files keep beside the arrays of the core, which are names, origin and colours."""
+"""Saved scenes: what their files keep beside the arrays of the core, names, origin, colours and attributes."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from weakref import WeakValueDictionary
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core
+from feeler import _core, attributes
 from feeler.arguments import check_path
+from feeler.attributes import Attributes
 from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.memory import free_memory
 from feeler.source import Source
@@ -27,6 +28,7 @@ MAGIC = b"FEELSCN\n"
 
 _DOCUMENT = "document"
 _COLOURS = "parts.colours"
+_ATTRIBUTES = "parts.attributes"  # absent from files of older versions, and of parts without any
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,16 @@ class SavedFile:
         except FeelerError:
             return False
         return there.content_hash == self.core.content_hash
+
+    @cached_property
+    def attributes(self) -> Attributes | None:
+        """The attributes of its parts, read when they are first asked for: they may be larger than all else that is
+        read. Raises `LoadError` if they cannot be right."""
+        stated = self.core.extra(_ATTRIBUTES)
+        try:
+            return None if stated is None else attributes.from_bytes(stated, self.core.part_count)
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise LoadError(f"{self.path}: the attributes of its parts are damaged ({error}); save it again") from None
 
     @cached_property
     def facts(self) -> Facts:
@@ -109,13 +121,15 @@ class Facts(NamedTuple):
     colours: npt.NDArray[np.float64] | None
 
 
-def extras(facts: Facts) -> list[tuple[str, bytes]]:
-    """The sections of the file that keep these facts."""
+def extras(facts: Facts, stated: Attributes | None) -> list[tuple[str, bytes]]:
+    """The sections of the file that keep these facts, and the attributes of its parts."""
     paths = None if facts.part_paths == facts.part_names else facts.part_paths
     document = {"part_names": facts.part_names, "part_paths": paths, "source": asdict(facts.source)}
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
     if facts.colours is not None:
         sections.append((_COLOURS, np.ascontiguousarray(facts.colours, dtype="<f8").tobytes()))
+    if stated is not None:
+        sections.append((_ATTRIBUTES, attributes.to_bytes(stated)))
     return sections
 
 

@@ -205,7 +205,7 @@ class Scene(_core.Scene):
         mockup = self.mockup
         facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
         target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
-        return super()._save(target, saved.extras(facts) + others, progress)
+        return super()._save(target, saved.extras(facts, mockup._part_attributes) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:

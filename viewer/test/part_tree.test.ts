@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { PartTree } from "../src/model/part-tree";
+import { asksForAttributes, PartTree } from "../src/model/part-tree";
 import { MOST_ROWS, scrollTo, visibleRows } from "../src/ui/virtual";
 
 /** 10,000 paths: 10 groups of 10 groups of 100 parts. */
@@ -98,4 +98,19 @@ test("scrolling to a row moves only as far as it must", () => {
   assert.equal(scrollTo(5, 0, 260, 26), 0);
   assert.equal(scrollTo(0, 100, 260, 26), 0);
   assert.equal(scrollTo(20, 0, 260, 26), 21 * 26 - 260);
+});
+
+test("searches that ask for attributes are told from words of paths", () => {
+  for (const query of ["material:steel", "bolt material:", 'material:"cast iron', '"a b:c"', "c:/x"])
+    assert.equal(asksForAttributes(query), true, query);
+  for (const query of ["", ":", "bolt :steel", '":"', "bolt M8 #2"])
+    assert.equal(asksForAttributes(query), false, query);
+});
+
+test("parts that the server found take the place of words", () => {
+  const tree = new PartTree(["a/b/one", "a/b/two", "a/three", "four"]);
+  assert.deepEqual(tree.matching("material:steel", new Set([1, 3])), [1, 3]);
+  const rows = tree.rows(new Set(), "material:steel", new Set(), new Set([1, 3]));
+  assert.deepEqual(names(tree, rows), ["a", "b", "two", "four"]);
+  assert.deepEqual(tree.rows(new Set(), "material:steel"), []);
 });

@@ -34,6 +34,16 @@ pub(crate) const MOST_PIECE_VERTICES: usize = 65_535;
 /// on their way, and a picture of the largest shapes alone is there the sooner.
 pub(crate) const FIRST_PIECE_SHARE: usize = 4;
 
+/// Parts of fewer bytes in a packed piece are not looked for among others: a place takes 64 itself.
+pub(crate) const LEAST_SHARED_BYTES: usize = 160;
+
+/// The most shapes with the same triangles that a part is compared with.
+pub(crate) const MOST_SHAPES_ALIKE: usize = 8;
+
+/// How far a vertex of a copy may be from its place, of the largest coordinate: both ends are rounded to 2^-24 of theirs, and a
+/// rotation by three vertices has their rounding too.
+pub(crate) const SHARED_ROUNDING: f32 = 1.0 / (1 << 22) as f32;
+
 /// Ids kept per kind of defect in a report. Counts are complete; more ids take memory.
 pub(crate) const DEFECT_IDS_KEPT: usize = 100;
 

@@ -92,6 +92,7 @@ pub use cast::impact::{Cast, Touching};
 pub use cast::options::{CastOptions, PathOptions};
 pub use cast::path::PathCheck;
 pub use chunks::packed::{Packed, PackedPiece, PartNumbers};
+pub use chunks::shared::{SharedPiece, Sharing};
 pub use clash::asked::{PairLimitTables, PairLimits};
 pub use collide::batch::Batch;
 pub use collide::narrow::Filters;

@@ -1,10 +1,11 @@
 //! `feeler._core.Packed` and its pieces.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -21,6 +22,7 @@ pub struct Packed {
     order: Vec<u32>,
     places: Vec<u32>,
     middle: core::Point,
+    sharing: OnceLock<core::Sharing>,
 }
 
 /// One draw call: whole parts, or a section of a large one. Arrays are read-only.
@@ -33,7 +35,8 @@ impl Packed {
     /// What `pack` gives, on the threads of the process.
     pub fn new(py: Python<'_>, pack: impl FnOnce() -> core::Result<core::Packed> + Send) -> PyResult<Packed> {
         let core::Packed { pieces, order, places, middle, .. } = py.detach(|| on_pool(None, pack))?.map_err(to_py)?;
-        Ok(Packed { pieces: pieces.into_iter().map(Arc::new).collect(), order, places, middle })
+        let pieces = pieces.into_iter().map(Arc::new).collect();
+        Ok(Packed { pieces, order, places, middle, sharing: OnceLock::new() })
     }
 
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Packed> {
@@ -53,7 +56,7 @@ impl Packed {
         if order.iter().enumerate().any(|(at, t)| places.get(*t as usize) != Some(&(at as u32))) {
             return Err(damaged("its order and its places do not belong together"));
         }
-        Ok(Packed { pieces, order, places, middle })
+        Ok(Packed { pieces, order, places, middle, sharing: OnceLock::new() })
     }
 }
 
@@ -83,6 +86,31 @@ impl Packed {
     #[getter]
     fn middle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.middle.to_vec().into_pyarray(py)
+    }
+
+    /// A piece whose copies of other parts are sent as places: runs `(r, 4)`, places `(c, 12)`, and positions, parts and
+    /// indices of the rest. None: it has no copies.
+    fn _shared<'py>(&self, py: Python<'py>, number: usize) -> PyResult<Option<Bound<'py, PyTuple>>> {
+        let Some(piece) = self.pieces.get(number) else { return Err(PyIndexError::new_err(number)) };
+        let shared = py.detach(|| -> PyResult<_> {
+            if self.sharing.get().is_none() {
+                // Not in `get_or_init`: it would wait in the pool for a thread of the pool. Two callers may both find it.
+                let _ = self.sharing.set(on_pool(None, || core::Sharing::find(&self.pieces))?);
+            }
+            Ok(self.sharing.get().and_then(|sharing| sharing.piece(number, piece)))
+        })?;
+        let Some(shared) = shared else { return Ok(None) };
+        let parts = match shared.parts {
+            core::PartNumbers::Short(parts) => parts.into_pyarray(py).into_any(),
+            core::PartNumbers::Long(parts) => parts.into_pyarray(py).into_any(),
+        };
+        let (runs, places) = (
+            PyArray1::from_slice(py, shared.runs.as_flattened()),
+            PyArray1::from_slice(py, shared.places.as_flattened()),
+        );
+        let positions = PyArray1::from_slice(py, shared.positions.as_flattened());
+        let indices = PyArray1::from_slice(py, shared.indices.as_flattened());
+        Ok(Some((runs, places, positions, parts, indices).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {

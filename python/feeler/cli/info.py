@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Annotated
 
 import typer
@@ -60,9 +61,17 @@ def _parts(mockup: feeler.Mockup) -> list[dict[str, object]]:
             "triangles": part.triangles,
             "lower": list(part.lower),
             "upper": list(part.upper),
+            "attributes": part.attributes,
         }
         for part in mockup.parts
     ]
+
+
+def _attributes(mockup: feeler.Mockup) -> str:
+    """The names of attributes that most parts have, and of how many parts."""
+    counts = Counter(name for row in mockup._part_attributes or () for name in row)
+    names = [f"{name} ({plural(count, 'part')})" for name, count in counts.most_common(_SHOWN)]
+    return ", ".join(names) + (f", and {len(counts) - _SHOWN:,} more" if len(counts) > _SHOWN else "")
 
 
 def _print(mockup: feeler.Mockup, file: str, all_parts: bool) -> None:
@@ -90,6 +99,8 @@ def _print(mockup: feeler.Mockup, file: str, all_parts: bool) -> None:
         fate = "queried" if kind == "duplicate" else "not queried"
         ids = ", ".join(str(index) for index in defect.first[:5]) + (", ..." if defect.count > 5 else "")
         facts.append((kind.replace("_", " "), f"{plural(defect.count, 'triangle')}, {fate}: {ids}"))
+    if stated := _attributes(mockup):
+        facts.append(("attributes", stated))
     facts += [("note", note) for note in report.source.notes]
     outputs.print_facts(out, facts)
     parts = sorted(mockup.parts, key=lambda part: -part.triangles)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.io.gltf_colours import Colour, mesh_colour
+from feeler.io.gltf_colours import Colour, material_names, mesh_colour
 from feeler.io.gltf_deform import joint_matrices
 from feeler.io.gltf_document import OWN_GENERATOR, Document
 from feeler.io.gltf_mesh import Mesh, MeshReader
@@ -25,6 +25,7 @@ from feeler.io.placing import facing, is_mirrored, transform, turned
 from feeler.io.placing import shift_indices as shift_indices
 from feeler.io.raw import OUT_OF_RANGE, RawMesh
 from feeler.io.skinning import skinned
+from feeler.io.stated import Stated
 from feeler.io.tally import Tally
 from feeler.io.units import parse_unit
 from feeler.progress import Progress
@@ -51,6 +52,7 @@ def read_gltf(
     names: list[str] = []
     paths: list[str] = []
     colours: list[Colour] = []
+    stated = _Attributes(document, tally)
     base = 0
     for number, instance in enumerate(graph.instances):
         mesh = meshes.get(instance.shape) or reader.read(instance.shape, instance.name)
@@ -65,6 +67,7 @@ def read_gltf(
         names.append(instance.name)
         paths.append(instance.path)
         colours.append(mesh_colour(document, instance.shape.mesh))
+        stated.add_instance(instance)
         if progress and not number % 256:
             progress(0.1 + 0.7 * number / len(graph.instances), f"reading {path.name}")
     notes = graph.notes + tally.notes()
@@ -82,7 +85,30 @@ def read_gltf(
         doubts=tally.doubts(),
         up=None if document.root["asset"].get("generator") == OWN_GENERATOR else "y",
         colours=np.array(colours).reshape(-1, 3),
+        attributes=stated.attributes(),
     )
+
+
+class _Attributes(Stated):
+    """The attributes of parts: `extras` of the node, then of the mesh, then the names of its materials."""
+
+    def __init__(self, document: Document, tally: Tally) -> None:
+        super().__init__(tally)
+        self._document = document
+        self._of_node: tuple[int, dict[str, str]] = (-1, {})
+        self._of_mesh: dict[int, dict[str, str]] = {}
+
+    def add_instance(self, instance: Instance) -> None:
+        """Adds those of the next part."""
+        document, node, mesh = self._document, instance.node, instance.shape.mesh
+        # The parts of a node that places its mesh many times come one after the other.
+        if node >= 0 and self._of_node[0] != node:
+            self._of_node = (node, self.flat(document.item("nodes", node).get("extras")))
+        if mesh not in self._of_mesh:
+            entry = document.item("meshes", mesh)
+            materials = dict.fromkeys(material_names(document, entry))
+            self._of_mesh[mesh] = {**self.text("material", ", ".join(materials)), **self.flat(entry.get("extras"))}
+        self.add(self._of_node[1] if node >= 0 else {}, self._of_mesh[mesh], name=instance.name)
 
 
 class _Placer:

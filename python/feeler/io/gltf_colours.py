@@ -1,4 +1,4 @@
-"""The colours of a glTF file's parts: the base colours of their materials, as sRGB.
+"""The materials of a glTF file's parts: their names, and their base colours as sRGB.
 
 An error in a material moves no surface: the file is read, and the part has no colour.
 """
@@ -6,9 +6,11 @@ An error in a material moves no surface: the file is read, and the part has no c
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, TypeAlias
 
 from feeler.io.gltf_document import Document
+from feeler.io.raw import clean_name
 
 Colour: TypeAlias = tuple[float, float, float]
 
@@ -35,6 +37,15 @@ def mesh_colour(document: Document, mesh: int) -> Colour:
         return NO_COLOUR
     red, green, blue = (_encoded(level) for level in factor[:3])
     return red, green, blue
+
+
+def material_names(document: Document, mesh: dict[str, Any]) -> Iterator[str]:
+    """The names of the materials of a mesh, of its primitives in their order."""
+    primitives = mesh.get("primitives")
+    for primitive in primitives if isinstance(primitives, list) else ():
+        name = _entry(document.root, "materials", primitive.get("material")).get("name")
+        if isinstance(name, str):
+            yield clean_name(name, "")
 
 
 def _corners(document: Document, primitive: dict[str, Any]) -> int:

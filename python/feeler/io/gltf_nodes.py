@@ -37,6 +37,8 @@ class Instance(NamedTuple):
     path: str
     shape: Shape
     world: Matrix
+    node: int = -1
+    """Its number; -1: the mesh is in no node."""
 
 
 class _Open(NamedTuple):
@@ -66,7 +68,7 @@ class SceneGraph:
             self._walk(nodes)
             return
         for index in range(len(document.root.get("meshes", []))):
-            self._add_instance({}, index, "", IDENTITY, f"mesh {index}")
+            self._add_instance({}, index, "", IDENTITY, f"mesh {index}", -1)
         if self.instances:
             self.notes.append("the file has meshes and no scene: each mesh was taken once, where it lies")
 
@@ -93,7 +95,7 @@ class SceneGraph:
             if "mesh" in node and hidden:
                 self.tally.add(_HIDDEN, self._name(node, node["mesh"], f"node {index}"))
             elif "mesh" in node:
-                path = self._add_instance(node, node["mesh"], above, world, f"node {index}")
+                path = self._add_instance(node, node["mesh"], above, world, f"node {index}", index)
             elif children and not hidden:
                 path = self._book.claim(above, clean_name(node.get("name"), f"node {index}"))
             stack.extend(_Open(child, path, world, depth + 1, hidden) for child in reversed(children))
@@ -123,7 +125,9 @@ class SceneGraph:
     def _name(self, node: dict[str, Any], mesh: Any, default: str) -> str:
         return clean_name(node.get("name"), "") or clean_name(self.document.item("meshes", mesh).get("name"), default)
 
-    def _add_instance(self, node: dict[str, Any], mesh: Any, above: str, world: Matrix, default: str) -> str:
+    def _add_instance(
+        self, node: dict[str, Any], mesh: Any, above: str, world: Matrix, default: str, index: int
+    ) -> str:
         name = self._name(node, mesh, default)
         path = self._book.claim(above, name)
         weights = node.get("weights")
@@ -135,10 +139,10 @@ class SceneGraph:
             self.document.item("skins", skin)
         shape = Shape(mesh, weights, None if spread else skin)
         if not spread:
-            self.instances.append(Instance(name, path, shape, world))
+            self.instances.append(Instance(name, path, shape, world, index))
             return path
         for local in self._spread(spread):
-            self.instances.append(Instance(name, self._book.claim(path, name), shape, multiply(world, local)))
+            self.instances.append(Instance(name, self._book.claim(path, name), shape, multiply(world, local), index))
         if len(self.instances) > MAX_PARTS:
             check_mesh(0, 0, len(self.instances), str(self.document.path))
         return path

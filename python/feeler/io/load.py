@@ -21,7 +21,7 @@ from feeler.io.files import Found, PathLike, collect
 from feeler.io.gltf import shift_indices
 from feeler.io.limits import check_mesh
 from feeler.io.plausible import LONGEST_M, size_note
-from feeler.io.raw import Axis, PathBook, RawMesh, portion
+from feeler.io.raw import Axis, PathBook, RawMesh, joined_attributes, portion
 from feeler.io.readers import Watched, read
 from feeler.io.sniff import identify
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE, FINEST_CHORD_TOLERANCE
@@ -71,8 +71,9 @@ def load_mockup(
 
     Nothing is dropped: triangles that cannot be queried are kept and counted in the report; points and lines are
     counted in its notes. A coordinate is the file's number as float64 times the unit's metres (`x * 0.001`).
-    `part_colours` are the base colours of glTF's materials, unless these are all alike. An unreadable file in a folder
-    is skipped, with a note that says why; an unreadable file that you name raises an error.
+    `part_colours` are the base colours of glTF's materials, unless these are all alike. `part_attributes` are texts
+    that glTF, STEP, 3MF and OBJ state of parts, such as materials and layers (docs/files.md). An unreadable file in a
+    folder is skipped, with a note that says why; an unreadable file that you name raises an error.
 
     Raises `MissingFileError`, `LoadError` (what, where, what to do), `OptionError` for the options, `LimitError` for
     files that do not fit in memory, `MeshError` if no triangle can be queried.
@@ -95,6 +96,7 @@ def load_mockup(
     with loaded.named_in_errors():
         mockup = Mockup(raw.vertices, raw.faces, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
     mockup.part_colours = _telling(raw.colours)
+    mockup._keep_attributes(raw.attributes)
     mockup.source = loaded.source(time.perf_counter() - started, mockup)
     if progress:
         progress(1.0, "loaded")
@@ -126,6 +128,7 @@ def load_tool(
     with loaded.named_in_errors():
         raw = loaded.raw
         tool = Tool(raw.vertices, raw.faces, label, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
+    tool._keep_attributes(raw.attributes)
     tool.source = loaded.source(time.perf_counter() - started, tool)
     if progress:
         progress(1.0, "loaded")
@@ -403,6 +406,7 @@ def _join(pieces: list[RawMesh]) -> RawMesh:
         names,
         paths,
         colours=np.concatenate([n if p.colours is None else p.colours for p, n in zip(pieces, none, strict=True)]),
+        attributes=joined_attributes(pieces),
     )
 
 

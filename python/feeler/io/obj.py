@@ -1,4 +1,5 @@
-"""OBJ (Wavefront), text. Every object (`o`) and group (`g`) is a part; materials, normals and textures are not used.
+"""OBJ (Wavefront), text. Every object (`o`) and group (`g`) is a part; materials are attributes of parts, normals and
+textures are not used.
 
 A name runs to the end of its line, blanks and `#` included: exporters number instances as `Bolt #1`, and names cut at
 the `#` would merge parts. Everywhere else a `#` begins a comment.
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
 from feeler.io.raw import PathBook, RawMesh, clean_name, seal_indices
+from feeler.io.stated import Stated
+from feeler.io.tally import Tally
 from feeler.io.text import Chunk, chunks_of, decoded
 from feeler.progress import Progress
 from feeler.words import counted
@@ -59,7 +62,8 @@ class _Reader:
         self.endless = 0  # vertices with a coordinate that is no finite number
         self.first_endless = 0
         self.weighted = 0  # vertices with a weight w other than 1
-        self.object = self.group = ""
+        self.object = self.group = self.material = ""
+        self.materials: dict[int, dict[str, None]] = {}  # by part, in the order of their first faces
         self.part_of: dict[tuple[str, str], int] = {}
         self.skipped: Counter[bytes] = Counter()
         self.first_strange = 0
@@ -71,9 +75,13 @@ class _Reader:
         length, letter = chunk.length(first), chunk.letter(first)
         word = np.where(length == 1, letter, 0)
         word[(length == 2) & (letter == ord("f")) & (chunk.letter(first, 1) == ord("o"))] = ord("f")
+        paint = np.flatnonzero((length == 6) & (letter == ord("u")))
+        for at, sign in enumerate("semtl", 1):
+            paint = paint[chunk.letter(first[paint], at) == ord(sign)]
+        word[paint] = ord("u")
         self._take_faces(chunk, rows, word)
         self._take_vertices(chunk, rows[word == ord("v")])
-        plain = np.isin(word, np.frombuffer(b"vfog", dtype=np.uint8))
+        plain = np.isin(word, np.frombuffer(b"vfogu", dtype=np.uint8))
         plain |= (length == 2) & (letter == ord("v")) & np.isin(chunk.letter(first, 1), np.frombuffer(b"nt", np.uint8))
         self._count_others(chunk, rows[~plain])
 
@@ -118,7 +126,11 @@ class _Reader:
         self.corners.append(index)
         self.sizes.append(sizes)
         self.lines.append(chunk.first_line + faces)
-        self.parts.append(self._parts_of(chunk, faces, rows, word))
+        parts = self._parts_of(chunk, faces, rows, word)
+        self.parts.append(parts)
+        painted = rows[word == ord("u")]
+        if self.material or len(painted):
+            self._take_materials(chunk, parts, faces, painted)
 
     def _parts_of(
         self, chunk: Chunk, faces: NDArray[np.int64], rows: NDArray[np.int64], word: NDArray[np.int64]
@@ -137,6 +149,21 @@ class _Reader:
                 name = chunk.line_text(row, skip_tokens=1)
                 self.object, self.group = (name, "") if is_object else (self.object, name)
         return np.repeat(part, runs)
+
+    def _take_materials(
+        self, chunk: Chunk, parts: NDArray[np.int64], faces: NDArray[np.int64], rows: NDArray[np.int64]
+    ) -> None:
+        """Note which parts have faces of which material. `rows`: the lines `usemtl`, maybe one before every face."""
+        texts = chunk.line_bytes(rows, skip=1)
+        _, first, index = np.unique(texts, return_index=True, return_inverse=True)
+        names = [self.material, *(clean_name(chunk.line_text(int(rows[at]), skip_tokens=1), "") for at in first)]
+        number = np.append(0, index.reshape(-1) + 1)  # 0: the material from before
+        pairs = np.stack([parts, number[np.searchsorted(rows, faces)]], axis=1)
+        pairs, at = np.unique(pairs, axis=0, return_index=True)
+        for part, name in pairs[np.argsort(at)].tolist():
+            if names[name]:
+                self.materials.setdefault(part, {})[names[name]] = None
+        self.material = names[number[-1]]
 
     def notes(self) -> list[str]:
         """Return notes on all elements without triangles."""
@@ -208,7 +235,20 @@ def read_obj(path: Path, progress: Progress | None = None) -> RawMesh:
     pairs = list(reader.part_of)
     names, paths = _names([pairs[part] for part in used.tolist()], path)
     faces = seal_indices(result.faces, len(vertices))
-    return RawMesh(vertices, faces, part_of_face.astype(np.uint32), names, paths, notes=notes, doubts=doubts)
+    tally = Tally()
+    stated = Stated(tally)
+    for part, name in zip(used.tolist(), names, strict=True):
+        stated.add(stated.text("material", ", ".join(reader.materials.get(part, ()))), name=name)
+    return RawMesh(
+        vertices,
+        faces,
+        part_of_face.astype(np.uint32),
+        names,
+        paths,
+        notes=notes,
+        doubts=doubts + tally.doubts(),
+        attributes=stated.attributes(),
+    )
 
 
 def _joined(data: bytes) -> tuple[bytes, int]:

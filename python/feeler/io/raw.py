@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from feeler.attributes import Attributes
 from feeler.io.units import Unit
 from feeler.progress import Progress
 
@@ -35,6 +38,7 @@ class RawMesh:
     in_metres     the reader's library has already converted `vertices` from `unit` to metres (STEP)
     up            the up axis by the format's standard or the file's statement, or None
     colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: no colours
+    attributes    of each part its attributes; None: no part has any
     doubts        like `notes`, but for what makes answers about the mesh doubtful: commands print them as warnings
     """
 
@@ -49,6 +53,7 @@ class RawMesh:
     up: Axis | None = None
     colours: NDArray[np.float64] | None = None
     doubts: list[str] = field(default_factory=list)
+    attributes: Attributes | None = None
 
 
 def portion(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -65,6 +70,8 @@ def portion(progress: Progress | None, low: float, high: float) -> Progress | No
 
 def clean_name(name: object, default: str) -> str:
     """Return the name without control characters (they could steer a terminal), or the default if none is left."""
+    if isinstance(name, str) and name.isprintable():
+        return name.strip() or default
     text = _CONTROL.sub("", name).strip() if isinstance(name, str) else ""
     # A lone surrogate cannot be printed or stored as UTF-8.
     return text.encode("utf-8", "replace").decode("utf-8") or default
@@ -96,6 +103,14 @@ class PathBook:
             path = f"{wanted}#{number}"
         self._used.add(path)
         return path
+
+
+def joined_attributes(meshes: Sequence[RawMesh]) -> Attributes | None:
+    """The attributes of the parts of several meshes, one mesh after the other."""
+    if all(mesh.attributes is None for mesh in meshes):
+        return None
+    none: dict[str, str] = {}
+    return tuple(row for mesh in meshes for row in (mesh.attributes or itertools.repeat(none, len(mesh.part_names))))
 
 
 def seal_indices(indices: NDArray[np.integer[Any]], vertex_count: int) -> NDArray[np.uint32]:

@@ -22,6 +22,7 @@ from feeler.io.gltf_document import Document
 from feeler.io.gltf_nodes import SceneGraph
 from feeler.io.limits import machine_memory
 from feeler.io.raw import RawMesh, clean_name, portion
+from feeler.io.step_attributes import Rows, product_attributes
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly, stated_units
 from feeler.io.step_parts import Library, ReadFile, Slot, fill
@@ -139,6 +140,7 @@ def _read(
         definitions = assembly.give_names(document.root)
         shown.update(definitions.values())
         slots.extend(_empty_parts(document, definitions))
+        _state_attributes(document, definitions, product_attributes(text))
         made_faces = _count_faces(document)
 
     with tempfile.TemporaryDirectory(prefix="feeler-") as folder:
@@ -225,6 +227,22 @@ def _empty_parts(document: Document, definitions: dict[int, int]) -> list[Slot]:
         for part in SceneGraph(document, Tally()).instances
         if part.shape.mesh in node_of
     ]
+
+
+def _state_attributes(document: Document, definitions: dict[int, int], rows: Rows) -> None:
+    """Give the attributes of products to the nodes of their shapes, and take those of the converter."""
+    nodes = document.root.get("nodes", [])
+    for entry in [*document.root.get("meshes", []), *document.root.get("materials", [])]:
+        entry.pop("extras", None)
+    for material in document.root.get("materials", []):
+        material.pop("name", None)
+    todo = [(at, 0) for scene in document.root.get("scenes", []) for at in scene.get("nodes", [])]
+    while todo:
+        at, above = todo.pop()
+        # A node without a product is one of several shapes of the one above.
+        definition = definitions.get(at, above)
+        nodes[at]["extras"] = rows.get(definition, {})
+        todo.extend((child, definition) for child in nodes[at].get("children", []))
 
 
 def _convert(path: Path, source: Path, target: Path, tolerance: float, progress: Progress | None) -> list[str]:

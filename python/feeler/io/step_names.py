@@ -24,8 +24,8 @@ _NO_NAME = re.compile(r"(?:=>)?\[\d+(?::\d+)*\]$")  # where the converter keeps 
 # Names that programs give to occurrences for want of one: a bare number, NAUO12.
 _NUMBERED = re.compile(r"(?:nauo|next_assembly_usage_occurrence|occurrence|instance)?[\W\d_]*", re.IGNORECASE)
 _UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}", re.IGNORECASE)  # for want of a product's name
-_DEFINITIONS = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
-_FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE")
+DEFINITIONS = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
+FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE")
 
 
 def stated_units(text: bytes) -> list[Unit | None]:
@@ -74,11 +74,11 @@ class Assembly:
     def __init__(self, text: bytes) -> None:
         """Read it. `text` is as `plain_text` returns it."""
         found: dict[str, list[Entity]] = {}
-        for entity in entities(text, "PRODUCT", *_FORMATIONS, *_DEFINITIONS, "NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
+        for entity in entities(text, "PRODUCT", *FORMATIONS, *DEFINITIONS, "NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
             found.setdefault(entity.keyword, []).append(entity)
         products = {e.number: e.text(1) or e.text(0) for e in found.get("PRODUCT", [])}
-        self.product_of = {e.number: e.refers(2) for key in _FORMATIONS for e in found.get(key, [])}
-        definitions = [e for key in _DEFINITIONS for e in found.get(key, [])]
+        self.product_of = {e.number: e.refers(2) for key in FORMATIONS for e in found.get(key, [])}
+        definitions = [e for key in DEFINITIONS for e in found.get(key, [])]
         self.formation_of = {e.number: e.refers(2) for e in sorted(definitions, key=lambda e: e.start)}
         self._names = {
             number: products.get(self.product_of.get(formation, 0), "")

@@ -12,7 +12,7 @@ import numpy as np
 from feeler.errors import LimitError, LoadError
 from feeler.io.limits import check_mesh
 from feeler.io.placing import Matrix, facing, shift_indices, transform
-from feeler.io.raw import PathBook, RawMesh
+from feeler.io.raw import PathBook, RawMesh, joined_attributes
 from feeler.io.step_external import Named, find
 from feeler.io.tally import Tally
 
@@ -141,4 +141,6 @@ def _joined(raw: RawMesh, placed: list[tuple[Slot, RawMesh]], path: Path) -> Raw
         in_metres=raw.in_metres,
         notes=raw.notes,
         up=raw.up,
+        doubts=raw.doubts,
+        attributes=joined_attributes(meshes),
     )

@@ -187,12 +187,24 @@ class Chunk:
 
     def words(self, tokens: NDArray[np.int64], width: int = 12) -> NDArray[np.bytes_]:
         """Return those tokens in lower case, cut at `width` bytes."""
-        place = self.starts[tokens][:, None] + np.arange(width)
-        inside = place < self.ends[tokens][:, None]
-        letters = np.where(inside, self._buffer[np.minimum(place, len(self._buffer) - 1)], 0).astype(np.uint8)
+        letters = self._letters(self.starts[tokens], self.ends[tokens], width)
         letters[(letters >= ord("A")) & (letters <= ord("Z"))] |= 0x20
         words: NDArray[np.bytes_] = letters.view(f"S{width}").reshape(-1)
         return words
+
+    def line_bytes(self, lines: NDArray[np.int64], skip: int, width: int = 64) -> NDArray[np.bytes_]:
+        """Return the bytes of those lines after the first `skip` tokens, cut at `width`."""
+        first, count = self.first_token[lines], self.tokens_in_line[lines]
+        last = first + count - 1
+        starts = np.where(count > skip, self.starts[np.minimum(first + skip, last)], self.ends[last])
+        width = max(1, min(width, int((self.ends[last] - starts).max(initial=0))))
+        texts: NDArray[np.bytes_] = self._letters(starts, self.ends[last], width).view(f"S{width}").reshape(-1)
+        return texts
+
+    def _letters(self, starts: NDArray[np.int64], ends: NDArray[np.int64], width: int) -> NDArray[np.uint8]:
+        place = starts[:, None] + np.arange(width)
+        inside = place < ends[:, None]
+        return np.where(inside, self._buffer[np.minimum(place, len(self._buffer) - 1)], 0).astype(np.uint8)
 
     def length(self, tokens: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the length of each token in bytes."""

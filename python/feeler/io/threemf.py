@@ -20,6 +20,7 @@ from feeler.errors import LoadError
 from feeler.io.limits import MAX_DEPTH, check_mesh
 from feeler.io.placing import IDENTITY, facing, multiply, shift_indices, transform
 from feeler.io.raw import PathBook, RawMesh, clean_name
+from feeler.io.stated import Stated
 from feeler.io.tally import Tally
 from feeler.io.threemf_model import STAND_INS, Model, Object, ObjectKey, read_models
 from feeler.io.threemf_package import Package
@@ -58,7 +59,7 @@ def read_3mf(path: Path, progress: Progress | None = None) -> RawMesh:
 def _assemble(model: Model) -> RawMesh:
     """Walk from the items to the meshes, without recursion; every object is known, and there is no cycle."""
     tally = model.tally
-    book = PathBook()
+    book, stated = PathBook(), Stated(tally)
     vertices, faces = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.uint32)]
     names: list[str] = []
     paths: list[str] = []
@@ -83,6 +84,7 @@ def _assemble(model: Model) -> RawMesh:
             base += len(found.vertices)
             names.append(name)
             paths.append(path)
+            stated.add(stated.flat(use.attributes), stated.flat(found.attributes), name=name)
         stack.extend((below, path, world) for below in reversed(found.uses))
     for key, found in model.objects.items():
         if len(found.faces) and key not in reached and key not in model.operands:
@@ -102,6 +104,7 @@ def _assemble(model: Model) -> RawMesh:
         notes=tally.notes(),
         up="z",
         doubts=required + tally.doubts(),
+        attributes=stated.attributes(),
     )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from feeler.io.placing import IDENTITY, Matrix
 from feeler.io.raw import clean_name, seal_indices
 from feeler.io.tally import Tally
-from feeler.io.threemf_package import SEPARATOR, EncryptedError, Package
+from feeler.io.threemf_package import SEPARATOR, EncryptedError, Handler, Package
 from feeler.progress import Progress
 
 ObjectKey = tuple[str, str]
@@ -57,6 +57,7 @@ class Use:
     matrix: Matrix
     name: str = ""
     needs: str = ""
+    attributes: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(eq=False)
@@ -72,6 +73,7 @@ class Object:
     lacks: dict[str, None] = field(default_factory=dict)
     needs: str = ""
     kind: str = "model"
+    attributes: dict[str, str] = field(default_factory=dict)
     is_named: bool = False
     is_sliced: bool = False
 
@@ -107,7 +109,7 @@ class Model:
         return found
 
 
-class ModelHandler:
+class ModelHandler(Handler):
     """Receives the XML elements of one model file."""
 
     def __init__(self, model: Model, key: str, is_root: bool) -> None:
@@ -118,6 +120,7 @@ class ModelHandler:
         self.is_root = is_root
         self.object: Object | None = None
         self._use: Use | None = None  # the item or component that is open
+        self._metadata: tuple[str, list[str]] | None = None  # the name and text of the one that is open
         self._skipped = 0  # how many elements are open, from the outermost one of an extension on
         self._prefixes: dict[str, str] = {}
         self._required: set[str] = set()
@@ -164,7 +167,9 @@ class ModelHandler:
         uri, _, word = tag.rpartition(SEPARATOR)
         if uri != self._core:
             return
-        if word in ("item", "component"):
+        if word == "metadata":
+            self._end_metadata()
+        elif word in ("item", "component"):
             self._use = None
         elif word == "object" and self.object is not None:
             self._finish(self.object)
@@ -206,7 +211,18 @@ class ModelHandler:
             self.model.items.append(self._use)
             if attributes.get("printable", "").strip().lower() in ("0", "false"):
                 self.model.tally.add(UNPRINTED, self._use.name)
+        elif word == "metadata" and (current is not None or self._use is not None):
+            self._metadata = (attributes.get("name", "").rpartition(":")[2], [])
+            self.listen(self._metadata[1].append)
         self._check_attributes(attributes)
+
+    def _end_metadata(self) -> None:
+        self.listen(None)
+        holder = self._use if self._use is not None else self.object
+        if self._metadata is not None and holder is not None:
+            name, texts = self._metadata
+            holder.attributes.setdefault(name, "".join(texts))
+        self._metadata = None
 
     def _start_object(self, attributes: dict[str, str]) -> None:
         number = attributes["id"]
@@ -215,6 +231,7 @@ class ModelHandler:
         name = clean_name(attributes.get("name"), "") or clean_name(attributes.get("partnumber"), "")
         self.object = Object(name or clean_name(f"object {number}", "object"), is_named=bool(name))
         self.model.objects[self.key, number] = self.object
+        self.object.attributes.update(_number(attributes))
         self.object.kind = attributes.get("type", "model")
         for key, value in attributes.items():
             uri, _, word = key.rpartition(SEPARATOR)
@@ -310,7 +327,9 @@ class ModelHandler:
                 self.model.take(key)
             file = reference if key is None else key
         name = clean_name(attributes.get("partnumber"), "")
-        return Use((file, attributes["objectid"]), self._matrix(attributes.get("transform")), name)
+        return Use(
+            (file, attributes["objectid"]), self._matrix(attributes.get("transform")), name, "", _number(attributes)
+        )
 
     def _matrix(self, text: str | None) -> Matrix:
         """Return the 4 x 4 matrix of a 3MF transform: twelve numbers, for row vectors."""
@@ -339,6 +358,11 @@ def read_models(model: Model, root: str, progress: Progress | None = None) -> No
             if key == root:
                 raise model.package.fail("its root model is encrypted", "export it without secure content") from None
             model.encrypted.add(key)
+
+
+def _number(attributes: dict[str, str]) -> dict[str, str]:
+    number = attributes.get("partnumber", "").strip()
+    return {"number": number} if number else {}
 
 
 def _family(uri: str) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import posixpath
 import zipfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Protocol
 from urllib.parse import unquote
 from xml.parsers import expat
 
@@ -28,8 +29,11 @@ class EncryptedError(Exception):
     """A member is encrypted by the secure content extension."""
 
 
-class Handler(Protocol):
+class Handler:
     """Receives the elements of one XML file."""
+
+    listen: Callable[[Callable[[str], None] | None], None] = staticmethod(lambda to: None)
+    """Sends the text in elements somewhere from now on, or nowhere: there are blanks between a million vertices."""
 
     def namespace(self, prefix: str | None, uri: str) -> None:
         """Receive the declaration of a namespace; it comes before the element that holds it."""
@@ -92,6 +96,7 @@ class Package:
         parser.StartNamespaceDeclHandler = handler.namespace
         parser.StartElementHandler = handler.start
         parser.EndElementHandler = handler.end
+        handler.listen = partial(setattr, parser, "CharacterDataHandler")
         parser.StartDoctypeDeclHandler = _refuse_doctype
         name = info.filename
         is_first = True
@@ -122,22 +127,16 @@ class Package:
         check_memory(info.file_size, f"{self.path}: {info.filename!r} unpacked")
 
 
-class _Relations:
+class _Relations(Handler):
     """Receives the relations of the package: which member is the root model."""
 
     def __init__(self) -> None:
         self.targets: list[str] = []
 
-    def namespace(self, prefix: str | None, uri: str) -> None:
-        """Nothing to do."""
-
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         """Receive a relation."""
         if attributes.get("Type", "").endswith("/3dmodel"):
             self.targets.append(attributes.get("Target", ""))
-
-    def end(self, tag: str) -> None:
-        """Nothing to do."""
 
 
 class _DoctypeError(Exception):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from feeler.errors import LoadError
 from feeler.io.raw import clean_name
 from feeler.io.threemf_model import Model
-from feeler.io.threemf_package import EncryptedError
+from feeler.io.threemf_package import EncryptedError, Handler
 
 _FILES = ("Metadata/model_settings.config", "Metadata/Slic3r_PE_model.config")
 _BODIES = ("", "normal_part", "ModelPart")
@@ -52,7 +52,7 @@ def apply_settings(model: Model, root: str) -> None:
                     use.name = part
 
 
-class _Settings:
+class _Settings(Handler):
     """Receives the elements of the settings: <object id>, <part id subtype> or <volume>, <metadata key value>."""
 
     def __init__(self) -> None:
@@ -62,9 +62,6 @@ class _Settings:
         self._object = ""
         self._part: str | None = None
         self._kind = self._label = ""
-
-    def namespace(self, prefix: str | None, uri: str) -> None:
-        """Nothing to do."""
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         """Receive the start of an element."""

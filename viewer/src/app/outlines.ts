@@ -2,6 +2,7 @@
 
 import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";
+import { floatsOf } from "../link/base64";
 import type { Loop } from "./loop";
 
 /** Keeps the exact outlines of the cuts that are on beside the picture: asked for once a drag has ended. */
@@ -29,10 +30,4 @@ export function followOutlines(wb: Workbench, loop: Loop): () => void {
         if (mine === asked) wb.tell(error);
       });
   });
-}
-
-/** Little-endian float32 out of base64. */
-function floatsOf(text: string): Float32Array {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  return new Float32Array(bytes.buffer);
 }

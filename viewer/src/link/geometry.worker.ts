@@ -3,6 +3,7 @@
 import type { GeometryMessage, GeometryWish } from "./geometry";
 import { inOrder } from "./ordered";
 import type { Manifest } from "./protocol";
+import { SharedShapes } from "./shared";
 
 // Few enough that the first, the big shapes, are not slowed by those behind them.
 const AT_ONCE = 4;
@@ -36,14 +37,16 @@ async function get(url: string, token: string, signal: AbortSignal): Promise<Res
 
 async function loadScene(wish: GeometryWish & { kind: "scene" }, signal: AbortSignal): Promise<void> {
   const { base, token, load } = wish;
-  const fetchPiece = async (k: number) => (await get(`${base}scene/pieces/${k}`, token, signal)).arrayBuffer();
+  const fetchPiece = async (k: number) => (await get(`${base}scene/sent/${k}`, token, signal)).arrayBuffer();
   // The first picture waits for both.
   const first = fetchPiece(0);
   first.catch(() => undefined);
   const manifest = (await (await get(`${base}scene`, token, signal)).json()) as Manifest;
   scope.postMessage({ kind: "manifest", load, manifest });
+  const shapes = new SharedShapes();
   const piece = (k: number) => (k === 0 ? first : fetchPiece(k));
-  for await (const [k, data] of inOrder(manifest.pieces.length, AT_ONCE, piece, () => firstDrawn(load))) {
+  for await (const [k, sent] of inOrder(manifest.pieces.length, AT_ONCE, piece, () => firstDrawn(load))) {
+    const data = shapes.whole(sent, manifest.part_bytes);
     scope.postMessage({ kind: "piece", load, k, data }, [data]);
   }
   scope.postMessage({ kind: "done", load });

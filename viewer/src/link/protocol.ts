@@ -301,6 +301,15 @@ export interface PartFacts {
   readonly area: number;
   readonly state: "gripped" | "moved" | "in place" | "left out";
   readonly is_hidden: boolean;
+  /** As its file states them; at most 100. */
+  readonly attributes: Readonly<Record<string, string>>;
+}
+
+/** The parts that a search finds. */
+export interface FoundParts {
+  readonly count: number;
+  /** Base64 of little-endian uint32 `(count,)`, ascending. */
+  readonly parts: string;
 }
 
 /** The cuts of the mock-up by planes. */
@@ -1245,6 +1254,8 @@ export interface Questions {
   };
   /** Facts about a part. */
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
+  /** The parts that a search finds, by words of paths and by attributes: see `Parts.search`. */
+  readonly find: { readonly args: { readonly query: string }; readonly answer: FoundParts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
   /** The record over time. */

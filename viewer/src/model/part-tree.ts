@@ -77,12 +77,10 @@ export class PartTree {
     return found;
   }
 
-  /** The ids of the parts whose path has every word of `query`. */
-  matching(query: string): number[] {
-    const words = wordsOf(query);
-    return this.nodes
-      .filter((node, k) => node.part >= 0 && words.every((word) => this.searched[k]?.includes(word)))
-      .map((node) => node.part);
+  /** The ids of the parts whose path has every word of `query`; or those of `found`, where the server searched. */
+  matching(query: string, found: ReadonlySet<number> | null = null): number[] {
+    const isMatch = this.test(query, found);
+    return this.nodes.filter((node, k) => node.part >= 0 && isMatch(node, k)).map((node) => node.part);
   }
 
   /**
@@ -91,9 +89,13 @@ export class PartTree {
    * Without a query: the parts in open groups. With one: the parts that match and the groups above them, all open but those in
    * `shut`.
    */
-  rows(open: ReadonlySet<number>, query = "", shut: ReadonlySet<number> = new Set()): TreeRow[] {
-    const words = wordsOf(query);
-    const isShown = words.length > 0 ? this.shownBy(words) : null;
+  rows(
+    open: ReadonlySet<number>,
+    query = "",
+    shut: ReadonlySet<number> = new Set(),
+    found: ReadonlySet<number> | null = null,
+  ): TreeRow[] {
+    const isShown = query.trim() !== "" ? this.shownBy(this.test(query, found)) : null;
     const rows: TreeRow[] = [];
     const walk = (level: readonly number[]): void => {
       const shown = isShown ? level.filter((index) => isShown[index] === 1) : level;
@@ -109,11 +111,17 @@ export class PartTree {
     return rows;
   }
 
-  private shownBy(words: readonly string[]): Uint8Array {
+  private test(query: string, found: ReadonlySet<number> | null): (node: PartNode, index: number) => boolean {
+    if (found) return (node) => found.has(node.part);
+    const words = wordsOf(query);
+    return (_, index) => words.every((word) => this.searched[index]?.includes(word));
+  }
+
+  private shownBy(isMatch: (node: PartNode, index: number) => boolean): Uint8Array {
     const isShown = new Uint8Array(this.nodes.length);
     // Children stand behind their parents, so that one pass from the end carries matches up.
     for (let k = this.nodes.length - 1; k >= 0; k--) {
-      if (isShown[k] === 0 && words.every((word) => this.searched[k]?.includes(word))) isShown[k] = 1;
+      if (isShown[k] === 0 && isMatch(this.node(k), k)) isShown[k] = 1;
       const parent = this.nodes[k]?.parent ?? -1;
       if (isShown[k] === 1 && parent >= 0) isShown[parent] = 1;
     }
@@ -128,6 +136,12 @@ export class PartTree {
     (parent < 0 ? this.roots : this.node(parent).children).push(index);
     return index;
   }
+}
+
+/** Whether a search has a word of the form `name:value`, as `asks_for_attributes` of the server decides it. */
+export function asksForAttributes(query: string): boolean {
+  const words = query.match(/(?:"[^"]*(?:"|$)|[^\s"])+/g) ?? [];
+  return words.some((word) => word.replaceAll('"', "").indexOf(":") > 0);
 }
 
 const wordsOf = (query: string): string[] =>

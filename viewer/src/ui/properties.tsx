@@ -11,9 +11,6 @@ import { Icon } from "./icons";
 import { Name } from "./names";
 import { partsText } from "./words";
 
-/** What another version of the server may know besides. */
-type Facts = PartFacts & { readonly attributes?: Readonly<Record<string, unknown>> };
-
 /** Answers are asked for once the selection rests. */
 const REST_MS = 120;
 
@@ -48,7 +45,7 @@ export function Properties() {
 function PartProperties({ part }: { part: number }) {
   const wb = useWorkbench();
   const { store } = wb;
-  const facts = useAnswer<Facts>(`${part}`, () => wb.ask("part", { part }));
+  const facts = useAnswer<PartFacts>(`${part}`, () => wb.ask("part", { part }));
   const unit = store.unit.value;
   const triangles = store.manifest.value?.parts.triangles[part];
   return (
@@ -78,8 +75,8 @@ function PartProperties({ part }: { part: number }) {
               <dd>{facts.state}</dd>
             </>
           )}
-          {Object.entries(facts.attributes ?? {}).map(([name, value]) => (
-            <Attribute key={name} name={name} value={String(value)} />
+          {Object.entries(facts.attributes).map(([name, value]) => (
+            <Attribute key={name} name={name} value={value} />
           ))}
         </>
       )}
@@ -87,14 +84,14 @@ function PartProperties({ part }: { part: number }) {
   );
 }
 
-/** Of the file: its texts may be of any script. */
+/** Of the file: its texts may be of any script, and long. */
 const Attribute = ({ name, value }: { name: string; value: string }) => (
   <>
     <dt>
-      <bdi>{name}</bdi>
+      <Name text={name} />
     </dt>
     <dd>
-      <bdi>{value}</bdi>
+      <Name text={value} />
     </dd>
   </>
 );

@@ -7,6 +7,7 @@ import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
 import { Name } from "./names";
+import { useFoundParts } from "./part-search";
 import { Properties } from "./properties";
 import { useVirtualList } from "./virtual-list";
 import { partsText } from "./words";
@@ -33,9 +34,10 @@ export function Tree() {
   const anchor = useSignal(0);
   const row_px = store.is_coarse.value ? COARSE_ROW_PX : ROW_PX;
 
-  const rows = useComputed(() => store.tree.value.rows(open.value, store.search.value, shut.value));
+  const answered = useFoundParts();
+  const rows = useComputed(() => store.tree.value.rows(open.value, store.search.value, shut.value, answered.value));
   const found = useComputed(() =>
-    store.search.value.trim() === "" ? null : store.tree.value.matching(store.search.value),
+    store.search.value.trim() === "" ? null : store.tree.value.matching(store.search.value, answered.value),
   );
 
   const virtual = useVirtualList(rows.value.length, row_px);
@@ -140,6 +142,7 @@ export function Tree() {
             type="search"
             placeholder="Search parts"
             aria-label="Search parts"
+            title="Words of paths, or attributes: material:steel"
             autocomplete="off"
             spellcheck={false}
             value={store.search.value}

@@ -30,7 +30,7 @@ before(async () => {
   const { manifest, data } = mockupOf([[WALL, LARGE], [SMALL]], "blocks", [-1, -1, 0x20c040]);
   server = await serve((path) => {
     if (path === "/scene") return Buffer.from(JSON.stringify(manifest));
-    if (path.startsWith("/scene/pieces/")) return data[Number(path.split("/").pop())];
+    if (path.startsWith("/scene/sent/")) return data[Number(path.split("/").pop())];
     return path === "/held/1" ? HELD.data : null;
   });
   tab = await open(server.url);

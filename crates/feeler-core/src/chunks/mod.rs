@@ -3,4 +3,5 @@
 pub mod pack;
 pub mod packed;
 mod runs;
+pub mod shared;
 mod weld;

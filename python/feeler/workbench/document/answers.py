@@ -55,6 +55,16 @@ class PartFacts(TypedDict):
     """Square metres."""
     state: Literal["gripped", "moved", "in place", "left out"]
     is_hidden: bool
+    attributes: dict[str, str]
+    """As its file states them; at most 100."""
+
+
+class FoundParts(TypedDict):
+    """The parts that a search finds."""
+
+    count: int
+    parts: str
+    """Base64 of little-endian uint32 `(count,)`, ascending."""
 
 
 class Outline(TypedDict):

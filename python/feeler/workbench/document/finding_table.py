@@ -28,7 +28,7 @@ from feeler.clashes import Clashes, Verdict
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.clashes.tracking import Mark, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES
-from feeler.errors import LoadError, OptionError
+from feeler.errors import LoadError
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.workbench.document.frames import pack
@@ -460,13 +460,11 @@ class _Reader:
     def _part(self, path: str) -> int:
         part = self._key.get(path)
         if part is None:
-            try:
-                found = self._parts.select(path)
-            except OptionError:
-                return -1
+            # Not by patterns or attributes: a path of another file is none of these.
+            found = self._parts.find(path)
             if len(found) != 1:
                 return -1
-            part = int(found[0])
+            part = found[0].index
         return -1 if part in self._absent else part
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -15,6 +16,9 @@ from feeler.scene import Scene
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import HeldManifest, Manifest, ManifestPiece, UpAxis, Vec3
 from feeler.workbench.engine.snapshot import NOT_DRAWN
+
+SHARED = 0x7FC0FEE1
+"""The first word of a piece with copies: as a float it is no number, and so no position."""
 
 SMALL_SHARE = 0.01
 """A part is small if its box's diagonal is less than this share of the mock-up's."""
@@ -118,6 +122,33 @@ class Geometry:
             raise IndexError(number)
         return _bytes(self._packed.pieces[number])
 
+    def sent(self, number: int) -> bytes:
+        """The bytes of a piece as they are sent: as `piece`, or with copies as places. Raises `IndexError`.
+
+        Copies of other parts, such as bolts, are places of one shape:
+
+            u32 SHARED | u32 runs | u32 places | u32 vertices | u32 triangles | runs (r, 4) u32 | places (c, 12) f32
+            | positions, parts and indices of `vertices` and `triangles` that are sent as they are, as of a piece
+
+        A run is (kind, vertices, triangles, part): of kind 0 the next ones that are sent as they are; of 2^31 + n those
+        too, which are called shape n from now on, also in later pieces; else the next copy of shape kind - 1. Its place
+        is three rows of a rotation, then where the shape's first vertex lies: `to + rotation (p - first)` in float64,
+        rounded. Its triangles are the shape's.
+        """
+        if not 0 <= number < self.piece_count:
+            raise IndexError(number)
+        # The first picture does not wait until copies are found.
+        is_awaited = number == 0 and self.piece_count > 1
+        found = None if is_awaited else self._packed._shared(number)
+        whole = self._packed.pieces[number]
+        if found is None:
+            return _bytes(whole)
+        runs, places, positions, parts, indices = found
+        head = np.array([SHARED, len(runs) // 4, len(places) // 12, len(positions) // 3, len(indices) // 3], "<u4")
+        kind = "<u2" if parts.dtype.itemsize == 2 else "<u4"
+        rows = ((head, "<u4"), (runs, "<u4"), (places, "<f4"), (positions, "<f4"), (parts, kind), (indices, "<u2"))
+        return _joined(np.ascontiguousarray(array, dtype=dtype) for array, dtype in rows)
+
 
 class HeldGeometry:
     """The content of the hand, packed, in its own frame."""
@@ -189,7 +220,11 @@ def _arrays(piece: PackedPiece) -> tuple[npt.NDArray[Any], ...]:
 
 
 def _bytes(piece: PackedPiece) -> bytes:
-    return b"".join(array.tobytes().ljust(_padded(array.nbytes), b"\0") for array in _arrays(piece))
+    return _joined(_arrays(piece))
+
+
+def _joined(arrays: Iterable[npt.NDArray[Any]]) -> bytes:
+    return b"".join(array.tobytes().ljust(_padded(array.nbytes), b"\0") for array in arrays)
 
 
 def _padded(size: int) -> int:

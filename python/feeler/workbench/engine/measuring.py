@@ -301,4 +301,5 @@ def part_facts(part: int, document: Document, scene: Scene) -> dict[str, Any]:
         "area": sizes.area,
         "state": state,
         "is_hidden": part in document.hidden,
+        "attributes": found.attributes if scene.part_mask[part] else {},
     }

@@ -74,7 +74,7 @@ def with_places(mockup: Mockup, moved: Mapping[int, Row], meshes: PartTools | No
         faces[triangles] = np.where(is_there, own + count, faces[triangles])
         vertices.append(there)
         count += len(there)
-    return Mockup(
+    made = Mockup(
         np.concatenate(vertices),
         faces,
         mockup.part_of_face,
@@ -82,3 +82,5 @@ def with_places(mockup: Mockup, moved: Mapping[int, Row], meshes: PartTools | No
         part_paths=mockup.part_paths,
         source=mockup.source,
     )
+    made._keep_attributes(mockup._part_attributes)  # rules may ask for them
+    return made

@@ -59,6 +59,7 @@ class Standing:
             mockup.part_names,
             part_paths=mockup.part_paths,
         )
+        placed._keep_attributes(mockup._part_attributes)  # rules may ask for them
         absent = np.flatnonzero(~self._scene.part_mask).tolist()
         scene = Scene(placed, progress=progress)
         return scene.without(absent) if absent else scene

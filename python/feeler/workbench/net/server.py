@@ -230,6 +230,8 @@ class Server:
                 return _JSON, lambda: dumps(session.manifest()).encode()
             case ["scene", "pieces", number] if _is_number(number):
                 return ANY, lambda: session.piece(int(number))
+            case ["scene", "sent", number] if _is_number(number):
+                return ANY, lambda: session.sent_piece(int(number))
             case ["held", version] if _is_number(version):
                 return ANY, lambda: session.held(int(version))
             case ["cards", number] if _is_number(number):

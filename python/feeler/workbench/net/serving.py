@@ -168,6 +168,9 @@ class SessionLike(Protocol):
     def piece(self, number: int, /) -> bytes:
         """A piece of the geometry."""
 
+    def sent_piece(self, number: int, /) -> bytes:
+        """The same, with copies of parts as places of shapes."""
+
     def held_manifest(self, version: int, /) -> HeldManifest | None:
         """Manifest of the mesh in hand; None for version 0."""
 

@@ -16,6 +16,7 @@ from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
 from feeler.workbench.document.answers import (
     CardAnswer,
+    FoundParts,
     Measured,
     Outline,
     PartFacts,
@@ -53,6 +54,8 @@ from feeler.workbench.session.requirement_jobs import export_requirements, verif
 from feeler.workbench.session.sent_files import SentFiles
 
 PAGE = "mock-up.html"
+MOST_QUERY = 1_000
+"""The most characters of a search that count."""
 _SNAP_M = 0.005
 SPEEDS = (0.05, 20.0)
 """Of a replay, at least and at most."""
@@ -136,6 +139,14 @@ def part(place: Place, given: Arguments) -> PartFacts:
     """Facts about a part."""
     (number,) = given.parts("part", place.scene.mockup.parts, most=1)
     return cast(PartFacts, measuring.part_facts(number, place.document, place.scene))
+
+
+def find(place: Place, given: Arguments) -> FoundParts:
+    """The parts that a search finds, by words of paths and by attributes: see `Parts.search`."""
+    query = given.text("query")[:MOST_QUERY]
+    found = place.scene.mockup.parts.search(query)
+    found = found[place.scene.part_mask[found]]
+    return {"count": len(found), "parts": _base64(found.astype("<u4"))}
 
 
 def card(place: Place, given: Arguments) -> CardAnswer:
@@ -239,6 +250,7 @@ ASKS: dict[str, Question[Any]] = {
     "snap": Question(snap, {"origin": Vec3, "direction": Vec3, "within": Maybe(float)}),
     "measure": Question(measure, {"type": MeasureType, **MEASURED}),
     "part": Question(part, {"part": Selection}),
+    "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
     "record": Question(record, {}),
     "finding_alike": Question(finding_alike, {"version": str, "row": int}),

@@ -284,10 +284,12 @@ class Session:
     def piece(self, number: int) -> bytes:
         """A packed piece. Raises `WorkbenchError` if it does not exist."""
         geometry = self._packed()
-        try:
-            return geometry.piece(number)
-        except IndexError:
-            raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
+        return _piece(geometry, geometry.piece, number)
+
+    def sent_piece(self, number: int) -> bytes:
+        """A packed piece with copies as places: `Geometry.sent`. Raises `WorkbenchError` if it does not exist."""
+        geometry = self._packed()
+        return _piece(geometry, geometry.sent, number)
 
     def held_manifest(self, version: int) -> HeldManifest | None:
         """The manifest of the hand's content at a version; None: nothing. Raises `WorkbenchError`."""
@@ -745,6 +747,13 @@ class Session:
     def _place(self) -> Place:
         with self._lock:
             return self._requests.place(self._document, self._opened(), self._packed(), self._cards.answer)
+
+
+def _piece(geometry: Geometry, made: Callable[[int], bytes], number: int) -> bytes:
+    try:
+        return made(number)
+    except IndexError:
+        raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
 
 
 def _checked_unit(unit: str) -> str:
