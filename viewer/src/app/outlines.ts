@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";
-import { floatsOf } from "../link/base64";
+import { floatsOf } from "../math/base64";
 import type { Loop } from "./loop";
 
 /** Keeps the exact outlines of the cuts that are on beside the picture: asked for once a drag has ended. */

@@ -2,7 +2,7 @@
 
 import { type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { wholesOf } from "../link/base64";
+import { wholesOf } from "../math/base64";
 import { asksForAttributes } from "../model/part-tree";
 import { useWorkbench } from "./context";
 
