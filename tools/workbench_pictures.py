@@ -12,7 +12,7 @@ import argparse
 import functools
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,6 @@ AT_BOLT = np.array([-0.3096, -0.5688, 1.0505])  # by the head of bolt_002 of a p
 OUTSIDE = np.array([0.25, -0.10, 0.20])  # of the gearbox
 ACROSS = np.pi / 4  # the wrench's handle over the side of the bracket
 FLAT = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])  # the wrench's handle outward
-DEEP_M = 3e-4  # deeper than the chords of a fit
 
 
 class Desk:
@@ -183,17 +182,12 @@ def measures(desk: Desk) -> None:
 
 
 def findings(desk: Desk) -> None:
-    """The findings of a clash check: a pipe drawn into its bracket, and the threads, which are cylinders."""
-    found = [row for row in feeler.clash(desk.session.scene.mockup) if row.depth > DEEP_M]
-    clashes = [
-        {"id": row.id, "a": row.path_a, "b": row.path_b, "depth": row.depth, "point_a": list(row.point_a)}
-        | {"group": "pipe and support" if row is found[0] else "threads as cylinders"}
-        for row in found
-    ]
-    desk.session.load_findings({"version": 1, "clashes": clashes})
+    """A clash check of the page: a pipe that was drawn into its bracket, beside it the clips of hoses that touch."""
     desk.command("take_tool", name=None)
     desk.look((0.22, -0.42, 0.30), (0.06, -0.1, 0.13))
     desk.press("Alt+6")
+    desk.page.get_by_role("button", name="Check clashes").click()
+    desk.page.wait_for_function("() => (window.feeler.document.findings?.count ?? 0) > 0")
     desk.press("n")
     desk.page.wait_for_timeout(1000)  # until the others are ghosts
 
@@ -252,8 +246,10 @@ def flat(place: np.ndarray, turn: float) -> np.ndarray:
 
 @functools.cache
 def indexed(name: str, triangles: int, faults: tuple[str, ...]) -> feeler.Scene:
-    """A sample, for the wrench."""
-    return feeler.Scene(feeler.sample(name, triangles=triangles, faults=faults), tool=feeler.sample_tool("wrench"))
+    """A sample, for the wrench, with z up as the pictures have it (`feeler view --up z`)."""
+    mockup = feeler.sample(name, triangles=triangles, faults=faults)
+    mockup.source = replace(mockup.source, up="z")
+    return feeler.Scene(mockup, tool=feeler.sample_tool("wrench"))
 
 
 def main() -> None:
