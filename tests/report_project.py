@@ -80,6 +80,10 @@ def fill(session: Session, text: str = "drawn so") -> Document:
     session.command("requirements_checked", {"results": results})
     session.command("requirement_add", {"name": "later", "a": "*peg*", "b": "*sheet*", "gap": 0.0})
     session.command("way_take", {"id": 1})
+    session.command("way_check", {"id": session.current.sequence[0].id})
+    while any(card.state in ("waiting", "running") for card in session.current.cards):
+        assert time.monotonic() < end
+        time.sleep(0.02)
     return session.current
 
 

@@ -89,12 +89,15 @@ def test_a_report_has_everything_that_was_done(there: Path) -> None:
     reviewed = [row for row in report.findings if row.status == "reviewed"]
     assert [(row.note, len(row.history)) for row in reviewed] == [("drawn so", 1)]
     assert [row.status for row in report.findings if not row.is_touching][-1] == "reviewed", "open ones come first"
-    assert [row.kind for row in report.questions] == ["removal", "order", "access"]
+    assert [row.kind for row in report.questions] == ["removal", "order", "access", "way"]
     way = report.questions[0].ways[0]
     assert way.paths == ("stand/stand/peg",) and way.length > 0.1 and len(way.poses) > 1
     assert way.gaps and all(0.0 <= share <= 1.0 for share, _ in way.gaps)
     (step,) = report.steps
     assert step.paths == ("stand/stand/peg",) and step.length == pytest.approx(way.length)
+    asked = report.questions[3]
+    assert step.checked == asked.sentence != "" and not asked.is_moved, "its way was checked as it is"
+    assert asked.ways[0].starts == {} and report.questions[0].is_moved
 
 
 def test_pictures_and_films(there: Path, tmp_path: Path) -> None:
@@ -107,7 +110,7 @@ def test_pictures_and_films(there: Path, tmp_path: Path) -> None:
     assert len(made.pictures["way-1-1"]) == 6 and len(made.pictures["way-2-1"]) == 2
     frames = made.pictures["way-1-1"]
     assert len(set(frames)) == 6 and all(frame.startswith(b"\x89PNG") for frame in frames), "the part moves"
-    assert set(made.films) == {"question-1", "question-2", "sequence"}
+    assert set(made.films) == {"question-1", "question-2", "question-4", "sequence"}
     (tmp_path / "film.glb").write_bytes(made.films["question-1"])
     document = json.loads(
         made.films["question-1"][20:].split(b"\0")[0].decode("utf-8", "replace").rpartition("}")[0] + "}"
@@ -116,10 +119,10 @@ def test_pictures_and_films(there: Path, tmp_path: Path) -> None:
     assert feeler.load_mockup(tmp_path / "film.glb").part_count > 1
     page = as_html.html_page(report, made, "report-files").decode()
     links = [attrs["href"] for tag, attrs in Tags(page).tags if tag == "a" and attrs.get("download")]
-    assert links == ["report-files/question-1.glb", "report-files/question-2.glb", "report-files/sequence.glb"]
+    assert links == [f"report-files/{name}.glb" for name in ("question-1", "question-2", "question-4", "sequence")]
     alone = as_html.html_page(report, made).decode()
-    assert alone.count('href="data:model/gltf-binary;base64,') == 3
-    assert [*as_html.files_of(made)] == ["question-1.glb", "question-2.glb", "sequence.glb"]
+    assert alone.count('href="data:model/gltf-binary;base64,') == 4
+    assert [*as_html.files_of(made)] == ["question-1.glb", "question-2.glb", "question-4.glb", "sequence.glb"]
 
 
 def test_parts_are_drawn_where_they_lay_at_the_check(there: Path, world: feeler.Mockup) -> None:
@@ -210,7 +213,7 @@ def test_parts_with_other_numbers_leave_out_the_details_of_answers(there: Path, 
     fewer = without_post()
     report = report_of(source_of(there, loaded(tmp_path, fewer)), WHEN)
     assert report.stale.gone == ("stand/stand/posts/left",)
-    assert [len(row.ways) for row in report.questions] == [0, 0, 0] and "other numbers" in report.notes[0]
+    assert [len(row.ways) for row in report.questions] == [0, 0, 0, 0] and "other numbers" in report.notes[0]
     clear, far, *_ = report.requirements
     assert (clear.status, clear.place) == ("not checked", None), "a part of its verdict is gone"
     assert (far.status, far.stale) == ("holds", "pattern b names no part now")
@@ -226,10 +229,10 @@ def test_answers_of_other_numbers_do_not_come_back(there: Path, tmp_path: Path) 
         session = Session(project=open_or_make(path), has_threads=False)
         session.open(fewer, feeler.Scene(fewer, threads=1), None, name="stand.glb")
         assert session._saver is not None and session._saver.wait(WAIT_S)
-        assert len(session.current.cards) == 3 and session._cards.ways == {}
+        assert len(session.current.cards) == 4 and session._cards.ways == {}
         session.close()
     report = report_of(source_of(path, fewer), WHEN)
-    assert [len(row.ways) for row in report.questions] == [0, 0, 0]
+    assert [len(row.ways) for row in report.questions] == [0, 0, 0, 0]
 
 
 def test_a_report_of_the_document_is_that_of_its_project(there: Path) -> None:
@@ -239,7 +242,7 @@ def test_a_report_of_the_document_is_that_of_its_project(there: Path) -> None:
     assert job["name"] == "report.html"
     page = bench.session.export("report.html").decode()
     assert job["bytes"] == len(page.encode())
-    assert page.count("data:model/gltf-binary;base64,") == 3 and "Work steps" in page and "clear drawn so" in page
+    assert page.count("data:model/gltf-binary;base64,") == 4 and "Work steps" in page and "clear drawn so" in page
 
 
 def test_a_report_in_the_page_can_be_cancelled() -> None:
@@ -323,7 +326,7 @@ def test_the_command_writes_page_workbook_and_files(there: Path, tmp_path: Path)
         and "1 requirement violated" in done.stdout
     )
     files = sorted(each.name for each in (tmp_path / "a report-files").iterdir())
-    assert files == ["mine.txt", "mock-up.html", "question-1.glb", "question-2.glb", "sequence.glb"]
+    assert files == ["mine.txt", "mock-up.html", "question-1.glb", "question-2.glb", "question-4.glb", "sequence.glb"]
     page = out.read_text(encoding="utf-8")
     assert 'href="a%20report-files/mock-up.html"' in page and 'href="a%20report-files/sequence.glb"' in page
     assert zipfile.is_zipfile(tmp_path / "r.xlsx")

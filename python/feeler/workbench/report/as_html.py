@@ -488,6 +488,7 @@ class _Page:
             ("least clearance", _clearance(row)),
             ("tool", _named(row.tool) if row.tool else ""),
             ("touched", _names(row.touched)),
+            ("checked", _text(row.checked)),
             ("legs", _text("; ".join(row.legs[:6]) + _more(len(row.legs) - 6))),
         ]
         parts = ", ".join(map(_part, row.paths[:MOST_LISTED])) + _more(len(row.paths) - MOST_LISTED)

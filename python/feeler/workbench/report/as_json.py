@@ -83,6 +83,7 @@ def _way(row: WayRow) -> dict[str, Any]:
         "gaps": [{"share": share, "gap": gap} for share, gap in row.gaps],
         "touched": list(row.touched),
         "tool": row.tool or None,
+        "checked": row.checked or None,
         "stale": row.stale or None,
     }
 

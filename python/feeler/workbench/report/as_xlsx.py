@@ -125,7 +125,9 @@ def _reach(row: ReachRow) -> list[Cell]:
     return [row.path, row.kind, row.tool, tools, is_reachable, row.swing_deg, row.because, blockers]
 
 
-_WAY = ("name", "parts", "way, m", "turned, degrees", "least clearance, m", "touched", "tool", "out of date")
+_WAY = (
+    *("name", "parts", "way, m", "turned, degrees", "least clearance, m", "touched", "tool", "checked", "out of date"),
+)
 
 
 def _way(row: WayRow | None) -> list[Cell]:
@@ -133,7 +135,7 @@ def _way(row: WayRow | None) -> list[Cell]:
         return [None] * len(_WAY)
     turned = None if row.rotation is None else float(np.degrees(row.rotation))
     paths, touched = "; ".join(row.paths), "; ".join(row.touched)
-    return [row.title, paths, row.length, turned, row.clearance, touched, row.tool, row.stale]
+    return [row.title, paths, row.length, turned, row.clearance, touched, row.tool, row.checked, row.stale]
 
 
 def _summary(report: Report) -> list[list[Cell]]:

@@ -16,7 +16,7 @@ from feeler.io.film import way_length
 from feeler.words import length
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer, WayFacts
-from feeler.workbench.document.document import Card, Findings, KeptClear, Removal
+from feeler.workbench.document.document import Card, Findings, KeptClear, Removal, is_stale
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
 from feeler.workbench.report import values
 from feeler.workbench.report.source import Source
@@ -263,7 +263,7 @@ class _Writer:
             sentence=cut(sentence, LONGEST_TEXT),
             is_good=card.is_good if card.state == "done" else None,
             stale=self.changed(card.parts),
-            is_moved=card.world != self._document.world,
+            is_moved=is_stale(self._document, card),
             ways=ways,
             blockers=() if answer is None else self._blockers(answer),
             reaches=() if answer is None else self._reaches(answer),
@@ -275,8 +275,10 @@ class _Writer:
     ) -> list[values.WayRow]:
         rows = []
         for number, way in enumerate(answer["ways"], start=1):
-            starts = {part: places[part] for part in way["parts"] if part in places}
-            rows.append(self._way(f"way-{card.id}-{number}", way, starts, gone))
+            told = {int(part): motion.row(place) for part, place in way.get("places", {}).items()}
+            there = told if "places" in way else places
+            starts = {part: there[part] for part in way["parts"] if part in there}
+            rows.append(self._way(f"way-{card.id}-{number}", way, starts, gone | frozenset(told)))
             gone |= frozenset(way["parts"])
         return rows
 
@@ -343,7 +345,15 @@ class _Writer:
             touched=tuple(map(cut, line.touched[:MOST_ROWS])),
             tool=cut(line.tool or ""),
             stale=self.changed(line.parts),
+            checked=self._checked(line),
         )
+
+    def _checked(self, line: Removal) -> str:
+        """What the newest check of its way says, if the way is still that one."""
+        document = self._document
+        cards = [card for card in document.cards if card.line == line.id and card.question == "way"]
+        said = [card.sentence for card in cards if card.state == "done" and not is_stale(document, card)]
+        return cut(said[-1], LONGEST_TEXT) if said else ""
 
     def _names(self, parts: Sequence[int]) -> str:
         names = [name_of(self.path(part)) for part in parts[:3]]

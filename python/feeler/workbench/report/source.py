@@ -140,11 +140,13 @@ def checked_answer(facts: Any, parts: int) -> CardAnswer | None:
             return None
         answer: CardAnswer = check({key: value for key, value in facts.items() if key != "kind"}, CardAnswer, "answer")
         for way in answer["ways"]:
-            for pose in way["poses"]:
+            for pose in (*way["poses"], *way.get("places", {}).values()):
                 motion.checked(pose, "pose")
     except (WorkbenchError, FeelerError, RecursionError):
         return None
     named = [part for way in answer["ways"] for part in way["parts"]]
+    elsewhere = [part for way in answer["ways"] for part in way.get("places", {})]
+    named += [int(part) if part.isascii() and part.isdecimal() and len(part) < 12 else -1 for part in elsewhere]
     named += [each["part"] for each in answer["blockers"]]
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
     is_whole = all(0 <= part < parts for part in named)

@@ -99,7 +99,7 @@ class WayRow:
     """A way of parts. poses: their motion, the first the identity; starts: their places before, if not home.
 
     gone: parts that are not there, or elsewhere. length, clearance: metres; rotation: radians. gaps: to the nearest
-    neighbour, metres, at shares of the way; None: none is near.
+    neighbour, metres, at shares of the way; None: none is near. checked: what a check of the way says.
     """
 
     key: str
@@ -117,6 +117,7 @@ class WayRow:
     tool: str = ""
     stale: str = ""
     gaps: tuple[tuple[float, float | None], ...] = ()
+    checked: str = ""
 
 
 @dataclass(frozen=True)
