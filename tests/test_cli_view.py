@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,7 +19,7 @@ from commands import error_of
 from workbench_fake import WAIT_S, Page, bearer, fetch
 
 from feeler.cli.inputs import Choice
-from feeler.cli.view import _Opening
+from feeler.cli.view import _Opening, ended_by_signals
 from feeler.workbench.document import protocol
 from feeler.workbench.session.session import Session
 
@@ -146,3 +148,16 @@ def test_options_that_cannot_be(tmp_path: Path) -> None:
     assert "nonsense" in error_of("view", "--device", "nonsense")
     (tmp_path / "clashes.json").write_text('{"rows": []}')
     assert 'no list "clashes"' in error_of("view", "--findings", tmp_path / "clashes.json")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_signals_that_end_a_program_end_it_as_ctrl_c_does(name: str) -> None:
+    number = getattr(signal, name)
+    before = signal.getsignal(number)
+    ended: list[str] = []
+    with pytest.raises(KeyboardInterrupt), ended_by_signals(), contextlib.ExitStack() as ends:
+        ends.callback(ended.append, "cleaned")
+        os.kill(os.getpid(), number)
+        time.sleep(5.0)
+    assert ended == ["cleaned"] and signal.getsignal(number) is before

@@ -524,3 +524,18 @@ def test_the_seat_wants_a_tool_alone() -> None:
     bench.command("grip", parts=PATHS[PEG])
     with pytest.raises(WorkbenchError, match="holds no tool alone"):
         bench.command("seat", pose=at(0.1, 0.2, 0.3).ravel().tolist())
+
+
+@pytest.mark.parametrize("is_fine", [False, True])
+def test_the_built_in_wrench_lies_flat_also_when_the_program_was_started_with_it(is_fine: bool) -> None:
+    wrench = feeler.sample_tool("wrench", fine=is_fine)
+    started, taken = Bench(wrench, mockup=bolts(), pose=at(0, 0, 0.5)), Bench(mockup=bolts())
+    (_, first), (_, second) = asked(started, "access", tool="wrench"), asked(taken, "access", tool="wrench")
+    poses = [np.array([row["pose"] for row in answer["reaches"]]) for answer in (first, second)]
+    # The jaw turns about y, which points out of the joint.
+    for pose in np.concatenate(poses).reshape(-1, 4, 4):
+        assert pose[:3, 1] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
+    own = feeler.Tool(wrench.vertices * 1.01, wrench.faces, "wrench")
+    _, other = asked(Bench(own, mockup=bolts(), pose=at(0, 0, 0.5)), "access", tool="wrench")
+    for pose in np.array([row["pose"] for row in other["reaches"]]).reshape(-1, 4, 4):
+        assert pose[:3, 2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9), "a tool of one's own along z"

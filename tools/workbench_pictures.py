@@ -29,6 +29,7 @@ import chromium
 
 SIZE = (1280, 800)
 SHARP_MS = 6000  # in which a view that stands is drawn again and again, and averaged
+TURN_MS = 2000  # after which this script, which set the scene, has let go of the tool
 SETTINGS = '{"has_seen_tour": true, "has_first_run": false, "is_muted": true}'
 
 PUMP, STARTER, COVER = "gearbox/fuel_pump", "gearbox/starter", "gearbox/covers/main_front"
@@ -59,6 +60,7 @@ class Desk:
 
     def move(self, pose: np.ndarray) -> np.ndarray:
         """The hand wants to be at a pose (4, 4); where the tool comes."""
+        self.page.wait_for_timeout(TURN_MS)
         return np.reshape(self.page.evaluate("pose => window.feeler.moveTo(pose)", pose.ravel().tolist()), (4, 4))
 
     def look(self, eye: tuple[float, float, float], target: tuple[float, float, float]) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import json
+import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from dataclasses import replace
 from functools import partial
@@ -166,7 +167,7 @@ def view(
     # Before anything is loaded, so that a missing device is reported at once.
     held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
-    with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as ends:
+    with contextlib.suppress(KeyboardInterrupt), ended_by_signals(), contextlib.ExitStack() as ends:
         work = Work(files or [_SAMPLE], tool, tool_unit, unit, up, without or [], only or [])
         opened = None
         if named is not None:
@@ -206,6 +207,25 @@ def view(
         fail(f"not saved: {trouble}")
     if opening.is_failed or trouble is not None:
         raise typer.Exit(BAD_INPUT)
+
+
+@contextlib.contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """SIGTERM, and SIGHUP of a closed terminal, end the program as Ctrl-C does: saved, and no files left behind."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    names = ("SIGTERM", "SIGHUP")
+    before = {each: signal.signal(each, end) for name in names if (each := getattr(signal, name, None)) is not None}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def wait_for_ctrl_c() -> None:

@@ -2,11 +2,16 @@
 
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { carry, type Pose } from "../math/matrix";
+import { isSame } from "../math/same";
 import { type Box, centre, corners, emptyBox, include, subtract, type Vec3 } from "../math/vectors";
 import { type Film, type FilmOf, placeAt, placesAt, startsOf, timeOf, type Way } from "../model/film";
 import type { Workbench } from "./workbench";
 
 type Reach = CardAnswer["reaches"][number];
+
+/** The question that was asked last, for as long as the same one would be the second click on it. */
+let asking: object | null = null;
+const TWICE_MS = 600;
 
 /** How near to where a way meets something a film says so, as a share of the way. */
 const AT_HIT = 0.004;
@@ -26,12 +31,22 @@ export async function ask(
   }
   store.panel.value = "ask";
   store.set({ are_panels_open: true });
-  await wb.run("ask", {
+  const given = {
     question,
     ...(parts.length > 0 ? { parts: [...parts] } : {}),
     ...(without.length > 0 ? { without: [...without] } : {}),
     ...(tools.length > 0 ? { tools: [...tools] } : {}),
-  });
+  };
+  // A double click asks once.
+  if (isSame(given, asking)) return;
+  asking = given;
+  try {
+    await wb.run("ask", given);
+  } finally {
+    setTimeout(() => {
+      asking = null;
+    }, TWICE_MS);
+  }
   const newest = store.document.peek()?.cards.at(-1);
   if (newest) await openCard(wb, newest.id);
 }

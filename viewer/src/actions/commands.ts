@@ -23,7 +23,7 @@ import {
 import { checkWays, endGuide } from "./lines";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
-import { changeTurn } from "./people";
+import { changeTurn, giveTurn, wishTurn } from "./people";
 import { isStale, project, saveProject, selectStale } from "./project";
 import { playRecord } from "./record";
 import { addRequirement, checkRequirements } from "./requirements";
@@ -72,6 +72,7 @@ const hasRules = (wb: Workbench): boolean => (wb.store.document.value?.clash.rul
 const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
 const canOpen = (wb: Workbench): boolean => !wb.store.is_read_only.value && wb.store.opens.value !== null;
 const hasDoubts = (wb: Workbench): boolean => (wb.store.document.value?.doubts.length ?? 0) > 0;
+const isAsked = (wb: Workbench): boolean => canChange(wb) && wb.store.people.asking.value.length > 0;
 const hasOthers = (wb: Workbench): boolean => canChange(wb) && wb.store.people.others.value.length > 0;
 const hasStale = (wb: Workbench): boolean => isStale(project(wb));
 const isGuided = (wb: Workbench): boolean => canChange(wb) && Boolean(wb.store.document.value?.guiding);
@@ -618,6 +619,8 @@ export const COMMANDS: readonly PageCommand[] = [
     },
     hasOthers,
   ),
+  command("Tool", "give-turn", "Give the tool to who asks for it", "", giveTurn, isAsked),
+  command("Tool", "keep-turn", "Keep the tool, though somebody asks for it", "", (wb) => wishTurn(wb, "keep"), isAsked),
   command("Tool", "take-turn", "Turn of the tool: take it, ask for it, let it go", "", changeTurn, hasOthers),
   command("Page", "settings", "Settings", "Ctrl+,", (wb) => {
     wb.store.dialog.value = "settings";

@@ -31,9 +31,10 @@ export function whyNot(files: readonly Pick<File, "name" | "size">[], opens: Ope
 export function hasWork(wb: Workbench): boolean {
   const document = wb.document;
   if (!document?.mockup) return false;
-  const { sequence, measures, viewpoints, findings, gripped, moved } = document;
+  const { sequence, measures, viewpoints, findings, gripped, moved, cards } = document;
   return (
-    [sequence, measures, viewpoints, gripped, Object.keys(moved)].some((each) => each.length > 0) || findings !== null
+    [sequence, measures, viewpoints, gripped, Object.keys(moved), cards].some((each) => each.length > 0) ||
+    findings !== null
   );
 }
 

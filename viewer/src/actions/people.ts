@@ -16,6 +16,12 @@ export async function wishTurn(wb: Workbench, wish: TurnWish, to: number | null 
   if (wb.link) await wb.told(wb.link.turn(wish, to));
 }
 
+/** Gives the tool to whoever asked first. */
+export async function giveTurn(wb: Workbench): Promise<void> {
+  const [first] = wb.store.people.asking.peek();
+  if (first) await wishTurn(wb, "give", first.id);
+}
+
 /** Lets the tool go, takes it, or asks for it: the next thing that makes sense. */
 export function changeTurn(wb: Workbench): Promise<void> {
   const { people } = wb.store;

@@ -53,7 +53,7 @@ export class Presence {
       point: store.pointed.peek(),
       selection: [...store.selection.peek()].filter((part) => part < count).slice(0, MOST_SELECTED),
       camera: stage.camera.toJSON(),
-      is_moving: hand.wish !== null || store.typed.peek() !== null,
+      is_moving: (hand.wish !== null && hand.source !== "api") || store.typed.peek() !== null,
     };
   }
 }

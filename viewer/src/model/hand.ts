@@ -56,6 +56,9 @@ export class Hand {
   /** `view_axes` as a pose at the origin: right, up, towards the viewer. */
   viewAxes: () => Pose = () => fromAxes([1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]);
 
+  /** What moved the hand last. */
+  source: Source | null = null;
+
   private current: Pose | null = null;
   private solid: Pose | null = null;
   private fresh: Wish | null = null;
@@ -113,6 +116,7 @@ export class Hand {
     if (!wish.every(Number.isFinite)) return;
     this.endPutting();
     this.current = wish;
+    this.source = source;
     // The earliest input of a frame counts for the latency, the last one for the pose.
     this.fresh = { pose: wish, source, time_ms: this.fresh?.time_ms ?? time_ms };
     this.listener.moved();

@@ -34,7 +34,7 @@ const QUESTIONS: readonly Question[] = [
   {
     text: "Which tool undoes this bolt?",
     ask: ["ask-tools"],
-    parts: ["gearbox/covers/main_front/bolt_1"],
+    parts: ["gearbox/covers/main_rear/bolt_1"],
     how: "The bolt is selected. Bring the wrench to it: drag it, or press G, an axis, a length and Enter.",
   },
 ];

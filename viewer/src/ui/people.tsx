@@ -3,7 +3,7 @@
 import { commandOf } from "../actions/commands";
 import { labelOf } from "../actions/labels";
 import { lookWhere, wishTurn } from "../actions/people";
-import type { Person } from "../link/protocol";
+import type { Person, Turn } from "../link/protocol";
 import { MOST_NAME } from "../link/protocol";
 import { numberOf } from "../model/people";
 import { useWorkbench } from "./context";
@@ -36,7 +36,7 @@ export function PeopleStrip() {
   const { store } = useWorkbench();
   const { people, others, turn, you } = store.people;
   if (others.value.length === 0) return null;
-  const said = people.value.map((person) => isolated(person.name) + tailOf(person, you.value, turn.value.person));
+  const said = people.value.map((person) => isolated(person.name) + tailOf(person, you.value, holderOf(turn.value)));
   return (
     <button
       type="button"
@@ -48,11 +48,14 @@ export function PeopleStrip() {
     >
       <span class="visually-hidden">{`People: ${said.join(", ")}`}</span>
       {people.value.map((person) => (
-        <Avatar key={person.id} person={person} hasTool={person.id === turn.value.person} />
+        <Avatar key={person.id} person={person} hasTool={person.id === holderOf(turn.value)} />
       ))}
     </button>
   );
 }
+
+/** Who has the tool now; null: it is free. */
+const holderOf = (turn: Turn): number | null => (turn.is_free ? null : turn.person);
 
 const tailOf = (person: Person, you: number, holder: number | null): string =>
   `${person.id === you ? " (you)" : ""}${person.id === holder ? ", has the tool" : ""}${person.is_away ? ", away" : ""}`;
@@ -66,10 +69,10 @@ export function PeopleDialog() {
       <ul class="people-list">
         {people.value.map((each) => (
           <li key={each.id}>
-            <Avatar person={each} hasTool={each.id === person} />
+            <Avatar person={each} hasTool={each.id === person && !is_free} />
             <span class="people-name">
               <bdi>{each.name}</bdi>
-              {tailOf(each, you.value, person)}
+              {tailOf(each, you.value, is_free ? null : person)}
             </span>
             {each.id !== you.value && wb.store.people.seen.value.has(each.id) && (
               <button type="button" class="button" onClick={() => lookWhere(wb, each.id)}>

@@ -6,6 +6,8 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import TypeVar
 
+import numpy as np
+
 from feeler.arguments import check_word
 from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.errors import WorkbenchError
@@ -40,7 +42,9 @@ class Hands:
         """tools: available ones; built-in ones are available too, unless their name is taken, and are made on
         demand."""
         self.scene, self._tools = scene, dict(tools)
-        self.built_in = frozenset(name for name in sample_tool_names() if name not in tools)
+        self.built_in: frozenset[str] = frozenset(
+            name for name in sample_tool_names() if name not in tools or _is_sample(tools[name])
+        )
         self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
         self.meshes = PartTools(scene.mockup)
         self._held: OrderedDict[HeldKey, Tool] = OrderedDict()
@@ -58,7 +62,7 @@ class Hands:
     def add(self, tool: Tool) -> None:
         """Makes a tool available by its name."""
         self._tools[tool.name] = tool
-        self.built_in -= {tool.name}
+        self.built_in = (self.built_in - {tool.name}) | ({tool.name} if _is_sample(tool) else set())
         self.names = (tool.name, *(name for name in self.names if name != tool.name))
 
     def counts(self) -> dict[str, int]:
@@ -116,6 +120,17 @@ class Hands:
             label = path if path not in items else f"{path} ({part})"
             items[label] = (self.meshes.of(part)[0], motion.matrix(place))
         return Tool.assembly(items, name or "parts")
+
+
+def _is_sample(tool: Tool) -> bool:
+    """Whether this is the built-in tool of its name, coarse or fine."""
+    if tool.name not in sample_tool_names():
+        return False
+    name = check_word("name", tool.name, SAMPLE_TOOL_NAMES)
+    return any(
+        made.triangle_count == tool.triangle_count and np.array_equal(made.vertices, tool.vertices)
+        for made in (sample_tool(name), sample_tool(name, fine=True))
+    )
 
 
 def _kept(cache: OrderedDict[Key, Made], key: Key, make: Callable[[], Made]) -> Made:

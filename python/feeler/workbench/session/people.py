@@ -331,9 +331,12 @@ class PeopleOf:
             number += 1
 
 
+_BLANK = frozenset("\u115f\u1160\u2800\u3164\uffa0")  # letters and symbols that show nothing
+
+
 def _plain(name: str) -> str:
     """Without characters that are not seen, such as those that turn the direction of what follows."""
-    seen = "".join(each if unicodedata.category(each)[0] != "C" else " " for each in name)
+    seen = "".join(each if unicodedata.category(each)[0] != "C" and each not in _BLANK else " " for each in name)
     return " ".join(seen.split())
 
 
