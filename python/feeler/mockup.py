@@ -253,13 +253,7 @@ class Mockup(_Attributed, _core.Mockup):
     @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
-        return Parts(
-            self.part_names,
-            self.part_paths,
-            self.part_triangles,
-            self.part_bounds.reshape(-1, 2, 3),
-            self._part_attributes,
-        )
+        return _parts_of(self)
 
     @property
     def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
@@ -440,13 +434,7 @@ class Tool(_Attributed, _core.Tool):
     @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`; a single one, named as the tool, unless it was made of several."""
-        return Parts(
-            self.part_names,
-            self.part_paths,
-            self.part_triangles,
-            self.part_bounds.reshape(-1, 2, 3),
-            self._part_attributes,
-        )
+        return _parts_of(self)
 
     @property
     def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
@@ -483,6 +471,11 @@ def _attributes(file: saved.SavedFile) -> dict[str, Any]:
     if facts.colours is not None:
         known["part_colours"] = facts.colours
     return known
+
+
+def _parts_of(mesh: Mockup | Tool) -> Parts:
+    bounds = mesh.part_bounds.reshape(-1, 2, 3)
+    return Parts(mesh.part_names, mesh.part_paths, mesh.part_triangles, bounds, mesh._part_attributes)
 
 
 def _first(paths: Sequence[str]) -> str:

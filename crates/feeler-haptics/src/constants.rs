@@ -352,6 +352,6 @@ pub const GUIDE_RISE_S: f64 = 0.15;
 /// the place for ever: a bound on the rate comes late.
 pub const GUIDE_SLEW_N_PER_S: f64 = 200.0;
 
-/// Age (seconds) of what was told last from which on a guide draws no more. Shorter: a hiccup of whoever tells drops it; longer: an
-/// old place pulls on.
+/// A guide ends if its place was not set for this long (seconds). Shorter: it ends when the caller is late once; longer: it pulls to
+/// a place that is out of date.
 pub const OLDEST_GUIDE_S: f64 = 0.1;

@@ -1,9 +1,9 @@
 //! A soft spring that draws the tool to a place, and a light pull along a way: a virtual fixture that guides (L. Rosenberg, *Virtual
 //! fixtures: perceptual tools for telerobotic manipulation*, VRAIS 1993).
 //!
-//! Whoever guides says a few hundred times a second where the place is. The spring acts at the rate of the servo, so that it is stable
-//! whatever that delay. It is never stronger than [`GUIDE_FORCE_N`], and nothing in doubt. It is not the proxy's: contact stays what it
-//! is, and its force comes first.
+//! The caller sets the place a few hundred times a second. The servo computes the spring at its own rate, so it is stable even if the
+//! caller is late. The force is at most [`GUIDE_FORCE_N`], and zero in doubt. The proxy does not know of it: contact is unchanged, and
+//! the force of contact has priority.
 
 use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{add, length, scaled, sub};
@@ -39,7 +39,7 @@ pub(crate) struct GuideForce {
 }
 
 impl GuideForce {
-    /// What was told at a time: another place, or that nothing guides any more.
+    /// Takes a new place at a time, seconds; `None` ends the guidance.
     pub fn tell(&mut self, guide: Option<Guide>, now: f64) {
         self.told_at = now;
         self.told = match guide {
@@ -164,7 +164,7 @@ mod tests {
         for dt in [f64::NAN, 0.0, 1.0] {
             assert_eq!(begun().step(&at(0.0), &[0.0; 3], now, dt, false), [0.0; 3]);
         }
-        // What is told is not a number.
+        // The place is not a number.
         for x in [f64::NAN, f64::INFINITY] {
             let mut force = begun();
             force.tell(guide(0.01, [x, 0.0, 0.0]), now);

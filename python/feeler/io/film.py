@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from feeler.io.body import FloatArray
+from feeler.io.export import Motion
 from feeler.mockup import Mockup
 
 CONTEXT_M = 0.1
@@ -45,6 +47,42 @@ def moments(poses: FloatArray, bounds: FloatArray) -> FloatArray:
 def corners_of(bounds: FloatArray) -> FloatArray:
     """The corners `(8, 3)` of a box `(2, 3)`."""
     return np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+class Leg(NamedTuple):
+    """A way of some parts. poses: `(n, 4, 4)` their motion in the world; starts: world_from_part `(4, 4)` of each part
+    when it begins."""
+
+    poses: FloatArray
+    starts: Mapping[int, FloatArray]
+
+
+def motions_of(legs: Sequence[Leg], mockup: Mockup, place: Mapping[int, int]) -> list[Motion]:
+    """The motions of all parts of legs that follow one another, with a pause after each. place: the number of each part
+    in the film."""
+    boxes = mockup.part_bounds.reshape(-1, 2, 3)
+    times: dict[int, list[float]] = {}
+    poses: dict[int, list[FloatArray]] = {}
+    for leg in legs:
+        for part, start in leg.starts.items():
+            times.setdefault(part, [0.0])
+            poses.setdefault(part, [start])
+    now = 0.0
+    for leg in legs:
+        placed = [corners_of(boxes[part]) @ at[:3, :3].T + at[:3, 3] for part, at in leg.starts.items()]
+        corners = np.concatenate(placed)
+        shown_at = moments(leg.poses, np.stack([corners.min(axis=0), corners.max(axis=0)]))
+        for part, start in leg.starts.items():
+            for moment, pose in zip(shown_at.tolist(), leg.poses, strict=True):
+                if now + moment > times[part][-1]:
+                    times[part].append(now + moment)
+                    poses[part].append(pose @ start)
+        now += float(shown_at[-1]) + PAUSE_S
+        for part in leg.starts:
+            # It rests until its next motion.
+            times[part].append(now)
+            poses[part].append(poses[part][-1])
+    return [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in sorted(times)]
 
 
 def with_neighbours(mockup: Mockup, moving: Sequence[int], absent: Sequence[int] = ()) -> list[int]:

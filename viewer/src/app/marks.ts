@@ -60,7 +60,12 @@ function peopleMarks({ people, has_hand }: Store, { center }: HandPlace): Marks[
   const { person, is_free } = people.turn.peek();
   return people.others.peek().flatMap(({ id, name, colour, is_away }) => {
     if (is_away) return [];
-    const mark = { id, name: isolated(name), colour: colourOf(colour), number: numberOf(colour) };
+    const mark = {
+      id,
+      name: isolated(shortened(name, MOST_LETTERS)),
+      colour: colourOf(colour),
+      number: numberOf(colour),
+    };
     const point = people.seen.peek().get(id)?.point;
     const hasTool = person === id && !is_free && center !== null && has_hand.peek();
     return [

@@ -1,7 +1,7 @@
 //! Repeated shapes in packed pieces: ten thousand bolts are one bolt and ten thousand places.
 //!
-//! Found among the packed positions, whoever made the mesh: parts with the same triangles whose corners are those of another one,
-//! turned and moved, but for the rounding of float32.
+//! The search compares packed positions, so it finds copies in files of every format. A part is a copy of another one if both have
+//! the same triangles, and a rotation and a translation map its corners to those of the other, up to the rounding of float32.
 
 use std::collections::HashMap;
 
@@ -256,7 +256,7 @@ fn unit(a: &Vector) -> Option<Vector> {
 /// Where `other` lies as a copy of `shape`; `None` if it is none.
 fn place<P: AsRef<PackedPiece>>(pieces: &[P], shape: &Segment, far: &Corners, other: &Segment) -> Option<Place> {
     let (from, to) = (positions(pieces, shape), positions(pieces, other));
-    // Most parts with as many triangles are told apart by three distances.
+    // Three distances distinguish most parts that are not copies but have equally many triangles.
     let (p, q) = (far.among(from), far.among(to));
     let slack = rounding(p.as_flattened()).max(rounding(q.as_flattened()));
     let distance = |points: &[[f32; 3]; 3], a: usize, b: usize| {
@@ -286,7 +286,7 @@ fn fit(from: &[[f32; 3]], to: &[[f32; 3]], turn: &[Vector; 3], slack: f64) -> Op
         let d = minus(p, &from[0]);
         turn.each_ref().map(|row| dot(&wide(row), &d))
     };
-    // Midway between the extremes of what is left, so that the largest error is least.
+    // The middle of the smallest and the largest remaining difference: it makes the largest error smallest.
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for (p, q) in from.iter().zip(to) {
         let there = turned(p);

@@ -76,8 +76,8 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A soft force of at most 1.5 N draws the tool to a place from now on, until it is told otherwise or nothing is told for 0.1 s;
-    /// `None`: nothing draws it. Contact and its force stay what they are.
+    /// Draws the tool to a place, by a soft force of at most 1.5 N, until the next call or for 0.1 s without one. `None` ends it.
+    /// Contact and its force are unchanged.
     pub fn guide(&mut self, guide: Option<Guide>) {
         self.guides.write(Told { guide });
     }

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from feeler.clashes.pictures import Pictures, View
 from feeler.io.body import LIGHT_GREY, ORANGE, STEEL_BLUE, Body, body_of
-from feeler.io.export import Motion, animated_glb
-from feeler.io.film import PAUSE_S, corners_of, moments, with_neighbours
+from feeler.io.export import animated_glb
+from feeler.io.film import Leg, corners_of, moments, motions_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.picture import Camera, bars
@@ -100,25 +100,14 @@ class Drawing:
         place = {part: number for number, part in enumerate(shown)}
         colours = np.tile(np.array(LIGHT_GREY), (len(shown), 1))
         colours[[place[part] for part in moving]] = STEEL_BLUE
-        first = {part: row.starts.get(part, motion.HOME) for row in reversed(rows) for part in row.parts}
-        times: dict[int, list[float]] = {part: [0.0] for part in moving}
-        poses: dict[int, list[Floats]] = {part: [motion.matrix(first[part])] for part in moving}
-        now = 0.0
-        for row in rows:
-            way = np.stack([motion.matrix(pose) for pose in row.poses])
-            starts = {part: motion.matrix(row.starts.get(part, motion.HOME)) for part in row.parts}
-            corners = np.concatenate([_at(start, corners_of(self._boxes[part])) for part, start in starts.items()])
-            shown_at = moments(way, np.stack([corners.min(axis=0), corners.max(axis=0)]))
-            for part, start in starts.items():
-                for moment, pose in zip(shown_at.tolist(), way, strict=True):
-                    if now + moment > times[part][-1]:
-                        times[part].append(now + moment)
-                        poses[part].append(pose @ start)
-            now += float(shown_at[-1]) + PAUSE_S
-            for part in row.parts:
-                times[part].append(now)
-                poses[part].append(poses[part][-1])
-        motions = [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in moving]
+        legs = [
+            Leg(
+                np.stack([motion.matrix(pose) for pose in row.poses]),
+                {part: motion.matrix(row.starts.get(part, motion.HOME)) for part in row.parts},
+            )
+            for row in rows
+        ]
+        motions = motions_of(legs, mockup, place)
         return animated_glb(body_of(Tool.of_parts(mockup, shown, "report"), colours=colours), motions)
 
     # ---- parts ----

@@ -7,14 +7,13 @@ import html
 import numpy as np
 
 from feeler.io.csv_table import Cell, csv_table
-from feeler.io.export import Motion, animated_glb
-from feeler.io.film import PAUSE_S, corners_of, moments, way_length, with_neighbours
+from feeler.io.export import animated_glb
+from feeler.io.film import Leg, motions_of, way_length, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import UNITS, Document, Removal
-from feeler.workbench.document.motion import Floats
 
 
 def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
@@ -58,40 +57,13 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
     shown = with_neighbours(mockup, moving, document.absent)
     body = Tool.of_parts(mockup, shown, "sequence")
     place = {part: number for number, part in enumerate(shown)}
-    times: dict[int, list[float]] = {part: [0.0] for part in moving}
-    poses: dict[int, list[Floats]] = {part: [_first(document, part)] for part in moving}
-    now = 0.0
+    legs = []
     for number, line in enumerate(document.sequence):
         progress(number / len(document.sequence), "way")
         way = np.stack([motion.matrix(each) for each in line.way])
-        way = way @ inverse(way[0])
         starts = {part: motion.matrix(dict(line.starts).get(part, motion.HOME)) for part in line.parts}
-        shown_at = moments(way, _bounds_of(mockup, starts))
-        for part, start in starts.items():
-            for moment, pose in zip(shown_at.tolist(), way, strict=True):
-                if now + moment > times[part][-1]:
-                    times[part].append(now + moment)
-                    poses[part].append(pose @ start)
-        now += float(shown_at[-1]) + PAUSE_S
-        for part in line.parts:
-            # It rests until its next motion.
-            times[part].append(now)
-            poses[part].append(poses[part][-1])
-    motions = [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in moving]
-    return animated_glb(body, motions)
-
-
-def _bounds_of(mockup: Mockup, places: dict[int, Floats]) -> Floats:
-    """The box `(2, 3)` of parts at their poses."""
-    boxes = mockup.part_bounds.reshape(-1, 2, 3)
-    corners = [corners_of(boxes[part]) @ pose[:3, :3].T + pose[:3, 3] for part, pose in places.items()]
-    all_corners = np.concatenate(corners)
-    return np.stack([all_corners.min(axis=0), all_corners.max(axis=0)])
-
-
-def _first(document: Document, part: int) -> Floats:
-    line = next(each for each in document.sequence if part in each.parts)
-    return motion.matrix(dict(line.starts).get(part, motion.HOME))
+        legs.append(Leg(way @ inverse(way[0]), starts))
+    return animated_glb(body, motions_of(legs, mockup, place))
 
 
 def _headings(unit: str) -> list[str]:
