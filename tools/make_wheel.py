@@ -25,7 +25,7 @@ from pack_wheel import pack
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "feeler/workbench/static/"
-MAX_BYTES = 4_500_000  # with symbols it is twice that
+MAX_BYTES = 4_700_000  # with symbols it is twice that
 
 # The oldest systems served: NumPy's wheels ask for the same.
 LIBC = {"gnu": "manylinux_2_28", "musl": "musllinux_1_2"}
