@@ -96,6 +96,7 @@ bench: build ## measure feeler and its peers on the same poses, into bench/recor
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 	@$(PY) bench/clash/run.py $(if $(QUICK),--quick)
 	@$(PY) bench/removal/run.py $(if $(QUICK),--quick)
+	@$(PY) bench/mechanism/run.py $(if $(QUICK),--quick)
 
 .PHONY: clash-bench
 clash-bench: build ## clash checks alone: hard pairs and times, beside ifcclash and python-fcl (QUICK=1: a minute or two)
@@ -104,6 +105,10 @@ clash-bench: build ## clash checks alone: hard pairs and times, beside ifcclash 
 .PHONY: removal-bench
 removal-bench: build ## ways out and access alone: puzzles, the engine, beside OMPL (QUICK=1: a minute)
 	@$(PY) bench/removal/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
+.PHONY: mechanism-bench
+mechanism-bench: build ## mechanisms alone: a door of the engine, what steps miss, bounds; beside python-fcl and MuJoCo (QUICK=1: a minute)
+	@$(PY) bench/mechanism/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 
 .PHONY: feel-bench
 feel-bench: build ## feel without hardware: passing, tessellation, energy, fits, the engine (QUICK=1: minutes)
@@ -213,18 +218,20 @@ test-page: $(NODE_MODULES) ## the workbench's page without a browser: node --tes
 test-browser: $(NODE_MODULES) ## the page's picture, sound and VR in a Chromium (FEELER_CHROMIUM=: another than /usr/bin/chromium)
 	@npm run test:browser --prefix viewer --silent
 
-# Two processes, by the names of the files: with `make -j2` each has a core. What is asked for by PYTEST_ARGS runs in one.
-.PHONY: test-python test-python-first test-python-second
+# Three processes, by the names of the files, for `make -j3`: much of their time is waiting. What is asked for by PYTEST_ARGS runs in one.
+SHARES := $(addprefix test-python-,first second third)
+.PHONY: test-python $(SHARES)
 ifeq ($(strip $(PYTEST_ARGS)),)
-test-python: test-python-first test-python-second ## pytest: warnings are errors, every test has a time-out
+test-python: $(SHARES) ## pytest: warnings are errors, every test has a time-out
 else
 test-python: build
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
 endif
-test-python-first: build ## of these the files a to m
-	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[a-m]*.py
-test-python-second: build ## and the files n to z
-	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider tests/test_[n-z]*.py
+FILES_first := tests/test_[a-d]*.py
+FILES_second := tests/test_[e-r]*.py
+FILES_third := tests/test_[s-z]*.py
+$(SHARES): test-python-%: build
+	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider $(FILES_$*)
 
 .PHONY: exact
 exact: build ## ten million hard pairs, thousands of scenes, a million casts, bodies, contacts and depths (PAIRS=, CASTS=, BODIES=, CONTACTS=, DEPTHS=)

@@ -7,6 +7,7 @@ import importlib.util
 import json
 import pickle
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import feeler
 from feeler import LimitError, MeshError, OptionError
 from feeler.attributes import from_bytes, terms, to_bytes
 from feeler.io import load_mockup, load_tool
+from feeler.io.body import only_faces
 from feeler.io.step_attributes import product_attributes
 
 STEP = (Path(__file__).parent.parent / "testdata" / "files" / "step_two_colours.step").read_text()
@@ -39,6 +41,25 @@ def row(*attributes: dict[str, str]) -> feeler.Mockup:
     )
 
 
+def test_written_glb_keeps_attributes(tmp_path):
+    given = [{"material": "Steel", "a.b": "1, 2"}, {"layer": HTML}, {}, {"material": "Steel"}]
+    mockup = row(*given)
+    mockup.part_colours = np.full((4, 3), 0.5)
+    feeler.io.write_glb(tmp_path / "a.glb", mockup)
+    again = load_mockup(tmp_path / "a.glb")
+    assert again.part_attributes == mockup.part_attributes == given and not again.report.source.doubts
+    assert again.parts.select("material:steel").tolist() == [0, 3]
+    document = json.loads((tmp_path / "a.glb").read_bytes()[20:].split(b"BIN\0")[0].rpartition(b"}")[0] + b"}")
+    # Others read the names; a colour that an unnamed part has, too, stays without one.
+    assert sorted(each.get("name", "") for each in document["materials"]) == ["", "Steel"]
+    body = feeler.io.body_of(mockup)
+    kept = only_faces(body, body.part_of_face == 1)
+    feeler.io.write_glb(tmp_path / "c.glb", kept)
+    assert load_mockup(tmp_path / "c.glb").part_attributes == [{"layer": HTML}]
+    with pytest.raises(MeshError, match="attributes has 1 entries but there are 4 parts"):
+        replace(body, attributes=[{}])
+
+
 # --- files -------------------------------------------------------------------------------------------------------
 
 
@@ -53,10 +74,26 @@ def test_gltf_extras_of_nodes_and_meshes_and_names_of_materials(tmp_path):
     assert mockup.part_attributes == [
         {"layer": "piping", "size": "1, 2.5, true", "sub.x.y": "0.001", **common},
         {"material": "Brass", "std": "M8"},
-        common,
+        {"extras": "text, no object", **common},
     ]
     assert mockup.parts[1].attributes == {"material": "Brass", "std": "M8"} and not mockup.report.source.doubts
+    assert "('b: material: CastIron')" in "".join(mockup.report.source.notes)
     assert load_tool(tmp_path / "a.glb").parts.select("material:brass").tolist() == [1]
+
+
+def test_attributes_of_one_name_keep_all_values_or_say_which_counts(tmp_path, monkeypatch):
+    nodes = [{"name": "a", "extras": {"a": {"b": 1}, "a.b": 2, "std": "M8"}}, {"name": "b", "translation": [2, 0, 0]}]
+    mesh = {"std": "M8", "material": "iron", "extras": {"x": None}}
+    mockup = load_mockup(instances(tmp_path / "a.glb", nodes, mesh, [{"name": "steel"}]))
+    assert mockup.part_attributes == [
+        {"a.b": "1, 2", "std": "M8", "material": "iron"},
+        {"std": "M8", "material": "iron"},
+    ]
+    notes = "".join(mockup.report.source.notes)
+    assert "a: material: steel" in notes and "b: material: steel" in notes and "M8" not in notes
+    monkeypatch.setattr("feeler.io.gltf.material_names", lambda *_: ["", "steel"])
+    bare = load_mockup(instances(tmp_path / "b.glb", nodes))
+    assert bare.part_attributes[1] == {"material": "steel"}
 
 
 def test_instances_share_one_dict(tmp_path):

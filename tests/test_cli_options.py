@@ -20,6 +20,7 @@ WRONG = ["", "x", "nan", "-1", "1e999", "\u00e9", "9" * 400, "5 parsec", "1,2", 
 NEEDED = {
     **{"path": ["--poses", "p.txt"], "swept": ["--poses", "p.txt"], "access": ["--tool", "t.stl"]},
     "verify": ["--requirements", "r.toml"],
+    "move": ["--mechanism", "m.toml"],
 }
 NO_ARGUMENT = ("demo", "feel", "view", "bench", "study")
 
@@ -43,7 +44,7 @@ OPTIONS = [(name, option) for name in commands() for option in options_of(name).
 
 
 def test_the_table_is_whole() -> None:
-    assert len(commands()) == 23 and len(OPTIONS) > 200
+    assert len(commands()) == 24 and len(OPTIONS) > 200
 
 
 def test_every_option_with_a_number_has_a_value() -> None:
@@ -107,6 +108,7 @@ FILES: list[tuple[list[str], list[str]]] = [
     (["clash", "m.glb"], ["--rules", "--previous", "--csv", "--xlsx", "--html", "--bcf", "--glb", "--save"]),
     (["clash", "m.glb"], ["--write-rules", "--fail-on", "--only", "--bcf-in"]),
     (["verify", "m.glb"], ["--requirements"]),
+    (["move", "m.glb"], ["--mechanism", "--write-mechanism"]),
     (["remove", "m.glb"], ["--part", "--hand"]),
     (["remove", "m.glb", "--part", "m/a/part"], ["--ignore", "--csv", "--way", "--glb", "--without"]),
     (["remove", "m.glb", "--part", "m/a/part", "--insert"], ["--from", "--goal"]),

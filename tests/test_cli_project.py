@@ -122,6 +122,7 @@ def test_findings_of_a_check_go_into_the_project_with_their_history(tmp_path: Pa
         found.set_status(found[0].id, "approved", by="Ada", note="as drawn")
         project.write_clashes(found)
     again = run_json("clash", path, "--clearance", "0.2")
+    assert run_json("report", path)["check"]["clearance"] == 0.2
     assert again["previous"]["by_path"] == again["previous"]["parts"]
     row = next(each for each in again["clashes"] if each["id"] == found[0].id)
     assert (row["status"], row["note"]) == ("approved", "as drawn")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import box, cube, mockup_of, open_chest
+from shapes import box, cube, inverted, joined, mockup_of, open_chest
 
 import feeler
 from feeler.io import write_glb
@@ -112,7 +112,24 @@ def test_an_order(chest: Path) -> None:
     )
     steps = found["parts"][0]["steps"]
     assert [step["parts"][0]["path"].split("/")[-1] for step in steps] == ["upper", "lid", "[1] lower"]
-    assert all(step["found"] for step in steps)
+    assert all(step["found"] for step in steps) and "stuck" not in found["parts"][0]
+
+
+def test_an_order_that_is_not_found_says_what_stops_it(tmp_path: Path) -> None:
+    """The box is stopped by the lid, the lid by the room, and the room by the chest in it, which stays."""
+    lid = box((0.0, 0.0, 0.3125), (0.5, 0.5, 0.34375))
+    hollow = inverted(box((-1.0, -1.0, -0.125), (1.5, 1.5, 1.0)))
+    room = joined(box((-1.125, -1.125, -0.25), (1.625, 1.625, 1.125)), hollow)
+    thing = cube((0.1875, 0.1875, 0.125), 0.125)
+    write_glb(tmp_path / "room.glb", mockup_of({"chest": open_chest(), "thing": thing, "lid": lid, "room": room}))
+    words = (tmp_path / "room.glb", "--part", "thing", "--order", "--keep", "chest", "--threads", 1, "--rounds", 2)
+    found = json.loads(run(*words, "--json", status=1).stdout)["parts"][0]
+    assert [each["path"] for each in found["stuck"]] == ["room/room"]
+    assert [each["path"] for each in found["blocked_by"]] == ["room/chest"] and found["blocked_by"][0]["count"] > 0
+    text = " ".join(run(*words, status=1).stdout.split())
+    assert "No order was found; that is no proof" in text
+    assert "The search ended at room/room, which does not come out" in text
+    assert re.search(r"What blocked it .* room/chest ", text)
 
 
 @pytest.mark.parametrize(

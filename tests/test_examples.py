@@ -20,6 +20,13 @@ SAYS = {
         "inside/filter is held by inside/pump\ninside/pump is held by lid\nlid is held by latch\nlatch goes out\n",
         "lid goes out\ninside/filter is held by inside/pump\ninside/pump goes out\ninside/filter goes out\n",
     ],
+    "cowl.py": [
+        "latched, the door opens by 0.5 degrees: gearbox/door/latch meets gearbox/bracket/front_rail",
+        "with the latch turned, it opens by 179.0 degrees",
+        "with the door closed it comes out: False; of the door, these are in the way: gearbox/door/panel",
+        "with the door open it comes out: True",
+        "with the filter in place the door closes to -0.2 degrees\nwith the filter taken out the door closes to -0.2",
+    ],
     "clash.py": [
         "findings among",
         "3 clash, ",

@@ -17,6 +17,7 @@ from workbench_scene import Bench, cube
 import feeler
 from feeler import clashes, haptics, io, picture, samples
 from feeler.haptics import devices
+from feeler.io.export import Motion, animated_glb
 from feeler.workbench.scripting import View
 
 SPACES = ("feeler", "feeler.haptics", "feeler.haptics.devices", "feeler.clashes", "feeler.io", "feeler.picture")
@@ -36,8 +37,11 @@ BAD: list[object] = [
 ]  # fmt: skip
 MADE_BY_FEELER = {
     feeler.Access, feeler.Batch, feeler.Blocker, feeler.Cast, feeler.Certificate, feeler.Clash, feeler.Clashes,
-    feeler.Clearance, feeler.ClearanceBatch, feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
+    feeler.Clearance, feeler.ClearanceAlong, feeler.ClearanceBatch,
+    feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
     feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
+    feeler.JointKind, feeler.MechanismClashes, feeler.MechanismClearance, feeler.MechanismContact,
+    feeler.Hold, feeler.MechanismSeat, feeler.Seen, feeler.Range,
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
@@ -51,6 +55,13 @@ MADE_BY_FEELER = {
 }  # fmt: skip
 """Classes of results: users get their objects and do not make them. Their methods are swept."""
 URDF = '<robot name="r"><link name="l"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>'
+ARM = URDF.replace(
+    "</robot>",
+    '<link name="m"><collision><geometry><box size="1 1 1"/></geometry></collision></link>'
+    '<joint name="j" type="continuous"><parent link="l"/><child link="m"/><origin xyz="3 0 0"/></joint></robot>',
+)
+
+SLIDE = feeler.Joint("slide", feeler.JointKind.PRISMATIC, None, "far")
 
 Call = tuple[Callable[..., object], dict[str, Any]]
 
@@ -81,6 +92,7 @@ class World:
         io.write_stl("mesh.stl", self.mockup)
         self.scene.save("scene.feeler")
         Path("robot.urdf").write_text(URDF)
+        Path("arm.urdf").write_text(ARM)
         Path("rules.toml").write_text("version = 1\n")
         self.clashes.save("clashes.json")
         self.project = feeler.open_project("project.feelproj", self.mockup)
@@ -88,6 +100,23 @@ class World:
         clashes.write_bcf("topics.bcf", self.clashes, self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
         haptics_record(self)
+
+    def mechanism(self) -> feeler.Mechanism:
+        """A box that slides."""
+        return feeler.Mechanism(self.mockup, [SLIDE])
+
+    def tracks(self) -> feeler.Tracks:
+        """The post, which moves up."""
+        poses = np.tile(np.eye(4), (2, 1, 1))
+        poses[1, 2, 3] = 0.1
+        Path("film.glb").write_bytes(animated_glb(self.mockup, [Motion(1, np.arange(2.0), poses)]))
+        return feeler.load_tracks("film.glb")
+
+    def saved_mechanism(self) -> feeler.Mechanism:
+        """The same, written to a file."""
+        made = self.mechanism()
+        made.save("mechanism.toml")
+        return made
 
 
 def haptics_record(world: World) -> None:
@@ -113,6 +142,15 @@ def written(function: Callable[..., object], name: str, *, has_mockup: bool = Tr
     return lambda w: (function, {"path": name, "clashes": w.clashes, **more(w)})
 
 
+def guided() -> feeler.Mockup:
+    """A bar between four walls."""
+    bar = box((0, 0, -1), (1, 1, 3))
+    walls = [box(low, high) for low, high in (((-1, 0, 0), (0, 1, 2)), ((1, 0, 0), (2, 1, 2)))]
+    walls += [box(low, high) for low, high in (((0, -1, 0), (1, 0, 2)), ((0, 1, 0), (1, 2, 2)))]
+    faces = np.concatenate([np.asarray(each[1]) + 8 * i for i, each in enumerate([bar, *walls])])
+    return feeler.Mockup(np.concatenate([each[0] for each in [bar, *walls]]), faces, np.repeat(np.arange(5), 12))
+
+
 def drawn(function: Callable[..., object], answer: str, **more: Any) -> Callable[[World], Call]:
     return lambda w: (
         function,
@@ -132,6 +170,67 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.Clashes.set_status": lambda w: (w.clashes.set_status, {"clash": w.clashes[0].id, "status": "approved"}),
     "feeler.Clashes.where": lambda w: (w.clashes.where, {}),
     "feeler.Clashes.with_rules": lambda w: (w.clashes.with_rules, {"rules": {}}),
+    "feeler.Joint": lambda w: (
+        feeler.Joint,
+        {"name": "hinge", "kind": "revolute", "parent": None, "child": "post", "axis": (0, 0, 1), "point": (0, 0, 0)},
+    ),
+    "feeler.Joint.pose": lambda w: (
+        feeler.Joint("hinge", feeler.JointKind.REVOLUTE, None, "post").pose,
+        {"values": 0.5},
+    ),
+    "feeler.JointCoupling": lambda w: (
+        feeler.JointCoupling,
+        {"joint": "rack", "of": "pinion", "ratio": 0.1, "offset": 0.0},
+    ),
+    "feeler.Mechanism": lambda w: (
+        feeler.Mechanism,
+        {"mockup": w.mockup, "joints": [SLIDE], "couplings": [], "loops": [], "scene": w.scene},
+    ),
+    "feeler.Mechanism.load": lambda w: (
+        w.saved_mechanism().load,
+        {"path": "mechanism.toml", "mockup": w.mockup, "scene": w.scene},
+    ),
+    "feeler.Mechanism.from_urdf": lambda w: (
+        feeler.Mechanism.from_urdf,
+        {
+            "path": "arm.urdf",
+            "geometry": "collision",
+            "package_dirs": [],
+            "chord_tolerance": 1e-4,
+            "around": w.mockup,
+            "world_from_base": w.pose,
+        },
+    ),
+    "feeler.Mechanism.save": lambda w: (w.mechanism().save, {"path": "mechanism.toml"}),
+    "feeler.Mechanism.limits": lambda w: (w.mechanism().limits, {"name": "slide"}),
+    "feeler.Mechanism.position": lambda w: (w.mechanism().position, {"values": {"slide": 0.1}, "start": None}),
+    "feeler.Mechanism.poses": lambda w: (w.mechanism().poses, {"values": {"slide": 0.1}, "start": None}),
+    "feeler.Mechanism.chain": lambda w: (
+        w.mechanism().chain,
+        {"joint": "slide", "start": {"slide": 0.1}, "end": {"slide": 0.2}},
+    ),
+    "feeler.Mechanism.scene": lambda w: (w.mechanism().scene, {"values": {"slide": 0.1}, "start": None}),
+    "feeler.Mechanism.range": lambda w: (w.mechanism().range, {"joint": "slide", "at": {"slide": 0.1}}),
+    "feeler.Mechanism.clearance": lambda w: (
+        w.mechanism().clearance,
+        {"values": {"slide": (0.0, 0.1)}, "error": 0.01, "most": 10},
+    ),
+    "feeler.Mechanism.clash": lambda w: (w.mechanism().clash, {"values": {"slide": (0.0, 0.1)}}),
+    "feeler.Tracks.poses": lambda w: (w.tracks().poses, {"time": 0.5}),
+    "feeler.Tracks.scene": lambda w: (w.tracks().scene, {"time": 0.5}),
+    "feeler.Tracks.chain": lambda w: (w.tracks().chain, {"parts": "*post", "error": 0.1}),
+    "feeler.Tracks.clearance": lambda w: (
+        w.tracks().clearance,
+        {"error": 0.01, "start": 0.0, "end": 1.0, "ignore_touching": True},
+    ),
+    "feeler.Tracks.clash": lambda w: (
+        w.tracks().clash,
+        {"error": 0.01, "start": 0.0, "end": 1.0, "ignore_touching": True},
+    ),
+    "feeler.load_tracks": lambda w: (
+        feeler.load_tracks,
+        {"path": "film.glb" if w.tracks() else "", "animation": None, "up": None, "progress": None},
+    ),
     "feeler.Fasteners": lambda w: (feeler.Fasteners, {"rows": [w.fastener]}),
     "feeler.Fasteners.where": lambda w: (feeler.Fasteners([w.fastener]).where, {"pattern": "*"}),
     "feeler.IgnoredPairs": lambda w: (feeler.IgnoredPairs, {"tool": w.tool, "mockup": w.mockup, "pairs": [(0, 0)]}),
@@ -143,6 +242,10 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.Scene": lambda w: (feeler.Scene, {"mockup": w.mockup}),
     "feeler.Scene.cast": lambda w: (w.scene.cast, {"tool": w.tool, "start": w.away, "end": w.pose}),
     "feeler.Scene.check_path": batch("check_path"),
+    "feeler.Scene.clearance_along": lambda w: (
+        w.scene.clearance_along,
+        {"tool": w.tool, "pose": w.away, "way": w.pose, "error": 1e-3},
+    ),
     "feeler.Scene.clearance": query("clearance"),
     "feeler.Scene.clearance_batch": batch("clearance_batch"),
     "feeler.Scene.collide": query("collide"),
@@ -159,7 +262,13 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.Scene.penetration": query("penetration"),
     "feeler.Scene.rays": lambda w: (w.scene.rays, {"origins": [[0, 0, 9.0]], "directions": [[0, 0, -1.0]]}),
     "feeler.Scene.section": lambda w: (w.scene.section, {"point": [0.5, 0.5, 0.05], "normal": [0, 0, 1.0]}),
+    "feeler.Scene.moved": lambda w: (w.scene.moved, {"poses": {}}),
     "feeler.Scene.without": lambda w: (w.scene.without, {"parts": "far"}),
+    "feeler.Slide": lambda w: (feeler.Slide, {"way": [0, 0, 1]}),
+    "feeler.Slide.at": lambda w: (feeler.Slide([0, 0, 1]).at, {"pose": w.pose}),
+    "feeler.Chain": lambda w: (feeler.Chain, {"joints": [feeler.Slide([0, 0, 1])]}),
+    "feeler.Chain.at": lambda w: (feeler.Chain([feeler.Slide([0, 0, 1])]).at, {"pose": w.pose}),
+    "feeler.Chain.relative_to": lambda w: (feeler.Chain([]).relative_to, {"other": feeler.Chain([])}),
     "feeler.Screw": lambda w: (feeler.Screw, {"axis": [0, 0, 1], "point": [0, 0, 0], "angle": 1.0}),
     "feeler.Screw.at": lambda w: (feeler.Screw([0, 0, 1], [0, 0, 0], 1.0).at, {"pose": w.pose}),
     "feeler.Tool": lambda w: (feeler.Tool, {"vertices": w.tool.vertices, "faces": w.tool.faces}),
@@ -174,6 +283,14 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.clash": lambda w: (feeler.clash, {"mockup": w.mockup}),
     "feeler.clash_variants": lambda w: (feeler.clash_variants, {"variants": [w.mockup]}),
     "feeler.find_fasteners": lambda w: (feeler.find_fasteners, {"mockup": w.mockup}),
+    "feeler.sight": lambda w: (feeler.sight, {"scene": w.scene, "targets": [0], "eyes": [[5.0, 5.0, 5.0]]}),
+    "feeler.eyes_in": lambda w: (feeler.eyes_in, {"lower": [0, 0, 0], "upper": [1, 1, 1]}),
+    "feeler.Sight": lambda w: (feeler.Sight, {"rows": []}),
+    "feeler.holds": lambda w: (feeler.holds, {"mockup": w.mockup}),
+    "feeler.Holds": lambda w: (feeler.Holds, {"rows": []}),
+    "feeler.Holds.of": lambda w: (feeler.Holds([]).of, {"fastener": 0}),
+    "feeler.Holds.holding": lambda w: (feeler.Holds([]).holding, {"part": 0}),
+    "feeler.find_joint": lambda w: (feeler.find_joint, {"mockup": guided(), "child": 0, "parent": [1, 2, 3, 4]}),
     "feeler.from_open3d": lambda w: (feeler.from_open3d, {"mesh": None}),
     "feeler.from_pyvista": lambda w: (feeler.from_pyvista, {"mesh": None}),
     "feeler.from_trimesh": lambda w: (feeler.from_trimesh, {"mesh": w.mockup}),
@@ -280,6 +397,7 @@ OTHERWISE = {
     "feeler.view": "opens a server: tested with the workbench",
     "feeler.haptics.devices.Own.write": "of the user's device",
     "feeler.View.command": "arguments by name",
+    "feeler.Tracks": "made by load_tracks",
 }
 """Public callables that this sweep leaves out, and why."""
 
@@ -428,8 +546,10 @@ VIEW_ARGUMENTS: dict[str, object] = {
     "question": "removal",
     "share": 0.0,
     "status": "approved",
+    "text": "[[joint]]",
     "type": "distance",
     "unit": "mm",
+    "value": 0.5,
     "watcher": print,
 }
 """An argument of each name for the commands that need it; the command itself may be impossible."""

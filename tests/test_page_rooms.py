@@ -33,7 +33,7 @@ PLANTED = {
     "the connection knows a device": (
         "link/link.ts",
         'import type { Pointer } from "../input/mouse";',
-        "link may not import input/mouse (of the page it may import: nothing)",
+        "link may not import input/mouse (of the page it may import: math)",
     ),
     "the picture knows the connection": (
         "scene/stage.ts",

@@ -686,6 +686,35 @@ def test_whole_answers_of_cards_are_kept_for_the_same_mock_up(tmp_path: Path) ->
     session.close()
 
 
+def test_answers_of_an_earlier_revision_are_stale_until_they_are_asked_again(tmp_path: Path) -> None:
+    path, there = tmp_path / "a.feelproj", revision(p1=("scale", 1.25))
+    session = opened(path)
+    way = {"parts": [PEG], "poses": [AT_HOME, at(0, 0, 1.0).ravel().tolist()], "clearance": None}
+    session.command("way_take", {"ways": [way]})
+    session.command("way_check", {"id": session.document()["sequence"][0]["id"]})
+    number = answered(session, "swept", LEFT)
+
+    def stale() -> list[bool]:
+        cards = session.document()["cards"]
+        assert [card["is_stale"] for card in cards] == [card["is_earlier"] for card in cards]
+        return [card["is_stale"] for card in cards]
+
+    assert stale() == [False, False]
+    saved(session)
+    session.close()
+    session = opened(path, there, tool=None)
+    assert stale() == [True, True], "no part of theirs changed, but what is around them"
+    session.command("accept_revision", {})
+    assert stale() == [True, True]
+    session.command("card_again", {"id": number})
+    assert stale() == [True, False]
+    saved(session)
+    session.close()
+    session = opened(path, there, tool=None)
+    assert stale() == [True, False]
+    session.close()
+
+
 def test_checks_of_ways_are_kept_with_their_lines(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     session = opened(path)

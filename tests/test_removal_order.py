@@ -67,14 +67,14 @@ def test_what_cannot_come_out_is_not_claimed_to() -> None:
 
 def test_what_stands_in_the_way_is_named() -> None:
     closed = feeler.Scene(closed_box(), threads=1)
-    order = feeler.removal_order(closed, "inner", seconds=1.0, threads=1)
+    order = feeler.removal_order(closed, "inner", rounds=4, threads=1)
     assert names(closed, order.stuck) == ["inner"] and [each.path for each in order.blocked_by] == ["outer"]
     # The thing is stopped by the lid, the lid by the room, and the room by the chest in it, which stays.
     hollow = inverted(box((-1.0, -1.0, -0.125), (1.5, 1.5, 1.0)))
     room = joined(box((-1.125, -1.125, -0.25), (1.625, 1.625, 1.125)), hollow)
     lid = box((0.0, 0.0, 0.3125), (0.5, 0.5, 0.34375))
     scene = feeler.Scene(mockup_of({**CHEST, "lid": lid, "cover": room}), threads=1)
-    order = feeler.removal_order(scene, "thing", seconds=2.0, threads=1, keep="chest")
+    order = feeler.removal_order(scene, "thing", rounds=4, threads=1, keep="chest")
     assert not order.is_found and names(scene, order.stuck) == ["cover"]
     assert [each.path for each in order.blocked_by] == ["chest"]
 

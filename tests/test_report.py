@@ -24,7 +24,7 @@ from workbench_scene import Bench
 
 import feeler
 from feeler.cli.projects import Work, keep_work
-from feeler.errors import FeelerError, LoadError
+from feeler.errors import FeelerError, LoadError, WriteError
 from feeler.io import write_glb
 from feeler.project import layout
 from feeler.project.book import open_or_make
@@ -35,6 +35,7 @@ from feeler.workbench.report.content import report_of
 from feeler.workbench.report.drawing import Drawing
 from feeler.workbench.report.source import Source, of_book
 from feeler.workbench.report.values import Media
+from feeler.workbench.session.record import digest
 from feeler.workbench.session.session import Session
 
 WHEN = datetime.datetime(2026, 1, 2, 3, 4, tzinfo=datetime.timezone.utc)
@@ -54,7 +55,7 @@ def world(there: Path) -> feeler.Mockup:
 def source_of(path: Path, of: feeler.Mockup | None = None) -> Source:
     book = open_or_make(path, read_only=True)
     try:
-        return of_book(book, of)
+        return of_book(book, of, content="" if of is None else digest(of))
     finally:
         book.close()
 
@@ -98,6 +99,61 @@ def test_a_report_has_everything_that_was_done(there: Path) -> None:
     asked = report.questions[3]
     assert step.checked == asked.sentence != "" and not asked.is_moved, "its way was checked as it is"
     assert asked.ways[0].starts == {} and report.questions[0].is_moved
+
+
+def test_the_limits_of_a_check_are_figures(there: Path) -> None:
+    check = run_json("report", there)["check"]
+    assert isinstance(check["clearance"], float)
+    assert check["contact"] == "chord" or isinstance(check["contact"], float), "no length with a unit"
+    source = source_of(there, feeler.load_mockup(there.with_name("stand.glb")))
+    findings = source.document.findings
+    assert findings is not None and findings.check is not None and check["is_moved"], "the peg was taken out since"
+    table = replace(findings.table, facts=replace(findings.table.facts, contact=0.001))
+    # Of a check on the command line: all parts were in their places.
+    document = replace(source.document, findings=replace(findings, check=None, table=table))
+    found = report_of(replace(source, document=document), WHEN).check
+    assert found is not None and found.contact == 0.001 and found.is_moved
+
+
+def test_a_full_disk_leaves_no_half_of_the_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from feeler import atomic
+    from feeler.cli.report import _write_files
+
+    real, folder = atomic.atomic_file, tmp_path / "r-files"
+
+    def full(path: Path, *endings: str) -> Any:
+        if Path(path).name == "question-2.glb":
+            raise WriteError("no room is left")
+        return real(path, *endings)
+
+    monkeypatch.setattr(atomic, "atomic_file", full)
+    files = {"question-1.glb": b"1", "question-2.glb": b"2"}
+    with pytest.raises(WriteError, match="no room"):
+        _write_files(folder, files)
+    assert not folder.exists()
+    folder.mkdir()
+    (folder / "mine.txt").write_text("kept")
+    with pytest.raises(WriteError, match="no room"):
+        _write_files(folder, files)
+    assert [each.name for each in folder.iterdir()] == ["mine.txt"]
+
+
+def test_the_workbook_has_pictures_of_findings(there: Path, tmp_path: Path) -> None:
+    out = tmp_path / "r.xlsx"
+    run("report", there, "--xlsx", out, "--pictures", "2")
+    with zipfile.ZipFile(out) as book:
+        pictures = [name for name in book.namelist() if name.startswith("xl/media/")]
+        assert len(pictures) == 2 and all(book.read(name).startswith(b"\x89PNG") for name in pictures)
+        place = book.read("xl/drawings/drawing1.xml").decode()
+        rows = sorted(
+            int(row) for row in re.findall(r"<xdr:from><xdr:col>18</xdr:col>.*?<xdr:row>(\d+)</xdr:row>", place)
+        )
+    shown = media.pictured(report_of(source_of(there, feeler.load_mockup(there.with_name("stand.glb")))).findings, 2)
+    all_rows = [row.id for row in report_of(source_of(there)).findings]
+    assert rows == sorted(1 + all_rows.index(row.id) for row in shown), "beside their findings"
+    plain = xlsx_bytes(report_of(source_of(there)))
+    with zipfile.ZipFile(io.BytesIO(plain)) as book:
+        assert not any("media" in name for name in book.namelist())
 
 
 def test_pictures_and_films(there: Path, tmp_path: Path) -> None:
@@ -190,6 +246,8 @@ def test_a_newer_revision_makes_results_out_of_date(there: Path, tmp_path: Path)
     rows = {row.name: row.stale for row in report.requirements}
     assert rows["clear drawn so"] == "block changed" and rows["far"] == "" == rows["later"]
     assert all(("block changed" in row.stale) == ("stand/stand/block" in (row.a, row.b)) for row in report.findings)
+    assert report.questions and all(row.stale and not row.is_moved for row in report.questions)
+    assert not any(step.checked for step in report.steps), "of the mock-up before"
     page = as_html.html_page(report, Media()).decode()
     assert "The mock-up has changed since" in page and page.count("Out of date: block changed.") >= 2
 

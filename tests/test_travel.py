@@ -23,6 +23,7 @@ import pytest
 import feeler
 from feeler import _core, haptics, travel
 from feeler.errors import FeelerError, LoadError
+from feeler.io.export import Motion, animated_glb
 from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
 
@@ -37,6 +38,7 @@ STAY = {
     "Predictor",
     "PiecePredictor",
     "MoveAnswer",
+    "MovedMockup",
     "RemovalAnswer",
     "HapticsDevice",
     "HapticsRun",
@@ -96,6 +98,14 @@ def pose(x: float, y: float = 0.3, z: float = 0.95) -> np.ndarray:
 POSES = np.array([pose(0.2), pose(1.1), pose(5.0), pose(1.5)])
 
 
+def tracks(mock: feeler.Mockup) -> feeler.Tracks:
+    """A cube that moves."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.glb"
+        path.write_bytes(animated_glb(mock, [Motion(0, np.arange(2.0), np.array([pose(0.0), pose(1.0)]))]))
+        return feeler.load_tracks(path)
+
+
 def clashes() -> feeler.Clashes:
     """One finding, which somebody approved."""
     path = Path(__file__).parent.parent / "testdata" / "clash" / "found.json"
@@ -120,6 +130,10 @@ def reached() -> dict[str, list[Any]]:
     return {
         "Fasteners": [found, found[:0]],
         "Fastener": list(found),
+        "Holds": [feeler.holds(mock, found), feeler.Holds([])],
+        "Sight": [feeler.sight(feeler.Scene(mock), found, [[0.0, 0.0, 1.0]])],
+        "Seen": list(feeler.sight(feeler.Scene(mock), found, [[0.0, 0.0, 1.0]])),
+        "Hold": list(feeler.holds(mock, found)),
         "Access": [reach],
         "Reach": list(reach),
         "Blocker": list(reach.blockers),
@@ -161,6 +175,7 @@ def samples() -> dict[str, list[Any]]:
     mock = mockup()
     tool = feeler.Tool(*box((0, 0, 0), 0.25), "probe")
     scene = feeler.Scene(mock, voxel_size=0.1 + 0.2, storage="hashed", hashing=0.3, threads=2, simd="portable")
+    slides = feeler.Mechanism(mock, [feeler.Joint("j", feeler.JointKind.PRISMATIC, None, 0)])
     many = feeler.Mockup(*box((0, 0, 0), 1.0), np.full(12, 69_999), ["bolt"] * 70_000)
     tracker = feeler.ContactTracker(scene, tool)
     tracker.contacts(pose(0.2, z=3.0))
@@ -180,6 +195,16 @@ def samples() -> dict[str, list[Any]]:
         "View": [view],
         "Requirement": [feeler.Requirement("one", "post*", ["a", "b"], 0.1)],
         "Verified": feeler.verify(scene, [feeler.Requirement("one", "*", "*", 0.1)]),
+        "Joint": [feeler.Joint("hinge", feeler.JointKind.REVOLUTE, None, ("door", 2), limits=(0, 1), because="so")],
+        "JointCoupling": [feeler.JointCoupling("rack", "pinion", 0.1)],
+        "Mechanism": [slides],
+        "Tracks": [tracks(mock)],
+        "MechanismClashes": [slides.clash({"j": (0.0, 9.0)})],
+        "MechanismClearance": [slides.clearance({"j": (0.0, 0.1)}, error=0.1)],
+        "MechanismContact": [feeler.MechanismContact(0.1, 0, 1, "a", "b", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))],
+        "MechanismSeat": [feeler.MechanismSeat(0, 1, "a", "b")],
+        "Range": [slides.range("j")],
+        "JointKind": [feeler.JointKind.SCREW],
         "PartChanges": [feeler.PartChanges(changed=("a",), renamed={"b": "c"})],
         "Granted": [granted],
         "Trace": [trace],
@@ -212,6 +237,9 @@ def samples() -> dict[str, list[Any]]:
         "DistanceBatch": [scene.distance_batch(tool, POSES, 1.0)],
         "Clearance": [scene.clearance(tool, p, 0.5, triangles=True) for p in POSES],
         "ClearanceBatch": [scene.clearance_batch(tool, POSES, 0.5)],
+        "ClearanceAlong": [scene.clearance_along(tool, path[0], path[1], 1e-3)],
+        "Chain": [feeler.Chain([feeler.Screw((0, 0, 1), (1, 2, 3), 0.5), feeler.Slide((1, 2, 0))])],
+        "Slide": [feeler.Slide((1, 2, 0.5))],
         "Cast": [scene.cast(tool, path[0], path[1])],
         "PathCheck": [scene.check_path(tool, path), scene.check_path(tool, path[2:])],
         "Contacts": contacts,
@@ -303,6 +331,16 @@ def staying(name: str) -> Any:
         guarded = _core.GuardedMove(world, tool, pose(5.0))
         made = {"World": world, "GuardedMove": guarded, "MoveAnswer": guarded.go(pose(5.0), pose(4.0), 1e-6, 1e-6)}
         return made[name]
+    if name == "MovedMockup":
+        held = []
+        whole = feeler.Scene(mock)
+
+        def keep(core: Any) -> feeler.Mockup:
+            held.append(core)
+            return mock._with_moved(core)
+
+        _core.Scene._selected_moved(whole, [0] * mock.part_count, pose(5.0)[None], keep)
+        return held[0]
     if name == "Impact":
         return _core.Impact(0.5, np.zeros(3), np.ones(3), 0)
     device = haptics.devices.Simulated()

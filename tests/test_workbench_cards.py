@@ -78,6 +78,19 @@ def chest() -> feeler.Mockup:
 WALLS, BLOCK, LID, POST = range(4)
 
 
+def test_names_with_a_slash_are_whole_in_sentences() -> None:
+    given = chest()
+    names = ["hall 1/2", "block", "in/out", "post"]
+    mockup = feeler.Mockup(
+        given.vertices, given.faces, given.part_of_face, names, part_paths=["hall 1_2", "block", "in_out", "post"]
+    )
+    card, _ = asked(Bench(mockup=mockup), "removal", parts=LID)
+    assert card.sentence.startswith("in/out comes out: ") and "nearest about 1 mm to hall 1/2" in card.sentence
+    paths = feeler.Mockup(given.vertices, given.faces, given.part_of_face, [f"chest/{name}" for name in names])
+    assert answering.shown(paths, [WALLS, BLOCK]) == ["2", "block"], "of a path, its last step"
+    assert answering.shown(mockup, [WALLS, LID]) == ["hall 1/2", "in/out"]
+
+
 def test_a_way_out_is_told_shown_and_true() -> None:
     bench = Bench(mockup=chest())
     card, answer = asked(bench, "removal", parts=LID)

@@ -300,6 +300,21 @@ PARTS = st.one_of(st.integers(0, 4), st.sampled_from(PATHS), st.lists(st.integer
 POSES = st.tuples(*[st.floats(-0.6, 0.6)] * 3, st.floats(0, 3)).map(lambda each: at(*each).ravel().tolist())
 GIVEN = {"clashes": [{"id": "1", "a": PATHS[0], "b": PATHS[1], "depth": 0.01}]}
 VERSION = findings_of(GIVEN, stand().parts).table.key
+MECHANISM = """
+[[joint]]
+name = "cube"
+kind = "prismatic"
+child = "stand/peg"
+axis = [0, 0, 1]
+point_m = [0, 0, 0]
+
+[[joint]]
+name = "small"
+kind = "prismatic"
+child = "sheet"
+axis = [1, 0, 0]
+limits_m = [-0.1, 0.2]
+"""
 ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "parts": PARTS,
     "is_on": st.booleans(),
@@ -341,6 +356,8 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "contact": st.sampled_from([0.0, 0.001, "chord"]),
     "rules": st.sampled_from(["", '[[exclude]]\nname = "one"\na = "*peg"\n', "not toml"]),
     "findings": st.just(GIVEN),
+    "text": st.sampled_from([MECHANISM, MECHANISM.replace("prismatic", "revolute"), "not toml", "[[joint]]"]),
+    "value": st.floats(-0.3, 0.3),
 }
 # Undo leaves cards as they are.
 STEPS = st.sampled_from(sorted(name for name, command in COMMANDS.items() if not command.is_of_cards)).flatmap(

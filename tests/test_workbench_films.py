@@ -34,11 +34,10 @@ def test_lines_are_ways_from_where_they_began_to_where_the_parts_lie() -> None:
         np.testing.assert_allclose(end.ravel(), bench.document["moved"][str(part)], atol=1e-12)
         np.testing.assert_allclose(np.array(way["poses"][0]).reshape(4, 4), np.eye(4), atol=1e-12)
     assert ways[0]["length"] == pytest.approx(0.2, abs=1e-3)
-    # The peg leaves the plate, with which it is in contact at the start: from then on that is its neighbour.
+    # The plate, on which the peg stands at the start, is not its neighbour: as in `feeler.removal`.
     first, *rest = ways[0]["gaps"]
     assert first["gap"] is None and rest[-1]["share"] == 1.0
-    near = [gap for gap in rest if gap["gap"] is not None]
-    assert near[0]["part"] == 0 and near[0]["gap"] == pytest.approx(near[0]["share"] * 0.2, abs=1e-3)
+    assert all(gap["part"] != 0 for gap in rest)
     # Then it lies above the plate, farther than gaps are looked for.
     assert all(gap["gap"] is None for gap in ways[2]["gaps"])
     bench.session.close()

@@ -359,3 +359,66 @@ def test_after_a_file_that_failed_at_the_start_another_is_opened(tmp_path: Path)
         assert session.document()["failed"]
         document = loaded(session, session.openings, {"good.stl": cube(100.0)})
         assert document["failed"] is None and document["mockup"]["parts"] == 1 and not opening.is_failed
+
+
+def test_others_are_told_who_opens_what(tmp_path: Path, opened: Opened) -> None:
+    told: list[str] = []
+    openings = Openings(FileLimits(bytes=1000, files=3, job_bytes=10), tmp_path, told.append)
+    openings.offer(opened)
+    openings.request(OpenMockup(1, send(openings, a_stl=b"solid"), None, None))
+    wait(opened, openings)
+    assert told == [], "nobody else is there"
+    openings.request(OpenMockup(2, send(openings, b_stl=b"solid", c_ply=b"ply"), None, None), "Ann")
+    wait(opened, openings)
+    openings.request(OpenMockup(3, None, None, "in"), "Guest 2")
+    wait(opened, openings)
+    openings.request(OpenMockup(4, None, "gearbox", None), "Ann")
+    wait(opened, openings)
+    with pytest.raises(WorkbenchError):
+        openings.request(OpenMockup(5, None, "../etc", None), "Ann")
+    openings.close()
+    assert told == [
+        "Ann opens b.stl and 1 more",
+        "Guest 2 loads the mock-up again, unit in",
+        "Ann opens the sample gearbox",
+    ]
+
+
+def test_the_notice_of_an_opening_reaches_the_pages_of_a_session() -> None:
+    session = Session()
+    try:
+        session.openings.offer(lambda _wanted: False)
+        events: list[dict[str, Any]] = []
+        session.subscribe(events.append)
+        session.openings.request(OpenMockup(1, None, "gearbox", None), "Ann")
+        texts = [(each["level"], each["text"]) for each in events if each["type"] == "notice"]
+        assert texts == [("info", "Ann opens the sample gearbox")]
+    finally:
+        session.close()
+
+
+def test_the_server_says_whose_page_opens() -> None:
+    session = FakeSession()
+    with Server(session, files=PAGE_FILES) as server, Page(server.url) as page:
+        page.next(protocol.Welcome)
+        page.send(OpenMockup(1, None, "gearbox", None))
+        page.next(protocol.Answer)
+        with Page(server.url) as other:
+            other.next(protocol.Welcome)
+            other.send(protocol.Named("Ann"))
+            other.send(OpenMockup(2, None, "gearbox", None))
+            other.next(protocol.Answer)
+    assert session.openings.by == [None, "Ann"]
+
+
+def test_a_ping_is_answered_while_everything_waits() -> None:
+    session = FakeSession()
+    session.openings.go_on.clear()
+    try:
+        with Server(session, files=PAGE_FILES) as server, Page(server.url) as page:
+            page.next(protocol.Welcome)
+            page.send(OpenMockup(1, None, "gearbox", None))
+            page.send(protocol.Ping(7))
+            assert page.next(protocol.Answer) == protocol.Answer(7, {})
+    finally:
+        session.openings.go_on.set()

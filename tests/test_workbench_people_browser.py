@@ -83,7 +83,7 @@ def test_two_people_see_each_other_and_take_the_tool_by_turns(
         # Ann moves the tool; Ben cannot, and asks for it.
         reached = move(ann, 0.0, 0.0, 0.4)
         wait(ben, "() => window.feeler.people.turn.person === window.feeler.people.people[0].id")
-        assert "somebody else has the tool" in ben.evaluate(
+        assert "Ann has the tool" in ben.evaluate(
             "() => window.feeler.moveTo(window.feeler.pose).then(() => '', error => error.message)"
         )
         ben.locator("#picture").focus()

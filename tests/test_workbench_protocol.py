@@ -132,13 +132,16 @@ DOCUMENT: protocol.DocumentFields = {
                 "title": "Can pump come out?",
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
-            **{"is_good": None, "is_stale": False, "line": None},
+            **{"is_good": None, "is_stale": False, "line": None, "is_earlier": False},
         }
     ],
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},
     "requirements": [{"id": 3, "name": "pipes", "a": "*", "b": "*", "gap": 0.01, "verdict": None}],
     "material": "steel",
     "doubts": ["mock-up: 743 m long"],
+    "mechanism": None,
+    "joint_ranges": [],
+    "on_joint": None,
 }
 OPENS: openings.Opens = {
     "formats": [".stl"],
@@ -149,6 +152,7 @@ OPENS: openings.Opens = {
 }
 CAMERA: protocol.Camera = {"position": (0, 0, 1), "target": (0, 0, 0), "up": (0, 1, 0), "fov_rad": 0.8}
 TEXT_FROM_SERVER = [
+    protocol.Joints([[1.0] + [0.0] * 15], {"hinge": 0.5}),
     protocol.Welcome(1, "s", DOCUMENT, 5, False, True, None, {"feeler": "0.1.0"}, OPENS),
     protocol.Patch(6, {"hidden": [1, 2], "explode": 0.25}, "hide", 3, 0),
     protocol.Impact(7, 3, 0.25, 0.125, (1.0, 2.0, 3.0), None, 4.5),
@@ -181,6 +185,7 @@ TEXT_FROM_PAGE = [
     protocol.Ask(2, "ray", {"origin": [0, 0, 0]}),
     protocol.Job(3, "outline", {}),
     protocol.Cancel(3),
+    protocol.Ping(5),
     protocol.Shot(4, "view", "aGVsbG8=", False),
     protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
     openings.SendFiles(6, "open", [{"name": "a <b>.stl", "bytes": 84}]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import feeler
 from feeler.errors import LoadError, MissingFileError, WorkbenchError
 from feeler.io import write_glb, write_stl
 from feeler.workbench.session import player
+from feeler.workbench.session import record as recording
 from feeler.workbench.session.jobs import JobCancelledError
 from feeler.workbench.session.player import Player
 from feeler.workbench.session.record import document_digest, read_record
@@ -56,6 +58,32 @@ def test_a_replay_is_the_same_to_the_last_triangle(tmp_path: Path, mode: str) ->
     assert found and found.parted is None
     assert found.commands == 10 and found.ticks > 100 and found.hits > 0
     assert {PLATE, RIGHT} <= set(found.touched)
+
+
+def test_a_record_of_a_version_whose_viewpoints_had_no_cuts_is_replayed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    camera = {"position": [2.0, 0.0, 0.0], "target": [0.0, 0.0, 0.0], "up": [0.0, 0.0, 1.0], "fov_rad": 0.8}
+
+    def made(path: Path) -> Bench:
+        bench = Bench(cube(), record=path)
+        bench.command("viewpoint_add", camera=camera)
+        bench.command("hide", parts=[LEFT])
+        bench.session.close()
+        return bench
+
+    now = partial(document_digest)
+    with monkeypatch.context() as patch:
+        patch.setattr(recording, "document_digest", lambda document: now(document, has_viewpoint_cuts=False))
+        bench = made(tmp_path / "old.jsonl")
+    made(tmp_path / "new.jsonl")
+    old, new = read_record(tmp_path / "old.jsonl"), read_record(tmp_path / "new.jsonl")
+    assert old.entries[-1]["document"] != new.entries[-1]["document"]
+    for each in (old, new):
+        assert replay(each, bench.mockup, feeler.Scene(bench.mockup), cube()).parted is None
+    old.entries[-1]["document"] = "0" * 64
+    parted = replay(old, bench.mockup, feeler.Scene(bench.mockup), cube()).parted
+    assert parted is not None and "the document is another" in parted.what
 
 
 def test_a_record_has_when_the_hand_was_let_go(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ import feeler
 from feeler.errors import LoadError, MeshError, OptionError, WorkbenchError
 from feeler.io import write_glb
 from feeler.workbench.document.finding_table import FindingTable
-from feeler.workbench.engine import measuring
+from feeler.workbench.engine import hand, measuring
 from feeler.workbench.engine.engine import Engine
 from feeler.workbench.session.events import MOST_KEPT
 from feeler.workbench.session.jobs import JobCancelledError, Jobs
@@ -48,6 +48,22 @@ def test_before_a_mockup_is_open_it_says_how_far_it_is() -> None:
                 ask()
     with pytest.raises(OptionError, match="do you mean mm"):
         Session(unit="mmm", has_threads=False)
+
+
+def test_a_mockup_with_a_sample_tool_opens_without_making_sample_tools(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrench, mockup = feeler.sample_tool("wrench"), stand()
+
+    def not_now(*_: object, **__: object) -> feeler.Tool:
+        raise AssertionError("the first picture waits for seconds while the fine tool is made")
+
+    monkeypatch.setattr(hand, "sample_tool", not_now)
+    with Session(has_threads=False) as session:
+        session.open(mockup, feeler.Scene(mockup), wrench)
+        assert session.manifest()["triangles"] == mockup.triangle_count
+    monkeypatch.undo()
+    own = feeler.Tool(wrench.vertices * 1.01, wrench.faces, "wrench")
+    for tools, is_built_in in ({}, True), ({"wrench": wrench}, True), ({"wrench": own}, False):
+        assert ("wrench" in hand.Hands(feeler.Scene(mockup), tools).built_in()) == is_built_in
 
 
 def test_a_mockup_is_called_as_its_file_or_as_what_all_its_parts_lie_in(tmp_path: Path) -> None:

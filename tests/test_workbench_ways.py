@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from pathlib import Path
 from typing import Any
 
@@ -68,10 +70,17 @@ def test_a_way_through_something_is_refused_where_it_is() -> None:
     assert np.array(blocker["pose"]).reshape(4, 4)[1, 3] == pytest.approx(-0.021, abs=1e-5)
     # Without the lid it holds; the way is asked of the mock-up as the line has it.
     taken_out(bench, LID, (0.0, 0.0, 0.3))
-    assert told(bench, "way_check", line)[0].is_good is False
+    assert told(bench, "way_check", line)[0].is_good is False and exported(bench) == ["does not hold", "not checked"]
     bench.command("sequence_move", id=line, index=1)
-    assert stale(bench) == [True]
-    assert told(bench, "way_check", line)[0].is_good
+    assert stale(bench) == [True] and exported(bench) == ["not checked", "not checked"], "it is of before"
+    assert told(bench, "way_check", line)[0].is_good and exported(bench) == ["not checked", "holds"]
+
+
+def exported(bench: Bench) -> list[str]:
+    """What the exported sequence says of checks, by line."""
+    bench.session.job("export_csv", {}).result(60.0)
+    text = bench.session.export("sequence.csv").decode("utf-8-sig")
+    return [line["checked"] for line in csv.DictReader(io.StringIO(text))]
 
 
 def test_between_the_poses_it_is_checked_as_well() -> None:
@@ -384,3 +393,13 @@ def test_a_record_of_a_guided_hand_is_replayed_without_the_guide(tmp_path: Path)
     assert again and again.parted is None and again.ticks > 2
     moves = np.array(line["way"]).reshape(-1, 4, 4)
     assert np.ptp(moves[:, 0, 3]) < 1e-9, "it went along the way"
+
+
+def test_a_guide_goes_with_its_card() -> None:
+    bench = Bench(mockup=chest())
+    card = answered(bench, bench.command("ask", question="removal", parts=[LID])["id"])
+    bench.command("grip", parts=LID)
+    bench.command("guide", card=card.id)
+    assert bench.document["guiding"]["card"] == card.id
+    bench.command("card_remove", id=card.id)
+    assert bench.document["guiding"] is None

@@ -50,15 +50,17 @@ class FakeOpenings:
 
     def __init__(self) -> None:
         self.came: list[Any] = []
+        self.by: list[str | None] = []
         self.go_on = threading.Event()
         self.go_on.set()
 
     def facts(self) -> Opens | None:
         return None
 
-    def request(self, message: Any) -> dict[str, Any]:
+    def request(self, message: Any, by: str | None = None) -> dict[str, Any]:
         assert self.go_on.wait(WAIT_S)
         self.came.append(message)
+        self.by.append(by)
         return {}
 
 

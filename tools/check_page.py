@@ -20,7 +20,7 @@ from rust_modules import Arrows, circles, shortest_circle
 # What each room may import from the others: a whole room, or one file of it.
 ROOMS: dict[str, set[str]] = {
     # The connection: messages, their frames and order, the geometry on its way, or the file that is there instead.
-    "link": set(),
+    "link": {"math"},
     # Vectors, poses, lengths as people type them.
     "math": {"link/protocol"},
     # The picture.

@@ -41,8 +41,17 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
     "scenes": (
         "Scenes and queries",
         [
-            *("Scene", "open_scene", "optimal_voxel_size", "nearest_rigid", "Screw"),
-            *("Collision", "PairKind", "Batch", "Distance", "DistanceBatch", "Clearance", "ClearanceBatch"),
+            *("Scene", "open_scene", "optimal_voxel_size", "nearest_rigid", "Screw", "Slide", "Chain"),
+            *(
+                "Collision",
+                "PairKind",
+                "Batch",
+                "Distance",
+                "DistanceBatch",
+                "Clearance",
+                "ClearanceBatch",
+                "ClearanceAlong",
+            ),
             *("Cast", "PathCheck", "Depths", "Contacts", "ContactPlane", "ContactTracker", "Penetration"),
             *("Containment", "IgnoredPairs", "Rays", "SectionOutline"),
         ],
@@ -70,6 +79,14 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("verify", "Verified", "Requirement", "read_requirements"),
         ],
     ),
+    "mechanisms": (
+        "Mechanisms",
+        [
+            *("Mechanism", "Joint", "JointKind", "JointCoupling", "Range", "MechanismClearance"),
+            *("MechanismClashes", "MechanismContact", "MechanismSeat", "MechanismError", "find_joint", "JointError"),
+            *("load_tracks", "Tracks"),
+        ],
+    ),
     "removal": (
         "Removal and access",
         [
@@ -79,6 +96,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("RemovalInterrupted", "RemovalOrderInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
         ],
     ),
+    "task": ("Maintenance tasks", ["holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"]),
     "haptics": (
         "Haptics",
         [

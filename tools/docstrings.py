@@ -18,7 +18,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-STUBS = [ROOT / "python" / "feeler" / name for name in ("_core.pyi", "_core_bodies.pyi", "_core_results.pyi")]
+STUBS = [
+    ROOT / "python" / "feeler" / name
+    for name in ("_core.pyi", "_core_bodies.pyi", "_core_motion.pyi", "_core_results.pyi")
+]
 RUST = ROOT / "crates" / "feeler-py" / "src"
 
 ITEM = re.compile(r"^(?:pub(?:\(crate\))? )?(fn|struct) (?:r#)?(\w+)")

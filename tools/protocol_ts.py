@@ -40,11 +40,18 @@ ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1":
 SHARES = {
     "document/protocol": (
         *("document/protocol_values", "document/protocol_people"),
-        *("document/protocol_findings", "document/answers"),
+        *("document/protocol_findings", "document/protocol_joints", "document/answers"),
     ),
     "document/commands": tuple(
         f"document/{name}"
-        for name in ("finding_commands", "requirement_commands", "cards", "line_cards", "guide_commands")
+        for name in (
+            "finding_commands",
+            "requirement_commands",
+            "cards",
+            "line_cards",
+            "guide_commands",
+            "joint_commands",
+        )
     ),
     "session/asking": ("session/finding_jobs", "session/report_jobs", "session/requirement_jobs"),
 }

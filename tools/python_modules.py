@@ -4,9 +4,24 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Collection, Iterator
+from functools import cache
 from pathlib import Path
 
 from rust_modules import Arrows
+
+Import = ast.Import | ast.ImportFrom
+
+
+def import_nodes(path: Path) -> tuple[Import, ...]:
+    """The imports of a file, those inside functions too."""
+    state = path.stat()
+    return _import_nodes(path, state.st_mtime_ns, state.st_size)
+
+
+@cache  # the checks ask several times, and for each name of a door
+def _import_nodes(path: Path, *_: int) -> tuple[Import, ...]:
+    tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+    return tuple(node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom))
 
 
 class Sources:
@@ -17,7 +32,8 @@ class Sources:
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self._trees: dict[Path, ast.Module] = {}
+        self._nodes: dict[Path, tuple[Import, ...]] = {}
+        self._is_file = cache(Path.is_file)
 
     def files(self) -> list[Path]:
         stubs = [path for path in self.root.rglob("*.pyi") if not path.with_suffix(".py").exists()]
@@ -39,13 +55,13 @@ class Sources:
 
     def imports(self, path: Path) -> Iterator[tuple[int, Path, str]]:
         """(line, file, name) of each import in the file that leads to another one here."""
-        for node in ast.walk(self._tree(path)):
+        for node in self._imports(path):
             if isinstance(node, ast.Import):
                 for alias in node.names:
                     file = self._module(path, alias.name.split("."))
                     if file is not None:
                         yield node.lineno, file, alias.name
-            elif isinstance(node, ast.ImportFrom):
+            else:
                 for alias in node.names:
                     file = self._defining(path, node, alias.name)
                     if file is not None:
@@ -64,7 +80,7 @@ class Sources:
             return inner
         if module is None or module.stem != "__init__" or module == path:
             return module
-        for passing in ast.walk(self._tree(module)):
+        for passing in self._imports(module):
             if isinstance(passing, ast.ImportFrom):
                 for alias in passing.names:
                     if (alias.asname or alias.name) == name:
@@ -76,11 +92,11 @@ class Sources:
         for start in (self.root, path.parent):
             base = start.joinpath(*names)
             for file in (base / "__init__.py", base.with_suffix(".py"), base.with_suffix(".pyi")):
-                if file.is_file():
+                if self._is_file(file):
                     return file
         return None
 
-    def _tree(self, path: Path) -> ast.Module:
-        if path not in self._trees:
-            self._trees[path] = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
-        return self._trees[path]
+    def _imports(self, path: Path) -> tuple[Import, ...]:
+        if path not in self._nodes:
+            self._nodes[path] = import_nodes(path)
+        return self._nodes[path]

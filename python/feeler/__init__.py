@@ -13,7 +13,9 @@ if _typing.TYPE_CHECKING:
     from feeler._core import (
         Batch,
         Cast,
+        Chain,
         Clearance,
+        ClearanceAlong,
         ClearanceBatch,
         Collision,
         ContactPlane,
@@ -28,6 +30,7 @@ if _typing.TYPE_CHECKING:
         Rays,
         Screw,
         SectionOutline,
+        Slide,
     )
     from feeler.clashes import (
         Clash,
@@ -44,8 +47,10 @@ if _typing.TYPE_CHECKING:
     from feeler.errors import (
         DeviceError,
         FeelerError,
+        JointError,
         LimitError,
         LoadError,
+        MechanismError,
         MeshError,
         MissingFileError,
         OptionError,
@@ -58,6 +63,20 @@ if _typing.TYPE_CHECKING:
     from feeler.ignored import IgnoredPairs
     from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
     from feeler.io import load_mockup, load_tool
+    from feeler.mechanism import (
+        Joint,
+        JointCoupling,
+        JointKind,
+        Mechanism,
+        MechanismClashes,
+        MechanismClearance,
+        MechanismContact,
+        MechanismSeat,
+        Range,
+        Tracks,
+        load_tracks,
+    )
+    from feeler.mechanism.finding import find_joint
     from feeler.mockup import Defect, LoadReport, Mockup, Tool
     from feeler.parts import Part, Parts
     from feeler.plan.blocked import Blocker
@@ -76,6 +95,8 @@ if _typing.TYPE_CHECKING:
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
     from feeler.spreading import WorkerLost
+    from feeler.task.holding import Hold, Holds, holds
+    from feeler.task.sight import Seen, Sight, eyes_in, sight
     from feeler.workbench.scripting import View, view
 
     __version__: str
@@ -87,10 +108,12 @@ __all__ = [
     "Blocker",
     "Cast",
     "Certificate",
+    "Chain",
     "Clash",
     "ClashInterrupted",
     "Clashes",
     "Clearance",
+    "ClearanceAlong",
     "ClearanceBatch",
     "Collision",
     "ContactPlane",
@@ -105,10 +128,22 @@ __all__ = [
     "Fastener",
     "Fasteners",
     "FeelerError",
+    "Hold",
+    "Holds",
     "IgnoredPairs",
+    "Joint",
+    "JointCoupling",
+    "JointError",
+    "JointKind",
     "LimitError",
     "LoadError",
     "LoadReport",
+    "Mechanism",
+    "MechanismClashes",
+    "MechanismClearance",
+    "MechanismContact",
+    "MechanismError",
+    "MechanismSeat",
     "MeshError",
     "MissingFileError",
     "Mockup",
@@ -125,6 +160,7 @@ __all__ = [
     "PoseError",
     "Project",
     "ProjectError",
+    "Range",
     "Rays",
     "Reach",
     "Removal",
@@ -140,9 +176,13 @@ __all__ = [
     "Scene",
     "Screw",
     "SectionOutline",
+    "Seen",
     "SessionError",
+    "Sight",
+    "Slide",
     "Source",
     "Tool",
+    "Tracks",
     "VariantsError",
     "VariantsInterrupted",
     "Verdict",
@@ -154,16 +194,20 @@ __all__ = [
     "access",
     "clash",
     "clash_variants",
+    "eyes_in",
     "find_fasteners",
+    "find_joint",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",
     "from_urdf",
     "haptics",
+    "holds",
     "insertion",
     "load_clashes",
     "load_mockup",
     "load_tool",
+    "load_tracks",
     "nearest_rigid",
     "open_project",
     "open_scene",
@@ -177,6 +221,7 @@ __all__ = [
     "sample_poses",
     "sample_tool",
     "sample_truth",
+    "sight",
     "swept",
     "verify",
     "view",
@@ -188,7 +233,9 @@ _HOMES = {
     "feeler._core": (
         "Batch",
         "Cast",
+        "Chain",
         "Clearance",
+        "ClearanceAlong",
         "ClearanceBatch",
         "Collision",
         "ContactPlane",
@@ -203,6 +250,7 @@ _HOMES = {
         "Rays",
         "Screw",
         "SectionOutline",
+        "Slide",
     ),
     "feeler.clashes": (
         "Clash",
@@ -219,8 +267,10 @@ _HOMES = {
     "feeler.errors": (
         "DeviceError",
         "FeelerError",
+        "JointError",
         "LimitError",
         "LoadError",
+        "MechanismError",
         "MeshError",
         "MissingFileError",
         "OptionError",
@@ -241,6 +291,20 @@ _HOMES = {
         "load_mockup",
         "load_tool",
     ),
+    "feeler.mechanism": (
+        "JointCoupling",
+        "Joint",
+        "JointKind",
+        "Mechanism",
+        "MechanismClashes",
+        "MechanismClearance",
+        "MechanismContact",
+        "MechanismSeat",
+        "Range",
+        "Tracks",
+        "load_tracks",
+    ),
+    "feeler.mechanism.finding": ("find_joint",),
     "feeler.mockup": (
         "Defect",
         "LoadReport",
@@ -313,6 +377,17 @@ _HOMES = {
     ),
     "feeler.source": ("Source",),
     "feeler.spreading": ("WorkerLost",),
+    "feeler.task.holding": (
+        "Hold",
+        "Holds",
+        "holds",
+    ),
+    "feeler.task.sight": (
+        "Seen",
+        "Sight",
+        "eyes_in",
+        "sight",
+    ),
     "feeler.workbench.scripting": (
         "View",
         "view",

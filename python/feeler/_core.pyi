@@ -9,9 +9,18 @@ from typing_extensions import Self, disjoint_base
 
 from feeler._core_bodies import Bodies as Bodies
 from feeler._core_bodies import Shape as Shape
+from feeler._core_motion import (
+    Cast,
+    Chain,
+    ClearanceAlong,
+    Containment,
+    Impact,
+    PathCheck,
+    Screw,
+    Slide,
+)
 from feeler._core_results import (
     Batch,
-    Cast,
     ClashRows,
     Clearance,
     ClearanceBatch,
@@ -20,7 +29,6 @@ from feeler._core_results import (
     DistanceBatch,
     DistributionAnswer,
     GrantedAnswer,
-    Impact,
     MoveAnswer,
     Packed,
     PackedPiece,
@@ -28,7 +36,6 @@ from feeler._core_results import (
     RemovalAnswer,
     RunEnd,
     SavedScene,
-    Screw,
     SeatAnswer,
     SectionOutline,
     StartAnswer,
@@ -47,8 +54,10 @@ __all__ = [
     "Batch",
     "Bodies",
     "Cast",
+    "Chain",
     "ClashRows",
     "Clearance",
+    "ClearanceAlong",
     "ClearanceBatch",
     "Collision",
     "ContactPlane",
@@ -67,6 +76,7 @@ __all__ = [
     "Impact",
     "Mockup",
     "MoveAnswer",
+    "MovedMockup",
     "Packed",
     "PackedPiece",
     "PathCheck",
@@ -83,6 +93,7 @@ __all__ = [
     "SectionOutline",
     "Selected",
     "Shape",
+    "Slide",
     "StartAnswer",
     "StatisticsAnswer",
     "StepAnswer",
@@ -102,7 +113,7 @@ __all__ = [
 class Mockup:
     def __new__(
         cls,
-        vertices: npt.NDArray[np.float64] | SavedScene,
+        vertices: npt.NDArray[np.float64] | SavedScene | MovedMockup,
         faces: npt.NDArray[np.uint32] | None = None,
         part_of_face: npt.NDArray[np.uint32] | None = None,
         part_count: int = 1,
@@ -179,6 +190,10 @@ class IgnoredPairs:
     def __new__(cls, tool_parts: int, parts: int, pairs: npt.NDArray[np.uint32]) -> Self: ...
 
 @final
+class MovedMockup:
+    """The core of a mock-up that another one's parts were moved for: an argument for `Mockup`."""
+
+@final
 class Selected:
     """The core of a scene that shares another scene's index, or that of a file."""
 
@@ -229,6 +244,9 @@ class Scene:
     def _save(self, path: str, extras: list[tuple[str, bytes]], progress: _Progress | None) -> str: ...
     def _selected_without(self, parts: Sequence[int]) -> Selected: ...
     def _selected_only(self, parts: Sequence[int]) -> Selected: ...
+    def _selected_moved(
+        self, pose_of_part: Sequence[int], poses: PosesLike, mockup_of: Callable[[MovedMockup], Mockup]
+    ) -> Selected: ...
     def collide(
         self,
         tool: Tool,
@@ -289,13 +307,23 @@ class Scene:
         *,
         ignore: _Ignore = None,
     ) -> ClearanceBatch: ...
+    def clearance_along(
+        self,
+        tool: Tool,
+        pose: PoseLike,
+        way: Screw | Slide | Chain | PoseLike,
+        *,
+        within: float,
+        error: float,
+        ignore: _Ignore = None,
+    ) -> ClearanceAlong: ...
     def cast(
         self,
         tool: Tool,
         start: PoseLike,
         end: PoseLike | None = None,
         *,
-        screw: Screw | None = None,
+        screw: Screw | Slide | Chain | None = None,
         tolerance: float,
         touching: Touching,
         ignore: _Ignore = None,
@@ -304,7 +332,7 @@ class Scene:
     def check_path(
         self,
         tool: Tool,
-        poses: Sequence[PoseLike | Screw],
+        poses: Sequence[PoseLike | Screw | Slide | Chain],
         *,
         tolerance: float,
         touching: Touching,
@@ -443,29 +471,6 @@ class ContactPlane:
         """`(m,)`: triangles of the mock-up behind it, ascending."""
 
 @final
-class Containment:
-    """Bodies inside other bodies, without colliding; true if there is any."""
-
-    @property
-    def containing(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of closed parts that contain the tool, or one of its connected surfaces;
-        sorted."""
-    @property
-    def contained(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of parts with a connected surface inside the tool; sorted."""
-    @property
-    def containing_pairs(self) -> npt.NDArray[np.uint32]:
-        """`(k, 2)`: tool part inside, and the mock-up part that contains it; sorted."""
-    @property
-    def contained_pairs(self) -> npt.NDArray[np.uint32]:
-        """`(k, 2)`: tool part that contains, and the mock-up part inside it; sorted."""
-    @property
-    def unknown(self) -> npt.NDArray[np.uint32]:
-        """Parts that cannot be decided, sorted: open parts with a corner of the tool in their box and, if the tool is
-        open, parts with a corner in its box."""
-    def __bool__(self) -> bool: ...
-
-@final
 class Penetration:
     """A translation that frees the tool."""
 
@@ -519,58 +524,6 @@ class PiecePredictor:
         """The work that depends on the piece size, in arbitrary units, and the number of pieces."""
     def optimal_size(self, memory_limit: int) -> float:
         """The piece size (metres) with the least work, within three pieces a triangle and the memory for building."""
-
-@final
-class PathCheck:
-    """The first impact of a tool on each segment of a path, from one pose to the next.
-
-    Its length is the number of segments, one less than poses; a path of one pose has one segment without motion.
-    """
-
-    @property
-    def is_free(self) -> bool:
-        """Whether no segment has an impact, and the tool neither contains a part nor is inside one at the first
-        pose."""
-    @property
-    def free(self) -> bool:
-        """An older name of `is_free`."""
-    @property
-    def containment(self) -> Containment | None:
-        """Containment at the first pose; None unless `inside` was set."""
-    @property
-    def fractions(self) -> npt.NDArray[np.float64]:
-        """`(segments,)`: the first impact of each segment, as a fraction of the segment; NaN if the segment is free."""
-    @property
-    def fraction(self) -> npt.NDArray[np.float64]:
-        """An older name of `fractions`."""
-    @property
-    def segments(self) -> npt.NDArray[np.uint64]:
-        """`(k,)`: the segments with an impact, ascending. The rows of the following arrays belong to them."""
-    @property
-    def poses(self) -> npt.NDArray[np.float64]:
-        """`(k, 4, 4)`: world_from_tool at the impact."""
-    @property
-    def points(self) -> npt.NDArray[np.float64]:
-        """`(k, 3)`: as `Cast.point`."""
-    @property
-    def normals(self) -> npt.NDArray[np.float64]:
-        """`(k, 3)`: as `Cast.normal`."""
-    @property
-    def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: as `Cast.tool_triangle`."""
-    @property
-    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: as `Cast.mockup_triangle`."""
-    @property
-    def parts(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: as `Cast.part`."""
-    @property
-    def tool_parts(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: as `Cast.tool_part`."""
-    @property
-    def first(self) -> Cast | None:
-        """The impact of the first segment that has one: `segments[0]`."""
-    def __len__(self) -> int: ...
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: Estimator) -> float: ...
 def removal(
@@ -686,6 +639,15 @@ class GuardedMove:
         """Moves from a pose towards another as far as possible.
 
         `tolerance`: of the casts. `off`: the distance before an impact at which it stops. Metres.
+        """
+    def along(
+        self, tool: Tool, start: npt.ArrayLike, way: Screw | Slide | Chain | npt.ArrayLike, tolerance: float
+    ) -> tuple[MoveAnswer, float]:
+        """Moves from a pose along a screw, slide or chain, or to another pose, exactly, as far as possible; it stays
+        where it is. The pose, the impact if any, and the free fraction of the motion.
+
+        Contacts may be as deep as at the pose it was made at, wherever the motion starts. `tolerance`: of the casts,
+        metres.
         """
 
 @disjoint_base

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self
 
+from feeler._core_motion import Impact, Screw
 from feeler.choices import ProxyMode, SeatKind
 from feeler.figures import CollisionStats
 
@@ -387,70 +388,6 @@ class RemovalAnswer:
         """A proven bound on the motion of every point, metres; NaN without a proof."""
 
 @final
-class Cast:
-    """The first impact of a tool on a motion between two poses."""
-
-    @property
-    def fraction(self) -> float:
-        """The time of impact, as a fraction of the motion, 0 to 1; never late."""
-    @property
-    def pose(self) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: world_from_tool at the impact."""
-    @property
-    def point(self) -> npt.NDArray[np.float64]:
-        """`(3,)`: the point of impact on the mock-up, metres, world."""
-    @property
-    def normal(self) -> npt.NDArray[np.float64]:
-        """`(3,)`: unit normal of the contact, from mock-up to tool, world."""
-    @property
-    def distance(self) -> float:
-        """The remaining distance of the two triangles at the pose, metres: at most the tolerance; 0 if they collide."""
-    @property
-    def tool_triangle(self) -> int:
-        """The tool's triangle."""
-    @property
-    def mockup_triangle(self) -> int:
-        """The mock-up's triangle."""
-    @property
-    def part(self) -> int:
-        """Index into `mockup.parts` of the part hit."""
-    @property
-    def tool_part(self) -> int:
-        """Index into `tool.parts` of the tool's part that hits it."""
-
-@final
-class Screw:
-    """A rotation about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
-
-    `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
-    most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
-    left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or too large.
-    """
-
-    def __new__(cls, axis: npt.ArrayLike, point: npt.ArrayLike, angle: float, pitch: float | None = None) -> Screw: ...
-    @property
-    def axis(self) -> tuple[float, float, float]:
-        """Unit, world."""
-    @property
-    def point(self) -> tuple[float, float, float]:
-        """On the axis, metres, world."""
-    @property
-    def angle(self) -> float:
-        """Radians."""
-    @property
-    def pitch(self) -> float:
-        """Metres along the axis for a whole turn."""
-    @property
-    def advance(self) -> float:
-        """Metres along the axis for the whole angle."""
-    def reversed(self) -> Screw:
-        """The reverse motion."""
-    def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-
-@final
 class SeatAnswer:
     """A part of the tool and one of the mock-up in contact at the start."""
 
@@ -701,20 +638,6 @@ class GrantedAnswer:
     @property
     def limitations(self) -> list[str]:
         """Reductions of the session's coupling, a sentence each."""
-
-@final
-class Impact:
-    """An impact: the free fraction of the motion, point and unit normal `(3,)` (mock-up to tool), world; the part."""
-
-    def __new__(cls, fraction: float, point: npt.ArrayLike, normal: npt.ArrayLike, part: int) -> Self: ...
-    @property
-    def fraction(self) -> float: ...
-    @property
-    def point(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def normal(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def part(self) -> int: ...
 
 @final
 class MoveAnswer:

@@ -31,6 +31,21 @@ class OptionError(FeelerError, ValueError):
     """An option is out of its range: voxel size, hashing level, thread count, a name that does not exist."""
 
 
+class MechanismError(FeelerError, ValueError):
+    """A mechanism cannot take a position: a loop cannot close there, or has a dead point on the way."""
+
+
+class JointError(FeelerError, ValueError):
+    """Two groups of parts have no joint: they do not touch, or more is free than one joint has.
+
+    candidates: the motions that are free, each as a `feeler.Joint`.
+    """
+
+    def __init__(self, what: str, candidates: tuple[Any, ...] = ()) -> None:
+        self.candidates = candidates
+        super().__init__(what)
+
+
 class LimitError(FeelerError, MemoryError):
     """The call would need more memory, or more voxels, than allowed. Raised before anything is allocated."""
 

@@ -206,6 +206,8 @@ class Mockup(_Attributed, _core.Mockup):
 
     A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones.
     """
+    _modelled: Mockup | None = None
+    """The mock-up with all parts where they are modelled, where this one has some moved (`Scene.moved`)."""
 
     def __new__(
         cls,
@@ -250,6 +252,15 @@ class Mockup(_Attributed, _core.Mockup):
         vars(self).update(_attributes(file))
         return self
 
+    def _with_moved(self, core: _core.MovedMockup) -> Mockup:
+        """The mock-up of a core in which parts of this one are moved."""
+        moved = super().__new__(type(self), core)
+        moved.part_names, moved.part_paths, moved.source = self.part_names, self.part_paths, self.source
+        moved.part_colours = self.part_colours
+        moved._keep_attributes(self._part_attributes)
+        moved._modelled = self
+        return moved
+
     @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
@@ -278,7 +289,7 @@ class Mockup(_Attributed, _core.Mockup):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its arrays, or the path and hash of the saved scene that they are in, and all attributes."""
-        attributes = {name: value for name, value in self.__dict__.items() if name != "_saved"}
+        attributes = {name: value for name, value in self.__dict__.items() if name not in ("_saved", "_modelled")}
         file = self._saved
         if file is not None and file.is_there:
             own = {**_attributes(file), "parts": attributes.get("parts")}

@@ -6,7 +6,7 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from functools import partial
@@ -19,7 +19,9 @@ from feeler import _core, saved
 from feeler._core import (
     Batch,
     Cast,
+    Chain,
     Clearance,
+    ClearanceAlong,
     ClearanceBatch,
     Contacts,
     Distance,
@@ -29,6 +31,7 @@ from feeler._core import (
     Rays,
     Screw,
     SectionOutline,
+    Slide,
 )
 from feeler.arguments import (
     check_flag,
@@ -52,7 +55,7 @@ from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.memory import free_memory
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
-from feeler.poses import PoseLike, PosesLike
+from feeler.poses import PoseLike, PosesLike, one_pose
 from feeler.progress import Progress
 from feeler.renamed import keywords
 from feeler.travel import reduced
@@ -184,6 +187,46 @@ class Scene(_core.Scene):
     def only(self, parts: PartsLike) -> Scene:
         """The scene with only these parts, except those already removed; the opposite of `without`."""
         return self._made_of(super()._selected_only(self.mockup.parts.select(parts).tolist()))
+
+    def moved(self, poses: Mapping[Any, PoseLike]) -> Scene:
+        """The scene with parts at other places: `{"cowl/*": pose}`, each pose `(4, 4)`.
+
+        Keys name parts as `Parts.select` takes them: an index, a path or pattern, a tuple of these. A pose counts from
+        where the parts are modelled, in the world; also in a scene that has parts moved. Parts without a pose are where
+        they are modelled. Parts that are not in the scene stay out.
+
+        The new scene shares the index, and only the triangles that move are indexed, in milliseconds for a few
+        thousand. Its `mockup` has the parts moved; part and triangle indices do not change, and every query answers as
+        in a scene of that mock-up. `save` and clashes of all parts index it as a whole first.
+
+        A triangle without area where it is modelled stays out of queries. Vertices that parts of several poses share
+        are given to each, behind the others. Raises `OptionError` for parts that do not exist or have two poses,
+        `PoseError` for poses that are not rigid.
+        """
+        if not isinstance(poses, Mapping):
+            raise OptionError(f"poses is {shown(poses)}: give a dict of parts and poses, such as {{'cowl/*': pose}}")
+        pose_of_part = np.full(self.mockup.part_count, -1)
+        matrices = [one_pose(pose, f"the pose of {shown(parts)}") for parts, pose in poses.items()]
+        for number, parts in enumerate(poses):
+            chosen = self.mockup.parts.select(parts)
+            twice = chosen[pose_of_part[chosen] >= 0]
+            if len(twice):
+                path = self.mockup.part_paths[int(twice[0])]
+                raise OptionError(f"part {path!r} has two poses, the second by {shown(parts)}: give it one")
+            pose_of_part[chosen] = number
+        return self._with_poses(pose_of_part, np.array(matrices).reshape(-1, 4, 4))
+
+    def _with_poses(self, pose_of_part: npt.NDArray[Any], poses: npt.NDArray[np.float64]) -> Scene:
+        """`moved`: by part the number of its pose, or -1."""
+        stays = (poses == np.eye(4)).all(axis=(1, 2))
+        chosen = np.where(pose_of_part >= 0, np.append(~stays, False)[pose_of_part], False)
+        modelled = self.mockup if self.mockup._modelled is None else self.mockup._modelled
+        if not chosen.any():
+            if modelled is self.mockup:
+                return self
+            return self._made_of(super()._selected_moved([], poses, lambda _: modelled))
+        places = np.where(chosen, pose_of_part, -1).tolist()
+        return self._made_of(super()._selected_moved(places, poses, modelled._with_moved))
 
     def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> str:
         """Save the scene in one file, for `feeler.open_scene` and every command; return the hash of its mock-up.
@@ -344,18 +387,39 @@ class Scene(_core.Scene):
         query = ("clearance_batch", (tool,), {"within": within, "triangles": triangles, "ignore": ignore})
         return asked() if executor is None else self._spread(asked, query, poses, executor, progress)
 
+    def clearance_along(
+        self,
+        tool: _core.Tool,
+        pose: PoseLike,
+        way: Screw | Slide | Chain | PoseLike,
+        error: float = 1e-4,
+        *,
+        within: float = math.inf,
+        ignore: Ignore = None,
+    ) -> ClearanceAlong:
+        """The least gap of the tool on its way from a pose `(4, 4)`, between bounds that are proven for all of the way.
+
+        `way`: a `Screw`, `Slide` or `Chain`, or the pose at its end, to which it leads as in `cast`. The bounds are at
+        most `error` (metres) apart: the gap is nowhere less than `lower`, and at `share` it is `upper`; both are 0 if
+        they collide. A tool that goes far at nearly the same gap takes long: after a million spans the bounds are what
+        is known by then. Gaps beyond `within` (metres) are not looked at. Raises `OptionError` if `error` is not
+        positive and finite, and if `within` is negative or NaN.
+        """
+        error = check_number("error", error, "metres, more than 0", above=0.0)
+        return super().clearance_along(tool, pose, way, within=_within(within), error=error, ignore=ignore)
+
     def cast(
         self,
         tool: _core.Tool,
         start: PoseLike,
         end: PoseLike | None = None,
         *,
-        screw: Screw | None = None,
+        screw: Screw | Slide | Chain | None = None,
         tolerance: float = CAST_TOLERANCE,
         touching: Touching = "counts",
         ignore: Ignore = None,
     ) -> Cast | None:
-        """The first impact between two poses `(4, 4)`, or along a `Screw`; None if the motion is free.
+        """The first impact between two poses `(4, 4)`, or along a `Screw`, `Slide` or `Chain`; None if it is free.
 
         Between poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round,
         both at constant speed. The impact is never late: nothing collides before it. It is early by at most `tolerance`
@@ -376,7 +440,7 @@ class Scene(_core.Scene):
     def check_path(
         self,
         tool: _core.Tool,
-        poses: Sequence[PoseLike | Screw],
+        poses: Sequence[PoseLike | Screw | Slide | Chain],
         *,
         tolerance: float = ...,
         touching: Touching = ...,
@@ -399,7 +463,7 @@ class Scene(_core.Scene):
     def check_path(
         self,
         tool: _core.Tool,
-        poses: PosesLike | Sequence[PoseLike | Screw],
+        poses: PosesLike | Sequence[PoseLike | Screw | Slide | Chain],
         *,
         tolerance: float = CAST_TOLERANCE,
         touching: Touching = "counts",
@@ -409,7 +473,8 @@ class Scene(_core.Scene):
     ) -> PathCheck:
         """`cast` from each of `(n, 4, 4)` poses to the next, on all threads of the scene.
 
-        `poses` may also be a list of a pose followed by poses and `Screw`s, each starting where the previous one ended.
+        `poses` may also be a list of a pose followed by poses, `Screw`s, `Slide`s and `Chain`s, each starting where the
+        previous one ended.
 
         Each segment is checked separately, also those after an impact; a path of one pose is one segment without
         motion. Raises `PoseError` naming the first pose that is not rigid, and for a path without a pose; `OptionError`

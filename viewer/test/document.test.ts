@@ -49,6 +49,9 @@ const DOCUMENT: Document = {
   requirements: [],
   material: null,
   doubts: [],
+  mechanism: null,
+  joint_ranges: [],
+  on_joint: null,
 };
 
 const STATE: State = {

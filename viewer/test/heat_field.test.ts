@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { HEAT_REACH_M, heatAt, heatField } from "../src/math/heat-field";
 import type { Vec3 } from "../src/math/vectors";
-import { HEAT_REACH_M, heatAt, heatField } from "../src/scene/heat-field";
 
 /** A box as a mesh, and the exact distance to its surface. */
 function box(half: Vec3) {

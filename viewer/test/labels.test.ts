@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Figure, layOut } from "../src/scene/labels";
+import { cutMiddle, type Figure, layOut, MOST_TEXT_PX } from "../src/scene/labels";
 
 const SIZE = { width: 60, height: 18 };
 
@@ -79,4 +79,16 @@ test("a label stays where it was to its point while that place is free", () => {
   const before = { dx: 40, dy: 30 };
   const [again] = layOut([{ x: 110, y: 104, ...SIZE, before }], 400, 300);
   assert.deepEqual(again, { left: 150, top: 134 });
+});
+
+test("a wide name is cut in the middle by its width, and keeps both ends", () => {
+  const widthOf = (text: string): number => Array.from(text).reduce((sum, each) => sum + (each === "W" ? 13.5 : 6), 0);
+  const wide = cutMiddle("W".repeat(40), MOST_TEXT_PX, widthOf);
+  assert.equal(wide, `${"W".repeat(9)}…${"W".repeat(8)}`);
+  assert.ok(widthOf(wide) <= MOST_TEXT_PX && widthOf(`${wide}W`) > MOST_TEXT_PX);
+  const narrow = "i".repeat(40);
+  assert.equal(cutMiddle(narrow, MOST_TEXT_PX, widthOf), narrow, "as many letters, and they fit");
+  assert.match(cutMiddle(`0.42 mm to ${"W".repeat(200)}_12`, MOST_TEXT_PX, widthOf), /^0\.42 mm to W*…W*_12$/);
+  assert.equal(cutMiddle("🙂".repeat(60), 61, widthOf), "🙂🙂🙂🙂🙂…🙂🙂🙂🙂", "a letter stays whole");
+  assert.equal(cutMiddle("WWW", 1, widthOf), "…");
 });

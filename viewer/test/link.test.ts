@@ -48,9 +48,11 @@ function setUp() {
   const sockets: FakeSocket[] = [];
   const delays: number[] = [];
   const clock = { now: 0 };
+  const looks = new Set<() => void>();
   let waiting: (() => void) | null = null;
   const told = {
     status: [] as string[],
+    silence: [] as boolean[],
     welcomes: [] as Welcome[],
     states: [] as State[],
     events: [] as ServerEvent[],
@@ -62,6 +64,7 @@ function setUp() {
     token: "secret",
     listener: {
       onStatus: (status) => told.status.push(status),
+      onSilence: (is_silent) => told.silence.push(is_silent),
       onWelcome: (welcome) => told.welcomes.push(welcome),
       onState: (state) => told.states.push(state),
       onEvent: (event) => told.events.push(event),
@@ -82,6 +85,11 @@ function setUp() {
       waiting = null;
     },
     now: () => clock.now,
+    every: (callback, period_ms) => {
+      looks.add(callback);
+      assert.equal(period_ms, 1000);
+      return () => looks.delete(callback);
+    },
   });
   const socket = (): FakeSocket => sockets.at(-1) ?? new FakeSocket();
   const welcome = (event = 0, session = "s"): void => {
@@ -104,7 +112,13 @@ function setUp() {
     callback?.();
   };
   link.connect();
-  return { link, sockets, socket, welcome, wake, delays, told, clock };
+  const pass = (seconds: number): void => {
+    for (let k = 0; k < seconds; k++) {
+      clock.now += 1000;
+      for (const look of [...looks]) look();
+    }
+  };
+  return { link, sockets, socket, welcome, wake, delays, told, clock, looks, pass };
 }
 
 const notice = (n: number) => ({ kind: "event", type: "notice", n, level: "info", text: `${n}` });
@@ -357,4 +371,43 @@ test("the token is taken out of the address and kept for a reload of the tab", (
   assert.equal(takeToken({ hash: "", pathname: "/", search: "" }, history, storage), "abc");
   kept.clear();
   assert.equal(takeToken({ hash: "", pathname: "/", search: "" }, history, storage), null);
+});
+
+test("a server that hangs is noticed within seconds, and its return as well", () => {
+  const { socket, welcome, told, pass, looks, link } = setUp();
+  pass(60);
+  assert.deepEqual(told.silence, [], "before the welcome there is nothing to hear");
+  welcome();
+  pass(2);
+  assert.equal(socket().last().kind, "ping");
+  const { id } = socket().last();
+  pass(3);
+  assert.deepEqual(told.silence, []);
+  pass(1);
+  assert.deepEqual(told.silence, [true], "six seconds after the last message");
+  pass(30);
+  assert.equal(socket().sent.filter(({ kind }) => kind === "ping").length, 1, "one question is enough");
+  socket().say({ kind: "reply", id, ok: true, result: {} });
+  assert.deepEqual([told.silence, told.status], [[true, false], ["open"]]);
+  link.close();
+  assert.equal(looks.size, 0);
+});
+
+test("what answers, slowly or to anything, is not silent; nor is it while the page slept", () => {
+  const { socket, welcome, told, pass, clock, looks } = setUp();
+  welcome();
+  for (let k = 0; k < 20; k++) {
+    pass(3);
+    socket().say({ kind: "people", you: 1, people: [], turn: {} });
+  }
+  pass(3);
+  for (let k = 0; k < 5; k++) {
+    clock.now += 60_000;
+    for (const look of [...looks]) look();
+  }
+  assert.deepEqual(told.silence, []);
+  pass(5);
+  assert.deepEqual(told.silence, [true], "awake again it asks anew");
+  socket().drop();
+  assert.deepEqual([told.silence.at(-1), looks.size], [false, 0], "the link is lost: that is what is said");
 });

@@ -1,10 +1,13 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { mock, test } from "node:test";
+import { beginTyping, refuseKey } from "../src/actions/typed-move";
 import { Workbench } from "../src/actions/workbench";
+import { moveTo, ToolError } from "../src/app/api";
 import { marksOf } from "../src/app/marks";
 import { partStates } from "../src/app/part-states";
 import { Presence } from "../src/app/presence";
+import { isOfTyping } from "../src/input/keys";
 import { Link, LinkError, type Socket } from "../src/link/link";
 import type { Camera, Here, People, Seen, TurnWish } from "../src/link/protocol";
 import type { Vec3 } from "../src/math/vectors";
@@ -191,13 +194,14 @@ test("an answer to the wish of another page is none to ours", () => {
   const nothing = (): void => {};
   const listener = {
     onStatus: nothing,
+    onSilence: nothing,
     onWelcome: nothing,
     onState: nothing,
     onEvent: nothing,
     onPeople: nothing,
     onSeen: nothing,
   };
-  const link = new Link({ url: "ws://127.0.0.1:1/", token: "t", listener, open: () => socket });
+  const link = new Link({ url: "ws://127.0.0.1:1/", token: "t", listener, open: () => socket, every: () => nothing });
   link.connect();
   socket.onopen?.(undefined as never);
   const say = (message: object): void => socket.onmessage?.({ data: JSON.stringify(message) });
@@ -219,4 +223,55 @@ test("an answer to the wish of another page is none to ours", () => {
       { kind: "turn", id: 1, wish: "give", to: 2 },
     ],
   );
+});
+
+test("who asked for the tool is told that it is kept, and only then", () => {
+  const holds = (asked: number[], person = 2) => people({ kind: "page", person, is_free: false, asked }, 3);
+  const state = new PeopleState();
+  const told = (...turns: People[]): string[] => turns.map((each) => state.take(each));
+  assert.deepEqual(told(holds([1, 3]), holds([])), ["", "Guest 2 keeps the tool for now. You can ask again."]);
+  assert.deepEqual(told(holds([1]), holds([], 3)), ["", ""], "somebody else was given it");
+  assert.deepEqual(told(holds([1]), holds([], 1)), ["", ""], "it was given");
+  assert.deepEqual(told(holds([3]), holds([])), ["", ""], "another one asked");
+});
+
+test("a script that moves the tool of another is refused at once, by name, also on the way", async () => {
+  const store = new Store();
+  const hand = { isLocked: false, isWaiting: true, sentSeq: 1, move() {} };
+  const wb = { store, hand } as unknown as Workbench;
+  const move = () => moveTo(wb, () => () => {}, Array(16).fill(0));
+  store.people.take(people({ kind: "script", is_free: false }));
+  await assert.rejects(move(), (error) => error instanceof ToolError && error.message === "A script has the tool");
+  store.people.take(people());
+  const moved = move();
+  store.people.take(people({ kind: "page", person: 2, is_free: false }));
+  await assert.rejects(moved, { name: "ToolError", message: "Guest 2 has the tool" });
+});
+
+test("after a refused G the keys of a movement say why, and do nothing else", () => {
+  const store = new Store();
+  const wb = new Workbench({
+    store,
+    stage: {} as Stage,
+    hand: { pose: [], center: [0, 0, 0], isLocked: true } as unknown as Hand,
+    link: null,
+    redraw() {},
+    fetchFile: () => Promise.reject(new Error()),
+  });
+  const press = (key: string): boolean => refuseKey(wb, isOfTyping(key), key);
+  store.people.take(people({ kind: "page", person: 2, is_free: false }));
+  assert.equal(press("X"), false, "nothing was refused");
+  beginTyping(wb, "move");
+  assert.equal(store.typed.value, null);
+  for (const key of ["X", "Y", "Z", "5", ".", "-", "ArrowUp", "Backspace", "X"]) {
+    store.spoken.value = "";
+    store.people.has_tried.value = false;
+    assert.equal(press(key), true, key);
+    assert.deepEqual([store.spoken.value, store.people.has_tried.value], ["Guest 2 has the tool", true], key);
+  }
+  assert.equal(press("Escape"), true);
+  assert.equal(press("X"), false, "Esc ended it");
+  beginTyping(wb, "turn");
+  assert.equal(press("H"), false, "another key is another command");
+  assert.equal(press("X"), false);
 });

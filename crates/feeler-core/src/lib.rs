@@ -97,6 +97,7 @@ pub use clash::asked::{PairLimitTables, PairLimits};
 pub use collide::batch::Batch;
 pub use collide::narrow::Filters;
 pub use collide::query::Collision;
+pub use distance::along::{GapSpan, LeastGap};
 pub use distance::batch::GapBatch;
 pub use distance::gap::Gap;
 pub use error::{Error, Result};
@@ -127,9 +128,11 @@ pub use sizing::piece_predictor::{PiecePredictor, PieceWork};
 pub use sizing::predictor::Predictor;
 pub use sizing::work::Work;
 pub use stoppable::StoppableScene;
+pub use tool::chain::{Chain, Joint};
+pub use tool::leg::Leg;
 pub use tool::motion::{Chord, Motion};
 pub use tool::moving_tool::Tool;
-pub use tool::screw::{Leg, Screw};
+pub use tool::screw::Screw;
 
 // Plain twins of the queries, for tests and judges.
 #[doc(hidden)]

@@ -11,6 +11,7 @@ use crate::cast::query::{CastScratch, How};
 use crate::collide::batch::Batch;
 use crate::collide::narrow::Filters;
 use crate::collide::query::{CollideScratch, Collision};
+use crate::distance::along::LeastGap;
 use crate::distance::batch::GapBatch;
 use crate::distance::gap::Gap;
 use crate::distance::query::{check_distance, DistanceScratch};
@@ -20,7 +21,7 @@ use crate::geometry::bounds::Point;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
 use crate::index::ray_search::RayScratch;
-use crate::index::selection::{IgnoredPairs, Selection};
+use crate::index::selection::IgnoredPairs;
 use crate::index::store::Storage;
 use crate::mesh::mockup::Mockup;
 use crate::progress::{BatchOptions, Control, GoOn, Progress};
@@ -29,9 +30,9 @@ use crate::saved::{Reader, SavedSections, Sections};
 use crate::scratch_pool::ScratchPool;
 use crate::section::outline::SectionOutline;
 use crate::sizing::choice::default_voxel_size;
+use crate::tool::leg::Leg;
 use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
-use crate::tool::screw::Leg;
 use crate::{cast, collide, distance, rays, section};
 
 /// Options of [`Scene::build`]:
@@ -147,7 +148,7 @@ impl Scene {
         Ok(Scene { index, pools: Arc::default() })
     }
 
-    /// The scene as sections, and with them the connectivity of the triangles, so that first queries of a scene made
+    /// The scene, [in one index](Self::in_one_index), as sections, and with them the connectivity of the triangles, so that first queries of a scene made
     /// [of them](Self::of_sections) find it. Pairs that the scene ignores are not kept.
     #[doc(hidden)]
     pub fn sections(&self) -> Sections<'_> {
@@ -208,37 +209,75 @@ impl Scene {
         Ok(self.narrowed(|part| stays[part as usize]))
     }
 
+    /// The scene with parts at other places, by part the number of its pose among `poses`: see [`Mockup::moved`]. Poses count from where
+    /// the parts are modelled, also in a scene that has some moved; parts without a pose are where they are modelled. Parts that are out
+    /// stay out, and ignored pairs ignored.
+    ///
+    /// The scene shares the index and has one of the moved triangles beside it, so making it takes as long as indexing these. Each query
+    /// answers as one of a scene built of the new mock-up. Errors: as of [`Mockup::moved`], and memory.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![0, 1], 2)?;
+    /// let scene = Scene::build(mockup.into(), &SceneOptions::default())?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// // The tip of the spike is 5 cm above the plate; its first half comes up.
+    /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
+    /// let moved = scene.moved(&[Some(0), None], &[Pose::IDENTITY.translated(&[0.0, 0.0, 0.1])?])?;
+    /// assert!(moved.is_colliding(&tool, &at(0.05)?) && !moved.is_colliding(&tool, &at(-0.15)?));
+    /// assert!(!scene.is_colliding(&tool, &at(0.05)?));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn moved(&self, pose_of_part: &[Option<u32>], poses: &[Pose]) -> Result<Scene> {
+        let mockup = if pose_of_part.iter().any(Option::is_some) {
+            Arc::new(Mockup::moved(self.mockup(), pose_of_part, poses)?)
+        } else {
+            self.mockup().modelled().clone()
+        };
+        Ok(self.with(self.index.moved(mockup)?))
+    }
+
+    /// The scene with one index, where parts are [moved](Self::moved), as a scene built of its mock-up.
+    #[doc(hidden)]
+    pub fn in_one_index(&self, progress: Progress<'_>) -> Result<Scene> {
+        if !self.index.has_moved() {
+            return Ok(self.clone());
+        }
+        Ok(self.with(self.index.in_one_store(Control { progress, ..Control::default() })?))
+    }
+
     /// The scene with ignored pairs of tool parts and mock-up parts, in place of those ignored so far; with parts of a
     /// [tool](Tool::of_parts) by number.
     pub fn ignoring(&self, pairs: Arc<IgnoredPairs>) -> Scene {
-        self.with(self.index.selection().ignoring(Some(pairs)))
+        self.with(self.index.ignoring(Some(&pairs)))
     }
 
     /// The scene with one part alone of those that are there, and no pairs ignored: made in no time, and right for tools near that part.
     #[doc(hidden)]
     pub fn of_one_part(&self, part: u32) -> Scene {
-        self.with(self.index.selection().of_one_part(self.mockup(), part))
+        self.with(self.index.of_one_part(part))
     }
 
     /// The scene with all parts there, and no pairs ignored.
     #[doc(hidden)]
     pub fn with_all_parts(&self) -> Scene {
-        self.with(Selection::default())
+        self.with(self.index.with_all_parts())
     }
 
     /// The scene with no pairs ignored.
     #[doc(hidden)]
     pub fn asking_all_pairs(&self) -> Scene {
-        self.with(self.index.selection().ignoring(None))
+        self.with(self.index.ignoring(None))
     }
 
     fn narrowed(&self, stays: impl Fn(u32) -> bool) -> Scene {
-        let store = self.index.store();
-        self.with(self.index.selection().narrowed(self.mockup(), stays, |there| store.children_there(there)))
+        self.with(self.index.narrowed(stays))
     }
 
-    fn with(&self, selection: Selection) -> Scene {
-        Scene { index: self.index.with_selection(selection), pools: self.pools.clone() }
+    fn with(&self, index: Index) -> Scene {
+        Scene { index, pools: self.pools.clone() }
     }
 
     /// By part, whether it is in a list.
@@ -514,6 +553,24 @@ impl Scene {
         self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, scratch))
     }
 
+    /// The least gap of the tool along a motion, between bounds that are at most `error` (metres) apart; gaps beyond `within` (metres) are
+    /// not looked at.
+    ///
+    /// Where the tool moves around for long at an equal distance it takes many spans: after a million of them the bounds are what is
+    /// known by then. Errors: a distance that is negative or NaN, and a request to stop.
+    pub fn clearance_along(
+        &self,
+        tool: &Tool,
+        motion: &Motion,
+        (within, error): (f64, f64),
+        go_on: GoOn<'_>,
+    ) -> Result<LeastGap> {
+        let asked = (within, error);
+        self.pools
+            .distance
+            .with(|scratch| distance::along::least_gap(&self.index, (tool, motion), asked, go_on, scratch))
+    }
+
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
     ///
     /// Every segment is looked at, also those after an impact. Errors: as
@@ -651,7 +708,7 @@ impl Scene {
     /// connectivity computed when a query first needed it.
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
         let mockup = self.mockup();
-        let mut structures = self.index.store().memory();
+        let mut structures = self.index.memory();
         structures.push(("triangles", mockup.mesh().memory()));
         structures.push(("parts", mockup.parts_memory()));
         structures.extend(mockup.topology_memory().map(|bytes| ("adjacency", bytes)));
@@ -662,7 +719,7 @@ impl Scene {
     /// Checks every invariant that queries rely on; for tests.
     #[doc(hidden)]
     pub fn validate(&self) -> std::result::Result<(), String> {
-        self.index.store().validate(self.mockup().mesh())
+        self.index.validate()
     }
 
     /// [`collide`](Self::collide) with filters switched off, to measure their effect. The answer is the same.

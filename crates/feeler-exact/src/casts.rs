@@ -1,6 +1,6 @@
 //! Casts with a known hit: nothing may tunnel, no impact may be late.
 //!
-//! A motion is random, between poses or along a screw; then it is shifted so that at a chosen time a chosen point of
+//! A motion is random, between poses, along a screw or along a chain of joints; then it is shifted so that at a chosen time a chosen point of
 //! the tool lies on a chosen point of a sheet without thickness or of a wire. Rational arithmetic confirms that the two
 //! triangles collide then. So the tool is in contact at that time, however fast it moves, and the cast must have found
 //! an impact by then.
@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use feeler_core::{
-    closest_triangle_triangle, intersect_triangle_triangle, CastOptions, Error, Mockup, Motion, Point, Pose, Scene,
-    SceneOptions, Screw, Tool, Triangle,
+    closest_triangle_triangle, intersect_triangle_triangle, CastOptions, Chain, Error, Joint, Mockup, Motion, Point,
+    Pose, Scene, SceneOptions, Screw, Tool, Triangle,
 };
 use rayon::prelude::*;
 
@@ -37,7 +37,9 @@ pub struct Tally {
     pub casts: u64,
     /// Of these, the ones along a screw.
     pub screws: u64,
-    /// Of the others, the ones that turn by more than a quarter.
+    /// And along a chain of joints.
+    pub chains: u64,
+    /// Of those between poses, the ones that turn by more than a quarter.
     pub spinning: u64,
     /// Casts that were not: by rounding, the two triangles do not meet at the chosen time.
     pub not_judged: u64,
@@ -60,6 +62,7 @@ impl Tally {
     fn and(mut self, other: Tally) -> Tally {
         self.casts += other.casts;
         self.screws += other.screws;
+        self.chains += other.chains;
         self.spinning += other.spinning;
         self.not_judged += other.not_judged;
         self.tunnelled += other.tunnelled;
@@ -112,8 +115,13 @@ fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, (seed, s
     let (p, q) = (tool.mesh().triangle(p), mesh.triangle(q));
     let time = r.real(0.01, 1.0);
     let (on_tool, in_world) = (inside(r, &p), inside(r, &q));
-    let is_screw = r.one_in(2);
-    let motion = if is_screw {
+    let (is_chain, is_screw) = (r.one_in(3), r.one_in(2));
+    let motion = if is_chain {
+        match chained_through(r, tool, &on_tool, &in_world, time) {
+            Ok(motion) => motion,
+            Err(error) => panic!("seed {seed}: {error}"),
+        }
+    } else if is_screw {
         match screwed_through(r, tool, &on_tool, &in_world, time) {
             Ok(motion) => motion,
             Err(error) => panic!("seed {seed}: {error}"),
@@ -128,7 +136,8 @@ fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, (seed, s
         return;
     }
     tally.casts += 1;
-    tally.screws += u64::from(is_screw);
+    tally.chains += u64::from(is_chain);
+    tally.screws += u64::from(is_screw && !is_chain);
     let words = |what: String| format!("seed {seed}, {:?}, {motion:?}: {what}", scene.storage());
     let cast = match scene.cast_along(tool, &motion, &CastOptions::default().with_tolerance(TOLERANCE)) {
         Ok(Some(cast)) => cast,
@@ -193,6 +202,34 @@ fn screwed_through(r: &mut Random, tool: &Tool, on_tool: &Point, in_world: &Poin
         point[a] += in_world[a] - at[a];
     }
     Motion::screw(tool, &start.pose(), &Screw::new(&axis, &point, angle, pitch)?)
+}
+
+/// A motion along a chain of up to eight joints on which, at a time, a point of the tool lies on a point of the world.
+fn chained_through(r: &mut Random, tool: &Tool, on_tool: &Point, in_world: &Point, time: f64) -> Result<Motion, Error> {
+    let mut start = shapes::Motion::random(r, 1.0);
+    let most = r.pick(&[0.3, 3.0, 12.0]);
+    let joints: Vec<Joint> = (0..2 + r.below(7))
+        .map(|_| {
+            if r.one_in(4) {
+                return Ok(Joint::Slide(r.point(-1.0, 1.0)));
+            }
+            // Half of the arms turn in a plane.
+            let axis = if r.one_in(2) { [0.0, 0.0, 1.0] } else { r.point(-1.0, 1.0) };
+            let (point, pitch) = (r.point(-2.0, 2.0), r.pick(&[0.0, 0.0, 0.2]));
+            Ok(Joint::Screw(Screw::new(&axis, &point, r.real(-most, most), pitch)?))
+        })
+        .collect::<Result<_, Error>>()?;
+    let at = Motion::chain(tool, &start.pose(), &Chain::new(joints.clone())?)?.at(time).apply(on_tool);
+    let off: Point = std::array::from_fn(|a| in_world[a] - at[a]);
+    (0..3).for_each(|a| start.translation[a] += off[a]);
+    let shifted = joints.iter().map(|joint| match joint {
+        Joint::Screw(screw) => {
+            Ok(Joint::Screw(Screw::new(screw.axis(), &plus(screw.point(), &off), screw.angle(), screw.pitch())?))
+        }
+        slide => Ok(*slide),
+    });
+    let chain = Chain::new(shifted.collect::<Result<Vec<_>, Error>>()?)?;
+    Motion::chain(tool, &start.pose(), &chain)
 }
 
 /// How far the second is turned against the first, in turns.

@@ -171,9 +171,9 @@ fn run_mass(pairs: u64, seed: u64, only: &[String], json: bool) -> Result<bool, 
 fn run_casts(count: u64, seed: u64, samples: u32) -> bool {
     let tally = casts::run(count, seed, samples);
     println!(
-        "casts (seed {seed}): {} that hit, {} of them along screws, {} turning by more than a quarter; {} tunnelled, {} late, \
+        "casts (seed {seed}): {} that hit, {} of them along screws, {} along chains, {} turning by more than a quarter; {} tunnelled, {} late, \
          {} too early ({} not judged: apart by rounding)",
-        tally.casts, tally.screws, tally.spinning, tally.tunnelled, tally.late, tally.early, tally.not_judged
+        tally.casts, tally.screws, tally.chains, tally.spinning, tally.tunnelled, tally.late, tally.early, tally.not_judged
     );
     tally.faults.iter().for_each(|fault| println!("  {fault}"));
     tally.is_right()

@@ -7,7 +7,10 @@ fn twenty_thousand_casts_neither_tunnel_nor_are_late() {
     let tally = run(20_000, 2004, 0);
     assert_eq!(tally.faults, Vec::<String>::new());
     assert!(tally.is_right());
-    assert!(tally.casts > 15_000 && tally.screws > 7_000 && tally.spinning > 2_500, "{tally:?}");
+    assert!(
+        tally.casts > 15_000 && tally.screws > 4_000 && tally.chains > 4_000 && tally.spinning > 1_400,
+        "{tally:?}"
+    );
 }
 
 #[test]

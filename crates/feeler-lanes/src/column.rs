@@ -48,7 +48,8 @@ impl Deref for SharedBytes {
     }
 }
 
-/// An array that cannot change: a `Vec`, or a view of [`SharedBytes`]. Reading it costs what reading a `Vec` costs.
+/// An array that cannot change: a `Vec`, or a view of [`SharedBytes`]. Reading it costs what reading a `Vec` costs, and a clone shares the
+/// entries.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -69,7 +70,7 @@ pub struct Column<T: Pod> {
 }
 
 enum Keeper<T> {
-    Owned(Vec<T>),
+    Owned(Arc<Vec<T>>),
     Shared { _memory: SharedBytes },
 }
 
@@ -99,6 +100,14 @@ impl<T: Pod> Column<T> {
         }
     }
 
+    /// The vector, where this column alone owns it.
+    pub fn into_vec(self) -> Option<Vec<T>> {
+        match self.keeper {
+            Keeper::Owned(entries) => Arc::try_unwrap(entries).ok(),
+            Keeper::Shared { .. } => None,
+        }
+    }
+
     /// Bytes of the entries, wherever they are.
     pub fn memory(&self) -> usize {
         self.owned_memory().max(size_of_val(&**self))
@@ -108,7 +117,18 @@ impl<T: Pod> Column<T> {
 impl<T: Pod> From<Vec<T>> for Column<T> {
     fn from(entries: Vec<T>) -> Column<T> {
         // The vector's buffer stays where it is when the vector is moved.
-        Column { start: entries.as_ptr(), len: entries.len(), keeper: Keeper::Owned(entries) }
+        Column { start: entries.as_ptr(), len: entries.len(), keeper: Keeper::Owned(Arc::new(entries)) }
+    }
+}
+
+impl<T: Pod> Clone for Column<T> {
+    fn clone(&self) -> Column<T> {
+        let keeper = match &self.keeper {
+            Keeper::Owned(entries) => Keeper::Owned(Arc::clone(entries)),
+            Keeper::Shared { _memory } => Keeper::Shared { _memory: _memory.clone() },
+        };
+        // The entries stay where they are as long as either keeper holds them.
+        Column { start: self.start, len: self.len, keeper }
     }
 }
 
@@ -163,6 +183,21 @@ mod tests {
         if let Some(view) = view {
             assert_eq!((view[..].to_vec(), view.owned_memory(), view.memory()), (vec![8, 9], 0, 8));
         }
+    }
+
+    #[test]
+    fn a_clone_shares_the_entries_and_the_last_owner_gets_them() {
+        let column: Column<u32> = vec![7, 8, 9].into();
+        let copy = column.clone();
+        assert_eq!(column.as_ptr(), copy.as_ptr());
+        assert!(column.into_vec().is_none());
+        assert_eq!(copy[..], [7, 8, 9]);
+        assert_eq!(copy.into_vec(), Some(vec![7, 8, 9]));
+        let view = Column::<u8>::of_bytes(shared(vec![1, 2, 3], 1..3).unwrap()).unwrap();
+        let copy = view.clone();
+        drop(view);
+        assert_eq!(copy[..], [2, 3]);
+        assert!(copy.into_vec().is_none());
     }
 
     #[test]

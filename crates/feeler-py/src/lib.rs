@@ -1,9 +1,11 @@
 //! The Python module `feeler._core`: classes that convert arrays and map errors, and decide nothing.
 
+mod along;
 mod arguments;
 mod arrays;
 mod bodies;
 mod cast;
+mod chain;
 mod clash;
 mod collision;
 mod contacts;
@@ -33,6 +35,7 @@ mod swept;
 mod tool;
 mod topology;
 mod travel;
+mod ways;
 mod words;
 mod world;
 
@@ -65,9 +68,13 @@ fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> 
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use super::along::ClearanceAlong;
+    #[pymodule_export]
     use super::bodies::{Bodies, Shape};
     #[pymodule_export]
     use super::cast::{Cast, PathCheck};
+    #[pymodule_export]
+    use super::chain::{Chain, Slide};
     #[pymodule_export]
     use super::clash::{clash, ClashRows};
     #[pymodule_export]
@@ -87,7 +94,7 @@ mod _core {
     #[pymodule_export]
     use super::haptics_run::HapticsRun;
     #[pymodule_export]
-    use super::mockup::Mockup;
+    use super::mockup::{Mockup, MovedMockup};
     #[pymodule_export]
     use super::packed::{Packed, PackedPiece};
     #[pymodule_export]

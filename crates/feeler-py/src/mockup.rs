@@ -13,6 +13,7 @@ use crate::errors::to_py;
 use crate::packed::Packed;
 use crate::saved::SavedScene;
 use crate::signals::on_pool_or_left;
+use crate::travel::stays;
 
 /// A static mock-up. `feeler.Mockup` adds names and reports.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -20,11 +21,26 @@ pub struct Mockup {
     pub(crate) core: Arc<core::Mockup>,
 }
 
+/// The core of a mock-up that another one's parts were moved for: an argument for `Mockup`.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct MovedMockup {
+    pub core: Arc<core::Mockup>,
+}
+
+#[pymethods]
+impl MovedMockup {
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("MovedMockup", "pickle the mock-up that is made of it"))
+    }
+}
+
 /// What a mock-up is made of.
 #[derive(FromPyObject)]
 enum MockupSource<'py> {
     /// A file.
     Saved(PyRef<'py, SavedScene>),
+    /// Another mock-up, with parts moved.
+    Moved(PyRef<'py, MovedMockup>),
     /// Arrays, with faces.
     Vertices(PyReadonlyArray2<'py, f64>),
 }
@@ -42,6 +58,7 @@ impl Mockup {
     ) -> PyResult<Mockup> {
         let (vertices, faces) = match (vertices, faces) {
             (MockupSource::Saved(saved), None) => return Ok(Mockup { core: saved.mockup() }),
+            (MockupSource::Moved(moved), None) => return Ok(Mockup { core: Arc::clone(&moved.core) }),
             (MockupSource::Vertices(vertices), Some(faces)) => (vertices, faces),
             _ => return Err(PyTypeError::new_err("vertices and faces, or a saved scene alone")),
         };

@@ -58,6 +58,10 @@ impl Distance {
         Distance { gap }
     }
 
+    pub fn gap(&self) -> Option<core::Gap> {
+        self.gap
+    }
+
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Distance> {
         let (ids, numbers): (PyReadonlyArray2<'_, u32>, PyReadonlyArray2<'_, f64>) = state.extract()?;
         match gaps_of(&ids, &numbers)?[..] {

@@ -98,7 +98,7 @@ impl RemovalAnswer {
         };
         let motions = core::Motion::of_legs(&task.tool, &task.start, &found.legs).map_err(to_py)?;
         let screws = found.legs.iter().map(|leg| match leg {
-            core::Leg::To(_) => None,
+            core::Leg::To(_) | core::Leg::Chain(_) => None,
             core::Leg::Screw(core) => Some(Screw { core: *core }),
         });
         let ends: Vec<core::Pose> = motions.iter().map(|motion| *motion.end()).collect();

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use pyo3::BoundObject;
 
+use crate::along::ClearanceAlong;
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::contacts::{ContactPlane, Contacts, Penetration};
@@ -29,6 +30,7 @@ pub fn restore<'py>(py: Python<'py>, kind: &str, state: Bound<'py, PyTuple>) -> 
         "Cast" => made(py, Cast::restore(&state)),
         "Clearance" => made(py, Clearance::restore(&state)),
         "ClearanceBatch" => made(py, ClearanceBatch::restore(&state)),
+        "ClearanceAlong" => made(py, ClearanceAlong::restore(&state)),
         "Collision" => made(py, Collision::restore(&state)),
         "Containment" => made(py, Containment::restore(&state)),
         "ContactPlane" => made(py, ContactPlane::restore(&state)),

@@ -10,22 +10,23 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::along::ClearanceAlong;
 use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument, Touching};
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::contacts::{Contacts, Penetration};
 use crate::containment::Containment;
 use crate::errors::{raise, to_py};
-use crate::mockup::Mockup;
+use crate::mockup::{Mockup, MovedMockup};
 use crate::pools::{on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
-use crate::screw::{PathArgument, ScrewArgument};
 use crate::selection::{ignored_of, lanes_of, Ignore, SceneSource, Selected};
 use crate::signals::stoppable;
 use crate::topology::find_topology;
 use crate::travel::rows_of;
+use crate::ways::{PathArgument, WayArgument};
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -181,6 +182,25 @@ impl Scene {
     fn selected_only(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<Selected> {
         let core = py.detach(|| self.core.only(&parts));
         self.selected(py, core)
+    }
+
+    /// The scene with parts at poses: by part the number of its pose, or -1. `mockup_of` makes a mock-up of a `MovedMockup`.
+    #[pyo3(name = "_selected_moved")]
+    fn selected_moved(
+        &self,
+        py: Python<'_>,
+        pose_of_part: Vec<i64>,
+        poses: PosesArgument,
+        mockup_of: Bound<'_, PyAny>,
+    ) -> PyResult<Selected> {
+        let pose_of_part: Vec<Option<u32>> = pose_of_part.into_iter().map(|pose| u32::try_from(pose).ok()).collect();
+        let moved = || self.core.moved(&pose_of_part, &poses.0);
+        let core = py.detach(|| on_pool(self.pool.as_deref(), moved))?.map_err(to_py)?;
+        let holder = MovedMockup { core: Arc::clone(core.mockup()) };
+        let mockup = mockup_of.call1((holder,))?.cast_into::<Mockup>()?.unbind();
+        let core = Arc::new(core);
+        let solver = Arc::new(self.solver.with_scene(Arc::clone(&core)));
+        Ok(Selected { core, solver, mockup, pool: self.pool.clone() })
     }
 
     /// `(parts,)`: true for the parts present in the scene; all of them unless it was made by `without` or
@@ -507,6 +527,27 @@ impl Scene {
         Ok(ClearanceBatch::new(batch?.map_err(to_py)?))
     }
 
+    #[pyo3(signature = (tool, pose, way, *, within, error, ignore = None))]
+    #[allow(clippy::too_many_arguments, reason = "the Python signature")]
+    fn clearance_along(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        pose: PoseArgument,
+        way: WayArgument<true>,
+        within: f64,
+        error: f64,
+        ignore: Ignore<'_>,
+    ) -> PyResult<ClearanceAlong> {
+        let asked = self.asked(&tool, &ignore)?;
+        let tool = tool.core();
+        let found = stoppable(py, |go_on| {
+            let motion = core::Motion::of_legs(tool, &pose.0, &[way.0]).map_err(to_py)?.remove(0);
+            asked.scene().clearance_along(tool, &motion, (within, error), go_on).map_err(to_py)
+        });
+        Ok(ClearanceAlong::new(found?))
+    }
+
     #[pyo3(signature = (tool, start, end = None, *, screw = None, tolerance, touching, ignore = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn cast(
@@ -515,7 +556,7 @@ impl Scene {
         tool: ToolArgument<'_, '_>,
         start: PoseArgument,
         end: Option<PoseArgument>,
-        screw: Option<ScrewArgument>,
+        screw: Option<WayArgument<false>>,
         tolerance: f64,
         touching: Touching,
         ignore: Ignore<'_>,
@@ -526,11 +567,12 @@ impl Scene {
             if touching.0 == core::Touching::Free {
                 find_topology(self.core.mockup(), tool, false)?;
             }
-            let motion = match (end, screw) {
-                (Some(end), None) => core::Motion::new(tool, &start.0, &end.0),
-                (None, Some(screw)) => core::Motion::screw(tool, &start.0, &screw.0).map_err(to_py)?,
+            let leg = match (end, screw) {
+                (Some(end), None) => core::Leg::To(end.0),
+                (None, Some(screw)) => screw.0,
                 _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
             };
+            let motion = core::Motion::of_legs(tool, &start.0, &[leg]).map_err(to_py)?.remove(0);
             let options = core::CastOptions::default().with_tolerance(tolerance).with_touching(touching.0);
             let options = options.with_go_on(go_on.function());
             asked.scene().cast_along(tool, &motion, &options).map_err(to_py)

@@ -1,11 +1,11 @@
-//! Screws and legs of ways.
+//! Screws.
 
 use feeler_core as core;
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::PyTuple;
 
-use crate::arguments::{checked, PoseArgument, PosesArgument};
+use crate::arguments::{checked, PoseArgument};
 use crate::arrays::pose_array;
 use crate::errors::{raise, to_py};
 
@@ -20,8 +20,8 @@ pub struct Screw {
 }
 
 /// Three numbers, of anything that NumPy reads so.
-fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<core::Point> {
-    let wrong = || raise("OptionError", format!("{what} of the screw is {object}: give three numbers"));
+pub fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<core::Point> {
+    let wrong = || raise("OptionError", format!("{what} is {object}: give three numbers"));
     let py = object.py();
     let array = py.import("numpy")?.call_method1("asarray", (object, "float64")).map_err(|_| wrong())?;
     let array: PyReadonlyArray1<'_, f64> = array.extract().map_err(|_| wrong())?;
@@ -45,14 +45,14 @@ impl Screw {
         angle: &Bound<'_, PyAny>,
         pitch: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Screw> {
-        let (given, axis) = (axis, vector("axis", axis)?);
+        let (given, axis) = (axis, vector("axis of the screw", axis)?);
         if axis == [0.0; 3] {
             return Err(raise(
                 "OptionError",
                 format!("axis of the screw is {given}: give a direction that is not zero"),
             ));
         }
-        let (point, angle) = (vector("point", point)?, number("angle", angle)?);
+        let (point, angle) = (vector("point of the screw", point)?, number("angle", angle)?);
         let pitch = pitch.map_or(Ok(0.0), |pitch| number("pitch", pitch))?;
         Ok(Screw { core: core::Screw::new(&axis, &point, angle, pitch).map_err(to_py)? })
     }
@@ -120,7 +120,7 @@ impl Screw {
     }
 }
 
-type Three = (f64, f64, f64);
+pub type Three = (f64, f64, f64);
 
 impl Screw {
     fn state(&self) -> (Three, Three, f64, f64) {
@@ -129,65 +129,12 @@ impl Screw {
 }
 
 /// A share of a motion.
-struct Fraction(f64);
+pub struct Fraction(pub f64);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Fraction {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         checked(object.py(), "check_number", ("fraction", object, "a number, 0 to 1")).map(Fraction)
-    }
-}
-
-/// A `feeler.Screw`.
-pub struct ScrewArgument(pub core::Screw);
-
-impl<'a, 'py> FromPyObject<'a, 'py> for ScrewArgument {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        match object.cast::<Screw>() {
-            Ok(screw) => Ok(ScrewArgument(screw.get().core)),
-            Err(_) => Err(raise("OptionError", format!("screw is {}: give a feeler.Screw", object.get_type().name()?))),
-        }
-    }
-}
-
-/// A path: poses `(n, 4, 4)`, or a list that begins with a pose and goes on with poses and screws.
-pub enum PathArgument {
-    Poses(Vec<core::Pose>),
-    Legs(core::Pose, Vec<core::Leg>),
-}
-
-impl PathArgument {
-    /// The first pose, if there is one.
-    pub fn start(&self) -> Option<&core::Pose> {
-        match self {
-            PathArgument::Poses(poses) => poses.first(),
-            PathArgument::Legs(start, _) => Some(start),
-        }
-    }
-}
-
-impl<'a, 'py> FromPyObject<'a, 'py> for PathArgument {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let is_list = object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>();
-        let entries: Vec<Bound<'_, PyAny>> = if is_list { object.extract()? } else { Vec::new() };
-        if !entries.iter().any(|entry| entry.is_instance_of::<Screw>()) {
-            return Ok(PathArgument::Poses(object.extract::<PosesArgument>()?.0));
-        }
-        let leg = |entry: &Bound<'_, PyAny>| match entry.cast::<Screw>() {
-            Ok(screw) => Ok(core::Leg::Screw(screw.get().core)),
-            Err(_) => entry.extract::<PoseArgument>().map(|pose| core::Leg::To(pose.0)),
-        };
-        let mut legs = entries.iter().map(leg).collect::<PyResult<Vec<_>>>()?;
-        match legs.remove(0) {
-            core::Leg::To(start) => Ok(PathArgument::Legs(start, legs)),
-            core::Leg::Screw(_) => {
-                Err(raise("PoseError", "a path begins with a pose: a screw says how to go on from one".into()))
-            }
-        }
     }
 }

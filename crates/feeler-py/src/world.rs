@@ -18,6 +18,7 @@ use crate::proximity::{Clearance, Distance};
 use crate::scene::Scene;
 use crate::topology::find_topology;
 use crate::travel::{check_lengths, kinds_of, rows_of, stays};
+use crate::ways::WayArgument;
 
 /// The name of a kind of seat.
 pub fn kind_name(kind: world::SeatKind) -> &'static str {
@@ -354,6 +355,25 @@ impl GuardedMove {
         let moved = py.detach(|| self.lock().go(&start.0, &end.0, tolerance, off)).map_err(world_to_py)?;
         let impact = moved.impact.map(|core| Py::new(py, Impact { core })).transpose()?;
         Ok(MoveAnswer { pose: pose_array(py, &moved.pose).unbind(), impact })
+    }
+
+    /// Moves from a pose along a screw, slide or chain, or to another pose, exactly, as far as possible; it stays
+    /// where it is. The pose, the impact if any, and the free fraction of the motion.
+    ///
+    /// Contacts may be as deep as at the pose it was made at, wherever the motion starts. `tolerance`: of the casts,
+    /// metres.
+    fn along(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        start: PoseArgument,
+        way: WayArgument<true>,
+        tolerance: f64,
+    ) -> PyResult<(MoveAnswer, f64)> {
+        let motion = core::Motion::of_legs(tool.core(), &start.0, &[way.0]).map_err(to_py)?.remove(0);
+        let (moved, fraction) = py.detach(|| self.lock().along(&motion, tolerance)).map_err(world_to_py)?;
+        let impact = moved.impact.map(|core| Py::new(py, Impact { core })).transpose()?;
+        Ok((MoveAnswer { pose: pose_array(py, &moved.pose).unbind(), impact }, fraction))
     }
 
     fn __reduce__(&self) -> PyResult<()> {

@@ -32,6 +32,7 @@ pub fn save(path: impl AsRef<Path>, scene: &Scene, extras: &[Extra<'_>], progres
         }
     };
     tell(0.0, "finding the connectivity")?;
+    let scene = scene.in_one_index(Progress::default())?;
     let sections = scene.sections();
     let own = sections.0.iter().map(|section| (section.name.as_str(), &*section.bytes));
     let all: Vec<(&str, &[u8])> = own.chain(extras.iter().copied()).collect();

@@ -20,6 +20,7 @@ use crate::walk::{Stop, Walk, WalkOptions};
 pub struct GuardedMove {
     environment: Environment,
     tool: Arc<Tool>,
+    start: Pose,
     /// Until all have parted.
     seats: Option<(Surroundings, Arc<Seated>)>,
     /// Of the pose where the tool was last so near to something that rounding decides which way is free.
@@ -59,7 +60,7 @@ impl Impact {
 impl GuardedMove {
     /// A tool at a pose.
     pub fn new(environment: Environment, tool: Arc<Tool>, pose: &Pose) -> Result<GuardedMove> {
-        let mut begun = GuardedMove { environment, tool, seats: None, stuck: None };
+        let mut begun = GuardedMove { environment, tool, start: *pose, seats: None, stuck: None };
         if begun.environment.is_colliding(&begun.tool, pose) {
             let around = begun.around(pose)?;
             let seated = around.seated_at_start();
@@ -85,6 +86,27 @@ impl GuardedMove {
             *seated = walk.seated;
         }
         Ok(moved)
+    }
+
+    /// Along a motion, as far as contact allows; it stays where it is, with its seats. Also the free share.
+    ///
+    /// The motion may begin elsewhere than where this was made: what is seated is still as deep as there at most, and
+    /// what has parted at the beginning is no seat. `tolerance`: of the casts, metres.
+    pub fn along(&mut self, motion: &Motion, tolerance: f64) -> Result<(Moved, f64)> {
+        let walk = match &self.seats {
+            Some((around, seated)) => walk_of(around, seated, motion, tolerance),
+            None => {
+                let around = match self.stuck.take() {
+                    Some(around) if *around.start() == self.start => around,
+                    _ => self.around(&self.start)?,
+                };
+                let walk = walk_of(&around, &around.seated_at_start(), motion, tolerance);
+                self.stuck = Some(around);
+                walk
+            }
+        }?;
+        let fraction = walk.fraction;
+        Ok((self.ended(&walk, motion.end())?, fraction))
     }
 
     fn around(&self, pose: &Pose) -> Result<Surroundings> {
@@ -170,4 +192,11 @@ impl Surroundings {
         }
         Ok(Walk { pose: *from, fraction: 0.0, seated: seated.clone(), stop: Some(stop), casts: walk.casts })
     }
+}
+
+/// Along a motion, with the seats that have not parted where it begins.
+fn walk_of(around: &Surroundings, seated: &Arc<Seated>, motion: &Motion, tolerance: f64) -> Result<Walk> {
+    let left = around.left_at(seated, &motion.at(0.0))?;
+    let how = WalkOptions::default().with_tolerance(tolerance);
+    around.walk_along(left.as_ref().unwrap_or(seated), motion, how, &mut |_| ())
 }

@@ -223,6 +223,10 @@ class _Answer:
     steps: tuple[feeler.RemovalStep, ...]
     error: str = ""
     """Why nothing could be tried."""
+    stuck: tuple[int, ...] = ()
+    """Of an order that was not found: the last parts that could not leave."""
+    blocked_by: tuple[feeler.RemovalBlocker, ...] = ()
+    """What stood in the way of those."""
 
     @property
     def last(self) -> feeler.Removal:
@@ -231,7 +235,11 @@ class _Answer:
     def facts(self, mockup: feeler.Mockup) -> dict[str, Any]:
         """The answer as JSON values."""
         steps = [_step_facts(mockup, step) for step in self.steps]
-        return {"found": self.found, "error": self.error or None, "steps": steps}
+        facts: dict[str, Any] = {"found": self.found, "error": self.error or None, "steps": steps}
+        if self.stuck:
+            facts["stuck"] = [{"part": part, "path": mockup.part_paths[part]} for part in self.stuck]
+            facts["blocked_by"] = _blocker_facts(mockup, self.blocked_by)
+        return facts
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,13 +275,21 @@ class _Asked:
                     keep=self.keep,
                     executor=executor,
                 )
-                return _Answer(gone, found.is_found, found.steps)
+                return _of_order(gone, found)
             one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
         return _of_removal(gone, one)
 
 
 def _of_removal(parts: tuple[int, ...], found: feeler.Removal, error: str = "") -> _Answer:
     return _Answer(parts, found.is_found, (feeler.RemovalStep(parts, found),), error)
+
+
+def _of_order(parts: tuple[int, ...], found: feeler.RemovalOrder) -> _Answer:
+    return _Answer(parts, found.is_found, found.steps, stuck=found.stuck, blocked_by=found.blocked_by)
+
+
+def _blocker_facts(mockup: feeler.Mockup, blockers: tuple[feeler.RemovalBlocker, ...]) -> list[dict[str, Any]]:
+    return [{"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in blockers]
 
 
 def _one(
@@ -411,9 +427,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
         "parts": [{"part": part, "path": mockup.part_paths[part]} for part in step.parts],
         "found": one.is_found,
         "free": one.is_found,
-        "blocked_by": [
-            {"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in one.blocked_by
-        ],
+        "blocked_by": _blocker_facts(mockup, one.blocked_by),
         "held_by": [{"part": part.index, "path": part.path} for part in one.held_by],
         "play_m": one.play,
         "certificate": dataclasses.asdict(one.certificate),
@@ -499,7 +513,10 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
         play = outputs.length(answers[0].last.play)
         outputs.print_finding(out, f"it is held by {names}: no point of it can move farther than {play}")
     else:
-        outputs.print_finding(out, "no path was found; that is no proof that there is none")
+        what = "order" if answers[0].stuck else "path"
+        outputs.print_finding(out, f"no {what} was found; that is no proof that there is none")
+        if answers[0].stuck:
+            outputs.print_finding(out, _stuck_text(mockup, answers[0]))
     out.print()
     outputs.print_table(
         out,
@@ -518,7 +535,7 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
     for answer in [answer for answer in answers if answer.error][:_SHOWN]:
         outputs.print_finding(out, f"not tried: {answer.error}")
     if not whole and not answers[0].found and not answers[0].last.held_by:
-        blocked = answers[0].last.blocked_by
+        blocked = answers[0].blocked_by or answers[0].last.blocked_by
         outputs.print_table(
             out,
             "What blocked it",
@@ -528,6 +545,15 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
         )
     for kind, target in written.items():
         outputs.say(out, f"{kind} written to {target}")
+
+
+def _stuck_text(mockup: feeler.Mockup, answer: _Answer) -> str:
+    """The parts at which the search for an order ended."""
+    names = ", ".join(mockup.part_paths[part] for part in answer.stuck[:_SHOWN_BLOCKERS])
+    more = len(answer.stuck) - _SHOWN_BLOCKERS
+    names += f" and {plural(more, 'other part')}" if more > 0 else ""
+    do = "does" if len(answer.stuck) == 1 else "do"
+    return f"the search ended at {names}, which {do} not come out"
 
 
 def _row(mockup: feeler.Mockup, step: feeler.RemovalStep, error: str) -> tuple[str, ...]:

@@ -108,9 +108,9 @@ def report(
     with bar("reading the project"):
         made = report_of(source)
     media = Media()
-    if html is not None:
+    if html is not None or xlsx is not None:
         with bar("drawing") as progress:
-            media = media_of(source, made, pictures, progress)
+            media = media_of(source, made, pictures, progress, has_ways=html is not None)
         if folder is not None and not media.is_partial:
             _add_page(source, made, media)
     written = _write(made, media, html, xlsx, folder)
@@ -199,7 +199,7 @@ def _write(made: Report, media: Media, html: Path | None, xlsx: Path | None, fol
             file.write(page)
         written = {"html": str(html), **written}
     if xlsx is not None:
-        data = xlsx_bytes(made)
+        data = xlsx_bytes(made, media)
         with atomic_file(xlsx, ".xlsx") as file:
             file.write(data)
         written["xlsx"] = str(xlsx)
@@ -217,13 +217,28 @@ def _write_files(folder: Path, files: Mapping[str, bytes]) -> dict[str, str]:
                     there.unlink()
     if not files:
         return {}
+    is_folder_new = not folder.is_dir()
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise WriteError(f"cannot make {folder}: {error.strerror or error}; choose another place") from None
-    for name, data in files.items():
-        with atomic_file(folder / name) as file:
-            file.write(data)
+    made: list[Path] = []
+    try:
+        for name, data in files.items():
+            is_new = not (folder / name).exists()
+            with atomic_file(folder / name) as file:
+                file.write(data)
+            if is_new:
+                made.append(folder / name)
+    except BaseException:
+        # Half of the files is nothing to hand on: of a full disk, the room is given back.
+        for each in made:
+            with contextlib.suppress(OSError):
+                each.unlink()
+        if is_folder_new:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        raise
     return {"files": str(folder)}
 
 

@@ -63,6 +63,7 @@ feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
 feeler view sample:engine:10000000 --benchmark
 feeler view engine.step --findings clashes.json
+feeler view engine.step --mechanism cowl.toml
 feeler view engine.step --project engine.feelproj
 feeler view engine.feelproj
 feeler view engine-2.step --project engine.feelproj
@@ -107,6 +108,10 @@ def view(
     ] = False,
     findings: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Findings of feeler clash --json, to step through.")
+    ] = None,
+    mechanism: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Joints of the mock-up (.toml), with a slider each: see feeler move."),
     ] = None,
     project: ProjectFile = None,
     read_only: Annotated[
@@ -164,6 +169,7 @@ def view(
     if benchmark:
         check_target(FILE)
     found = None if findings is None else read_findings(findings)
+    joints = None if mechanism is None else _mechanism_of(mechanism)
     # Before anything is loaded, so that a missing device is reported at once.
     held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
@@ -186,6 +192,7 @@ def view(
         choice = Choice(None, work.without, work.only)
         opening = _Opening(session, work.sources, work.tool, choice, held, found)
         opening.is_tool_kept = is_tool_given
+        opening.mechanism = joints
         opening.project = None if opened is None else opened.path
         if opened is not None and not read_only:
             opening.on_opened = partial(keep_work, opened, work)
@@ -207,6 +214,15 @@ def view(
         fail(f"not saved: {trouble}")
     if opening.is_failed or trouble is not None:
         raise typer.Exit(BAD_INPUT)
+
+
+def _mechanism_of(path: Path) -> tuple[str, str]:
+    """The name and the text of a file, whose mistakes are told before anything is loaded. Raises `LoadError`."""
+    from feeler.io.text import text_of
+    from feeler.mechanism import files
+
+    files.read(path)
+    return path.name, text_of(path)
 
 
 @contextlib.contextmanager
@@ -254,6 +270,8 @@ class _Opening:
         """Set when the mock-up is read and indexed."""
         self.project: str | None = None
         """The path of the project, if there is one."""
+        self.mechanism: tuple[str, str] | None = None
+        """The name and the text of a mechanism of the first mock-up."""
         self.on_opened: Callable[[], object] = lambda: None
         """Called when the mock-up is in the session."""
         self._findings = findings
@@ -373,6 +391,9 @@ class _Opening:
         self.on_opened()
         if self._findings is not None:
             session.load_findings(self._findings)
+        joints, self.mechanism = self.mechanism, None
+        if joints is not None:
+            session.command("mechanism_open", {"name": joints[0], "text": joints[1]}, None)
         if is_first and self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.engine.device import DeviceHand
 

@@ -94,13 +94,25 @@ class Assembly:
         self._parts.append(np.broadcast_to(np.asarray(part_of_face, dtype=np.int64), len(corners)) + len(self._names))
         self._vertex_count += len(points)
         for own in below:
-            names = [clean_name(str(name), "part") for name in (*path, *own)] or ["part"]
-            self._names.append(names[-1])
-            self._paths.append(self._book.claim("/".join(name.replace("/", "_") for name in names[:-1]), names[-1]))
+            self._claim((*path, *own))
+
+    def add_bare(self, path: tuple[str, ...]) -> None:
+        """Adds a part without triangles."""
+        self._claim(path)
+
+    def _claim(self, path: tuple[str, ...]) -> None:
+        names = [clean_name(str(name), "part") for name in path] or ["part"]
+        self._names.append(names[-1])
+        self._paths.append(self._book.claim("/".join(name.replace("/", "_") for name in names[:-1]), names[-1]))
 
     def skip(self, what: str) -> None:
         """Counts an object without triangles, for the report."""
         self._skipped[what] += 1
+
+    @property
+    def part_count(self) -> int:
+        """The number of parts so far."""
+        return len(self._names)
 
     @property
     def is_empty(self) -> bool:

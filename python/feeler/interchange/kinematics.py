@@ -20,13 +20,28 @@ def link_poses(
     A joint without a value has its neutral one: 0, or the limit nearest to 0. Mimicking joints follow. Raises
     `OptionError` for unknown names and invalid values, `LoadError` if the joints do not form a tree.
     """
-    by_name = {joint.name: joint for joint in joints}
-    if len(by_name) != len(joints):
-        raise LoadError(f"{where}: two joints have the same name; rename one")
+    by_name = _by_name(joints, where)
     notes: list[str] = []
     given = _checked(values, by_name)
     all_values = {name: _value(by_name, name, given, notes, where) for name in by_name}
     return _walk([link.name for link in links], joints, all_values, where), notes
+
+
+def zero_poses(links: Sequence[Link], joints: Sequence[Joint], where: str) -> dict[str, Floats]:
+    """root_from_link of each link, (4, 4), metres, with all joints at 0; those that mimic with a multiplier of 0 stand
+    at their offset. Raises `LoadError` if the joints do not form a tree."""
+    by_name = _by_name(joints, where)
+    for name in by_name:
+        _value(by_name, name, {}, [], where)  # mimics of what is not there are refused
+    stand = {each.name: each.mimic.offset for each in joints if each.mimic is not None and not each.mimic.multiplier}
+    return _walk([link.name for link in links], joints, {**dict.fromkeys(by_name, 0.0), **stand}, where)
+
+
+def _by_name(joints: Sequence[Joint], where: str) -> dict[str, Joint]:
+    by_name = {joint.name: joint for joint in joints}
+    if len(by_name) != len(joints):
+        raise LoadError(f"{where}: two joints have the same name; rename one")
+    return by_name
 
 
 def _checked(values: Mapping[str, Any] | None, by_name: Mapping[str, Joint]) -> dict[str, float]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import unquote
 
 import numpy as np
@@ -19,13 +20,14 @@ from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.interchange import shapes
 from feeler.interchange.assembly import Assembly
 from feeler.interchange.kinematics import link_poses
-from feeler.interchange.urdf_file import Floats, Geometry, read_urdf
+from feeler.interchange.urdf_file import Floats, Geometry, Link, read_urdf
 from feeler.io import DEFAULT_CHORD_TOLERANCE, load_mockup
 from feeler.io.sniff import identify
 from feeler.mockup import Mockup
 from feeler.words import counted
 
 PathLike = str | os.PathLike[str]
+PackageDirs = Iterable[PathLike] | Mapping[str, PathLike]
 
 _WITHOUT_UNIT = ("STL", "OBJ", "PLY", "OFF")
 _SCHEMES = ("package://", "model://")
@@ -36,7 +38,7 @@ def from_urdf(
     joints: Mapping[str, float] | None = None,
     *,
     geometry: GeometryKind = "collision",
-    package_dirs: Iterable[PathLike] | Mapping[str, PathLike] = (),
+    package_dirs: PackageDirs = (),
     chord_tolerance: float = DEFAULT_CHORD_TOLERANCE,
 ) -> Mockup:
     """A robot as a mock-up: each geometry of each link is a part, `link/geometry`, placed by the joints, metres.
@@ -57,31 +59,57 @@ def from_urdf(
     Raises `LoadError` for a file that is not a URDF or has no such geometry; `MissingFileError` if it, or a mesh file,
     does not exist; `OptionError` for the options.
     """
-    started = time.perf_counter()
-    check_word("geometry", geometry, GEOMETRIES)
-    chord_tolerance = check_number("chord_tolerance", chord_tolerance, "metres, more than 0", above=0.0)
     file = check_path("path", path)
     links, hinges = read_urdf(file)
     poses, notes = link_poses(links, hinges, joints, str(file))
+    return placed_robot(file, links, poses, notes, geometry, package_dirs, chord_tolerance).mockup
+
+
+class PlacedRobot(NamedTuple):
+    """A robot as a mock-up. parts: of each link the indices of its parts."""
+
+    mockup: Mockup
+    parts: dict[str, list[int]]
+
+
+def placed_robot(
+    file: Path,
+    links: Sequence[Link],
+    poses: Mapping[str, Floats],
+    notes: Sequence[str],
+    geometry: GeometryKind,
+    package_dirs: PackageDirs,
+    chord_tolerance: float,
+    bare: Collection[str] = (),
+) -> PlacedRobot:
+    """The geometry of links at their poses. Links of `bare` that have none get a part without triangles."""
+    started = time.perf_counter()
+    check_word("geometry", geometry, GEOMETRIES)
+    chord_tolerance = check_number("chord_tolerance", chord_tolerance, "metres, more than 0", above=0.0)
     assembly = Assembly("URDF", "m")
     assembly.files.append(str(file))
     assembly.notes += notes
     finder = _Finder(file, package_dirs)
-    bare = 0
+    parts: dict[str, list[int]] = {}
+    empty = 0
     for link in links:
         found = link.collision if geometry == "collision" else link.visual
-        bare += not found
+        empty += not found
+        first = assembly.part_count
         for each in found:
             placed = poses[link.name] @ each.link_from_geometry
             _add(assembly, link.name, each, placed, finder, chord_tolerance, f"{file}: link {link.name!r}")
-    if bare:
-        assembly.notes.append(counted(bare, f"links without {geometry} geometry add nothing"))
+        if link.name in bare and assembly.part_count == first:
+            assembly.add_bare((link.name,))
+        parts[link.name] = list(range(first, assembly.part_count))
+    if empty:
+        assembly.notes.append(counted(empty, f"links without {geometry} geometry add nothing"))
     if assembly.is_empty:
         other = "visual" if geometry == "collision" else "collision"
         raise LoadError(f"{file}: no link has {geometry} geometry; try geometry={other!r}")
     meshes = assembly.meshes(time.perf_counter() - started)
     source = replace(meshes.source, unit_source="URDF is in metres")
-    return Mockup(*meshes[:4], part_paths=meshes.part_paths, source=source)
+    return PlacedRobot(Mockup(*meshes[:4], part_paths=meshes.part_paths, source=source), parts)
 
 
 def _add(
@@ -122,7 +150,7 @@ def _add_mesh(assembly: Assembly, link: str, shape: Geometry, placed: Floats, fi
 class _Finder:
     """Finds the mesh files of a URDF."""
 
-    def __init__(self, file: Path, package_dirs: Iterable[PathLike] | Mapping[str, PathLike]) -> None:
+    def __init__(self, file: Path, package_dirs: PackageDirs) -> None:
         self._folder = file.parent
         self._above = file.resolve().parent.parents
         self._named: dict[str, Path] = {}

@@ -20,6 +20,10 @@ SIZES = {"box": ("size", 3), "cylinder": ("radius length", 2), "sphere": ("radiu
 """Shapes: the attributes of their sizes, and the number of values of each."""
 
 
+MOST_BYTES = 64 * 2**20
+"""Larger files are refused: robots have some hundred links."""
+
+
 @dataclass(frozen=True, eq=False)
 class Geometry:
     """One `<collision>` or `<visual>`: a shape of `sizes`, metres, or a mesh file."""
@@ -88,6 +92,8 @@ def _root(file: Path) -> Element:
     if not file.is_file():
         what = "is a folder" if file.is_dir() else "does not exist"
         raise MissingFileError(f"{file} {what}: give a URDF file")
+    if file.stat().st_size > MOST_BYTES:
+        raise LoadError(f"{file}: it has more than {MOST_BYTES >> 20} MiB, too many for a URDF; keep meshes in files")
     builder = ElementTree.TreeBuilder()
 
     def start(tag: str, attributes: dict[str, str]) -> None:

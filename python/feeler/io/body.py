@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -47,6 +47,7 @@ class Body:
     vertices: (n, 3) float64, metres. faces: (m, 3) integers. part_of_face: (m,) integers into `paths`.
     paths: "assembly/sub/part" of each part. palette: (k, 3) sRGB colours, 0 to 1.
     colour_of_face: (m,) integers into `palette`. cut: whether a section plane cuts it (pictures only).
+    attributes: text by name, of each part; None: no part has any.
     """
 
     vertices: FloatArray
@@ -56,6 +57,7 @@ class Body:
     palette: FloatArray
     colour_of_face: npt.NDArray[Any]
     cut: bool = True
+    attributes: Sequence[Mapping[str, str]] | None = None
 
     def __post_init__(self) -> None:
         vertices = check_array("vertices", self.vertices, (None, 3), is_finite=False)
@@ -70,6 +72,17 @@ class Body:
         if faces.size and not 0 <= faces.min() <= faces.max() < len(vertices):
             raise MeshError(f"faces refer to vertices that do not exist: there are {len(vertices)}")
         check_flag("cut", self.cut)
+        if self.attributes is not None:
+            self._check_attributes(len(paths))
+
+    def _check_attributes(self, count: int) -> None:
+        given = check_list("attributes", self.attributes, "text by name, for each part")
+        if len(given) != count:
+            raise MeshError(f"attributes has {len(given)} entries but there are {count} parts")
+        for each in given:
+            pairs = each.items() if isinstance(each, Mapping) else [(each, each)]
+            if not all(isinstance(text, str) for pair in pairs for text in pair):
+                raise MeshError(f"attributes has {shown(each)}: give text by name, for each part")
 
     @property
     def points(self) -> FloatArray:
@@ -135,7 +148,12 @@ def body_of(
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
     own = stated_colours(mesh, len(paths)) if colours is None else None
     palette, colour_of_part = _palette(own if colours is None else colours, paths)
-    return Body(vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut)
+    attributes = getattr(mesh, "_part_attributes", None)
+    if attributes is not None and len(attributes) != len(paths):
+        attributes = None
+    return Body(
+        vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut, attributes=attributes
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +190,7 @@ def only_faces(body: Body, keep: npt.NDArray[np.bool_]) -> Body:
         faces=body.faces[keep],
         part_of_face=np.asarray(index, dtype=np.int64).reshape(-1),
         paths=tuple(body.paths[part] for part in parts),
+        attributes=None if body.attributes is None else [body.attributes[part] for part in parts],
         colour_of_face=body.colour_of_face[keep],
     )
 

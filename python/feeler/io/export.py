@@ -37,8 +37,9 @@ def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.Arra
     """Writes mock-ups, tools or bodies as one binary glTF 2.0 file; returns its size in bytes.
 
     One node and one mesh per part, named after the part, nested as in the part paths ("a/b/c"); a part with several
-    colours has one primitive per colour. A part without triangles keeps its node, without a mesh. colours: as for
-    `body_of`, used for meshes that are not a `Body`. Raises `WriteError`, `MeshError`, `OptionError`.
+    colours has one primitive per colour. A part without triangles keeps its node, without a mesh. Attributes of parts
+    are the `extras` of nodes, and `material` names the materials, too. colours: as for `body_of`, used for meshes that
+    are not a `Body`. Raises `WriteError`, `MeshError`, `OptionError`.
     """
     bodies = [body_of(mesh, colours=colours) for mesh in meshes]
     if not bodies:
@@ -112,7 +113,7 @@ class _Document:
         self.roots: list[int] = []
         self.meshes: list[dict[str, Any]] = []
         self.accessors: list[dict[str, Any]] = []
-        self.materials: dict[tuple[float, ...], int] = {}
+        self.materials: dict[tuple[tuple[float, ...], str], int] = {}
         self.animation: dict[str, list[dict[str, Any]]] = {"samplers": [], "channels": []}
         # The node of each part, and where its mesh has its origin.
         self.part_nodes: list[tuple[int, FloatArray]] = []
@@ -124,7 +125,6 @@ class _Document:
         """Adds the parts of a body under nodes that follow their paths."""
         order, starts = _group(body.part_of_face, body.colour_of_face, len(body.paths), len(body.palette))
         positions, first_vertex, local = _split_vertices(body, order)
-        materials = [self._material(colour) for colour in body.palette]
         local16 = local.astype(np.uint16)
         # Runs of equal (part, colour) along the ordered triangles.
         runs: list[list[tuple[int, int, int]]] = [[] for _ in body.paths]
@@ -145,6 +145,9 @@ class _Document:
         folders: dict[str, int] = {}
         for part, path in enumerate(body.paths):
             node: dict[str, Any] = {"name": path.rpartition("/")[2]}
+            own = {} if body.attributes is None else body.attributes[part]
+            if own:
+                node["extras"] = dict(own)
             self.part_nodes.append((len(self.nodes), origins[part]))
             self._attach(node, path.rpartition("/")[0], folders)
             if not runs[part]:
@@ -161,7 +164,11 @@ class _Document:
                 offset = self._append(block, _bytes(source[start:stop]))
                 indices = self._accessor(block, offset, kind, 3 * (stop - start), "SCALAR")
                 primitives.append(
-                    {"attributes": {"POSITION": position}, "indices": indices, "material": materials[colour]}
+                    {
+                        "attributes": {"POSITION": position},
+                        "indices": indices,
+                        "material": self._material(body.palette[colour], own.get("material", "")),
+                    }
                 )
             node["mesh"] = len(self.meshes)
             self.meshes.append({"name": node["name"], "primitives": primitives})
@@ -213,7 +220,7 @@ class _Document:
                 accessors=self.accessors,
                 bufferViews=views,
                 buffers=[{"byteLength": offset}],
-                materials=[_material_json(colour) for colour in self.materials],
+                materials=[_material_json(*each) for each in self.materials],
             )
         if self.animation["channels"]:
             document["animations"] = [self.animation]
@@ -238,8 +245,9 @@ class _Document:
         self.accessors.append(entry)
         return len(self.accessors) - 1
 
-    def _material(self, colour: npt.ArrayLike) -> int:
-        return self.materials.setdefault(tuple(float(c) for c in np.asarray(colour)), len(self.materials))
+    def _material(self, colour: FloatArray, name: str) -> int:
+        """The material of a colour, called as the part's attribute "material"; parts share it."""
+        return self.materials.setdefault((tuple(colour.tolist()), name), len(self.materials))
 
     def _attach(self, node: dict[str, Any], folder: str, folders: dict[str, int]) -> None:
         """Appends a node to the node of its folder, which is created if missing."""
@@ -322,10 +330,11 @@ def _bytes(array: npt.NDArray[Any]) -> memoryview:
     return memoryview(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
 
 
-def _material_json(colour: Sequence[float]) -> dict[str, Any]:
+def _material_json(colour: Sequence[float], name: str) -> dict[str, Any]:
     # glTF wants linear light; colours are given as sRGB, as people read them.
     linear = [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 6) for c in colour]
     return {
+        **({"name": name} if name else {}),
         "pbrMetallicRoughness": {
             "baseColorFactor": [*linear, 1.0],
             "metallicFactor": 0.1,

@@ -52,6 +52,7 @@ def read_gltf(
     names: list[str] = []
     paths: list[str] = []
     colours: list[Colour] = []
+    nodes: list[int] = []
     stated = _Attributes(document, tally)
     base = 0
     for number, instance in enumerate(graph.instances):
@@ -66,6 +67,7 @@ def read_gltf(
         base += len(points)
         names.append(instance.name)
         paths.append(instance.path)
+        nodes.append(instance.node)
         colours.append(mesh_colour(document, instance.shape.mesh))
         stated.add_instance(instance)
         if progress and not number % 256:
@@ -86,6 +88,7 @@ def read_gltf(
         up=None if document.root["asset"].get("generator") == OWN_GENERATOR else "y",
         colours=np.array(colours).reshape(-1, 3),
         attributes=stated.attributes(),
+        nodes=nodes,
     )
 
 
@@ -96,7 +99,7 @@ class _Attributes(Stated):
         super().__init__(tally)
         self._document = document
         self._of_node: tuple[int, dict[str, str]] = (-1, {})
-        self._of_mesh: dict[int, dict[str, str]] = {}
+        self._of_mesh: dict[int, tuple[dict[str, str], dict[str, str]]] = {}
 
     def add_instance(self, instance: Instance) -> None:
         """Adds those of the next part."""
@@ -106,9 +109,9 @@ class _Attributes(Stated):
             self._of_node = (node, self.flat(document.item("nodes", node).get("extras")))
         if mesh not in self._of_mesh:
             entry = document.item("meshes", mesh)
-            materials = dict.fromkeys(material_names(document, entry))
-            self._of_mesh[mesh] = {**self.text("material", ", ".join(materials)), **self.flat(entry.get("extras"))}
-        self.add(self._of_node[1] if node >= 0 else {}, self._of_mesh[mesh], name=instance.name)
+            materials = dict.fromkeys(filter(None, material_names(document, entry)))
+            self._of_mesh[mesh] = (self.flat(entry.get("extras")), self.text("material", ", ".join(materials)))
+        self.add(self._of_node[1] if node >= 0 else {}, *self._of_mesh[mesh], name=instance.name)
 
 
 class _Placer:

@@ -90,6 +90,27 @@ def load_mockup(
             mockup = load_mockup(path, unit, up=up, chord_tolerance=chord_tolerance, progress=progress)
         return entry.keep(mockup)
     loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
+    mockup = _checked(loaded, started, progress)
+    if progress:
+        progress(1.0, "loaded")
+    return mockup
+
+
+def load_with_nodes(
+    path: PathLike, up: UpAxis | None, progress: Progress | None
+) -> tuple[Mockup, list[int], Axis | None]:
+    """The mock-up of a glTF file, as of `load_mockup`, the node of each part, and the file's up axis.
+
+    Raises `LoadError` for other files.
+    """
+    started = time.perf_counter()
+    loaded = _load(path, None, up, None, portion(progress, 0.0, 0.8))
+    if loaded.raw.nodes is None:
+        raise LoadError(f"{path}: this is no glTF file, and only these have animations: export .glb or .gltf")
+    return _checked(loaded, started, progress), loaded.raw.nodes, loaded.raw.up
+
+
+def _checked(loaded: _Loaded, started: float, progress: Progress | None) -> Mockup:
     raw = loaded.raw
     if progress:
         progress(0.8, "checking triangles")
@@ -98,8 +119,6 @@ def load_mockup(
     mockup.part_colours = _telling(raw.colours)
     mockup._keep_attributes(raw.attributes)
     mockup.source = loaded.source(time.perf_counter() - started, mockup)
-    if progress:
-        progress(1.0, "loaded")
     return mockup
 
 

@@ -16,6 +16,7 @@ _LONG = f"attributes have values longer than {MOST_VALUE:,} characters, which we
 _MANY = f"attributes were left out of parts that have more than {MOST_PER_PART}"
 _NO_TEXT = "attributes are binary data or no finite numbers, and were left out"
 _TOO_MANY = "parts lost their attributes: the file states too many"
+_HIDDEN = "attributes of meshes or materials were left out, as the part itself states others of the same name"
 _BINARY = re.compile(r"data:[^,]{0,200};base64,", re.IGNORECASE)
 _MOST_HUGE = 10**60
 
@@ -28,11 +29,12 @@ class Stated:
         self._book = Book()
 
     def add(self, *rows: Mapping[str, str], name: str = "") -> None:
-        """Adds those of the next part, called `name`. Of equal names the first row counts."""
+        """Adds those of the next part, called `name`. Of equal names the first row counts; other values are noted."""
         joined: dict[str, str] = {}
         for row in rows:
             for key, value in row.items():
-                joined.setdefault(key, value)
+                if joined.setdefault(key, value) != value:
+                    self._tally.add(_HIDDEN, f"{name}: {key}: {value}")
         if len(joined) > MOST_PER_PART:
             self._doubt(_MANY, name, len(joined) - MOST_PER_PART)
             joined = dict(list(joined.items())[:MOST_PER_PART])
@@ -44,10 +46,15 @@ class Stated:
         return self._book.attributes()
 
     def flat(self, value: object) -> dict[str, str]:
-        """The texts in a JSON object, nested ones by names with dots. Plain lists are one text, others are numbered."""
+        """The texts in a JSON object, nested ones by names with dots. Plain lists are one text, others are numbered.
+
+        Different values of one name are one text, with commas. What is no object is called "extras".
+        """
         found: dict[str, str] = {}
-        if not isinstance(value, dict):
+        if value is None:
             return found
+        if not isinstance(value, dict):
+            value = {"extras": value}
         waiting: list[tuple[str, Any]] = [("", value)]
         while waiting:
             above, here = waiting.pop()
@@ -84,8 +91,8 @@ class Stated:
 
     def _take(self, found: dict[str, str], name: str, value: object) -> None:
         text = self._text(name, value)
-        if text:
-            found[name] = text
+        if text and found.setdefault(name, text) != text:
+            found[name] = self._cut(name, f"{found[name]}, {text}")
 
     def _text(self, name: str, value: object) -> str:
         if isinstance(value, bool):

@@ -61,6 +61,11 @@ def kind_said(name: str) -> str | None:
     return next((said for said in map(_said, re.split(r"[,;(]", plain)) if said is not None), None)
 
 
+def words(name: str) -> list[str]:
+    """The words of a name, in lower case: "SnapRing_12" has "snap" and "ring"."""
+    return [word.lower() for word in _WORD.findall(name)]
+
+
 def says_nothing(name: str) -> bool:
     """Whether a name has no word about the part, as in "Part 12"."""
     return all(len(word) < 3 or word.lower() in _GENERIC for word in _WORD.findall(name))

@@ -203,7 +203,8 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
     if float(np.einsum("ni,ni,n->", normals, corners.mean(axis=1) - centre, area)) < 0.0:
         normals = -normals  # the mesh is wound inside out
     best: Looks | None = None
-    for axis in _axes(corners, area, normals, centre):
+    for rough in _axes(corners, area, normals, centre):
+        axis = _along_walls(area, normals, rough)
         view = _view(corners, area, normals, centre, axis) if _is_round(vertices - centre, axis) else None
         if view is None:
             continue
@@ -273,6 +274,18 @@ def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Ite
         if all(abs(axis @ other) < 1.0 - 1e-4 for other in tried):
             tried.append(axis)
             yield axis
+
+
+def _along_walls(area: Floats, normals: Floats, axis: Floats) -> Floats:
+    """An axis moved to be along the walls about it: moments of a few long triangles may be some degrees off."""
+    for _ in range(3):
+        wall = np.abs(normals @ axis) < WALL_SLOPE
+        values, vectors = np.linalg.eigh(np.einsum("n,ni,nj->ij", area[wall], normals[wall], normals[wall]))
+        best = vectors[:, 0] * np.sign(vectors[:, 0] @ axis)
+        if values[0] > 0.1 * values[1] or best @ axis < np.cos(WALL_SLOPE):
+            return axis
+        axis = best
+    return axis
 
 
 def _surface_moment(corners: Floats, area: Floats) -> Floats:
@@ -544,8 +557,8 @@ def _nut(view: _View) -> _Found | None:
         return None
     body, bore = max(prisms, key=lambda b: (b.sides > 4, b.radius)), min(bores, key=lambda b: b.radius)
     full = view.high - view.low
-    # The bore of a domed nut enters from below.
-    is_blind = bore.high < view.high - 0.1 * full
+    # The bore of a domed nut enters from below. Chamfers leave as much at both ends.
+    is_blind = view.high - bore.high > max(bore.low - view.low, 0.0) + 0.1 * full
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
         return None
     least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())

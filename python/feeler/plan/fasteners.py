@@ -305,7 +305,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             part=part,
             path=world.part_paths[part],
             kind=kind,
-            frame=_frame(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
+            frame=framed(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
             size=seen.size,
             across_flats=seen.across_flats,
             length=seen.length,
@@ -338,7 +338,7 @@ def _kind(looks: Looks, name: str | None) -> FastenerKind:
     return check_word("kind", "bolt" if said == "prism" else said, KINDS)
 
 
-def _frame(origin: Floats, axis: Floats) -> Floats:
+def framed(origin: Floats, axis: Floats) -> Floats:
     """A frame with z along an axis; x is perpendicular to the coordinate axis least aligned with it."""
     x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     x /= np.linalg.norm(x)

@@ -16,11 +16,12 @@ import numpy as np
 
 import feeler
 from feeler._core import Cast, Clearance, Collision, Contacts, Distance
-from feeler.arguments import check_callable, check_flag, check_path, check_whole, check_word
+from feeler.arguments import check_callable, check_flag, check_kind, check_path, check_whole, check_word
 from feeler.atomic import atomic_file, check_target
 from feeler.choices import VIEW_UNITS, ViewMode, ViewUnit
-from feeler.errors import MeshError, WorkbenchError, WriteError
+from feeler.errors import MeshError, OptionError, WorkbenchError, WriteError
 from feeler.io.body import body_of, only_faces
+from feeler.mechanism.mechanism import Mechanism
 from feeler.mockup import Mockup, Tool
 from feeler.picture.camera import check_size
 from feeler.picture.png import write_png
@@ -32,6 +33,7 @@ from feeler.workbench.document import motion
 from feeler.workbench.document.document import MODES
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import CommandAnswer
+from feeler.workbench.engine.mechanism import text_of
 from feeler.workbench.session.session import Session
 from feeler.workbench.view_commands import ViewCommands
 
@@ -49,6 +51,7 @@ def view(
     mode: ViewMode = "stop",
     unit: ViewUnit = "mm",
     project: str | os.PathLike[str] | None = None,
+    mechanism: Mechanism | None = None,
 ) -> View:
     """Opens the workbench on a scene, or on a mock-up, which is indexed first, with a tool in hand.
 
@@ -59,6 +62,8 @@ def view(
     - `unit`: of displayed lengths: `"mm"`, `"cm"`, `"m"` or `"in"`.
     - `project`: a project file (`.feelproj`), in which everything is saved; made if it is missing. What it has already
       replaces `pose`, `mode` and `unit`.
+    - `mechanism`: of the mock-up: its joints have sliders in the page, and its parts can be dragged. It replaces that
+      of a project.
 
     It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, `WorkbenchError` for an invalid
     pose, or if the server cannot start, and the errors of `open_project`.
@@ -73,6 +78,10 @@ def view(
     check_whole("port", port, 0, 65535)
     check_flag("browser", browser)
     start = None if pose is None else motion.checked(pose, "pose")
+    if mechanism is not None:
+        check_kind("mechanism", mechanism, Mechanism)
+        if mechanism.mockup is not (scene.mockup if isinstance(scene, Scene) else scene):
+            raise OptionError("the mechanism is of another mock-up: make it of the one that is viewed")
     book = None if project is None else open_or_make(check_path("project", project))
     session = Session(unit=unit, project=book)
     try:
@@ -82,6 +91,9 @@ def view(
         if isinstance(scene, Mockup):
             scene = Scene(scene, tool=tool, progress=lambda share, stage: session.loading(stage, share))
         session.open(scene.mockup, scene, tool, pose=start, mode=mode)
+        if mechanism is not None:
+            text = text_of(mechanism.mockup, mechanism.joints, mechanism.couplings, mechanism.loops)
+            session.command("mechanism_open", {"name": "mechanism", "text": text}, None)
     except BaseException:
         session.close()
         raise

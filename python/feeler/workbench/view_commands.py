@@ -305,7 +305,7 @@ class ViewCommands:
         return self.command("card_cancel", id=id)
 
     def card_remove(self, id: int) -> CommandAnswer:
-        """Removes a card, with its answer."""
+        """Removes a card, with its answer, and the guide along its way."""
         return self.command("card_remove", id=id)
 
     def way_take(
@@ -343,6 +343,32 @@ class ViewCommands:
     def seat(self, pose: Pose | PoseLike) -> CommandAnswer:
         """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""
         return self.command("seat", pose=plain_pose(pose))
+
+    def mechanism_open(self, name: str, text: str) -> CommandAnswer:
+        """Opens a mechanism: the text of a TOML file, and its name. Links of the one before go back to where they are
+        modelled."""
+        return self.command("mechanism_open", name=name, text=text)
+
+    def mechanism_close(self) -> CommandAnswer:
+        """Closes the mechanism: its links go back to where they are modelled. Lines of the sequence stay."""
+        return self.command("mechanism_close")
+
+    def joint_move(self, name: str, value: float) -> CommandAnswer:
+        """Moves a joint to a value, radians or metres, as far as contact lets it; joints that follow it follow."""
+        return self.command("joint_move", name=name, value=value)
+
+    def joint_take(self, name: str) -> CommandAnswer:
+        """Takes the parts of a joint in the hand, on the joint: they move along it alone. The tool is put away."""
+        return self.command("joint_take", name=name)
+
+    def joint_step(self) -> CommandAnswer:
+        """Keeps the position as lines of the sequence: one for each joint that stands elsewhere than after the lines
+        before. In the order in which they were moved."""
+        return self.command("joint_step")
+
+    def joint_step_go(self, id: int) -> CommandAnswer:
+        """Puts the joints where a line of the sequence leaves them, without a motion that contact could stop."""
+        return self.command("joint_step_go", id=id)
 
     def undo(self) -> CommandAnswer:
         """Undoes the last command."""

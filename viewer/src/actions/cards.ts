@@ -157,9 +157,18 @@ export function endFilm(wb: Workbench): void {
   wb.redraw();
 }
 
-/** Accepts the ways of a card into the sequence: the parts are out then. */
+/** So soon after it, another click belongs to the same double click. */
+const TAKEN_MS = 500;
+/** Cards whose ways are being accepted. */
+const taking = new Set<number>();
+
+/** Accepts the ways of a card into the sequence: the parts are out then. A second click of a double click does nothing. */
 export async function takeWay(wb: Workbench, card: number, steps?: number): Promise<void> {
+  if (taking.has(card)) return;
+  taking.add(card);
   const is_done = await wb.run("way_take", steps === undefined ? { id: card } : { id: card, steps });
+  // The page shows that the parts are out a moment later.
+  setTimeout(() => taking.delete(card), TAKEN_MS);
   if (!is_done) return;
   wb.store.film.value = null;
   wb.store.panel.value = "sequence";

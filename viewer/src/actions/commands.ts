@@ -20,6 +20,7 @@ import {
   openRules,
   stepFinding,
 } from "./findings";
+import { chooseMechanism, keepPosition, moverOf, toggleWorst } from "./joints";
 import { checkWays, endGuide } from "./lines";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "./measures";
 import { chooseFiles } from "./opening";
@@ -76,6 +77,7 @@ const isAsked = (wb: Workbench): boolean => canChange(wb) && wb.store.people.ask
 const hasOthers = (wb: Workbench): boolean => canChange(wb) && wb.store.people.others.value.length > 0;
 const hasStale = (wb: Workbench): boolean => isStale(project(wb));
 const isGuided = (wb: Workbench): boolean => canChange(wb) && Boolean(wb.store.document.value?.guiding);
+const hasJoints = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.mechanism != null;
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -193,6 +195,7 @@ function openMenu(wb: Workbench): void {
 /** Esc: closes or ends the topmost activity. */
 function endNearest(wb: Workbench): void {
   const { store } = wb;
+  if (moverOf(wb).cancel()) return;
   if (store.dialog.peek()) store.dialog.value = null;
   else if (store.menu.peek()) store.menu.value = null;
   else if (store.drawer.peek()) store.drawer.value = null;
@@ -200,6 +203,7 @@ function endNearest(wb: Workbench): void {
   else if (store.measuring.peek()) stopMeasuring(wb);
   else if (store.is_picking_face.peek()) pickFace(wb);
   else if (store.film.peek()?.card === "sequence") endFilm(wb);
+  else if (store.joint_ghost.peek() !== null) toggleWorst(wb, store.joint_ghost.peek() ?? "");
   else if (store.findings.isLooking) leaveFinding(wb);
   else if (store.document.peek()?.guiding) void endGuide(wb);
   else if (store.selection.peek().size > 0) wb.select([]);
@@ -249,6 +253,7 @@ const panelTitles: Readonly<Record<Panel, string>> = {
   ask: "Ask",
   sections: "Sections",
   measures: "Measures",
+  mechanism: "Mechanism",
   sequence: "Sequence",
   findings: "Findings",
 };
@@ -489,6 +494,8 @@ export const COMMANDS: readonly PageCommand[] = [
   ),
 
   command("Sequence", "check-ways", "Check the ways of all removals", "", checkWays, hasSequence),
+  command("Sequence", "open-mechanism", "Open a mechanism", "", chooseMechanism, canChange),
+  command("Sequence", "joint-step", "Keep the position of the joints in the sequence", "", keepPosition, hasJoints),
   command("Sequence", "guide-end", "End the guidance of the hand", "", endGuide, isGuided),
   command(
     "Sequence",

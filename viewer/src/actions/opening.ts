@@ -3,6 +3,7 @@
 import type { Opens } from "../link/openings";
 import type { Unit } from "../link/protocol";
 import { takeFindings } from "./findings";
+import { isMechanism, openMechanism } from "./joints";
 import { sendFiles } from "./sending";
 import type { Workbench } from "./workbench";
 
@@ -56,6 +57,10 @@ export function takeFiles(wb: Workbench, files: readonly File[]): void {
   if (!first) return;
   if (files.length === 1 && suffixOf(first.name) === ".json") {
     void takeFindings(wb, first);
+    return;
+  }
+  if (files.length === 1 && isMechanism(first)) {
+    void openMechanism(wb, first);
     return;
   }
   const opens = store.opens.peek();

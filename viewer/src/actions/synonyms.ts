@@ -70,6 +70,7 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   "next-finding": ["clash", "interference", "issue"],
   "previous-finding": ["clash", "interference", "issue"],
   "panel-findings": ["clash", "clashes", "interfere", "interference", "issues"],
+  "panel-mechanism": ["joint", "joints", "hinge", "door", "slider", "kinematics", "cowl"],
   "panel-sequence": ["removals", "steps", "order"],
   "panel-measures": ["viewpoints", "views"],
   undo: ["back", "revert", "step back", "take back"],

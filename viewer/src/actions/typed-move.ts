@@ -10,10 +10,38 @@ export function beginTyping(wb: Workbench, kind: TypedMove["kind"]): void {
   const { hand, store } = wb;
   if (store.typed.peek()) cancelTyping(wb);
   const { pose, center } = hand;
-  if (store.people.is_barred.peek()) store.people.tried();
-  if (!pose || !center || hand.isLocked) return;
+  store.is_typing_refused.value = !pose || !center || hand.isLocked;
+  if (!pose || !center || hand.isLocked) {
+    sayRefusal(wb);
+    return;
+  }
   store.typed.value = startTyped(kind, pose, center, store.settings.peek().frame);
   wb.say(kind === "move" ? "Move: X, Y or Z, a length, Enter" : "Turn: X, Y or Z, an angle, Enter");
+}
+
+/** Why the tool does not move by keys now: in the bar of turns, or in the live region. */
+function sayRefusal(wb: Workbench): void {
+  const { people } = wb.store;
+  if (people.is_barred.peek()) people.tried();
+  wb.say(
+    people.is_barred.peek()
+      ? `${people.holder.peek()} has the tool`
+      : "The tool cannot be moved now: press G or R again",
+  );
+}
+
+/**
+ * A key after a movement that was refused: the keys of that movement say why, and do nothing else. Whether it was one.
+ *
+ * Esc, Enter, and every key that does not belong to a movement end this.
+ */
+export function refuseKey(wb: Workbench, isOfTyping: boolean, key: string): boolean {
+  const { is_typing_refused } = wb.store;
+  if (!is_typing_refused.peek()) return false;
+  const ends = key === "Escape" || key === "Enter";
+  if (ends || !isOfTyping) is_typing_refused.value = false;
+  else sayRefusal(wb);
+  return isOfTyping;
 }
 
 export function chooseAxis(wb: Workbench, axis: 0 | 1 | 2): void {

@@ -172,7 +172,7 @@ export class Workbench {
     }
     const text = error instanceof Error ? error.message : String(error);
     // Names of commands and of rooms of the program say nothing to people; places in what they gave do.
-    const where = error instanceof LinkError && !/^[a-z_]*$/.test(error.where) ? ` (${error.where})` : "";
+    const where = error instanceof LinkError && !/^[a-z_]*(, [a-z_]*)*$/.test(error.where) ? ` (${error.where})` : "";
     this.store.notify("error", sentences(text) + where);
   }
 

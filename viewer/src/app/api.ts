@@ -134,9 +134,21 @@ function poseOf(wb: Workbench, state: State | null): Pose | null {
   return pose ? Array.from(pose) : null;
 }
 
-function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<number>): Promise<Pose> {
+/** Somebody else has the tool. */
+export class ToolError extends Error {
+  override name = "ToolError";
+
+  constructor(readonly holder: string) {
+    super(`${holder || "somebody else"} has the tool`);
+  }
+}
+
+export function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<number>): Promise<Pose> {
   const { hand } = wb;
-  if (wb.store.people.is_barred.peek()) return Promise.reject(new Error("somebody else has the tool"));
+  const { people } = wb.store;
+  const barred = (): ToolError | null => (people.is_barred.peek() ? new ToolError(people.holder.peek()) : null);
+  const refused = barred();
+  if (refused) return Promise.reject(refused);
   if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page is read-only"));
   if (pose.length !== 16) return Promise.reject(new RangeError("a pose has 16 numbers, row by row"));
   return new Promise((resolve, reject) => {
@@ -145,10 +157,16 @@ function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<nu
     const done = (run: () => void): void => {
       clearTimeout(standing);
       clearTimeout(late);
+      endBars();
       end();
       run();
     };
-    const late = setTimeout(() => done(() => reject(new Error("the engine did not answer"))), ANSWER_MS);
+    const late = setTimeout(() => done(() => reject(barred() ?? new Error("the engine did not answer"))), ANSWER_MS);
+    // Somebody else may take the tool on the way: nothing answers this wish then.
+    const endBars = people.is_barred.subscribe(() => {
+      const taken = barred();
+      if (taken) done(() => reject(taken));
+    });
     const end = onState((state) => {
       if (hand.isWaiting || state.pose_seq < hand.sentSeq) return;
       const reached = Array.from(state.pose);

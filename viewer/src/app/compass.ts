@@ -14,10 +14,10 @@ import {
   sideName,
   TRIAD_PX,
 } from "../input/view-cube";
+import { HEAT_REACH_M } from "../math/heat-field";
 import { scaleBar } from "../math/scale-bar";
 import { formatLength, type Unit } from "../math/units";
 import type { Point, Vec3 } from "../math/vectors";
-import { HEAT_REACH_M } from "../scene/heat-field";
 
 /** The elements they are painted on. */
 export interface CompassElements {

@@ -60,7 +60,11 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       const is_barred = store.people.is_barred.value;
       if (is_barred && hand.wish) hand.drop();
       hand.isLocked = store.is_read_only.value || !store.has_hand.value || is_barred;
-      if (hand.isLocked) store.typed.value = null;
+      // The keys that follow were meant for the tool.
+      if (hand.isLocked && store.typed.peek()) {
+        store.typed.value = null;
+        store.is_typing_refused.value = true;
+      }
       loop.request();
     }),
     effect(() => {

@@ -4,7 +4,9 @@ import { effect } from "@preact/signals";
 import { fetchAnswer, filmPath, filmPlaces, hitAt, waysOf } from "../actions/cards";
 import { guidePath } from "../actions/lines";
 import type { Workbench } from "../actions/workbench";
+import type { Vec3 } from "../math/vectors";
 import { advanced, gapAt } from "../model/film";
+import { placesAt } from "../model/joints";
 import type { Loop } from "./loop";
 
 /** A longer pause between two frames is none of the film's. */
@@ -44,7 +46,10 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
     effect(() => {
       void store.manifest.value;
       void [store.answers.value, store.sequence_film.value, store.document.value?.moved];
-      const places = filmPlaces(wb, store.film.value);
+      const film = store.film.value;
+      const document = store.document.value;
+      const shown = store.joints_shown.value;
+      const places = !film && document && shown ? placesAt(document, shown.poses) : filmPlaces(wb, film);
       stage.setMoved(new Map([...places].map(([part, pose]) => [part, [...pose]])));
       loop.request();
     }),
@@ -57,6 +62,15 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
       const card = store.card.value;
       const open = film ?? (card === null ? null : { card, step: 0 });
       const guiding = store.document.value?.guiding ?? null;
+      const ghost = store.joint_ghost.value;
+      const worst = store.document.value?.joint_ranges.find((each) => each.name === ghost)?.worst ?? null;
+      if (worst && !film) {
+        const gap = { point: [...worst.points[1]] as Vec3, value: worst.gap, part: worst.other };
+        const path = worst.points.map((point) => [...point] as Vec3);
+        store.way_marks.value = { path, gap, fan: null };
+        loop.remark();
+        return;
+      }
       store.way_marks.value = {
         path: guiding && !film ? guidePath(wb, guiding) : filmPath(wb, open),
         gap: hit

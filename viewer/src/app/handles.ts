@@ -54,10 +54,19 @@ export class Handles {
     this.compass.paint();
   }
 
-  /** Where the page's own controls lie over the picture; measured now and then, as that lays out the page. */
-  private controls(): readonly Area[] {
+  /** At the begin of a frame, before anything changes the page: to measure later would lay it out once more. */
+  measure(): void {
     const now = performance.now();
-    if (now - this.taken.time_ms < MEASURED_MS) return this.taken.areas;
+    if (now - this.taken.time_ms >= MEASURED_MS) this.taken = { areas: this.measured(), time_ms: now };
+  }
+
+  /** Where the page's own controls lie over the picture; measured now and then. */
+  private controls(): readonly Area[] {
+    if (this.taken.time_ms === Number.NEGATIVE_INFINITY) this.measure();
+    return this.taken.areas;
+  }
+
+  private measured(): readonly Area[] {
     const picture = this.over.gizmo.parentElement?.getBoundingClientRect();
     const found = this.over.gizmo.closest(".picture")?.querySelectorAll(CONTROLS) ?? [];
     const areas = [...found].map((each) => {
@@ -65,8 +74,7 @@ export class Handles {
       const [x, y] = [picture?.left ?? 0, picture?.top ?? 0];
       return { left: left - x, top: top - y, right: right - x, bottom: bottom - y };
     });
-    this.taken = { areas: areas.filter(({ left, right }) => right > left), time_ms: now };
-    return this.taken.areas;
+    return areas.filter(({ left, right }) => right > left);
   }
 
   private takenOfLabels(): Taken {

@@ -117,6 +117,7 @@ export class Loop {
   private frame(now: number): void {
     const { view, wishes } = this;
     let isMore = false;
+    this.handles?.measure();
     wishes.begin();
     for (const each of this.each_frame) isMore = each(now) || isMore;
     wishes.send();

@@ -9,7 +9,17 @@ import { Pointer } from "../input/mouse";
 import { Geometry } from "../link/geometry";
 import { Link, LinkError } from "../link/link";
 import type { OfflinePage } from "../link/offline-file";
-import type { Camera, Document, HeldManifest, People, Seen, ServerEvent, State, Welcome } from "../link/protocol";
+import type {
+  Camera,
+  Document,
+  HeldManifest,
+  Joints,
+  People,
+  Seen,
+  ServerEvent,
+  State,
+  Welcome,
+} from "../link/protocol";
 import { fromAxes } from "../math/matrix";
 import { isSame } from "../math/same";
 import { formatCount } from "../math/units";
@@ -26,6 +36,7 @@ import { createDevices, type Devices } from "./devices";
 import { followStore } from "./effects";
 import { followFilm } from "./film";
 import { followFindings, takeRows } from "./follow-findings";
+import { followJoints } from "./follow-joints";
 import { followRecord } from "./follow-record";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
@@ -36,6 +47,9 @@ const NO_VERSION = -1;
 
 /** A link that is down for longer is not coming back. */
 const ENDED_MS = 8000;
+/** So long the hand waits at most for the first picture of the mock-up: its programs are compiled when it is first drawn. */
+const PICTURED_MS = 2000;
+const NO_ANSWER = "feeler does not answer. It is busy, or it was stopped; what you asked for is done once it goes on.";
 
 /** The page of a running server. */
 export class Page {
@@ -50,6 +64,10 @@ export class Page {
   private is_whole = false;
   private is_ready = false;
   private readonly when_ready: (() => void)[] = [];
+  private tellPictured = (): void => undefined;
+  private readonly pictured = new Promise<void>((resolve) => {
+    this.tellPictured = resolve;
+  });
   private first_picture_ms: number | null = null;
   private whole_picture_ms: number | null = null;
   private loaded_hash: string | null = null;
@@ -62,19 +80,30 @@ export class Page {
 
   constructor(picture: PictureElements, token: string | null) {
     const { store } = this;
-    const stage = new Stage(picture.canvas, { pixelRatio: 2, labels: picture.labels });
     const base = new URL("./", location.href);
+    this.geometry = token ? new Geometry(base.href, token) : null;
+    const stage = new Stage(picture.canvas, {
+      pixelRatio: 2,
+      labels: picture.labels,
+      fieldOf: (...mesh) => this.geometry?.fieldOf(...mesh) ?? new Promise(() => undefined),
+    });
     const listener = {
       onStatus: (status: Link["status"]) => this.onStatus(status),
       onWelcome: (welcome: Welcome) => this.onWelcome(welcome),
       onState: (state: State) => this.onState(state),
       onEvent: (event: ServerEvent) => this.onEvent(event),
-      onPeople: (people: People) => store.people.take(people),
+      onSilence: (is_silent: boolean) => this.onSilence(is_silent),
+      onPeople: (people: People) => {
+        const said = store.people.take(people);
+        if (said) store.notify("info", said);
+      },
       onSeen: (seen: Seen) => store.people.takeSeen(seen),
+      onJoints: ({ poses, values }: Joints) => {
+        store.joints_shown.value = poses && { poses, values };
+      },
     };
     const url = `${base.protocol === "https:" ? "wss:" : "ws:"}//${base.host}${base.pathname}`;
     const link = token ? new Link({ url, token, listener }) : null;
-    this.geometry = token ? new Geometry(base.href, token) : null;
     const hand = new Hand({
       moved: () => this.loop.wished(),
       placed: (pose) => void this.wb.place(pose),
@@ -101,6 +130,7 @@ export class Page {
     followStore(this.wb, this.loop);
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
+    followJoints(this.wb, this.loop);
     followRecord(this.wb);
     followPeople(this.wb, this.loop);
     followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);
@@ -169,6 +199,18 @@ export class Page {
     this.store.jobs.value = [];
   }
 
+  /** The link is open all the same: what was asked is answered once the program goes on. */
+  private onSilence(is_silent: boolean): void {
+    const { store } = this;
+    if (is_silent === store.is_silent.peek()) return;
+    store.is_silent.value = is_silent;
+    if (is_silent) store.notify("warning", NO_ANSWER);
+    else if (store.connection.peek() === "open") {
+      store.dismissText(NO_ANSWER);
+      store.notify("info", "feeler answers again.");
+    } else store.dismissText(NO_ANSWER);
+  }
+
   /** A link that stays down for some seconds has no server any more: a new start has another address. */
   private watchEnd(status: Link["status"]): void {
     const { is_ended } = this.store;
@@ -190,6 +232,7 @@ export class Page {
     store.opens.value = welcome.opens;
     store.undo_depth.value = null;
     store.redo_depth.value = null;
+    store.joints_shown.value = null;
     this.loop.forget();
     this.takeDocument(welcome.document);
     void this.takeHeld(welcome.document.held_version, welcome.held);
@@ -210,6 +253,7 @@ export class Page {
         store.redo_depth.value = event.redo_depth;
         // Undo, a grip or another page put the hand elsewhere: an old wish no longer means anything.
         if (event.fields.pose && event.command !== "place") this.wb.hand.drop();
+        if (event.fields.mechanism !== undefined) store.joints_shown.value = null;
         if (before) this.takeDocument(patched(before, event.fields));
         break;
       }
@@ -273,6 +317,7 @@ export class Page {
         }
         this.last_hash = manifest.hash;
         store.manifest.value = manifest;
+        setTimeout(() => this.tellPictured(), PICTURED_MS);
         this.frameStart();
         this.loop.request();
       },
@@ -302,6 +347,7 @@ export class Page {
     this.frameStart();
     try {
       const piece = manifest && this.geometry ? await this.geometry.loadHeld(version) : null;
+      if (this.first_picture_ms === null) await this.pictured;
       if (version !== this.held_version) return;
       wb.stage.setHeld(piece && manifest ? { piece, manifest } : null);
       wb.hand.pivot = manifest ? pivotOf(manifest) : [0, 0, 0];
@@ -331,7 +377,10 @@ export class Page {
     const { isShown, isPictured } = this.wb.stage.stats;
     if (isPictured) this.geometry?.firstDrawn();
     if (this.is_ready) return false;
-    if (isPictured) this.first_picture_ms ??= epochMs();
+    if (isPictured && this.first_picture_ms === null) {
+      this.first_picture_ms = epochMs();
+      this.tellPictured();
+    }
     this.is_ready = this.is_whole && isShown;
     if (this.is_ready) {
       this.whole_picture_ms = epochMs();

@@ -1,12 +1,9 @@
 // Dragging the hand by the pointer: in the view plane, along an axis, or about one. Pixels in, poses out.
 
 import { movedBy, type Pose, turnedAbout } from "../math/matrix";
-import { add, dot, type Point, scale, subtract, type Vec3 } from "../math/vectors";
+import { alongAxis, inViewPlane, type PointerView } from "../math/pointing";
+import { dot, type Point, scale, type Vec3 } from "../math/vectors";
 import { directionOf, type TypedMove } from "../model/typed-move";
-import type { CameraRig } from "../scene/camera";
-
-/** The part of the camera that dragging needs. */
-export type View = Pick<CameraRig, "ray" | "project" | "forward" | "towards">;
 
 /** The drag: of a pose, about or through a world point, along a unit world direction or (null) in the view plane. */
 export interface Drag {
@@ -28,7 +25,7 @@ export const dragOf = (move: TypedMove): Drag => ({
 export type Snap = (value: number, kind: "length" | "angle") => number;
 
 /** The pose when the pointer has gone from one pixel to another. */
-export function dragged(drag: Drag, view: View, from: Point, to: Point, snap: Snap): Pose {
+export function dragged(drag: Drag, view: PointerView, from: Point, to: Point, snap: Snap): Pose {
   if (drag.kind === "turn") return turnedBy(drag, view, angleBetween(drag, view, from, to), snap);
   const by = drag.direction
     ? alongAxis(drag.center, drag.direction, view, from, to)
@@ -46,44 +43,13 @@ function movedAlong(drag: Drag, by: number | Vec3, snap: Snap): Pose {
   return movedBy(drag.start, scale(drag.direction ?? [0, 0, 0], snap(by, "length")));
 }
 
-function turnedBy(drag: Drag, view: View, angle_rad: number, snap: Snap): Pose {
+function turnedBy(drag: Drag, view: PointerView, angle_rad: number, snap: Snap): Pose {
   const about = drag.direction ?? scale(view.forward, -1);
   return turnedAbout(drag.start, drag.center, about, snap(angle_rad, "angle"));
 }
 
-/** The point on the plane through `center` across the view direction that a pixel sees. */
-function onViewPlane(center: Vec3, view: View, at: Point): Vec3 {
-  const { origin, direction } = view.ray(at.x, at.y);
-  const depth = dot(subtract(center, origin), view.forward);
-  return add(origin, scale(direction, depth / Math.max(dot(direction, view.forward), 1e-9)));
-}
-
-function inViewPlane(center: Vec3, view: View, from: Point, to: Point): Vec3 {
-  return subtract(onViewPlane(center, view, to), onViewPlane(center, view, from));
-}
-
-/** How far along an axis through `center` the pointer went, metres. */
-export function alongAxis(center: Vec3, direction: Vec3, view: View, from: Point, to: Point): number {
-  const towards = scale(view.towards(center), -1);
-  // An axis that points at the eye is a dot in the picture: the way up the picture then moves along it.
-  if (Math.abs(dot(towards, direction)) > 0.995) {
-    const moved = inViewPlane(center, view, from, { x: from.x, y: to.y });
-    return Math.hypot(...moved) * Math.sign(from.y - to.y) * Math.sign(dot(towards, direction));
-  }
-  return placeOnAxis(center, direction, view, to) - placeOnAxis(center, direction, view, from);
-}
-
-/** How far along the axis through `center` the point lies that is nearest to a pixel's ray, metres. */
-function placeOnAxis(center: Vec3, direction: Vec3, view: View, at: Point): number {
-  const ray = view.ray(at.x, at.y);
-  const between = subtract(center, ray.origin);
-  const cosine = dot(direction, ray.direction);
-  const apart = Math.max(1 - cosine * cosine, 1e-6);
-  return (cosine * dot(ray.direction, between) - dot(direction, between)) / apart;
-}
-
 /** The angle that the pointer went about the centre in the picture, as seen against the axis: radians. */
-function angleBetween(drag: Drag, view: View, from: Point, to: Point): number {
+function angleBetween(drag: Drag, view: PointerView, from: Point, to: Point): number {
   const middle = view.project(drag.center);
   const angle = (at: Point): number => Math.atan2(middle.y - at.y, at.x - middle.x);
   let turned = angle(to) - angle(from);

@@ -1,7 +1,7 @@
 // The keyboard: each key finds its command in the table. Fields and buttons keep the keys that they need.
 
 import { COMMANDS, type PageCommand, runCommand } from "../actions/commands";
-import { typeFigure } from "../actions/typed-move";
+import { refuseKey, typeFigure } from "../actions/typed-move";
 import type { Workbench } from "../actions/workbench";
 
 export type KeyPress = Pick<KeyboardEvent, "key" | "code" | "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
@@ -35,6 +35,10 @@ export function commandOfKey(key: string, is_typing: boolean): string | null {
   return (is_typing ? TYPING : ALWAYS).get(key) ?? null;
 }
 
+/** Whether a key belongs to a movement by keys: an axis, a step, or a sign of a figure. G and R begin a new one. */
+export const isOfTyping = (key: string): boolean =>
+  key !== "G" && key !== "R" && (TYPING.has(key) || /^(?:[0-9.,\-/]|Backspace)$/.test(key));
+
 /** The focused element, as far as keys are concerned. */
 export type Focus = "text" | "control" | "picture";
 
@@ -65,6 +69,10 @@ export function listenToKeys(wb: Workbench): () => void {
     const key = keyOf(event);
     const is_typing = store.typed.peek() !== null;
     const focus = focusOf(event.target);
+    if (!is_typing && focus !== "text" && refuseKey(wb, isOfTyping(key), key)) {
+      event.preventDefault();
+      return;
+    }
     // A dialog is modal: only Esc and its own keys reach it.
     if (store.dialog.peek() && key !== "Escape") return;
     if (

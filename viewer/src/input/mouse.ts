@@ -1,5 +1,6 @@
 // The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles assign the buttons.
 
+import { draggableBy, moverOf } from "../actions/joints";
 import { clickMeasure, hoverMeasure } from "../actions/measures";
 import { cutAlongFace, draftFace, draftSection, settleBox, settleSection } from "../actions/sections";
 import { cancelTyping, confirmTyping } from "../actions/typed-move";
@@ -7,11 +8,13 @@ import type { Workbench } from "../actions/workbench";
 import type { Source } from "../link/protocol";
 import { isUpper } from "../math/box-faces";
 import type { Pose } from "../math/matrix";
+import { alongAxis } from "../math/pointing";
 import { type Point, subtract, type Vec3 } from "../math/vectors";
+import { axisNow, beginDrag, type JointDrag } from "../model/joints";
 import { actionOf, type CameraAction, LEFT, styleOf } from "../model/navigation";
 import type { Area } from "../scene/labels";
 import { type CutHandle, faceOf, hitCut, layCuts } from "./cuts";
-import { alongAxis, type Drag, dragged, dragOf, type Snap } from "./drag";
+import { type Drag, dragged, dragOf, type Snap } from "./drag";
 import { type Handle, hitGizmo, layGizmo, shifted } from "./gizmo";
 import { areaOf, type GizmoPlace, hullOf, isInPicture, placeGizmo, pointsOf } from "./gizmo-place";
 
@@ -31,6 +34,7 @@ const LONG_PRESS_MS = 500;
 
 type Gesture =
   | { readonly kind: "camera"; buttons: number; action: CameraAction | null; pivot: Vec3; last: Point }
+  | { readonly kind: "joint"; readonly name: string; readonly value: number; readonly drag: JointDrag }
   | { readonly kind: "cut"; readonly cut: CutHandle; readonly from: Point; to: Point; last: Point }
   | {
       readonly kind: "tool";
@@ -61,6 +65,7 @@ export class Pointer {
   private typed_from: Point | null = null;
   private wheel: { at: Point; time_ms: number; point: Vec3 } | null = null;
   private is_hover_due = false;
+  private is_joint_moving = false;
   private long_press: ReturnType<typeof setTimeout> | null = null;
 
   constructor(
@@ -150,6 +155,7 @@ export class Pointer {
     this.wb.stage.camera.finish();
     this.canvas.focus({ preventScroll: true });
     wb.store.menu.value = null;
+    wb.store.is_typing_refused.value = false;
     if (wb.store.typed.peek()) {
       if (event.button === 0) confirmTyping(wb);
       else cancelTyping(wb);
@@ -167,6 +173,7 @@ export class Pointer {
       }
     }
     this.pressed = { at, button: event.button, time_ms: event.timeStamp };
+    this.is_joint_moving = false;
     this.gesture = this.grab(event, at) ?? this.steer(event, at);
     if (event.button === 1) event.preventDefault();
   }
@@ -181,7 +188,7 @@ export class Pointer {
     this.cut = cut?.id ?? null;
     if (cut) return { kind: "cut", cut, from: at, to: at, last: at };
     if (store.people.is_barred.peek() && stage.pick(at.x, at.y)?.held) store.people.tried();
-    if (!pose || !center || hand.isLocked) return null;
+    if (!pose || !center || hand.isLocked) return this.handle ? null : this.grabJoint(at);
     if (this.handle) {
       const { kind, direction } = this.handle;
       const { dx, dy } = this.place_of_gizmo;
@@ -198,9 +205,21 @@ export class Pointer {
     }
     if (store.measuring.peek()) return null;
     const picked = stage.pick(at.x, at.y);
-    if (!picked?.held) return null;
+    if (!picked?.held) return this.grabJoint(at);
     const drag: Drag = { kind: "move", start: pose, center: picked.point, direction: null };
     return { kind: "tool", drag, source: "mouse", from: at, to: at, last: at };
+  }
+
+  /** The gesture that moves the part under the pointer by its joint; null: it has none. */
+  private grabJoint(at: Point): Gesture | null {
+    const { stage, store } = this.wb;
+    const mechanism = this.wb.document?.mechanism;
+    if (!mechanism || store.measuring.peek() || store.is_picking_face.peek()) return null;
+    const picked = stage.pick(at.x, at.y);
+    const number = picked && !picked.held ? draggableBy(this.wb, picked.part) : null;
+    if (!picked || !number) return null;
+    const drag = beginDrag(number.kind, axisNow(mechanism, number), picked.point, stage.camera, at);
+    return { kind: "joint", name: number.name, value: mechanism.values[number.name] ?? 0, drag };
   }
 
   private steer(event: PointerEvent, at: Point): Gesture {
@@ -228,6 +247,7 @@ export class Pointer {
     }
     if (this.isClick(at)) return;
     if (gesture.kind === "tool") this.dragTool(gesture, event, at);
+    else if (gesture.kind === "joint") this.dragJoint(gesture, at);
     else if (gesture.kind === "cut") this.dragCut(gesture, event, at);
     else {
       if (event.buttons !== gesture.buttons) {
@@ -279,6 +299,16 @@ export class Pointer {
     draftSection(this.wb, section, offset + this.snap(event)(by, "length"));
   }
 
+  /** The part goes with the pointer as far as contact lets it; after Esc it stays where it was. */
+  private dragJoint({ name, value, drag }: Extract<Gesture, { kind: "joint" }>, at: Point): void {
+    const mover = moverOf(this.wb);
+    const by = drag.by(this.wb.stage.camera, at);
+    if (this.is_joint_moving && mover.name === null) return;
+    mover.to(name, value + by);
+    this.is_joint_moving = true;
+    this.wb.redraw();
+  }
+
   private dragTool(gesture: Extract<Gesture, { kind: "tool" }>, event: PointerEvent, at: Point): void {
     goOn(gesture, event, at);
     const pose = dragged(gesture.drag, this.wb.stage.camera, gesture.from, gesture.to, this.snap(event));
@@ -316,6 +346,7 @@ export class Pointer {
   /** The dragged thing stays where it is. */
   private settle(gesture: Gesture | null): void {
     if (gesture?.kind === "tool") this.wb.hand.put();
+    else if (gesture?.kind === "joint") moverOf(this.wb).settle();
     else if (gesture?.kind === "cut") void (faceOf(gesture.cut) === null ? settleSection(this.wb) : settleBox(this.wb));
   }
 

@@ -1,5 +1,7 @@
 // Fetches the mock-up's geometry from the server: one worker fetches, the page gets buffers as they arrive.
 
+import type { FieldMesh, HeatField } from "../math/heat-field";
+import type { Vec3 } from "../math/vectors";
 import type { Manifest } from "./protocol";
 
 /** Messages of the worker. */
@@ -8,12 +10,15 @@ export type GeometryMessage =
   | { kind: "piece"; load: number; k: number; data: ArrayBuffer }
   | { kind: "done"; load: number }
   | { kind: "held"; load: number; data: ArrayBuffer }
+  | { kind: "field"; load: number; field: HeatField }
   | { kind: "failed"; load: number; what: string };
 
 /** The page's requests to the worker. A new load ends the one before. */
 export type GeometryWish =
   | { kind: "scene"; load: number; base: string; token: string }
   | { kind: "held"; load: number; base: string; token: string; version: number }
+  /** Work for which the page would stand still. */
+  | { kind: "field"; load: number; pieces: readonly FieldMesh[]; lower: Vec3; upper: Vec3 }
   /** The first piece is drawn. */
   | { kind: "go_on"; load: number }
   | { kind: "abort"; load: number };
@@ -33,6 +38,7 @@ export class Geometry {
   readonly #base: string;
   readonly #token: string;
   readonly #held = new Map<number, { resolve: (data: ArrayBuffer) => void; reject: (error: Error) => void }>();
+  readonly #fields = new Map<number, (field: HeatField) => void>();
   #loads = 0;
   #scene: { load: number; listener: GeometryListener; bytes: number; come: number; isFirstDrawn: boolean } | null =
     null;
@@ -63,6 +69,15 @@ export class Geometry {
     return new Promise((resolve, reject) => this.#held.set(load, { resolve, reject }));
   }
 
+  /** The field of a mesh, as `heatField` makes it; never, if the worker fails. */
+  fieldOf(pieces: readonly FieldMesh[], lower: Vec3, upper: Vec3): Promise<HeatField> {
+    this.#loads++;
+    const load = this.#loads;
+    const own = pieces.map(({ positions, indices }) => ({ positions, indices }));
+    this.#send({ kind: "field", load, pieces: own, lower, upper });
+    return new Promise((resolve) => this.#fields.set(load, resolve));
+  }
+
   /** The first piece is drawn: the others, which would have kept the machine from that, are fetched. */
   firstDrawn(): void {
     if (!this.#scene || this.#scene.isFirstDrawn) return;
@@ -89,6 +104,11 @@ export class Geometry {
     if (message.kind === "held") {
       this.#held.get(message.load)?.resolve(message.data);
       this.#held.delete(message.load);
+      return;
+    }
+    if (message.kind === "field") {
+      this.#fields.get(message.load)?.(message.field);
+      this.#fields.delete(message.load);
       return;
     }
     if (message.kind === "failed" && this.#held.has(message.load)) {

@@ -1,5 +1,7 @@
 // Fetches the manifest, the pieces and the held mesh outside the page's thread, and transfers the buffers without a copy.
+// Makes fields for the heat map there, too.
 
+import { heatField } from "../math/heat-field";
 import type { GeometryMessage, GeometryWish } from "./geometry";
 import { inOrder } from "./ordered";
 import type { Manifest } from "./protocol";
@@ -65,6 +67,11 @@ scope.onmessage = ({ data: wish }) => {
   }
   if (wish.kind === "go_on") {
     paused.get(wish.load)?.();
+    return;
+  }
+  if (wish.kind === "field") {
+    const field = heatField(wish.pieces, wish.lower, wish.upper);
+    scope.postMessage({ kind: "field", load: wish.load, field }, [field.data.buffer as ArrayBuffer]);
     return;
   }
   const controller = new AbortController();

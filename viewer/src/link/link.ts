@@ -12,6 +12,7 @@ import {
   type FromServer,
   type Here,
   type Jobs,
+  type Joints,
   NOT_ALLOWED,
   type People,
   type Pose,
@@ -44,6 +45,8 @@ export type LinkStatus = "connecting" | "open" | "lost" | "refused" | "full" | "
 
 export interface LinkListener {
   onStatus(status: LinkStatus): void;
+  /** Nothing comes any more over a link that is open; or something comes again, or the link broke. */
+  onSilence(is_silent: boolean): void;
   /** Everything, after each connection: earlier state no longer counts. */
   onWelcome(welcome: Welcome): void;
   onState(state: State): void;
@@ -52,6 +55,8 @@ export interface LinkListener {
   onPeople(people: People): void;
   /** Where another person points and looks. */
   onSeen(seen: Seen): void;
+  /** Where the joints of the mechanism are shown, until the document says. */
+  onJoints?(joints: Joints): void;
 }
 
 /** The part of a WebSocket that the link uses. */
@@ -72,6 +77,8 @@ export interface LinkOptions {
   wait?: (callback: () => void, delay_ms: number) => number;
   stopWaiting?: (handle: number) => void;
   now?: () => number;
+  /** Calls back every so often until the result is called. */
+  every?: (callback: () => void, period_ms: number) => () => void;
 }
 
 /** Where the hand wants to be: the content of a pose message. */
@@ -103,6 +110,12 @@ const MOST_DELAY_MS = 5000;
 const LATE_MS = 1500;
 /** Of a picture in one message; a multiple of 4, so that each piece is base64 by itself. */
 const SHOT_CHARACTERS = 1 << 19;
+/** So often the link looks whether anything came. */
+const LOOK_MS = 1000;
+/** After so long without a message it asks whether anybody is there. */
+const QUIET_MS = 2000;
+/** And so long after that question nobody is. */
+const SILENT_MS = 4000;
 const LOST = new LinkError("the connection broke before the answer came", "", "Check the result, and try again");
 
 export class Link {
@@ -117,6 +130,11 @@ export class Link {
   private next_seq = 1;
   private isClosed = false;
   private isLate = false;
+  private is_silent = false;
+  private heard_ms = 0;
+  private looked_ms = 0;
+  private pinged_ms: number | null = null;
+  private endLooks: (() => void) | null = null;
   private readonly waiting = new Map<number, Waiting>();
 
   constructor(options: LinkOptions) {
@@ -125,6 +143,10 @@ export class Link {
       wait: BROWSER_TIMERS.set,
       stopWaiting: BROWSER_TIMERS.clear,
       now: () => performance.now(),
+      every: (callback, period_ms) => {
+        const timer = setInterval(callback, period_ms);
+        return () => clearInterval(timer);
+      },
       ...options,
     };
   }
@@ -161,6 +183,7 @@ export class Link {
     if (this.retry !== null) this.options.stopWaiting(this.retry);
     this.socket?.close(1000);
     this.socket = null;
+    this.watch(false);
     this.failAll();
   }
 
@@ -297,7 +320,44 @@ export class Link {
     socket.send(encodeFrame(message));
   }
 
+  /** Looks for silence from now on, or no longer. */
+  private watch(isOpen: boolean): void {
+    this.endLooks?.();
+    this.endLooks = null;
+    this.heard();
+    if (!isOpen) return;
+    this.looked_ms = this.heard_ms;
+    this.endLooks = this.options.every(() => this.look(), LOOK_MS);
+  }
+
+  private heard(): void {
+    this.heard_ms = this.options.now();
+    this.pinged_ms = null;
+    this.setSilent(false);
+  }
+
+  private look(): void {
+    const now = this.options.now();
+    const isAwake = now - this.looked_ms < 2 * LOOK_MS;
+    this.looked_ms = now;
+    // A page that was asleep or hidden has not listened: its silence says nothing.
+    if (!isAwake) this.pinged_ms = null;
+    if (this.pinged_ms !== null) {
+      if (now - this.pinged_ms >= SILENT_MS) this.setSilent(true);
+    } else if (this.socket && now - this.heard_ms >= QUIET_MS) {
+      this.pinged_ms = now;
+      this.send(this.socket, { kind: "ping", id: this.next_id++ });
+    }
+  }
+
+  private setSilent(is_silent: boolean): void {
+    if (is_silent === this.is_silent) return;
+    this.is_silent = is_silent;
+    this.options.listener.onSilence(is_silent);
+  }
+
   private receive(data: string | ArrayBuffer): void {
+    this.heard();
     let message: FromServer;
     try {
       message = decodeFrame(data);
@@ -322,6 +382,9 @@ export class Link {
       case "seen":
         this.options.listener.onSeen(message);
         break;
+      case "joints":
+        this.options.listener.onJoints?.(message);
+        break;
       case "progress":
         this.waiting.get(message.id)?.onProgress?.(message.share, message.stage);
         break;
@@ -335,6 +398,7 @@ export class Link {
         this.delay_ms = FIRST_DELAY_MS;
         this.options.listener.onWelcome(message);
         this.setStatus("open");
+        this.watch(true);
         break;
     }
   }
@@ -370,6 +434,7 @@ export class Link {
       this.retry = this.options.wait(() => this.connect(), this.delay_ms);
       this.delay_ms = Math.min(DELAY_GROWTH * this.delay_ms, MOST_DELAY_MS);
     }
+    this.watch(false);
   }
 
   private failAll(): void {

@@ -257,6 +257,115 @@ export interface FindingWords {
   readonly notes: Readonly<Record<string, string>>;
 }
 
+/** A number of a position. */
+export interface JointNumber {
+  readonly name: string;
+  readonly kind: "turn" | "slide";
+  /** Its place among the links. */
+  readonly link: number;
+  /** The number that it follows; its own name if it follows none. */
+  readonly root: string;
+  /** One of the numbers that move with it, the same of all. */
+  readonly group: string;
+  /** Where its link is modelled. */
+  readonly axis: Vec3;
+  readonly point: Vec3;
+  /** Metres a turn of a screw; else 0. */
+  readonly pitch: number;
+  readonly limits: [number, number] | null;
+}
+
+/** Parts that a joint moves as one. */
+export interface JointLink {
+  readonly name: string;
+  /** The place of the link that it hangs on; -1: the frame. */
+  readonly above: number;
+  readonly parts: readonly number[];
+  /** world_from_modelled, row by row. */
+  readonly pose: readonly number[];
+}
+
+/** A mechanism, and its position. */
+export interface Mechanism {
+  readonly name: string;
+  readonly numbers: readonly JointNumber[];
+  readonly links: readonly JointLink[];
+  readonly values: Readonly<Record<string, number>>;
+}
+
+/** A moving part, the other one that it meets, and where. */
+export interface JointMet {
+  readonly part: number;
+  readonly other: number;
+  readonly point: Vec3;
+}
+
+/** The position with the least gap. */
+export interface JointWorst {
+  readonly value: number;
+  /** Metres; no smaller one was found. */
+  readonly gap: number;
+  readonly part: number;
+  readonly other: number;
+  readonly points: [Vec3, Vec3];
+  /** Of the links. */
+  readonly poses: readonly (readonly number[])[];
+}
+
+/** How far a number moves freely, with the others where they stand. */
+export interface JointRange {
+  readonly name: string;
+  readonly state: "running" | "done" | "failed";
+  /** Of the work, 0 to 1; the range itself is known from 0.2 on. */
+  readonly share: number;
+  readonly lower: number;
+  readonly upper: number;
+  /** What ends it; null: a limit, or the end of what was looked at. */
+  readonly below: JointMet | null;
+  readonly above: JointMet | null;
+  /** Values, and the gap there in metres; null: nothing is near. */
+  readonly curve: readonly [number, number | null][];
+  readonly worst: JointWorst | null;
+  readonly trouble: string;
+}
+
+/** The move of a line of the sequence. */
+export interface JointStep {
+  readonly name: string;
+  readonly kind: "turn" | "slide";
+  readonly begin: number;
+  readonly end: number;
+}
+
+/** Where the links are shown, until the next message or patch. A newer message replaces it. */
+export interface Joints {
+  readonly kind: "joints";
+  /** Of the links, world_from_modelled; null: where the document has them. */
+  readonly poses: readonly (readonly number[])[] | null;
+  readonly values: Readonly<Record<string, number>>;
+}
+
+/** The parts that a joint moves, at its worst position. */
+export interface JointGhost {
+  /** In the world's frame. */
+  readonly manifest: HeldManifest;
+  /** Base64 of its pieces, one after the other. */
+  readonly data: string;
+}
+
+/** Where a joint got to, as far as contact let it. */
+export interface JointPlace {
+  readonly name: string;
+  /** Radians or metres. */
+  readonly value: number;
+  /** Contact or a limit ends it there. */
+  readonly is_stopped: boolean;
+  /** Null: a limit. */
+  readonly met: JointMet | null;
+  /** All numbers. */
+  readonly values: Readonly<Record<string, number>>;
+}
+
 /** The first visible hit of a ray. */
 export interface RayHit {
   readonly distance: number;
@@ -596,6 +705,8 @@ export interface SequenceLine {
   /** Part paths. */
   readonly touched: readonly string[];
   readonly tool: string | null;
+  /** Null: parts were moved freely. */
+  readonly joint: JointStep | null;
 }
 
 /** A measure with its points. */
@@ -646,6 +757,8 @@ export interface Card {
   readonly is_stale: boolean;
   /** The line of the sequence that it is about; null for questions about parts. */
   readonly line: number | null;
+  /** It is about an earlier revision of the mock-up, and so stale. */
+  readonly is_earlier: boolean;
 }
 
 /** A way of parts: poses of their motion in the world, the first the identity. */
@@ -713,6 +826,11 @@ export interface Document {
   readonly material: Material | null;
   /** What puts answers about mock-up and tool in doubt, as their loaders found. */
   readonly doubts: readonly string[];
+  readonly mechanism: Mechanism | null;
+  /** Of its numbers that follow no other. */
+  readonly joint_ranges: readonly JointRange[];
+  /** The number of the joint on which the hand holds its parts. */
+  readonly on_joint: string | null;
 }
 
 /** The parts of a mock-up by column. */
@@ -852,6 +970,12 @@ export interface Job {
 /** Cancels a job of this page, whose reply is then an error; or drops a file of which pieces came. */
 export interface Cancel {
   readonly kind: "cancel";
+  readonly id: number;
+}
+
+/** Asks whether the server is there: it replies at once, whatever else it does. */
+export interface Ping {
+  readonly kind: "ping";
   readonly id: number;
 }
 
@@ -1059,13 +1183,13 @@ export interface SavedPage {
   readonly pieces: Uint8Array;
 }
 
-export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
+export type PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Ping | Shot | Benchmarked;
 
 export type FromPage = PageMessage | OpeningRequest | PersonMessage;
 
 export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
-export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal | People | Seen;
+export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal | People | Seen | Joints;
 
 /** The arguments of commands. */
 export interface Commands {
@@ -1208,7 +1332,7 @@ export interface Commands {
   readonly card_again: { readonly id: number };
   /** Gives up a question that is not answered yet. */
   readonly card_cancel: { readonly id: number };
-  /** Removes a card, with its answer. */
+  /** Removes a card, with its answer, and the guide along its way. */
   readonly card_remove: { readonly id: number };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
@@ -1229,6 +1353,24 @@ export interface Commands {
   readonly guide_end: Record<string, never>;
   /** Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found. */
   readonly seat: { readonly pose: Pose };
+  /**
+   * Opens a mechanism: the text of a TOML file, and its name. Links of the one before go back to where they are
+   * modelled.
+   */
+  readonly mechanism_open: { readonly name: string; readonly text: string };
+  /** Closes the mechanism: its links go back to where they are modelled. Lines of the sequence stay. */
+  readonly mechanism_close: Record<string, never>;
+  /** Moves a joint to a value, radians or metres, as far as contact lets it; joints that follow it follow. */
+  readonly joint_move: { readonly name: string; readonly value: number };
+  /** Takes the parts of a joint in the hand, on the joint: they move along it alone. The tool is put away. */
+  readonly joint_take: { readonly name: string };
+  /**
+   * Keeps the position as lines of the sequence: one for each joint that stands elsewhere than after the lines
+   * before. In the order in which they were moved.
+   */
+  readonly joint_step: Record<string, never>;
+  /** Puts the joints where a line of the sequence leaves them, without a motion that contact could stop. */
+  readonly joint_step_go: { readonly id: number };
   readonly undo: Record<string, never>;
   readonly redo: Record<string, never>;
 }
@@ -1258,6 +1400,13 @@ export interface Questions {
   readonly find: { readonly args: { readonly query: string }; readonly answer: FoundParts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
+  /** The parts that a joint moves, at its worst position. */
+  readonly joint_ghost: { readonly args: { readonly name: string }; readonly answer: JointGhost };
+  /** Shows a joint at a value to all pages, as far as contact lets it, until the next change; null: as it stands. */
+  readonly joint_to: {
+    readonly args: { readonly name: string; readonly value: number | null };
+    readonly answer: JointPlace;
+  };
   /** The record over time. */
   readonly record: { readonly args: Record<string, never>; readonly answer: RecordTimeline };
   /** Patterns for the parts of a finding and their numbered siblings, and how many findings they hide. */

@@ -60,7 +60,10 @@ export class PeopleState {
 
   private last_selections: readonly (readonly number[])[] = [];
 
-  take({ you, people, turn }: People): void {
+  /** Takes the news. The result: what to say to the person here, who asked for the tool that its holder keeps; or "". */
+  take({ you, people, turn }: People): string {
+    const before = this.turn.peek();
+    const wasAsking = this.you.peek() === you && before.asked.includes(you);
     batch(() => {
       this.you.value = you;
       this.people.value = people;
@@ -70,6 +73,9 @@ export class PeopleState {
       if (seen.length < this.seen.peek().size) this.seen.value = new Map(seen);
       if (!this.is_barred.value) this.has_tried.value = false;
     });
+    const isKept = before.kind === turn.kind && before.person === turn.person && turn.person !== you;
+    if (!wasAsking || turn.asked.includes(you) || !isKept || turn.kind === null) return "";
+    return `${this.holder.peek()} keeps the tool for now. You can ask again.`;
   }
 
   takeSeen(seen: Seen): void {

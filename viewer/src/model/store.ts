@@ -5,6 +5,7 @@ import type { Opens } from "../link/openings";
 import type {
   CardAnswer,
   Document,
+  JointPlace,
   Manifest,
   MeasureType,
   RecordTimeline,
@@ -15,6 +16,7 @@ import { isSame } from "../math/same";
 import type { Box, Vec3 } from "../math/vectors";
 import type { Film } from "./film";
 import { FindingState } from "./finding-state";
+import type { JointsShown } from "./joints";
 import {
   type Connection,
   type ContextMenu,
@@ -85,6 +87,8 @@ export class Store {
   readonly connection = signal<Connection>("connecting");
   /** The link has been down so long that the server is probably gone. */
   readonly is_ended = signal(false);
+  /** The link is open, and nothing answers: the program hangs, or its machine sleeps. */
+  readonly is_silent = signal(false);
   /** What can be opened in place of the present mock-up; null: nothing. */
   readonly opens = signal<Opens | null>(null);
   /** Files that were dropped, until it is said that the present mock-up may go. */
@@ -111,6 +115,8 @@ export class Store {
   readonly menu = signal<ContextMenu | null>(null);
   readonly notices = signal<readonly Notice[]>([]);
   readonly typed = signal<TypedMove | null>(null);
+  /** Moving the tool by keys was refused, or ended by another person: the keys that follow do nothing. */
+  readonly is_typing_refused = signal(false);
   readonly measuring = signal<Measuring | null>(null);
   readonly snap = signal<{ point: Vec3; type: "vertex" | "edge" | "face" } | null>(null);
   readonly section_draft = signal<SectionDraft | null>(null);
@@ -138,6 +144,12 @@ export class Store {
   /** The fastener at which the tool is seated. */
   readonly reach = signal<CardAnswer["reaches"][number] | null>(null);
   readonly way_marks = signal<WayMarks>(NO_WAY);
+  /** Where the joints are shown while they are moved; null: where the document has them. */
+  readonly joints_shown = signal<JointsShown | null>(null);
+  /** Where the joint got to that this page moved last. */
+  readonly joint_place = signal<JointPlace | null>(null);
+  /** The number whose worst position is shown as a ghost. */
+  readonly joint_ghost = signal<string | null>(null);
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
   /** The open panel: kept over reloads. */
@@ -231,6 +243,11 @@ export class Store {
 
   showDrawer(drawer: Drawer): void {
     this.drawer.value = drawer;
+  }
+
+  /** Takes away a notice that is true no longer. */
+  dismissText(text: string): void {
+    this.notices.value = this.notices.peek().filter((notice) => notice.text !== text);
   }
 
   dismiss(id: number): void {

@@ -12,9 +12,9 @@ import {
   Vector3,
   type WebGLRenderer,
 } from "three";
+import { HEAT_REACH_M, type HeatField } from "../math/heat-field";
 import type { Vec3 } from "../math/vectors";
 import type { Eye } from "./eye";
-import { HEAT_REACH_M, type HeatField } from "./heat-field";
 import type { Held } from "./held";
 import { BoxPass, grown } from "./rect";
 import { define } from "./screen";

@@ -2,10 +2,10 @@
 
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
 import type { HeldManifest } from "../link/protocol";
+import type { FieldMesh } from "../math/heat-field";
 import { isSame } from "../math/same";
 import { type Box, corners, emptyBox, include, subtract, transform, type Vec3 } from "../math/vectors";
 import { geometryOf, type PieceArrays, readPiece, standingMesh, writeCorners } from "./chunks";
-import type { FieldMesh } from "./heat-field";
 import { define } from "./screen";
 import { heldFragment, heldVertex } from "./shaders";
 import type { SharedUniforms } from "./uniforms";

@@ -103,7 +103,31 @@ function* candidates({ x, y, width, height, before }: Figure, most: number, tall
       );
 }
 
+/** The most pixels of a label's text: names of strangers would cover the picture. */
+export const MOST_TEXT_PX = 240;
+
+/** A text that is at most so wide, cut in the middle: names often differ at their ends. By letters, not by halves of one. */
+export function cutMiddle(text: string, most: number, widthOf: (text: string) => number): string {
+  if (widthOf(text) <= most) return text;
+  const letters = Array.from(text);
+  const kept = (count: number): string => {
+    const tail = Math.floor(count / 2);
+    return `${letters.slice(0, count - tail).join("")}…${tail > 0 ? letters.slice(-tail).join("") : ""}`;
+  };
+  let [fits, breaks] = [0, letters.length];
+  while (breaks - fits > 1) {
+    const middle = (fits + breaks) >> 1;
+    if (widthOf(kept(middle)) <= most) fits = middle;
+    else breaks = middle;
+  }
+  return kept(fits);
+}
+
+/** Texts that are shorter than this are never wide. */
+const SURELY_NARROW = 12;
+
 interface Shown {
+  text: string;
   element: HTMLElement;
   lead: HTMLElement;
   width: number;
@@ -111,10 +135,19 @@ interface Shown {
   before: Offset | null;
 }
 
+/** What labels of a class have in common: pixels around the text, and of the whole height. */
+interface Look {
+  font: string;
+  around: number;
+  height: number;
+}
+
 /** Keeps one element a figure in `container`, which lies over the canvas. Classes: `mark`, `mark-` + kind; `lead`. */
 export class LabelLayer {
   readonly #container: HTMLElement;
   readonly #elements = new Map<string, Shown>();
+  readonly #looks = new Map<string, Look>();
+  readonly #ruler = document.createElement("canvas").getContext("2d");
 
   constructor(container: HTMLElement) {
     this.#container = container;
@@ -159,23 +192,38 @@ export class LabelLayer {
       // Lines below all labels.
       this.#container.prepend(lead);
       this.#container.append(element);
-      known = { element, lead, width: 0, height: 0, before: null };
+      known = { text: "", element, lead, width: 0, height: 0, before: null };
       this.#elements.set(anchor.key, known);
     }
     const className = `mark mark-${anchor.kind}`;
-    if (known.element.textContent !== anchor.text || known.element.className !== className) {
-      // Measured only when the text changes: asking for the size makes the browser lay out the page.
-      const isLonger =
-        known.element.textContent?.length !== anchor.text.length || known.element.className !== className;
-      known.element.textContent = anchor.text;
+    if (known.text !== anchor.text || known.element.className !== className) {
+      known.text = anchor.text;
       known.element.className = className;
       known.lead.className = `lead lead-${anchor.kind}`;
-      if (isLonger || known.width === 0) {
-        known.width = known.element.offsetWidth;
-        known.height = known.element.offsetHeight;
-      }
+      this.#write(known);
     }
     return known;
+  }
+
+  /** Writes the text, cut if it is wide, and its size. The browser is asked once a class: it lays out the page for that. */
+  #write(shown: Shown): void {
+    const { element, text } = shown;
+    const ruler = this.#ruler;
+    const look = this.#looks.get(element.className);
+    if (ruler) ruler.font = look?.font ?? getComputedStyle(element).font;
+    const widthOf = (each: string) => ruler?.measureText(each).width ?? 0;
+    const written = ruler && text.length > SURELY_NARROW ? cutMiddle(text, MOST_TEXT_PX, widthOf) : text;
+    element.textContent = written;
+    if (ruler && look) {
+      shown.width = Math.ceil(widthOf(written)) + look.around;
+      shown.height = look.height;
+      return;
+    }
+    shown.width = element.offsetWidth;
+    shown.height = element.offsetHeight;
+    if (!ruler || shown.width === 0) return;
+    const around = Math.max(0, shown.width - Math.floor(widthOf(written)));
+    this.#looks.set(element.className, { font: ruler.font, around, height: shown.height });
   }
 }
 

@@ -6,6 +6,7 @@
 import { Group, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../link/protocol";
 import { boxPlanes } from "../math/box-faces";
+import type { FieldMesh, HeatField } from "../math/heat-field";
 import { IDENTITY } from "../math/matrix";
 import { isSame } from "../math/same";
 import { add, type Box, diagonal, dot, isEmpty, scale, union, type Vec3 } from "../math/vectors";
@@ -16,7 +17,6 @@ import type { Piece } from "./chunks";
 import { Composer } from "./composer";
 import { DeviceWork } from "./devicework";
 import { Eye } from "./eye";
-import { heatField } from "./heat-field";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
 import { NOTHING_TAKEN, type Taken } from "./labels";
 import type { Marks } from "./marks";
@@ -41,6 +41,8 @@ export interface StageOptions {
   pixelRatio?: number;
   /** Where the figures of the marks are put, over the canvas and as large; none without. */
   labels?: HTMLElement;
+  /** Makes the field of a held mesh for the heat map; there is none without. */
+  fieldOf?: (pieces: readonly FieldMesh[], lower: Vec3, upper: Vec3) => Promise<HeatField>;
 }
 
 export interface FrameStats {
@@ -127,6 +129,7 @@ export class Stage {
   #isLost = false;
   #isPictured = false;
   #isShown = false;
+  #isFieldDue = false;
   #isSizeNew = true;
   #isViewNew = true;
   #isShapeNew = true;
@@ -214,8 +217,7 @@ export class Stage {
     this.#held = held;
     this.#over.held.set(held);
     this.#over.heat.setField(null);
-    // Not in the frame in which the mesh comes: the field may take a tenth of a second.
-    if (held) setTimeout(() => this.#makeField(held));
+    this.#isFieldDue = held !== null;
     this.#over.setHits({ held: new Uint32Array(0) }, this.#model);
     this.#touch();
   }
@@ -374,6 +376,7 @@ export class Stage {
     stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew && !isGliding;
     stats.isShown = stats.isWhole && this.#isShown;
     stats.isPictured = this.#isPictured;
+    if (this.#isFieldDue && stats.isShown) this.#makeField();
     stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
     const { calls, triangles } = this.renderer.info.render;
     Object.assign(stats, { calls, triangles, ms: performance.now() - start });
@@ -445,12 +448,18 @@ export class Stage {
     this.renderer.dispose();
   }
 
-  #makeField(held: object): void {
-    const mesh = this.#held === held ? this.#over.held.fieldMesh() : null;
+  /** Once the whole mock-up is shown, which would have to wait for it otherwise. */
+  #makeField(): void {
+    const held = this.#held;
+    const mesh = this.#over.held.fieldMesh();
+    this.#isFieldDue = false;
     if (!mesh) return;
-    this.#over.heat.setField(heatField(mesh.pieces, mesh.lower, mesh.upper));
-    this.#touch();
-    this.onStale?.();
+    void this.options.fieldOf?.(mesh.pieces, mesh.lower, mesh.upper).then((field) => {
+      if (this.#held !== held) return;
+      this.#over.heat.setField(field);
+      this.#touch();
+      this.onStale?.();
+    });
   }
 
   readonly #onLost = (event: Event): void => {

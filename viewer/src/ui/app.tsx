@@ -15,6 +15,7 @@ import { FirstRun } from "./first-run";
 import { Help } from "./help";
 import { Icon, type IconName } from "./icons";
 import { MeasurePanel } from "./measures";
+import { MechanismPanel } from "./mechanism";
 import { ContextMenu } from "./menu";
 import { DoubtsDialog, OpenDialog } from "./opening";
 import { Palette } from "./palette";
@@ -115,6 +116,7 @@ const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
   ask: { icon: "help", text: "Ask" },
   sections: { icon: "section", text: "Sections" },
   measures: { icon: "measure", text: "Measures" },
+  mechanism: { icon: "turn", text: "Joints" },
   sequence: { icon: "list", text: "Sequence" },
   findings: { icon: "alert", text: "Findings" },
 };
@@ -124,6 +126,7 @@ const BODIES = {
   ask: AskPanel,
   sections: SectionPanel,
   measures: MeasurePanel,
+  mechanism: MechanismPanel,
   sequence: SequencePanel,
   findings: FindingPanel,
 } as const;
@@ -132,19 +135,21 @@ function Panels() {
   const { store } = useWorkbench();
   const current = store.panel.value;
   const Body = BODIES[current];
+  const joints = current === "mechanism" || store.document.value?.mechanism != null;
+  const shown = joints ? PANELS : PANELS.filter((panel) => panel !== "mechanism");
   const go = (event: KeyboardEvent): void => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;
     event.preventDefault();
     event.stopPropagation();
-    const next = PANELS[(PANELS.indexOf(current) + step + PANELS.length) % PANELS.length] ?? current;
+    const next = shown[(shown.indexOf(current) + step + shown.length) % shown.length] ?? current;
     store.panel.value = next;
     document.getElementById(`tab-${next}`)?.focus();
   };
   return (
     <aside id="panels" class="panels" aria-label="Panels">
       <div class="tabs" role="tablist" aria-label="Panels" onKeyDown={go}>
-        {PANELS.map((panel) => (
+        {shown.map((panel) => (
           <button
             type="button"
             key={panel}

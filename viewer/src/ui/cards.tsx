@@ -116,7 +116,11 @@ export function CardItem({ card }: { card: Card }) {
         {card.setting}
         {card.is_stale && (
           <strong class="stale">
-            {card.line === null ? " · parts were moved since" : " · the way, or what is around it, changed since"}
+            {card.is_earlier
+              ? " · about an earlier revision"
+              : card.line === null
+                ? " · parts were moved since"
+                : " · the way, or what is around it, changed since"}
           </strong>
         )}
       </p>

@@ -82,7 +82,9 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
     .slice(at + 1)
     .some((later) => later.parts.some((each) => line.parts.includes(each)));
   const isInside =
-    isLast && line.parts.some((part) => document?.moved[part] !== undefined && !document.out.includes(part));
+    isLast &&
+    !line.joint &&
+    line.parts.some((part) => document?.moved[part] !== undefined && !document.out.includes(part));
   const clearance =
     line.least_clearance === null
       ? "nothing near"
@@ -98,9 +100,9 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
         />
         <IconButton
           icon="play"
-          label={`Replay ${line.name}`}
-          disabled={!store.can_look.value || isReplaying}
-          run={() => wb.run("sequence_replay", { id: line.id })}
+          label={line.joint ? `Go to the position of ${line.name}` : `Replay ${line.name}`}
+          disabled={!store.can_look.value || isReplaying || (line.joint !== null && isLocked)}
+          run={() => wb.run(line.joint ? "joint_step_go" : "sequence_replay", { id: line.id })}
         />
         <IconButton
           icon="up"
@@ -125,7 +127,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
         <button type="button" class="link" onClick={() => wb.select(line.parts)}>
           {line.parts.length === 1 ? "1 part" : `${line.parts.length} parts`}
         </button>
-        {` · ${clearance}${line.tool ? ` · with ${line.tool}` : ""}`}
+        {` · ${line.joint ? "moved by a joint" : clearance}${line.tool ? ` · with ${line.tool}` : ""}`}
         {isInside && (
           <span class="tag violated" title="Its parts lie inside the box of the mock-up: this is not a removal yet">
             not out
@@ -151,13 +153,13 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
         <button
           type="button"
           class="button"
-          disabled={isLocked}
+          disabled={isLocked || line.joint !== null}
           title="Looks for a shorter way of straight pieces, and checks it"
           onClick={() => askOfLine(wb, "way_shorten", line.id)}
         >
           Shorten it
         </button>
-        <GuideButton of={{ line: line.id }} parts={line.parts} />
+        {!line.joint && <GuideButton of={{ line: line.id }} parts={line.parts} />}
       </div>
       {cards.length > 0 && (
         <ul class="card-list" aria-label={`Answers about ${line.name}`}>

@@ -27,9 +27,9 @@ export function StatusLine() {
   const connection = store.connection.value;
   return (
     <footer class="status">
-      <span class={`link-state ${store.is_ended.value ? "refused" : connection}`}>
+      <span class={`link-state ${store.is_ended.value ? "refused" : store.is_silent.value ? "lost" : connection}`}>
         <span class="dot" aria-hidden="true" />
-        {store.is_ended.value ? "Ended" : CONNECTIONS[connection]}
+        {store.is_ended.value ? "Ended" : store.is_silent.value ? "feeler does not answer" : CONNECTIONS[connection]}
       </span>
       {store.is_recording.value && (
         <span class="recording">

@@ -71,7 +71,9 @@ export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) 
             class="button main"
             disabled={store.is_read_only.value || card.is_stale}
             title={
-              card.is_stale ? "Parts were moved since: ask again" : "Adds it to the sequence; the parts are out then"
+              card.is_stale
+                ? "The mock-up is another one now: ask again"
+                : "Adds it to the sequence; the parts are out then"
             }
             onClick={() => takeWay(wb, card.id)}
           >

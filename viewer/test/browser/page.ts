@@ -7,8 +7,8 @@ import { PartState, Stage } from "../../src/scene/stage";
 
 const canvas = document.querySelector("canvas") as HTMLCanvasElement;
 const labels = document.querySelector("#labels") as HTMLElement;
-const stage = new Stage(canvas, { pixelRatio: 1, labels });
 const geometry = new Geometry(`${location.origin}/`, "token of the test");
+const stage = new Stage(canvas, { pixelRatio: 1, labels, fieldOf: (...mesh) => geometry.fieldOf(...mesh) });
 
 /** Draws frames, as fast as the device takes them, until `isEnough` or `most` frames. Returns how many were drawn. */
 async function frames(isEnough: () => boolean, most = 3000): Promise<number> {

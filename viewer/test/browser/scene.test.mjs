@@ -330,10 +330,12 @@ scene("a tool behind the mock-up shines through it, and is not picked there", as
 
 scene("surfaces near the tool are coloured by their distance, those farther off and others are not", async () => {
   const { off, on, away } = await inPage(
-    async ({ stage, geometry, colours }, { manifest, pose }) => {
+    async ({ stage, geometry, colours, frames }, { manifest, pose }) => {
       stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
       stage.setPose(pose, null);
-      await new Promise((resolve) => setTimeout(resolve, 50));
+      stage.setHeat(true);
+      await frames(() => stage.heatAccuracy !== null);
+      stage.setHeat(false);
       const places = [
         [0, -0.2, 0.11],
         [0, -0.2, 0.114],

@@ -14,7 +14,7 @@ pub(super) fn is_convex(mesh: &Mesh) -> bool {
     // By Euler's formula a closed surface without holes has half as many vertices as triangles, plus two. Nearly all
     // other meshes have another number, and need no closer look.
     let count = mesh.faces().len() / 2 + 2;
-    if !mesh.defects().excluded.is_empty() || mesh.vertices().len() < count {
+    if !mesh.excluded().is_empty() || mesh.vertices().len() < count {
         return false;
     }
     let extent = mesh.bounds().extent();

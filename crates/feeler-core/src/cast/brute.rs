@@ -11,9 +11,10 @@ use crate::tool::moving_tool::Tool;
 pub fn cast_all_pairs(mesh: &Mesh, tool: &Tool, motion: &Motion, tolerance: f64) -> Result<Option<Cast>> {
     check_tolerance(tolerance)?;
     let start = motion.at(0.0);
+    let during = motion.during(0.0, 1.0);
     let mut best: Option<Impact> = None;
     for tool_triangle in tool.mesh().queried() {
-        let moving = Moving::new(motion, tool.mesh().triangle(tool_triangle));
+        let moving = Moving::new(motion, tool.mesh().triangle(tool_triangle), &during);
         for mockup_triangle in mesh.queried() {
             let q = mesh.triangle(mockup_triangle);
             let until = best.map_or(1.0, |b| b.time);

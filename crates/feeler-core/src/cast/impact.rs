@@ -63,7 +63,7 @@ pub(super) fn contact(tool: &Tool, mesh: &Mesh, motion: &Motion, impact: &Impact
         pose,
         point: closest.on_q,
         // No negative zeros.
-        normal: Moving::new(motion, p).normal(&q, time).map(|x| x + 0.0),
+        normal: Moving::new(motion, p, &motion.during(time, time)).normal(&q, time).map(|x| x + 0.0),
         distance: closest.distance,
         tool_triangle,
         mockup_triangle,

@@ -13,20 +13,35 @@ use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use crate::geometry::pose::Pose;
 use crate::geometry::vectors::{cross, dot, largest, length, scaled, sub, unit};
-use crate::tool::motion::{Limits, Motion};
+use crate::tool::chain::Spin;
+use crate::tool::motion::{During, Limits, Motion};
 
 /// A moving triangle, in its tool's frame, with bounds on its motion.
 pub struct Moving<'a> {
     pub motion: &'a Motion,
     pub corners: Triangle,
     pub limits: Limits,
+    /// Along a chain: how the tool moves at the beginning of the span, which most pairs do not get beyond.
+    first_spin: Option<(f64, Spin)>,
 }
 
 impl<'a> Moving<'a> {
-    /// A triangle of the tool that moves.
+    /// A triangle of the tool that moves, to be followed within a span of time.
     #[inline]
-    pub fn new(motion: &'a Motion, corners: Triangle) -> Moving<'a> {
-        Moving { motion, corners, limits: motion.limits(&corners) }
+    pub fn new(motion: &'a Motion, corners: Triangle, during: &During) -> Moving<'a> {
+        Moving { motion, corners, limits: motion.limits(&corners, during), first_spin: during.first_spin() }
+    }
+
+    /// Velocities of three places at a time.
+    #[inline]
+    fn velocities(&self, time: f64, places: &Triangle) -> Triangle {
+        match &self.first_spin {
+            None => places.each_ref().map(|place| self.motion.velocity(time, place)),
+            Some((at, spin)) => {
+                let spin = if *at == time { *spin } else { self.motion.spin(time).unwrap_or(*spin) };
+                places.each_ref().map(|place| spin.velocity(place))
+            }
+        }
     }
 
     /// A time from which on, until `until`, the pair may meet, and before which, from `from` on, it does not; `None` if it does
@@ -105,15 +120,8 @@ impl<'a> View<'a> {
         let size = [&corners[0], &corners[1], &corners[2], &others[0], &others[1]]
             .iter()
             .fold(0.0, |m: f64, x| m.max(largest(x)));
-        let velocity = |i: usize| moving.motion.velocity(time, &p[i]);
-        View {
-            moving,
-            p,
-            corners,
-            others,
-            velocities: [velocity(0), velocity(1), velocity(2)],
-            rounding: HEIGHT_ROUNDOFFS * UNIT_ROUNDOFF * size,
-        }
+        let velocities = moving.velocities(time, &p);
+        View { moving, p, corners, others, velocities, rounding: HEIGHT_ROUNDOFFS * UNIT_ROUNDOFF * size }
     }
 
     /// The normals of the two triangles, of any length: of the one that stands still first.

@@ -521,7 +521,7 @@ mod tests {
                     assert!(all);
                 }
                 for (a, triangle) in (0..).zip(&own) {
-                    let moving = Moving::new(&motion, *triangle);
+                    let moving = Moving::new(&motion, *triangle, &motion.during(from, 1.0));
                     for (b, q) in (0..).zip(&others) {
                         let meets = moving.first_impact(q, from, 1.0, &pose, 1e-9).is_some();
                         met += u32::from(meets);

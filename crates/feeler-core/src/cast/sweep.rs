@@ -177,7 +177,7 @@ pub(super) fn first_impact(
         let limit = (few << fine).max(TIMES_STILL * still);
         let may_cut = fine < MOST_CUTS && share > shortest;
         let mut chase = Chase::new((index, tool, motion), how, (from, to), &before, &mut after);
-        let sweep = |to: f64| Sweep {
+        let sweep = |to: f64, selection| Sweep {
             mesh: index.mockup().mesh(),
             tool,
             window: motion.window(tool, from, to),
@@ -188,23 +188,30 @@ pub(super) fn first_impact(
         let SweepMemory { store, pairs } = &mut *scratch;
         pairs.clear();
         let mut is_full = false;
-        let whole = sweep(to);
-        let all_seen = index.store().offer_swept(&whole, store, &mut |slot, triangle| {
-            if !selection.wants(tool, index.mockup(), slot, triangle) {
-                return false;
+        let whole = sweep(to, selection);
+        let mut all_seen = true;
+        for (blocks, selection) in index.stores() {
+            let whole = Sweep { selection, window: whole.window.clone(), ..whole };
+            all_seen &= blocks.offer_swept(&whole, store, &mut |slot, triangle| {
+                if !selection.wants(tool, index.mockup(), slot, triangle) {
+                    return false;
+                }
+                pairs.push(pair_key(slot, triangle));
+                if pairs.len() < limit {
+                    return false;
+                }
+                if may_cut {
+                    is_full = true;
+                    return true;
+                }
+                chase.follow(pairs, &whole.window);
+                // Nothing is earlier than the beginning.
+                chase.until <= from || chase.is_stopped
+            });
+            if is_full || !all_seen || chase.is_stopped {
+                break;
             }
-            pairs.push(pair_key(slot, triangle));
-            if pairs.len() < limit {
-                return false;
-            }
-            if may_cut {
-                is_full = true;
-                return true;
-            }
-            chase.follow(pairs, &whole.window);
-            // Nothing is earlier than the beginning.
-            chase.until <= from || chase.is_stopped
-        });
+        }
         if is_full || !all_seen {
             cuts += 1;
             spent += pairs.len();
@@ -215,10 +222,12 @@ pub(super) fn first_impact(
             }
             if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
                 (still, still_at) = (0, from);
-                index.store().offer_swept(&sweep(from), store, &mut |slot, triangle| {
-                    still += usize::from(selection.wants(tool, index.mockup(), slot, triangle));
-                    false
-                });
+                for (blocks, selection) in index.stores() {
+                    blocks.offer_swept(&sweep(from, selection), store, &mut |slot, triangle| {
+                        still += usize::from(selection.wants(tool, index.mockup(), slot, triangle));
+                        false
+                    });
+                }
             }
             continue;
         }
@@ -311,11 +320,16 @@ fn triangles_within(index: &Index, bounds: &Aabb, most: usize, store: &mut Sweep
     };
     let mut found = Vec::new();
     let mut is_full = false;
-    index.store().offer_swept(&sweep, store, &mut |_, triangle| {
-        found.push(triangle);
-        is_full = found.len() > 2 * most;
-        is_full
-    });
+    for (blocks, selection) in index.stores() {
+        blocks.offer_swept(&Sweep { selection, window: sweep.window.clone(), ..sweep }, store, &mut |_, triangle| {
+            found.push(triangle);
+            is_full = found.len() > 2 * most;
+            is_full
+        });
+        if is_full {
+            break;
+        }
+    }
     if is_full {
         return None;
     }
@@ -389,6 +403,7 @@ impl<'a> Chase<'a> {
         let mut held_apart = HeldApart::new(self.how.directions, self.how.tolerance);
         let mockup = self.index.mockup();
         let mesh = mockup.mesh();
+        let during = self.motion.during(self.from, self.until);
         let mut moving: Option<(u32, Moving<'_>)> = None;
         let mut at = 0;
         for (number, &pair) in pairs.iter().enumerate() {
@@ -399,7 +414,7 @@ impl<'a> Chase<'a> {
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
             if moving.as_ref().is_none_or(|(s, _)| *s != slot) {
                 let corners = self.tool.placeable()[slot as usize];
-                moving = Some((slot, Moving::new(self.motion, corners)));
+                moving = Some((slot, Moving::new(self.motion, corners, &during)));
                 held_apart.set(window, &corners);
             }
             let Some((_, moving)) = &moving else { continue };

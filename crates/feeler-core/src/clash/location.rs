@@ -83,14 +83,11 @@ pub fn locate(
         let q = ray_end(p, &hull, offset);
         let triangles = &mut scratch.triangles;
         triangles.clear();
-        let path = RayPath {
-            origin: *p,
-            direction: sub(&q, p),
-            from: 0.0,
-            selection: index.selection(),
-            lanes: index.lanes(),
-        };
-        index.store().search_ray(mockup.mesh(), &path, &mut scratch.ray, &mut Along(triangles));
+        let (direction, lanes) = (sub(&q, p), index.lanes());
+        for (store, selection) in index.stores() {
+            let path = RayPath { origin: *p, direction, from: 0.0, selection, lanes };
+            store.search_ray(mockup.mesh(), &path, &mut scratch.ray, &mut Along(triangles));
+        }
         triangles.sort_unstable();
         triangles.dedup();
         let mut sums: Vec<Option<i32>> = vec![Some(0); parts.len()];

@@ -13,7 +13,8 @@ use crate::progress::{Control, Progress};
 /// Shares of a search, after each of which it reports progress and may be stopped.
 const WAVE: usize = 128;
 
-/// The blocks of an index and whose pieces they hold. Of other stores than blocks they are built for the occasion.
+/// The blocks of an index and whose pieces they hold. Of other stores than blocks, and where parts are moved, they are built for
+/// the occasion.
 #[derive(Debug)]
 pub struct SelfIndex<'a> {
     index: &'a Index,
@@ -35,7 +36,8 @@ impl<'a> SelfIndex<'a> {
     pub fn new(index: &'a Index) -> Result<SelfIndex<'a>> {
         let (mockup, limit) = (index.mockup(), index.memory_limit());
         let built = match index.store() {
-            Store::Blocks(_) => None,
+            Store::Blocks(_) if !index.has_moved() => None,
+            Store::Blocks(_) => Some(Blocks::build(mockup.mesh(), index.voxel_size(), limit, Control::default())?),
             _ => {
                 let (mesh, ids) = (mockup.mesh(), mockup.mesh().queried().collect::<Vec<u32>>());
                 let size = default_piece_size(ids.len(), |i| mesh.triangle(ids[i]), MOCKUP_CUT_ALLOWANCE);
@@ -82,8 +84,8 @@ impl<'a> SelfIndex<'a> {
 }
 
 fn of<'a>(index: &'a Index, built: &'a Option<Blocks>) -> &'a Blocks {
-    match (index.store(), built) {
-        (Store::Blocks(blocks), _) | (_, Some(blocks)) => blocks,
+    match (built, index.store()) {
+        (Some(blocks), _) | (_, Store::Blocks(blocks)) => blocks,
         _ => unreachable!("blocks are built for other stores"),
     }
 }

@@ -260,6 +260,11 @@ impl Narrow<'_> {
         self.pending.count >= batch && (self.finish() || self.pace.step())
     }
 
+    /// Whether what was found ends the query.
+    pub(crate) fn is_over(&self) -> bool {
+        self.until != Until::End && !self.hits.is_empty()
+    }
+
     /// Leaves out pairs that are not asked for.
     #[inline(never)]
     fn keep_selected(&mut self) {

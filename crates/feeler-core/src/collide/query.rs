@@ -128,11 +128,17 @@ fn run_at(
     *stats = Stats::default();
     let pace = Pace::new(go_on, BATCHES_BETWEEN);
     let mut narrow = Narrow { at: *at, corners, filters, until, placed, seen, pending, hits, stats, pace };
-    index.store().offer_candidates(offered, blocks, &mut narrow);
-    if narrow.pace.is_stopped() {
-        return Err(Error::Cancelled);
+    for (store, selection) in index.stores() {
+        narrow.at.selection = selection;
+        store.offer_candidates(&PlacedTool { selection, ..*offered }, blocks, &mut narrow);
+        if narrow.pace.is_stopped() {
+            return Err(Error::Cancelled);
+        }
+        narrow.finish();
+        if narrow.is_over() {
+            break;
+        }
     }
-    narrow.finish();
     hits.sort(index.lanes());
     stats.pairs = hits.sorted().len() as u64;
     Ok(())

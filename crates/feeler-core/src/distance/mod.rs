@@ -3,6 +3,7 @@
 //! One search serves all: tool tree and mock-up tree are descended together, nearest pairs of boxes first, and pairs of
 //! boxes farther apart than the current limit are dropped.
 
+pub(crate) mod along;
 pub(crate) mod batch;
 pub(crate) mod brute;
 pub(crate) mod gap;

@@ -106,7 +106,10 @@ pub fn near_candidates(
     let at = near_tool(index, tool, pose, dividers);
     let mut wanted = Wanted::new(at, Goal::Candidates, within, most.min(allowed), go_on, (gaps, places, sorted));
     wanted.collect_into(std::mem::take(candidates));
-    index.store().search(&at, search, near, &mut wanted);
+    for (store, selection) in index.stores() {
+        wanted.select(selection);
+        store.search(&NearTool { selection, ..at }, search, near, &mut wanted);
+    }
     let found = wanted.collect_into(Vec::new());
     if wanted.is_stopped() {
         return Err(Error::Cancelled);
@@ -131,7 +134,10 @@ pub(super) fn find_gaps(
     let DistanceScratch { gaps, places, sorted, search, near, .. } = scratch;
     let at = near_tool(index, tool, pose, &[]);
     let mut wanted = Wanted::new(at, goal, within, most_gaps(index), go_on, (gaps, places, sorted));
-    index.store().search(&at, search, near, &mut wanted);
+    for (store, selection) in index.stores() {
+        wanted.select(selection);
+        store.search(&NearTool { selection, ..at }, search, near, &mut wanted);
+    }
     let fits = wanted.finish();
     if fits.is_err() {
         // A long list that nobody gets is not held for ever.

@@ -4,6 +4,7 @@ use super::gap::Gap;
 use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::error::{Error, Result};
 use crate::geometry::distance_triangle_triangle::closest_within;
+use crate::index::selection::Selection;
 use crate::index::sink::{NearSink, NearTool};
 use crate::progress::{GoOn, Pace};
 
@@ -182,6 +183,11 @@ impl<'a> Wanted<'a> {
         self.candidates.dedup_by_key(|c| pair(c));
         self.room = self.room.max(2 * self.candidates.len()).min(self.most);
         self.candidates.len() > self.most
+    }
+
+    /// What comes next is of a store with this selection.
+    pub(crate) fn select(&mut self, selection: &'a Selection) {
+        self.at.selection = selection;
     }
 
     /// Returns the collected gaps in the memory of an empty list.

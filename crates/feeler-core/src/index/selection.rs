@@ -166,6 +166,12 @@ impl Presence {
         Presence { parts, triangles, children }
     }
 
+    /// All of a mock-up.
+    fn all(mockup: &Mockup) -> Presence {
+        let triangles = vec![u64::MAX; mockup.mesh().faces().len().div_ceil(64)];
+        Presence { parts: vec![true; mockup.part_bounds().len()], triangles, children: Vec::new() }
+    }
+
     fn memory(&self) -> usize {
         self.parts.capacity()
             + self.triangles.capacity() * size_of::<u64>()
@@ -203,6 +209,34 @@ impl Selection {
         Selection { presence, ignored: self.ignored.clone(), only: None }
     }
 
+    /// The same without some parts, whose triangles that are queried are given; `children` makes new words of nodes of the old ones.
+    pub(crate) fn masked(
+        &self,
+        mockup: &Mockup,
+        (is_out, triangles): (&[bool], &[u32]),
+        children: impl FnOnce(&[Vec<u32>], TrianglesThere<'_>) -> Vec<Vec<u32>>,
+    ) -> Selection {
+        let old: &[Vec<u32>] = self.presence.as_ref().map_or(&[], |presence| &presence.children);
+        let mut presence = match &self.presence {
+            Some(p) => Presence { parts: p.parts.clone(), triangles: p.triangles.clone(), children: Vec::new() },
+            None => Presence::all(mockup),
+        };
+        for (part, is_out) in presence.parts.iter_mut().zip(is_out) {
+            *part &= !is_out;
+        }
+        triangles.iter().for_each(|t| presence.triangles[*t as usize / 64] &= !(1 << (t % 64)));
+        presence.children = children(old, TrianglesThere(&presence.triangles));
+        Selection { presence: Some(Arc::new(presence)), ..self.clone() }
+    }
+
+    /// The same for any store: without words of nodes.
+    pub(crate) fn of_any_store(&self) -> Selection {
+        let without = |p: &Arc<Presence>| {
+            Arc::new(Presence { parts: p.parts.clone(), triangles: p.triangles.clone(), children: Vec::new() })
+        };
+        Selection { presence: self.presence.as_ref().map(without), ..self.clone() }
+    }
+
     /// The same with other ignored pairs.
     pub(crate) fn ignoring(&self, ignored: Option<Arc<IgnoredPairs>>) -> Selection {
         Selection { ignored, ..self.clone() }
@@ -218,6 +252,11 @@ impl Selection {
     #[inline(always)]
     pub(crate) fn is_everything(&self) -> bool {
         self.presence.is_none() && self.ignored.is_none() && self.only.is_none()
+    }
+
+    /// Whether every part is there.
+    pub(crate) fn has_all_parts(&self) -> bool {
+        self.presence.is_none() && self.only.is_none()
     }
 
     /// Whether pairs of parts are ignored.

@@ -8,6 +8,7 @@ use super::ray_search::{search_ray, RayPath, RayScratch};
 use super::selection::TrianglesThere;
 use super::sink::{CandidateSink, NearSink, NearTool, Offer, PlacedTool, RaySink, Sweep};
 use crate::error::Result;
+use crate::geometry::bounds::Aabb;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::progress::Control;
 
@@ -120,6 +121,14 @@ impl Store {
         match self {
             Store::Dense(_) | Store::Hashed(_) => Vec::new(),
             Store::Blocks(store) => store.children_there(there),
+        }
+    }
+
+    /// The same after more triangles left, all of them in these boxes; `words` are those of before, empty where all were there.
+    pub(crate) fn children_left(&self, words: &[Vec<u32>], there: TrianglesThere<'_>, boxes: &[Aabb]) -> Vec<Vec<u32>> {
+        match self {
+            Store::Dense(_) | Store::Hashed(_) => Vec::new(),
+            Store::Blocks(store) => store.children_left(words, there, boxes),
         }
     }
 

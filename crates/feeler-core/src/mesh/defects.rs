@@ -83,6 +83,18 @@ impl Defects {
             faces.par_iter().enumerate().filter_map(defect).collect()
         };
         bad.sort_unstable();
+        Defects::of_bad(vertices, faces, bad)
+    }
+
+    /// Those of a mesh whose triangles that are not queried (sorted) are known: of parts that moved, these that had no area where they
+    /// are modelled.
+    pub(crate) fn find_beside(vertices: &[Point], faces: &[[u32; 3]], excluded: &[u32]) -> Defects {
+        let kind = |id: &u32| defect_of(vertices, &faces[*id as usize]).unwrap_or(DefectKind::ZeroArea);
+        Defects::of_bad(vertices, faces, excluded.iter().map(|id| (*id, kind(id))).collect())
+    }
+
+    /// `bad`: the triangles that are not queried, sorted.
+    fn of_bad(vertices: &[Point], faces: &[[u32; 3]], bad: Vec<(u32, DefectKind)>) -> Defects {
         let mut defects = Defects { excluded: bad.iter().map(|(id, _)| *id).collect(), ..Defects::default() };
         for (id, kind) in bad {
             defects.by_kind[kind as usize].add(id);
@@ -143,6 +155,11 @@ impl Defect {
             self.first.push(id);
         }
     }
+}
+
+/// Whether a triangle cannot be queried.
+pub(crate) fn is_defective(vertices: &[Point], face: &[u32; 3]) -> bool {
+    defect_of(vertices, face).is_some()
 }
 
 fn defect_of(vertices: &[Point], face: &[u32; 3]) -> Option<DefectKind> {

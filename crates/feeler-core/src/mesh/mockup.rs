@@ -8,6 +8,8 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point};
+use crate::geometry::pose::Pose;
+use crate::mesh::moved::{self, MovedOfThis, Rest};
 use crate::mesh::part_numbers::check_parts;
 use crate::mesh::topology::adjacency::Adjacency;
 use crate::mesh::topology::body_outlines::BodyOutlines;
@@ -25,6 +27,9 @@ pub struct Mockup {
     /// process, which lacks that thread.
     adjacency: OnceBox<Adjacency>,
     outlines: BodyOutlines,
+    for_moved: MovedOfThis,
+    /// Where some parts are moved.
+    rest: Option<Rest>,
 }
 
 impl Mockup {
@@ -54,6 +59,8 @@ impl Mockup {
             part_triangles,
             adjacency: OnceBox::new(),
             outlines: BodyOutlines::default(),
+            for_moved: MovedOfThis::default(),
+            rest: None,
         })
     }
 
@@ -89,7 +96,59 @@ impl Mockup {
             part_triangles,
             adjacency: found,
             outlines: BodyOutlines::default(),
+            for_moved: MovedOfThis::default(),
+            rest: None,
         })
+    }
+
+    /// The mock-up with parts at other places: by part the number of its pose among `poses`, which counts from where the parts are
+    /// modelled, also where this mock-up has some moved; `None` leaves a part there, and so does a list that ends before it. Triangles
+    /// and parts keep their numbers, and what stays is shared.
+    ///
+    /// Vertices that a moved part shares with others get copies, behind the rest. Triangles without area stay without. Errors: nothing
+    /// left that can be queried, or more vertices than 32 bits can number.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// let mockup = std::sync::Arc::new(Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![0, 1], 2)?);
+    /// let up = Pose::IDENTITY.translated(&[0.0, 0.0, 0.5])?;
+    /// let moved = Mockup::moved(&mockup, &[None, Some(0)], &[up])?;
+    /// assert_eq!(moved.mesh().triangle(1)[1], [1.0, 1.0, 0.5]);
+    /// assert_eq!(moved.mesh().triangle(0), mockup.mesh().triangle(0));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn moved(this: &Arc<Mockup>, pose_of_part: &[Option<u32>], poses: &[Pose]) -> Result<Mockup> {
+        moved::moved(this.modelled(), pose_of_part, poses)
+    }
+
+    /// With all parts where they are modelled.
+    pub(crate) fn modelled(self: &Arc<Mockup>) -> &Arc<Mockup> {
+        self.rest.as_ref().map_or(self, |rest| &rest.mockup)
+    }
+
+    /// What it knows of its moved parts; `None` where it has none.
+    pub(crate) fn rest(&self) -> Option<&Rest> {
+        self.rest.as_ref()
+    }
+
+    /// What it keeps for those with parts moved.
+    pub(crate) fn for_moved(&self) -> &MovedOfThis {
+        &self.for_moved
+    }
+
+    /// The same parts with other places.
+    pub(crate) fn with_moved(&self, mesh: Mesh, part_bounds: Vec<Aabb>, rest: Rest) -> Mockup {
+        Mockup {
+            mesh,
+            part_of_face: self.part_of_face.clone(),
+            part_bounds,
+            part_triangles: self.part_triangles.clone(),
+            adjacency: OnceBox::new(),
+            outlines: BodyOutlines::default(),
+            for_moved: MovedOfThis::default(),
+            rest: Some(rest),
+        }
     }
 
     /// The triangles.
@@ -132,7 +191,16 @@ impl Mockup {
     #[doc(hidden)]
     pub fn adjacency(&self) -> &Adjacency {
         let part = |face| self.part_of_face(face);
-        self.adjacency.get_or_init(|| Box::new(Adjacency::new(&self.mesh, part, &self.part_bounds)))
+        self.adjacency.get_or_init(|| {
+            Box::new(match &self.rest {
+                // What moves as a whole hangs together as before.
+                Some(rest) if rest.are_all_queried() => {
+                    let is_moved = |part: u32| rest.is_moved[part as usize];
+                    rest.mockup.adjacency().moved((&self.mesh, &self.part_bounds), is_moved)
+                }
+                _ => Adjacency::new(&self.mesh, part, &self.part_bounds),
+            })
+        })
     }
 
     /// Whether [`adjacency`](Self::adjacency) is found.
@@ -155,5 +223,13 @@ impl Mockup {
     /// Number of triangles of each part, defective ones included.
     pub fn part_triangles(&self) -> &[u32] {
         &self.part_triangles
+    }
+}
+
+impl Drop for Mockup {
+    fn drop(&mut self) {
+        if let Some(rest) = &mut self.rest {
+            rest.take_back(self.mesh.take_vertices());
+        }
     }
 }

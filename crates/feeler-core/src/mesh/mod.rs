@@ -3,6 +3,7 @@
 pub(crate) mod defects;
 pub(crate) mod median;
 pub mod mockup;
+pub(crate) mod moved;
 pub(crate) mod part_numbers;
 pub(crate) mod pieces;
 pub mod topology;

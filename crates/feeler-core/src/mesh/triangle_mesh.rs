@@ -1,11 +1,12 @@
 //! Triangle meshes as given, with their defects.
 
+use once_cell::race::OnceBox;
 use rayon::prelude::*;
 
 use crate::constants::{LARGEST_COORDINATE, SMALL_MESH};
 use crate::error::{Error, Result};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
-use crate::mesh::defects::{corners, Defects};
+use crate::mesh::defects::{corners, is_defective, Defects};
 use crate::saved::{check, Reader, Sections};
 use feeler_lanes::{prefetch_at, Column};
 
@@ -15,8 +16,16 @@ use feeler_lanes::{prefetch_at, Column};
 pub struct Mesh {
     vertices: Column<Point>,
     faces: Column<[u32; 3]>,
-    defects: Defects,
+    /// Ids of all triangles that are not queried, sorted.
+    excluded: Vec<u32>,
+    /// Of a mesh with parts moved found when first asked for.
+    defects: OnceBox<Defects>,
+    what: &'static str,
     bounds: Aabb,
+}
+
+fn found(defects: Defects) -> OnceBox<Defects> {
+    OnceBox::with_value(Box::new(defects))
 }
 
 impl Mesh {
@@ -36,7 +45,8 @@ impl Mesh {
         if defects.excluded.len() == faces.len() {
             return Err(Error::NothingToQuery { what, triangles: faces.len(), defects: defects.summary() });
         }
-        let mut mesh = Mesh { vertices: vertices.into(), faces: faces.into(), defects, bounds: Aabb::EMPTY };
+        let (vertices, faces, excluded) = (vertices.into(), faces.into(), defects.excluded.clone());
+        let mut mesh = Mesh { vertices, faces, excluded, defects: found(defects), what, bounds: Aabb::EMPTY };
         let with = |b: Aabb, t: u32| b.union(&Aabb::of_triangle(&mesh.triangle(t)));
         mesh.bounds = if mesh.faces.len() < SMALL_MESH {
             mesh.queried().fold(Aabb::EMPTY, with)
@@ -50,7 +60,50 @@ impl Mesh {
     pub(crate) fn of_checked(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Mesh {
         let mut bounds = Aabb::EMPTY;
         faces.iter().flatten().for_each(|v| bounds.grow(&vertices[*v as usize]));
-        Mesh { vertices: vertices.into(), faces: faces.into(), defects: Defects::default(), bounds }
+        let (vertices, faces, defects) = (vertices.into(), faces.into(), found(Defects::default()));
+        Mesh { vertices, faces, excluded: Vec::new(), defects, what: "mesh", bounds }
+    }
+
+    /// The same triangles with other vertices, as many; [`without_defects_of`](Self::without_defects_of) and
+    /// [`with_bounds`](Self::with_bounds) must follow.
+    pub(crate) fn with_vertices(&self, vertices: Vec<Point>) -> Mesh {
+        self.with_columns(vertices.into(), self.faces.clone())
+    }
+
+    /// The same with other arrays, as [`with_vertices`](Self::with_vertices).
+    pub(crate) fn with_arrays(&self, vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Mesh {
+        self.with_columns(vertices.into(), faces.into())
+    }
+
+    fn with_columns(&self, vertices: Column<Point>, faces: Column<[u32; 3]>) -> Mesh {
+        let Mesh { excluded, what, bounds, .. } = self;
+        Mesh { vertices, faces, excluded: excluded.clone(), defects: OnceBox::new(), what, bounds: *bounds }
+    }
+
+    /// The mesh without those of some queried triangles (ascending) that cannot be queried, and the others of them. An error where
+    /// there is nothing left.
+    pub(crate) fn without_defects_of(mut self, asked: &[u32]) -> Result<(Mesh, Vec<u32>)> {
+        let is_bad = |t: &u32| is_defective(&self.vertices, &self.faces[*t as usize]);
+        let (bad, good): (Vec<u32>, Vec<u32>) = asked.iter().partition(|t| is_bad(t));
+        if !bad.is_empty() {
+            self.excluded.extend(bad);
+            self.excluded.sort_unstable();
+            if self.queried_count() == 0 {
+                let (what, triangles, defects) = (self.what, self.faces.len(), self.defects().summary());
+                return Err(Error::NothingToQuery { what, triangles, defects });
+            }
+        }
+        Ok((self, good))
+    }
+
+    /// The mesh with the box around all its queried triangles.
+    pub(crate) fn with_bounds(self, bounds: Aabb) -> Mesh {
+        Mesh { bounds, ..self }
+    }
+
+    /// The vertices, where nobody else has them.
+    pub(crate) fn take_vertices(&mut self) -> Option<Vec<Point>> {
+        std::mem::take(&mut self.vertices).into_vec()
     }
 
     /// Adds it to the sections of a saved scene.
@@ -58,7 +111,7 @@ impl Mesh {
         sections.add("mesh.vertices", &self.vertices);
         sections.add("mesh.faces", &self.faces);
         sections.add_made("mesh.bounds", &[self.bounds]);
-        self.defects.save(sections);
+        self.defects().save(sections);
     }
 
     /// From the sections of a saved scene.
@@ -68,7 +121,8 @@ impl Mesh {
         count("mesh.vertices", vertices.len())?;
         count("mesh.faces", faces.len())?;
         let defects = Defects::of_saved(saved, faces.len())?;
-        let mesh = Mesh { vertices, faces, defects, bounds: saved.one("mesh.bounds")? };
+        let (excluded, bounds) = (defects.excluded.clone(), saved.one("mesh.bounds")?);
+        let mesh = Mesh { vertices, faces, excluded, defects: found(defects), what: "mock-up", bounds };
         if saved.is_checked {
             let is_there = |face: &[u32; 3]| face.iter().all(|v| (*v as usize) < mesh.vertices.len());
             let is_inside = |t: u32| mesh.triangle(t).iter().all(|p| mesh.bounds.contains(p));
@@ -91,7 +145,12 @@ impl Mesh {
 
     /// The defects of the mesh.
     pub fn defects(&self) -> &Defects {
-        &self.defects
+        self.defects.get_or_init(|| Box::new(Defects::find_beside(&self.vertices, &self.faces, &self.excluded)))
+    }
+
+    /// Ids of all triangles that are not queried, sorted.
+    pub(crate) fn excluded(&self) -> &[u32] {
+        &self.excluded
     }
 
     /// The box around all queried triangles.
@@ -119,12 +178,12 @@ impl Mesh {
 
     /// Number of triangles that are queried.
     pub fn queried_count(&self) -> usize {
-        self.faces.len() - self.defects.excluded.len()
+        self.faces.len() - self.excluded.len()
     }
 
     /// Whether a triangle is queried.
     pub fn is_queried(&self, id: u32) -> bool {
-        self.defects.excluded.binary_search(&id).is_err()
+        self.excluded.binary_search(&id).is_err()
     }
 
     /// Ids of the queried triangles, ascending.
@@ -139,7 +198,7 @@ impl Mesh {
 
     /// Bytes held by the vertex and face arrays.
     pub(crate) fn memory(&self) -> usize {
-        self.vertices.memory() + self.faces.memory() + self.defects.excluded.capacity() * size_of::<u32>()
+        self.vertices.memory() + self.faces.memory() + self.excluded.capacity() * size_of::<u32>()
     }
 }
 

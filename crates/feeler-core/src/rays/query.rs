@@ -63,11 +63,13 @@ pub(super) fn check(rays: &[Ray], max: f64, sections: &[HalfSpace]) -> Result<()
 
 fn find(index: &Index, ray: &Ray, max: f64, sections: &[HalfSpace], scratch: &mut RayScratch) -> Option<RayHit> {
     let span = Span::new(ray, sections)?;
-    let selection = index.selection();
-    let mut first = First::new(index.mockup(), selection, ray, &span, max);
+    let mut first = First::new(index.mockup(), index.selection(), ray, &span, max);
     let from = span.from.t * (1.0 - RAY_LIMIT_ROUNDING);
-    let path = RayPath { origin: ray.origin, direction: ray.direction, from, selection, lanes: index.lanes() };
-    index.store().search_ray(index.mockup().mesh(), &path, scratch, &mut first);
+    for (store, selection) in index.stores() {
+        first.selection = selection;
+        let path = RayPath { origin: ray.origin, direction: ray.direction, from, selection, lanes: index.lanes() };
+        store.search_ray(index.mockup().mesh(), &path, scratch, &mut first);
+    }
     first.hit()
 }
 

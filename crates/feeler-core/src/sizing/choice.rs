@@ -20,7 +20,7 @@ pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage, li
         if let Some(predictor) = tool.and_then(|tool| PiecePredictor::new(mesh, tool)) {
             return predictor.optimal_size(limit);
         }
-        let excluded = mesh.defects().excluded.is_empty();
+        let excluded = mesh.excluded().is_empty();
         let ids: Vec<u32> = if excluded { Vec::new() } else { mesh.queried().collect() };
         let triangle = |i: usize| mesh.triangle(if excluded { i as u32 } else { ids[i] });
         return default_piece_size(mesh.queried_count(), triangle, MOCKUP_CUT_ALLOWANCE);

@@ -5,7 +5,7 @@ use crate::mesh::triangle_mesh::Mesh;
 /// At most `most` queried triangles, evenly spread; at least one.
 pub(super) fn spread(mesh: &Mesh, most: usize) -> Vec<u32> {
     let stride = mesh.queried_count().div_ceil(most).max(1);
-    if mesh.defects().excluded.is_empty() {
+    if mesh.excluded().is_empty() {
         return (0..mesh.faces().len() as u32).step_by(stride).collect();
     }
     mesh.queried().step_by(stride).collect()

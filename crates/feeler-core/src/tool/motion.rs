@@ -4,7 +4,7 @@
 //! about a fixed axis. Between poses the pivot is usually the middle of the tool's box, and the rotation the shorter
 //! way round (slerp: K. Shoemake 1985): the tool's own origin has no effect, so a tool modelled far from its origin
 //! does not swing. On a screw the pivot is the point of the axis nearest to that middle, and the rotation has any
-//! angle.
+//! angle. Along a chain of joints the motion is that of [`Linked`] instead.
 //!
 //! Given poses are rigid only within 1e-6, and are used as given: the deviation of their matrices from a rotation is
 //! added, and fades out within the first and the last `FADE` of the motion. So the motion begins and ends exactly at
@@ -18,8 +18,10 @@ use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::pose::Pose;
 use crate::geometry::twist::{product, times, transposed, turn, Matrix};
 use crate::geometry::vectors::{add, any_length, cross, dot, largest, length, scaled, sub, unit};
+use crate::tool::chain::{Chain, Joint, Linked, Rates, Spin, Turned};
+use crate::tool::leg::Leg;
 use crate::tool::moving_tool::Tool;
-use crate::tool::screw::{Leg, Screw};
+use crate::tool::screw::Screw;
 
 /// A rigid motion of one tool; time runs from 0 to 1.
 ///
@@ -44,6 +46,8 @@ pub struct Motion {
     slack: f64,
     /// Along which it is; `None` from pose to pose.
     screw: Option<Screw>,
+    /// The joints that move it, instead of all this; boxed, as few motions have any.
+    linked: Option<Box<Linked>>,
     /// Deviation of the given matrices from a rotation.
     beyond: [Matrix; 2],
     /// Bounds for the whole tool, metres: distance from the axis, displacement by `beyond`, rounding per axis.
@@ -101,6 +105,7 @@ impl Motion {
             axis_in_tool: times(&transposed(&start), &axis),
             slack: 0.0,
             screw: None,
+            linked: None,
             beyond,
             reach: 0.0,
             bend: 0.0,
@@ -139,6 +144,7 @@ impl Motion {
             axis_in_tool: times(&back, &axis),
             slack: size(&difference(&start, &transposed(&back))),
             screw: Some(*screw),
+            linked: None,
             beyond: [[[0.0; 3]; 3]; 2],
             reach: 0.0,
             bend: 0.0,
@@ -148,6 +154,27 @@ impl Motion {
         let mut motion = motion.bounded(tool, largest(&from) + largest(&velocity) + 2.0 * largest(&pivot));
         // The sine of a large angle is known to as many roundings less.
         motion.rounding += MOTION_ROUNDOFFS * UNIT_ROUNDOFF * angle * motion.reach;
+        Ok(motion)
+    }
+
+    /// The way of a tool from a pose along a chain of joints.
+    ///
+    /// Errors where the tool would get beyond the coordinate limit.
+    pub fn chain(tool: &Tool, pose: &Pose, chain: &Chain) -> Result<Motion> {
+        let joints = chain.shortened()?;
+        match &joints[..] {
+            [] => return Ok(Motion::new(tool, pose, pose)),
+            [Joint::Screw(screw)] => return Motion::screw(tool, pose, screw),
+            [Joint::Slide(way)] => return Ok(Motion::new(tool, pose, &pose.translated(way)?)),
+            _ => {}
+        }
+        let linked = Linked::new(chain, &joints, pose, tool.pivot(), &corners_of(&tool.mesh().bounds()));
+        let end = linked.at(1.0).translated(&[0.0; 3])?;
+        let mut motion = Motion::new(tool, pose, &end);
+        motion.angle = linked.angle;
+        motion.rounding = linked.rounding;
+        motion.bend = 0.0;
+        motion.linked = Some(Box::new(linked));
         Ok(motion)
     }
 
@@ -175,6 +202,7 @@ impl Motion {
             let motion = match leg {
                 Leg::To(pose) => Motion::new(tool, &here, pose),
                 Leg::Screw(screw) => Motion::screw(tool, &here, screw)?,
+                Leg::Chain(chain) => Motion::chain(tool, &here, chain)?,
             };
             here = motion.ends[1];
             motions.push(motion);
@@ -184,6 +212,9 @@ impl Motion {
 
     /// The same of another tool with the same [pivot](Tool::pivot). Errors as [`screw`](Self::screw).
     pub fn of_tool(&self, tool: &Tool) -> Result<Motion> {
+        if let Some(linked) = &self.linked {
+            return Motion::chain(tool, &self.ends[0], &linked.chain);
+        }
         match &self.screw {
             Some(screw) => Motion::screw(tool, &self.ends[0], screw),
             None => Ok(Motion::new(tool, &self.ends[0], &self.ends[1])),
@@ -192,25 +223,31 @@ impl Motion {
 
     /// It until a time. Errors as [`screw`](Self::screw).
     pub fn until(&self, tool: &Tool, time: f64) -> Result<Motion> {
+        if let Some(linked) = &self.linked {
+            return Motion::chain(tool, &self.ends[0], &linked.chain.share(time));
+        }
         match &self.screw {
             Some(screw) => Motion::screw(tool, &self.ends[0], &screw.share(time)),
             None => Ok(Motion::new(tool, &self.ends[0], &self.at(time))),
         }
     }
 
-    /// By how much it turns, radians, not negative.
+    /// By how much it turns, radians, not negative; along a chain all its joints together.
     pub fn angle(&self) -> f64 {
         self.angle
     }
 
     /// Along which it moves where it does not turn, unit, world; `None` where it does.
     pub fn direction(&self) -> Option<Point> {
-        unit(&self.velocity).filter(|_| self.angle * self.reach <= self.rounding)
+        unit(&self.velocity).filter(|_| self.linked.is_none() && self.angle * self.reach <= self.rounding)
     }
 
     /// The rest of the motion from a time on. Errors as [`screw`](Self::screw).
     pub fn rest(&self, tool: &Tool, time: f64) -> Result<Motion> {
         let here = self.at(time);
+        if let Some(linked) = &self.linked {
+            return Motion::chain(tool, &here, &linked.chain.rest(time)?);
+        }
         match &self.screw {
             Some(screw) => Motion::screw(tool, &here, &screw.share(1.0 - time)),
             None => Ok(Motion::new(tool, &here, &self.ends[1])),
@@ -225,6 +262,9 @@ impl Motion {
         if time >= 1.0 {
             return self.ends[1];
         }
+        if let Some(linked) = &self.linked {
+            return linked.at(time);
+        }
         let mut rotation = product(&turn(&self.axis, self.angle * time), &self.start);
         for (m, share) in self.beyond.iter().zip([1.0 - time / FADE, 1.0 - (1.0 - time) / FADE]) {
             if share > 0.0 {
@@ -236,16 +276,23 @@ impl Motion {
 
     /// Whether the tool does not move at all. After whole turns it is where it began, too.
     pub(crate) fn is_still(&self) -> bool {
-        self.ends[0] == self.ends[1] && self.angle < FRAC_PI_2
+        self.ends[0] == self.ends[1] && self.angle < FRAC_PI_2 && self.linked.is_none()
     }
 
     /// How a way goes on along it: see [`of_legs`](Self::of_legs).
     pub fn leg(&self) -> Leg {
-        self.screw.map_or(Leg::To(self.ends[1]), Leg::Screw)
+        match (&self.linked, self.screw) {
+            (Some(linked), _) => Leg::Chain(linked.chain.clone()),
+            (None, Some(screw)) => Leg::Screw(screw),
+            (None, None) => Leg::To(self.ends[1]),
+        }
     }
 
     /// The rest of it from a time on, where that is a slide or a screw.
     pub(crate) fn steady(&self, from: f64) -> Option<Steady> {
+        if self.linked.is_some() {
+            return None;
+        }
         let (rest, along) = (1.0 - from, dot(&self.velocity, &self.axis));
         if self.angle * self.reach <= self.rounding {
             return Some(Steady::Slide { way: scaled(&self.velocity, rest) });
@@ -283,11 +330,17 @@ impl Motion {
 
     /// How far any point of the tool moves at most, metres.
     pub fn longest_way(&self) -> f64 {
+        if let Some(linked) = &self.linked {
+            return linked.rates.speed;
+        }
         length(&self.velocity) + self.angle * self.reach + 2.0 * self.bend
     }
 
-    /// How far the tool's own [pivot](Tool::pivot) moves, metres: straight, or along a helix.
+    /// How far the tool's own [pivot](Tool::pivot) moves, metres: straight, along a helix, or by quadrature along a chain.
     pub fn way_of_pivot(&self, tool: &Tool) -> f64 {
+        if let Some(linked) = &self.linked {
+            return linked.way_of(tool.pivot());
+        }
         let arm = cross(&self.axis_in_tool, &sub(tool.pivot(), &self.pivot));
         length(&self.velocity).hypot(self.screw.map_or(0.0, |_| self.angle * length(&arm)))
     }
@@ -302,6 +355,13 @@ impl Motion {
         let across = |p: &Point, q: &Point| self.across(&sub(p, q));
         let radius = triangle.iter().map(|p| across(p, &self.pivot)).fold(0.0, f64::max);
         let [a, b, c] = triangle;
+        if let Some(linked) = &self.linked {
+            let wide = length(&sub(a, b)).max(length(&sub(b, c))).max(length(&sub(c, a)));
+            let arc = 0.125 * share * share * linked.rates.acceleration;
+            let stray = 4.0 * self.rounding;
+            let wide = arc + 0.25 * linked.angle * share * wide * (1.0 + 2e-6);
+            return Chord { short: arc + stray, wide: wide * (1.0 + ARC_ROUNDING) + stray };
+        }
         let width = across(a, b).max(across(b, c)).max(across(c, a));
         let angle = self.angle * share;
         // Per axis at a place; at two.
@@ -318,7 +378,10 @@ impl Motion {
         let poses = [self.at(from), self.at(to)];
         // A point on a circle, taken for one on the chord at the same time, is off by at most an eighth of its acceleration.
         let angle = self.angle * (to - from);
-        let arc = 0.125 * angle * angle * self.reach;
+        let arc = match &self.linked {
+            Some(linked) => 0.125 * linked.rates_between(from, to).acceleration * (to - from) * (to - from),
+            None => 0.125 * angle * angle * self.reach,
+        };
         let placing = tool.margin_at(&poses[0]).max(tool.margin_at(&poses[1]));
         Window { poses, margin: (arc + 2.0 * self.bend) * (1.0 + ARC_ROUNDING) + 2.0 * self.rounding + placing }
     }
@@ -326,12 +389,42 @@ impl Motion {
     /// How fast the given point of the tool moves when it is at `place` in the world, metres for the whole way.
     #[inline]
     pub(crate) fn velocity(&self, time: f64, place: &Point) -> Point {
+        debug_assert!(self.linked.is_none(), "see spin");
         let spin = cross(&self.axis, &sub(place, &self.pivot_at(time)));
         add(&self.velocity, &scaled(&spin, self.angle))
     }
 
-    /// Bounds that hold for all points of a triangle of the tool at all times.
-    pub(crate) fn limits(&self, triangle: &Triangle) -> Limits {
+    /// How the tool moves at a time, along a chain; else `velocity` says it.
+    #[inline]
+    pub(crate) fn spin(&self, time: f64) -> Option<Spin> {
+        self.linked.as_ref().map(|linked| linked.spin(time))
+    }
+
+    /// What all triangles share in a span of time.
+    pub(crate) fn during(&self, from: f64, until: f64) -> During {
+        let Some(linked) = &self.linked else { return During { from, until, spin: None, turned: Vec::new() } };
+        During { from, until, spin: Some(linked.spin(from)), turned: linked.turned(from) }
+    }
+
+    /// How far any point of the tool is at most, during a span of time, from where it is in the middle of it, metres.
+    pub(crate) fn displacement(&self, from: f64, to: f64) -> f64 {
+        let half = 0.5 * (to - from);
+        let speed = match (&self.linked, self.screw) {
+            (Some(linked), _) => linked.rates_between(from, to).speed,
+            // Along the axis, and across it.
+            (None, Some(_)) => length(&self.velocity).hypot(self.angle * self.reach),
+            (None, None) => length(&self.velocity) + self.angle * self.reach,
+        };
+        speed * half * (1.0 + ARC_ROUNDING) + 2.0 * self.bend + 4.0 * self.rounding
+    }
+
+    /// Bounds that hold for all points of a triangle of the tool during a span of time.
+    pub(crate) fn limits(&self, triangle: &Triangle, during: &During) -> Limits {
+        if let Some(linked) = &self.linked {
+            let During { from, until, turned, .. } = during;
+            let Rates { acceleration, .. } = linked.rates_of_triangle(triangle, turned, *from, until - from);
+            return Limits { acceleration, stray_velocity: linked.stray_velocity(), rounding: self.rounding };
+        }
         let radius =
             triangle.iter().map(|p| self.across(&sub(p, &self.pivot))).fold(0.0f64, |m, r| if r > m { r } else { m });
         let place = self.from.iter().chain(&self.velocity).fold(0.0f64, |m, x| m.max(x.abs()));
@@ -359,11 +452,32 @@ impl Motion {
     /// The part of a direction that turning can act on: `n` without its component along the axis, as a length.
     #[inline]
     pub(crate) fn across_axis(&self, n: &Point) -> f64 {
-        length(&cross(n, &self.axis))
+        match &self.linked {
+            Some(linked) => linked.across(n),
+            None => length(&cross(n, &self.axis)),
+        }
     }
 
     fn pivot_at(&self, time: f64) -> Point {
         add(&self.from, &scaled(&self.velocity, time))
+    }
+}
+
+/// See [`Motion::during`].
+#[derive(Debug, Clone)]
+pub(crate) struct During {
+    from: f64,
+    until: f64,
+    /// At its beginning, along a chain.
+    spin: Option<Spin>,
+    turned: Turned,
+}
+
+impl During {
+    /// At its beginning, along a chain.
+    #[inline]
+    pub fn first_spin(&self) -> Option<(f64, Spin)> {
+        self.spin.map(|spin| (self.from, spin))
     }
 }
 

@@ -105,12 +105,3 @@ impl Screw {
         scaled(&self.axis, self.advance())
     }
 }
-
-/// One stretch of a way, from where the one before ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Leg {
-    /// To a pose, as [`Motion::new`](crate::Motion::new).
-    To(Pose),
-    /// About an axis, as [`Motion::screw`](crate::Motion::screw).
-    Screw(Screw),
-}

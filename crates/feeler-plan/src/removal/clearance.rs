@@ -30,7 +30,7 @@ pub fn pulled_up(
                 return Ok(way);
             }
             let Leg::To(pose) = way[at] else { continue };
-            if matches!(way.get(at + 1), Some(Leg::Screw(_))) {
+            if matches!(way.get(at + 1), Some(Leg::Screw(_) | Leg::Chain(_))) {
                 continue; // It would begin elsewhere.
             }
             let Some((gap, nearest, seated)) = nearest(around, &way, at, 2.0 * step)? else { continue };

@@ -58,7 +58,7 @@ pub fn shortened(
 /// box goes the same way. Of poses alone: a screw was found because it is needed.
 fn unturned(around: &Surroundings, way: Vec<Leg>, has_time: HasTime<'_>, tally: &mut Tally) -> Result<Vec<Leg>> {
     let motions = Motion::of_legs(around.tool(), around.start(), &way)?;
-    if way.iter().any(|leg| matches!(leg, Leg::Screw(_))) {
+    if way.iter().any(|leg| matches!(leg, Leg::Screw(_) | Leg::Chain(_))) {
         return Ok(way);
     }
     for (from, motion) in motions.iter().enumerate().take(MOST_UNTURNED) {
@@ -101,8 +101,8 @@ fn leapt(around: &Surroundings, way: Vec<Leg>, has_time: HasTime<'_>, tally: &mu
     while at < way.len() {
         let mut beyond = way.len();
         loop {
-            let leg = if beyond == at + 1 { way[at] } else { Leg::To(*motions[beyond - 1].end()) };
-            let motion = Motion::of_legs(around.tool(), &here, &[leg])?.remove(0);
+            let leg = if beyond == at + 1 { way[at].clone() } else { Leg::To(*motions[beyond - 1].end()) };
+            let motion = Motion::of_legs(around.tool(), &here, std::slice::from_ref(&leg))?.remove(0);
             let walk = around.walk_along(&seated, &motion, WalkOptions::search(&[], has_time), &mut |_| ())?;
             tally.walked(around, &walk);
             if walk.stop.is_none() {

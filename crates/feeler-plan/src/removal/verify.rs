@@ -89,6 +89,8 @@ pub fn as_poses(
             let middle = motion.at(0.0).apply(around.middle());
             length(&cross(&sub(&middle, screw.point()), screw.axis()))
         }
+        // No search finds one: as far as its points go.
+        Leg::Chain(_) => motion.longest_way(),
     };
     let farthest = motions.iter().map(off_the_axis).fold(0.0, f64::max);
     let same = (FRAC_PI_2 * (farthest / (8.0 * SAME_PLACE_M)).sqrt()).ceil().max(1.0) as usize;
@@ -109,7 +111,7 @@ pub fn as_poses(
 fn cut(motion: &Motion, pieces: usize) -> Vec<Pose> {
     let quarters = match motion.leg() {
         Leg::To(_) => 0.0,
-        Leg::Screw(_) => motion.angle() / FRAC_PI_2,
+        Leg::Screw(_) | Leg::Chain(_) => motion.angle() / FRAC_PI_2,
     };
     let cuts = ((quarters * pieces as f64).ceil() as usize).max(1);
     (1..=cuts).map(|i| motion.at(i as f64 / cuts as f64)).collect()

@@ -5,6 +5,30 @@ from __future__ import annotations
 from typing import Literal, TypedDict
 
 from feeler.workbench.document.protocol import GivenWay, HeldManifest, MeasureType, Pose, Vec3
+from feeler.workbench.document.protocol_joints import JointMet
+
+
+class JointGhost(TypedDict):
+    """The parts that a joint moves, at its worst position."""
+
+    manifest: HeldManifest
+    """In the world's frame."""
+    data: str
+    """Base64 of its pieces, one after the other."""
+
+
+class JointPlace(TypedDict):
+    """Where a joint got to, as far as contact let it."""
+
+    name: str
+    value: float
+    """Radians or metres."""
+    is_stopped: bool
+    """Contact or a limit ends it there."""
+    met: JointMet | None
+    """Null: a limit."""
+    values: dict[str, float]
+    """All numbers."""
 
 
 class RayHit(TypedDict):

@@ -125,11 +125,13 @@ class Arguments:
             raise self.fail(name, f"{_shown(value)} is not a whole number from {low} to {high}", "send one that is")
         return value
 
-    def text(self, name: str) -> str:
+    def text(self, name: str, most: int = _MOST_TEXT) -> str:
         """A text, not empty."""
         value = self.raw(name, str)
-        if not isinstance(value, str) or not value.strip() or len(value) > _MOST_TEXT:
-            raise self.fail(name, f"{_shown(value)} is not text, or too long", f"send 1 to {_MOST_TEXT} characters")
+        if not isinstance(value, str) or not value.strip() or len(value) > most:
+            raise self.fail(name, f"{_shown(value)} is not text, or too long", f"send 1 to {most} characters")
+        if any("\ud800" <= each <= "\udfff" for each in value):
+            raise self.fail(name, f"{_shown(value)} has half a character", "send characters that can be written")
         return value
 
     def choice(self, name: str, choices: Iterable[str]) -> str:

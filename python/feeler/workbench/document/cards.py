@@ -78,6 +78,7 @@ def card_again(document: Document, given: Arguments, known: Known) -> Document:
         is_good=None,
         setting=_setting(document, card.without, known),
         world=document.world,
+        is_earlier=False,
     )
     if card.line is not None:
         asked = _line_again(document, asked, given)
@@ -103,8 +104,12 @@ def card_cancel(document: Document, given: Arguments, _known: Known) -> Document
 
 
 def card_remove(document: Document, given: Arguments, _known: Known) -> Document:
-    """Removes a card, with its answer."""
-    return replace(document, cards=without(document.cards, given.place_of(document.cards)))
+    """Removes a card, with its answer, and the guide along its way."""
+    at = given.place_of(document.cards)
+    guiding = document.guiding
+    if guiding is not None and guiding.card == document.cards[at].id:
+        guiding = None
+    return replace(document, cards=without(document.cards, at), guiding=guiding)
 
 
 def way_take(document: Document, given: Arguments, known: Known) -> Document:

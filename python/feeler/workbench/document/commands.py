@@ -47,6 +47,16 @@ from feeler.workbench.document.finding_commands import (
     findings_take,
 )
 from feeler.workbench.document.guide_commands import guide, guide_end
+from feeler.workbench.document.joint_commands import (
+    joint_grip,
+    joint_move,
+    joint_step,
+    joint_step_go,
+    laid_down,
+    mechanism_close,
+    mechanism_open,
+)
+from feeler.workbench.document.joints import is_at
 from feeler.workbench.document.known import Known, Measured
 from feeler.workbench.document.line_cards import way_check, way_keep, way_shorten
 from feeler.workbench.document.motion import Row
@@ -256,10 +266,19 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
     )
 
 
+def joint_take(document: Document, given: Arguments, known: Known) -> Document:
+    """Takes the parts of a joint in the hand, on the joint: they move along it alone. The tool is put away."""
+    inner = Arguments(given.command, {"parts": list(joint_grip(document, given, known))}, {"parts": Selection})
+    gripped = grip(replace(document, tool=None), inner, known)
+    return replace(gripped, on_joint=given.text("name"))
+
+
 def release(document: Document, given: Arguments, known: Known) -> Document:
     """Releases the gripped parts where they are; if they moved, this adds a step to the sequence."""
     if not document.gripped:
         raise WorkbenchError("the hand holds no part", given.command, "grip one first")
+    if document.on_joint is not None:
+        return replace(laid_down(document, known), pose=known.pose)
     pose = motion.matrix(known.pose)
     placed = {part: motion.row(pose @ motion.matrix(held)) for part, held in document.gripped.items()}
     trip = known.trip or Trip((known.pose,))
@@ -304,15 +323,22 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
 def put_back(document: Document, given: Arguments, known: Known) -> Document:
     """Puts parts back into their places."""
     parts = given.parts("parts", known.parts)
-    away = [part for part in parts if part in document.moved or part in document.gripped]
+    away = [part for part in parts if _is_away(document, part)]
     if not away:
         raise WorkbenchError("these are where they were loaded", given.command, "name parts that were moved")
     gripped = {part: held for part, held in document.gripped.items() if part not in away}
+    homes = _homes(document)
+    if document.on_joint is not None:
+        away = list(document.gripped)
+        gripped = {}
+    moved = {part: at for part, at in document.moved.items() if part not in away}
+    moved.update({part: homes[part] for part in away if part in homes})
     return replace(
         document,
         pose=known.pose,
         gripped=_sorted(gripped),
-        moved=_sorted({part: at for part, at in document.moved.items() if part not in away}),
+        moved=_sorted(moved),
+        on_joint=document.on_joint if gripped else None,
         out=_less(document.out, tuple(away)),
         trip=document.trip if gripped == document.gripped else None,
         replaying=document.replaying if gripped else None,
@@ -407,6 +433,8 @@ def sequence_remove(document: Document, given: Arguments, _known: Known) -> Docu
 def sequence_replay(document: Document, given: Arguments, known: Known) -> Document:
     """Replays a step of the sequence: grips its parts where they were and moves them along its path."""
     line = document.sequence[given.place_of(document.sequence)]
+    if line.joint is not None:
+        raise WorkbenchError("this line moves a joint", given.command, "go to its position")
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     starts = {part: row for part, row in dict(line.starts).items() if part in line.parts}
@@ -515,6 +543,12 @@ COMMANDS: dict[str, Command] = {
     "guide": Command(guide, {"card": Maybe(int), "step": Maybe(int), "line": Maybe(int)}, is_of_cards=True),
     "guide_end": Command(guide_end, is_of_cards=True),
     "seat": Command(seat, {"pose": Pose}, moves_hand=True),
+    "mechanism_open": Command(mechanism_open, {"name": str, "text": str}, moves_hand=True),
+    "mechanism_close": Command(mechanism_close, moves_hand=True),
+    "joint_move": Command(joint_move, {"name": str, "value": float}, moves_hand=True),
+    "joint_take": Command(joint_take, {"name": str}, moves_hand=True),
+    "joint_step": Command(joint_step),
+    "joint_step_go": Command(joint_step_go, {"id": int}, moves_hand=True),
 }
 STEPS = ("undo", "redo")
 """Commands that choose between documents instead of making one."""
@@ -531,6 +565,20 @@ def applied(document: Document, name: str, args: Any, known: Known) -> Document:
 def _there(given: Arguments, known: Known) -> tuple[int, ...]:
     """The argument "parts", without those that are not in the scene."""
     return tuple(part for part in given.parts("parts", known.parts) if part not in known.absent)
+
+
+def _homes(document: Document) -> dict[int, Row]:
+    """Where the joints have the parts that they moved."""
+    state = document.mechanism
+    links = () if state is None else state.links
+    return {part: link.pose for link in links for part in link.parts if link.pose != motion.HOME}
+
+
+def _is_away(document: Document, part: int) -> bool:
+    if part in document.gripped:
+        return True
+    place, home = document.moved.get(part), _homes(document).get(part)
+    return place is not None and (home is None or not is_at(place, home))
 
 
 def _united(parts: tuple[int, ...], more: tuple[int, ...]) -> tuple[int, ...]:

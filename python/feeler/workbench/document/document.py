@@ -16,6 +16,7 @@ from typing import Any, cast
 from feeler.clashes.tracking import NEW, Mark
 from feeler.poses import inverse
 from feeler.workbench.document.finding_table import FindingTable
+from feeler.workbench.document.joints import JointRange, JointStep, MechanismState
 from feeler.workbench.document.motion import HOME, Row, matrix, row
 from feeler.workbench.document.protocol import DocumentFields
 
@@ -135,7 +136,8 @@ class Removal:
     way: poses of the hand, `world_from_hand`, from grip to release: `way[i] @ inverse(way[0])` moves the parts from
     where they were gripped. starts: these places, for parts that were not at home. least_clearance: of the moved parts,
     on the way, to all parts without seats, metres; None if no part came within reach. touched: paths of the parts that
-    they touched or that stopped them. out: those of its parts that it took out of the mock-up.
+    they touched or that stopped them. out: those of its parts that it took out of the mock-up. joint: the move of a
+    joint that it is; None: parts were moved freely.
     """
 
     id: int
@@ -147,6 +149,7 @@ class Removal:
     tool: str | None
     starts: tuple[tuple[int, Row], ...] = ()
     out: tuple[int, ...] = ()
+    joint: JointStep | None = None
 
     @cached_property
     def before(self) -> Mapping[int, Row]:
@@ -312,7 +315,8 @@ class Card:
     without: parts left out for this question. options: tool, grip, swing_deg, clearance, seconds, as far as given.
     setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
     is_good: whether the answer is what one hopes for; None before it, and if it is neither. line: the line of the
-    sequence that it is about, and way its `way_key`; world is that of `line_world` then.
+    sequence that it is about, and way its `way_key`; world is that of `line_world` then. is_earlier: it is about an
+    earlier revision of the mock-up.
     """
 
     id: int
@@ -330,6 +334,7 @@ class Card:
     is_good: bool | None = None
     line: int | None = None
     way: str = ""
+    is_earlier: bool = False
 
 
 @dataclass(frozen=True)
@@ -371,7 +376,9 @@ class Document:
     absent: parts excluded when the mock-up was opened. hidden: invisible parts; they still collide. gripped: parts in
     the hand, and their places in it (`hand_from_part`). moved: places of parts put down elsewhere (`world_from_part`).
     out: those of them outside the box of the scene. tools: names for `take_tool`. pose: the last pose of the hand that
-    a command set (`world_from_tool`). doubts: of the loaders of mock-up and tool.
+    a command set (`world_from_tool`). doubts: of the loaders of mock-up and tool. mechanism: its links are among the
+    moved parts. joint_ranges: of its numbers, as far as they are known. on_joint: the number of the joint on which the
+    hand holds its parts.
     """
 
     mockup: MockupFacts | None = None
@@ -407,13 +414,16 @@ class Document:
     requirements: tuple[KeptClear, ...] = ()
     material: str | None = None
     doubts: tuple[str, ...] = ()
+    mechanism: MechanismState | None = None
+    joint_ranges: tuple[JointRange, ...] = ()
+    on_joint: str | None = None
     next_id: int = 1
     next_card: int = 1
 
     @property
     def world(self) -> World:
         """A key of the world: parts put down elsewhere, and parts absent from it."""
-        return (tuple(self.moved.items()), tuple(self.gripped))
+        return (tuple((part, place) for part, place in self.moved.items() if place != HOME), tuple(self.gripped))
 
     def with_id(self, **changes: Any) -> Document:
         """A changed document with `next_id` used up."""
@@ -426,7 +436,14 @@ class Document:
 
 # The fields that the page gets. Only commands need the others.
 _KEPT_BACK = {"isolation", "next_card", "next_id", "trip"}
-_KEPT_BACK_OF = {Card: {"way", "world"}, Removal: {"out", "starts"}, Measure: {"parts"}}
+_KEPT_BACK_OF = {
+    Card: {"way", "world"},
+    Removal: {"out", "starts"},
+    Measure: {"parts"},
+    MechanismState: {"order", "text"},
+    JointRange: {"key"},
+    JointStep: {"start"},
+}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 
 
@@ -476,10 +493,17 @@ _line_worlds: dict[tuple[int, ...], tuple[object, World]] = {}
 
 def is_stale(document: Document, card: Card) -> bool:
     """Whether the answer of a card is about another mock-up, or another way."""
+    if card.is_earlier:
+        return True
     if card.line is None:
         return card.world != document.world
     at = next((at for at, line in enumerate(document.sequence) if line.id == card.line), None)
     return at is None or card.way != document.sequence[at].way_key or card.world != line_world(document, at)
+
+
+def with_revision(document: Document) -> Document:
+    """The document for another revision of its mock-up: the answers of its cards are about the one before."""
+    return replace(document, cards=tuple(replace(card, is_earlier=True) for card in document.cards))
 
 
 def patch(before: Document, after: Document) -> dict[str, Any]:

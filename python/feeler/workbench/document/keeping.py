@@ -21,7 +21,7 @@ import numpy as np
 from feeler.clashes.tracking import NEW, mark_json, mark_of_json
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
-from feeler.project.book import dumps, row_id
+from feeler.project.book import CHECK, dumps, row_id
 from feeler.project.layout import TABLES
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
@@ -42,7 +42,7 @@ from feeler.workbench.document.finding_table import FindingTable, table_of
 from feeler.workbench.document.values import is_number
 
 NOT_KEPT = frozenset(
-    ("mockup", "loading", "failed", "tools", "record", "absent", "project", "guiding"),
+    ("mockup", "loading", "failed", "tools", "record", "absent", "project", "guiding", "joint_ranges"),
 )
 """Fields of one run of the program."""
 
@@ -234,6 +234,9 @@ def restored(
     rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
     if rest is not None or there:  # a clash check of the command line writes rows alone
         found = [loads(row.value, _FINDINGS) for row in there]
+        if rest is None:
+            head = next((row.value for row in rows("facts") if row.id == CHECK), "null")
+            rest = {_TABLE: loads(head, _FINDINGS)}
         values[_FINDINGS] = _findings(rest, found, marks, base, parts, renumber)
     document = replace(base, **values)
     _check(document, len(parts), aside)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from feeler.parts import Parts
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Findings, Trip
+from feeler.workbench.document.joints import JointStep, MechanismState
 from feeler.workbench.document.motion import Row
 
 
@@ -21,6 +22,10 @@ class Way:
     parts: tuple[int, ...]
     poses: tuple[Row, ...]
     clearance: float | None
+
+
+Along = tuple[tuple[int, ...], tuple[Row, ...], tuple[tuple[int, Row], ...]]
+"""Parts that move alike, their way as that of a hand, and where those begin that were not at home."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,8 @@ class Known:
     bounds: `(2, 3)` of the parts in the scene. tools: triangles by name, of the tools made so far. pose: of the hand.
     tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
     absent: parts that were excluded when the mock-up was opened. findings: those that a job found. ways: of
-    answered cards, by their number.
+    answered cards, by their number. mechanism: one that is opened. joints: the numbers of a position, and the poses of
+    its links. joint_steps: moves of joints, each with what moves alike: parts, way, starts.
     """
 
     parts: Parts
@@ -56,6 +62,9 @@ class Known:
     measured: Measured | None = None
     findings: Findings | None = None
     ways: Mapping[int, tuple[Way, ...]] = field(default_factory=dict)
+    mechanism: MechanismState | None = None
+    joints: tuple[Mapping[str, float], tuple[Row, ...]] | None = None
+    joint_steps: tuple[tuple[JointStep, list[Along]], ...] = ()
 
     @property
     def there(self) -> tuple[int, ...]:

@@ -31,6 +31,7 @@ from feeler.workbench.document.protocol_findings import (
     KeptClear,
     RequirementResult,
 )
+from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
 from feeler.workbench.document.protocol_values import Camera, CameraPlace, Vec3
 
@@ -48,6 +49,7 @@ __all__ = [
     "CameraPlace",
     "FindingStatus",
     "Here",
+    "Joints",
     "Named",
     "People",
     "ProtocolError",
@@ -206,6 +208,8 @@ class SequenceLine(TypedDict):
     touched: list[str]
     """Part paths."""
     tool: str | None
+    joint: JointStep | None
+    """Null: parts were moved freely."""
 
 
 class Measure(TypedDict):
@@ -259,6 +263,8 @@ class Card(TypedDict):
     """Parts were moved since it was asked; of a line: its way, what is before it, or parts outside of the sequence."""
     line: int | None
     """The line of the sequence that it is about; null for questions about parts."""
+    is_earlier: bool
+    """It is about an earlier revision of the mock-up, and so stale."""
 
 
 class GivenWay(TypedDict):
@@ -329,6 +335,11 @@ class DocumentFields(TypedDict):
     material: Material | None
     doubts: list[str]
     """What puts answers about mock-up and tool in doubt, as their loaders found."""
+    mechanism: Mechanism | None
+    joint_ranges: list[JointRange]
+    """Of its numbers that follow no other."""
+    on_joint: str | None
+    """The number of the joint on which the hand holds its parts."""
 
 
 class ManifestParts(TypedDict):
@@ -490,6 +501,14 @@ class Cancel:
     """Cancels a job of this page, whose reply is then an error; or drops a file of which pieces came."""
 
     KIND: ClassVar[str] = "cancel"
+    id: int
+
+
+@dataclass(frozen=True)
+class Ping:
+    """Asks whether the server is there: it replies at once, whatever else it does."""
+
+    KIND: ClassVar[str] = "ping"
     id: int
 
 
@@ -727,13 +746,13 @@ class SavedPage:
     """The pieces of the manifest in order, filtered: see `page.py`."""
 
 
-PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+PageMessage = Hello | Wish | Ack | Command | Ask | Job | Cancel | Ping | Shot | Benchmarked
 FromPage = PageMessage | OpeningRequest | PersonMessage
 Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
-FromServer = Welcome | State | Event | Progress | Answer | Refusal | People | Seen
+FromServer = Welcome | State | Event | Progress | Answer | Refusal | People | Seen | Joints
 
 FROM_PAGE: tuple[type, ...] = (
-    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked),
+    *(Hello, Wish, Ack, Command, Ask, Job, Cancel, Ping, Shot, Benchmarked),
     *(SendFiles, FilePiece, OpenMockup),
     *(Named, Here, Turning),
 )
@@ -741,7 +760,7 @@ FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
     *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),
     *(Progress, Answer, Refusal),
-    *(People, Seen),
+    *(People, Seen, Joints),
 )
 
 

@@ -26,6 +26,7 @@ from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.gaps import Near, nearest
 from feeler.workbench.engine.gliding import MOST_STEPS, STEP_S, Glide
 from feeler.workbench.engine.guide import Guide
+from feeler.workbench.engine.joint_hand import Freedom, JointGuide
 from feeler.workbench.engine.snapshot import NO_FORCE, Places, Snapshot
 from feeler.workbench.engine.trip import TripRecorder, least_clearance
 from feeler.workbench.engine.world import NO_HITS, NO_PLANES, NO_ROWS, World
@@ -174,9 +175,13 @@ class Engine:
         """The way that guides the hand. Never waits."""
         return self._guide
 
-    def set_guide(self, way: Sequence[Floats] | None) -> None:
-        """Lets a way of the hand guide it, or nothing; another content of the hand ends it. Never waits."""
+    def set_guide(self, way: Sequence[Floats] | Freedom | None) -> None:
+        """Lets a way of the hand guide it, a joint hold it, or nothing; another content of the hand ends it. Never
+        waits."""
         tool = self._tool
+        if isinstance(way, Freedom):
+            self._guide = None if tool is None else JointGuide(way, tool.bounds)
+            return
         self._guide = None if way is None or tool is None else Guide(np.array(way), tool.bounds)
 
     def let_go(self) -> None:
@@ -383,7 +388,8 @@ class Engine:
         pose, self._seq, self._source, time = newest
         guide = self._guide
         # A device feels the way instead; what is placed or replayed goes where it was told to.
-        if guide is not None and self._source != "device" and not (self._is_quiet or self._is_held):
+        is_joint = isinstance(guide, JointGuide)
+        if guide is not None and (is_joint or (self._source != "device" and not (self._is_quiet or self._is_held))):
             pose = guide.drawn(pose)
         self._wish_elapsed, self._wish_time = max(1e-3, time - self._wish_time), time
         self._hand_from, self._wish = self._wish, pose
@@ -418,7 +424,10 @@ class Engine:
         world, tool = self._world, self._tool
         self._force = self._torque = NO_FORCE
         impact: Impact | None = None
-        if world is None or tool is None or self._mode == "pass":
+        guide = self._guide
+        if isinstance(guide, JointGuide):
+            self._pose, self._force, self._torque = guide.reached(self._wish)
+        elif world is None or tool is None or self._mode == "pass":
             self._pose = self._wish
         elif self._mode == "stop":
             if not np.array_equal(self._pose, self._wish):

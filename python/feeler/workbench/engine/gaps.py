@@ -41,16 +41,14 @@ def nearest(around: Scene | World, moving: Tool, pose: Floats, seated: Set[int])
 
 
 class Gaps:
-    """Gaps of a tool on a way. Neighbours in contact at the start count once they are apart."""
+    """Gaps of a tool on a way, to all neighbours except those in contact at its start, as `feeler.removal` has them."""
 
     def __init__(self, around: Scene | World, moving: Tool, start: Floats) -> None:
         self._around, self._moving = around, moving
         self._seated = set(around.clearance(moving, start, SEATED_M).parts.tolist())
 
     def at(self, pose: Floats) -> Near | None:
-        """The nearest neighbour at the next pose; None: nothing is within reach."""
-        if self._seated:
-            self._seated &= set(self._around.clearance(self._moving, pose, SEATED_M).parts.tolist())
+        """The nearest neighbour at a pose; None: nothing is within reach."""
         return nearest(self._around, self._moving, pose, self._seated)
 
 

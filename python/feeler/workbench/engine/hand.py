@@ -41,10 +41,7 @@ class Hands:
     def __init__(self, scene: Scene, tools: dict[str, Tool]) -> None:
         """tools: available ones; built-in ones are available too, unless their name is taken, and are made on
         demand."""
-        self.scene, self._tools = scene, dict(tools)
-        self.built_in: frozenset[str] = frozenset(
-            name for name in sample_tool_names() if name not in tools or _is_sample(tools[name])
-        )
+        self.scene, self._tools, self._given = scene, dict(tools), dict(tools)
         self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
         self.meshes = PartTools(scene.mockup)
         self._held: OrderedDict[HeldKey, Tool] = OrderedDict()
@@ -59,10 +56,17 @@ class Hands:
             self._tools[name] = sample_tool(check_word("name", name, SAMPLE_TOOL_NAMES))
         return self._tools[name]
 
+    def built_in(self) -> frozenset[str]:
+        """The names of available tools that are the built-in ones, coarse or fine.
+
+        May take seconds, as it makes fine tools to compare with: not for what a picture waits for.
+        """
+        given = self._given.copy()
+        return frozenset(name for name in sample_tool_names() if name not in given or _is_sample(given[name]))
+
     def add(self, tool: Tool) -> None:
         """Makes a tool available by its name."""
-        self._tools[tool.name] = tool
-        self.built_in = (self.built_in - {tool.name}) | ({tool.name} if _is_sample(tool) else set())
+        self._tools[tool.name] = self._given[tool.name] = tool
         self.names = (tool.name, *(name for name in self.names if name != tool.name))
 
     def counts(self) -> dict[str, int]:
@@ -127,9 +131,9 @@ def _is_sample(tool: Tool) -> bool:
     if tool.name not in sample_tool_names():
         return False
     name = check_word("name", tool.name, SAMPLE_TOOL_NAMES)
+    made = (sample_tool(name, fine=is_fine) for is_fine in (False, True))
     return any(
-        made.triangle_count == tool.triangle_count and np.array_equal(made.vertices, tool.vertices)
-        for made in (sample_tool(name), sample_tool(name, fine=True))
+        each.triangle_count == tool.triangle_count and np.array_equal(each.vertices, tool.vertices) for each in made
     )
 
 

@@ -183,6 +183,8 @@ class Client:
             case protocol.Cancel():
                 if (job := self._jobs.get(message.id)) is not None:
                     job.cancel()
+            case protocol.Ping():
+                self._put(_text(protocol.Answer(message.id, {})))
             case protocol.Shot():
                 self._take_shot(message)
             case protocol.Benchmarked():
@@ -322,7 +324,8 @@ def _answer(session: SessionLike, request: Request, person: int) -> str:
         case protocol.Ask():
             answer = session.ask(request.name, request.args)
         case FilePiece() | OpenMockup() | SendFiles():
-            answer = session.openings.request(request)
+            people = session.people
+            answer = session.openings.request(request, people.name_of(person) if people.count > 1 else None)
         case protocol.Job():
             raise AssertionError("these are answered elsewhere")
     return _text(protocol.Answer(request.id, answer))

@@ -390,12 +390,20 @@ class Server:
             self._loop.call_soon_threadsafe(work, *args)
 
     def _spread(self, event: dict[str, Any]) -> None:
+        if event["type"] == protocol.Joints.KIND:  # only the newest counts
+            shown = _text(protocol.Joints(event["poses"], event["values"]))
+            for client in self._clients:
+                client.tell_newest(protocol.Joints.KIND, shown)
+            return
         try:
             text = event_frame(event)
         except protocol.ProtocolError as error:
             log.error("an event could not be sent: %s", error)
             return
+        is_placed = event["type"] == "patch" and "mechanism" in event["fields"]
         for client in self._clients:
+            if is_placed:  # what was shown before is over
+                client.tell_newest(protocol.Joints.KIND, None)
             client.tell(event["n"], text)
 
     def _spread_news(self) -> None:
@@ -422,7 +430,7 @@ class Server:
         return None if frame is None else (number, frame)
 
 
-def _text(message: protocol.People | protocol.Seen) -> str:
+def _text(message: protocol.People | protocol.Seen | protocol.Joints) -> str:
     frame = protocol.encode(message)
     assert isinstance(frame, str), "it has no arrays"
     return frame

@@ -54,8 +54,8 @@ class OpeningsLike(Protocol):
     def facts(self) -> Opens | None:
         """What they may open; None: nothing."""
 
-    def request(self, message: OpeningRequest, /) -> Any:
-        """Carries out a page's message."""
+    def request(self, message: OpeningRequest, by: str | None = None, /) -> Any:
+        """Carries out a page's message. by: the name of its person, for others who are there; None: nobody is."""
 
 
 class NewsLike(Protocol):
@@ -103,6 +103,13 @@ class PeopleLike(Protocol):
 
     def refusal(self) -> WorkbenchError:
         """Why the tool cannot be moved, to raise."""
+
+    def name_of(self, mover: int, /) -> str:
+        """The name of a person."""
+
+    @property
+    def count(self) -> int:
+        """The number of pages."""
 
 
 class SessionLike(Protocol):

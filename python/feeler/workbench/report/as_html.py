@@ -28,6 +28,8 @@ _LIST_HEAD = (
 )
 _CURVE = (600, 90)
 """Width and height of the drawing of gaps."""
+_SCROLL = "<div class=scroll tabindex=0>"
+"""Around a wide table: the keyboard scrolls it."""
 _CHUNK = 200
 """Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
 _OPEN = ("new", "active")
@@ -270,7 +272,7 @@ class _Page:
         return [
             "<h2 id=requirements>Requirements</h2>",
             "<p>Clearances that must hold between parts.</p>",
-            "<div class=scroll><table><thead><tr><th>Requirement<th>Between<th class=number>Required<th>Verdict"
+            _SCROLL + "<table><thead><tr><th>Requirement<th>Between<th class=number>Required<th>Verdict"
             "<th>Where</tr></thead><tbody>",
             *lines,
             "</tbody></table></div>",
@@ -300,7 +302,8 @@ class _Page:
         report, check = self._report, self._report.check
         if check is None:
             return []
-        limits = f"Clearance {length(check.clearance) if check.clearance else '0'}, contact {check.contact}."
+        contact = check.contact if isinstance(check.contact, str) else length(check.contact) if check.contact else "0"
+        limits = f"Clearance {length(check.clearance) if check.clearance else '0'}, contact {contact}."
         of = f" Only pairs with {', '.join(_named(name_of(path)) for path in check.of[:5])}" if check.of else ""
         of += f" and {len(check.of) - 5:,} more were checked." if len(check.of) > 5 else " were checked." if of else ""
         hidden = sum(check.hidden.values())
@@ -331,7 +334,7 @@ class _Page:
             if totals[status]
         ]
         return (
-            f"<div class=scroll><table class=narrow><thead><tr><th>Status{head}<th class=number>all</tr></thead>"
+            _SCROLL + f"<table class=narrow><thead><tr><th>Status{head}<th class=number>all</tr></thead>"
             f"<tbody>{''.join(lines)}</tbody></table></div>"
         )
 
@@ -375,7 +378,7 @@ class _Page:
         found = [
             "<h3>All findings</h3>",
             "<p class=filter hidden><label>Filter <input type=search id=filter></label> <span id=count></span></p>",
-            "<div class=scroll>",
+            _SCROLL,
         ]
         for key, mine in _runs(rows):
             for begin in range(0, len(mine), _CHUNK):
@@ -462,7 +465,7 @@ class _Page:
             for each in row.reaches
         )
         return (
-            "<div class=scroll><table><thead><tr><th>Fastener<th>Kind<th>Tool<th>Access<th class=number>Free swing"
+            _SCROLL + "<table><thead><tr><th>Fastener<th>Kind<th>Tool<th>Access<th class=number>Free swing"
             f"<th>Why</tr></thead><tbody>{lines}</tbody></table></div>"
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import io
 import math
+import struct
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from feeler.clashes.as_xlsx import xlsx_library
 from feeler.io.csv_table import Cell
-from feeler.workbench.report.values import FindingRow, ReachRow, Report, RequirementRow, WayRow
+from feeler.workbench.report.values import FindingRow, Media, ReachRow, Report, RequirementRow, WayRow
 
 MOST_ROWS = 100_000
 """Rows of a sheet; JSON has all."""
@@ -21,13 +22,20 @@ _CREATED = datetime.datetime(1980, 1, 1)
 """Fixed, so that equal reports give equal bytes."""
 _WIDTHS = {"part": 44.0, "other part": 44.0, "parts": 60.0, "note": 40.0, "sentence": 60.0, "name": 36.0, "why": 40.0}
 _WIDTH = 14.0
+_PICTURE_PX = 150
+"""The height of a picture of a finding."""
+_PICTURE_WIDTH = 32.0
+_POINTS_PER_PX = 0.75
 
 Rows = Iterable[Sequence[Cell]]
 
 
-def xlsx_bytes(report: Report) -> bytes:
+def xlsx_bytes(report: Report, media: Media | None = None) -> bytes:
     """The workbook. Texts are never stored as formulas; lengths are numbers in metres. Raises `OptionError` without
-    XlsxWriter."""
+    XlsxWriter.
+
+    media: its pictures of findings are in the last column of their sheet.
+    """
     library = xlsx_library()
     data = io.BytesIO()
     options = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
@@ -43,6 +51,10 @@ def xlsx_bytes(report: Report) -> bytes:
                 sheet.set_column(column, column, _WIDTHS.get(heading, _WIDTH))
                 sheet.write_string(0, column, heading, bold)
             count = 0
+            pictures = _pictures(report, media) if name == "findings" else []
+            if any(pictures):
+                sheet.set_column(len(headings), len(headings), _PICTURE_WIDTH)
+                sheet.write_string(0, len(headings), "picture", bold)
             for number, row in enumerate(rows, start=1):
                 if number > MOST_ROWS:
                     sheet.write_string(number, 0, f"The first {MOST_ROWS:,} rows; JSON has all.", bold)
@@ -50,11 +62,29 @@ def xlsx_bytes(report: Report) -> bytes:
                 count = number
                 for column, cell in enumerate(row):
                     _write(sheet, number, column, cell, top)
+                if number <= len(pictures):
+                    _draw(sheet, number, len(headings), pictures[number - 1])
             if count and name != "summary":
                 sheet.autofilter(0, 0, count, len(headings) - 1)
     finally:
         book.close()
     return data.getvalue()
+
+
+def _pictures(report: Report, media: Media | None) -> list[bytes]:
+    """The picture of each finding, as PNG; empty for those without."""
+    made = {} if media is None else media.pictures
+    return [(made.get(f"finding-{row.id}") or [b""])[0] for row in report.findings]
+
+
+def _draw(sheet: Any, row: int, column: int, png: bytes) -> None:
+    if not png:
+        return
+    _, height = struct.unpack(">II", png[16:24])
+    scale = _PICTURE_PX / height
+    sheet.set_row(row, _POINTS_PER_PX * (_PICTURE_PX + 4))
+    options = {"image_data": io.BytesIO(png), "x_scale": scale, "y_scale": scale, "x_offset": 2, "y_offset": 2}
+    sheet.insert_image(row, column, "picture.png", {**options, "object_position": 1})
 
 
 def _write(sheet: Any, row: int, column: int, cell: Cell, style: Any) -> None:

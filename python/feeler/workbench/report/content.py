@@ -27,6 +27,7 @@ MOST_ROWS = 20_000
 """Rows of one table: parts, blockers, fasteners, marks of one finding."""
 _LARGEST_M = 1e9
 _ORDER: dict[str, int] = {status: number for number, status in enumerate(STATUSES)}
+_EARLIER = "it is about an earlier revision of the mock-up"
 _NO_POINT = (math.nan, math.nan, math.nan)
 
 Row = TypeVar("Row")
@@ -169,12 +170,13 @@ class _Writer:
         if found is None:
             return None
         facts, made = found.table.facts, found.check
-        contact = facts.contact if isinstance(facts.contact, str) else length(facts.contact) if facts.contact else "0"
+        contact = cut(facts.contact) if isinstance(facts.contact, str) else facts.contact
+        lay = ({}, (), ()) if made is None else (made.moved, made.out, made.gripped)
         return values.Check(
             facts.clearance,
-            cut(contact),
+            contact,
             {cut(name): count for name, count in found.table.hidden.items()},
-            made is not None and self._is_moved(made.moved, made.out, made.gripped),
+            self._is_moved(*lay),
             () if made is None or made.of is None else self.paths(made.of),
         )
 
@@ -262,8 +264,8 @@ class _Writer:
             setting=cut(card.setting),
             sentence=cut(sentence, LONGEST_TEXT),
             is_good=card.is_good if card.state == "done" else None,
-            stale=self.changed(card.parts),
-            is_moved=is_stale(self._document, card),
+            stale=self.changed(card.parts) or (_EARLIER if card.is_earlier else ""),
+            is_moved=is_stale(self._document, card) and not card.is_earlier,
             ways=ways,
             blockers=() if answer is None else self._blockers(answer),
             reaches=() if answer is None else self._reaches(answer),

@@ -25,17 +25,26 @@ MOST_FILM_BYTES = 64 << 20
 Making = tuple[str, str, Callable[[], object]]
 
 
-def media_of(source: Source, report: Report, pictures: int = PICTURES, progress: Progress | None = None) -> Media:
+def media_of(
+    source: Source,
+    report: Report,
+    pictures: int = PICTURES,
+    progress: Progress | None = None,
+    *,
+    has_ways: bool = True,
+) -> Media:
     """Draws the pictures and films of a report. Without a mock-up there are none.
 
     pictures: of at most so many findings, `pictured`, of violated requirements, and of ways. Ctrl-C ends it with those
-    made so far, marked as partial.
+    made so far, marked as partial. has_ways: whether ways are shown, in pictures and films.
     """
     media = Media()
     if source.mockup is None:
         return media
     maker = _Maker(source, media, source.mockup)
-    work = [*maker.pairs(report, pictures), *maker.ways(report, pictures), *maker.films(report)]
+    work = maker.pairs(report, pictures)
+    if has_ways:
+        work += [*maker.ways(report, pictures), *maker.films(report)]
     try:
         for number, (kind, key, make) in enumerate(work):
             if progress is not None:

@@ -16,7 +16,7 @@ from feeler.project.book import CHECK, Book, loads
 from feeler.project.parts import PartChanges, PartContent, Revision, revised
 from feeler.workbench.document import keeping, motion
 from feeler.workbench.document.answers import CardAnswer
-from feeler.workbench.document.document import Document, MockupFacts
+from feeler.workbench.document.document import Document, MockupFacts, with_revision
 from feeler.workbench.document.frames import check
 
 _SOURCES = 1000
@@ -75,18 +75,22 @@ def of_book(
         parts,
         None if is_numbered else _numbering(revision, book.path),
     )
+    document = kept.document
+    is_other = bool(content) and content != facts.get("hash")
+    if is_other and (revision.stale or revision.gone):
+        document = with_revision(document)
     answers = {}
     said = list(notes)
     if is_numbered:
-        answers = _answers(book, kept.document, len(parts))
-    elif kept.document.cards:
+        answers = _answers(book, document, len(parts))
+    elif document.cards:
         said.append("The parts have other numbers now: details of answers are left out. Ask the questions again.")
     if kept.aside:
         said.append("Removals, measures and questions of parts that are gone are left out.")
     earlier = _object(book.fact(CHECK)).get("earlier")
     return Source(
         Path(book.path).name,
-        kept.document,
+        document,
         parts,
         mockup,
         sources,

@@ -85,10 +85,13 @@ class FindingRow:
 
 @dataclass(frozen=True)
 class Check:
-    """The clash check: its limits in words, and whether parts lie elsewhere since."""
+    """The clash check: its limits, and whether parts lie elsewhere since.
+
+    contact: metres, or how it was chosen ("chord").
+    """
 
     clearance: float
-    contact: str
+    contact: float | str
     hidden: Mapping[str, int]
     is_moved: bool
     of: tuple[str, ...]

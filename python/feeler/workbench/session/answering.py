@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import heapq
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, cast
@@ -19,6 +20,7 @@ from feeler.plan.order import RemovalOrder, removal_order
 from feeler.plan.reaching import Reach, access
 from feeler.plan.removal import Removal, RemovalBlocker, removal
 from feeler.plan.swept import swept
+from feeler.poses import between
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.words import length, plural
@@ -29,14 +31,14 @@ from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import HeldManifest, Vec3
-from feeler.workbench.engine.gaps import Gaps, gap_json
+from feeler.workbench.engine.gaps import WITHIN_M, Gaps, Near, gap_json
 from feeler.workbench.engine.geometry import HeldGeometry
 from feeler.workbench.engine.world import World
 
 SECONDS, ORDER_SECONDS = 30.0, 120.0
 """Time for the search of a way, and of an order, unless another is asked for."""
-MOST_GAPS = 121
-"""Poses of a way at which the gap is looked for."""
+MOST_GAPS, MOST_REFINED = 121, 400
+"""Poses of a way at which the gap is looked for, evenly spread; and at most where it is least."""
 ROOM_SHARE, ROOM_STEPS = 1.0 / 60.0, 300.0
 """The swept volume may exceed the true one by this share of the moving parts' size, and by an eighth of their smallest
 side, but not less than its own size over `ROOM_STEPS`: it would take long, and gigabytes."""
@@ -142,9 +144,12 @@ def order(asked: Asked, progress: Progress) -> Answered:
     ways = tuple(_way(step.parts, step.removal, []) for step in found.steps)
     facts = tuple(_way_facts(way, step.removal, []) for way, step in zip(ways, found.steps, strict=True))
     what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
-    others = [asked.mockup.part_names[part] for step in found.steps[:-1] for part in step.parts]
+    others = shown(asked.mockup, (part for step in found.steps[:-1] for part in step.parts))
+    along = shown(asked.mockup, (part for part in found.steps[-1].parts if part not in asked.parts))
+    if along:
+        what += f" together with {listed(along)}"
     if not others:
-        return Answered(f"{what} with nothing before: one step.", True, ways, facts)
+        return Answered(f"{what}{',' if along else ''} with nothing before: one step.", True, ways, facts)
     go = "goes" if len(others) == 1 else "go"
     sentence = f"{what} after {listed(others)} {go}: {plural(len(found.steps), 'step')}."
     return Answered(sentence, True, ways, facts)
@@ -160,7 +165,7 @@ def _no_order(asked: Asked, found: RemovalOrder) -> Answered:
         if found.stuck != asked.parts:
             do = "does" if len(found.stuck) == 1 else "do"
             said += f": {_names(asked.mockup, found.stuck)} {do} not come out"
-    names = listed([asked.mockup.part_names[each["part"]] for each in blockers])
+    names = listed(shown(asked.mockup, (each["part"] for each in blockers)))
     return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
 
 
@@ -375,33 +380,63 @@ def _gaps(scene: Scene, parts: tuple[int, ...], found: Removal, progress: Progre
 
 
 def gaps_along(rest: Scene | World, moving: Tool, way: Floats, progress: Progress) -> list[Gap]:
-    """The nearest neighbour at poses spread evenly over a way; those in contact at the start count once they are
-    apart."""
+    """The nearest neighbour at poses spread evenly over a way, without those in contact at the start; and between
+    them until no gap can be less than the least by more than `CLEARANCE_ERROR`."""
     poses, shares = spread(way, moving.bounds)
     nearest = Gaps(rest, moving, poses[0])
-    gaps: list[Gap] = []
+    found: dict[float, tuple[Floats, Near | None]] = {}
     for number, (pose, share) in enumerate(zip(poses, shares, strict=True)):
         progress(number / len(poses), "measuring gaps")
-        gaps.append(gap_json(share, nearest.at(pose)))
-    return gaps
+        found[share] = (pose, nearest.at(pose))
+    if len(poses) <= 2 * MOST_GAPS:
+        _refine(found, nearest, moving.bounds)
+    return [gap_json(share, near) for share, (_, near) in sorted(found.items(), key=lambda item: item[0])]
+
+
+def _refine(found: dict[float, tuple[Floats, Near | None]], nearest: Gaps, bounds: Floats) -> None:
+    """Adds poses in the middle of spans where the gap may be less: it changes by no more than the fastest corner
+    moves."""
+    corners, middle = motion.corners(bounds), bounds.mean(axis=0)
+
+    def gap(share: float) -> float:
+        near = found[share][1]
+        return WITHIN_M if near is None else near.gap
+
+    def bounded(one: float, other: float) -> tuple[float, float, float]:
+        moved = motion.carried(found[one][0], found[other][0], corners)
+        return 0.5 * (gap(one) + gap(other) - moved), one, other
+
+    spans = [bounded(one, other) for one, other in pairwise(sorted(found))]
+    heapq.heapify(spans)
+    least = min(map(gap, found))
+    for _ in range(MOST_REFINED):
+        if not spans or spans[0][0] >= least * (1.0 - CLEARANCE_ERROR):
+            return
+        _, one, other = heapq.heappop(spans)
+        share = 0.5 * (one + other)
+        if not one < share < other:
+            continue
+        pose = between(found[one][0], found[other][0], middle, 0.5)
+        found[share] = (pose, nearest.at(pose))
+        least = min(least, gap(share))
+        heapq.heappush(spans, bounded(one, share))
+        heapq.heappush(spans, bounded(share, other))
 
 
 def spread(poses: Floats, bounds: Floats) -> tuple[Floats, list[float]]:
     """Poses of a way at even steps of its fastest corner, and their shares of it: its own poses and some between."""
-    corners = motion.corners(bounds)
+    corners, middle = motion.corners(bounds), bounds.mean(axis=0)
     steps = [motion.carried(one, other, corners) for one, other in pairwise(poses)]
     total = sum(steps)
     if total == 0.0:
         return poses[:1], [0.0]
     spread, shares, gone = [poses[0]], [0.0], 0.0
     for one, other, step in zip(poses[:-1], poses[1:], steps, strict=True):
-        # Poses between are those of a straight motion: a leg with a turn has been cut into pieces already.
-        is_straight = bool(np.array_equal(one[:3, :3], other[:3, :3]))
-        pieces = max(1, round(step / total * (MOST_GAPS - 1))) if is_straight else 1
+        if step == 0.0:
+            continue
+        pieces = max(1, round(step / total * (MOST_GAPS - 1)))
         for piece in range(1, pieces + 1):
-            pose = other.copy()
-            pose[:3, 3] = one[:3, 3] + (other[:3, 3] - one[:3, 3]) * (piece / pieces)
-            spread.append(pose)
+            spread.append(between(one, other, middle, piece / pieces))
             shares.append(min(1.0, (gone + step * piece / pieces) / total))
         gone += step
     every = max(1, -(-len(spread) // (2 * MOST_GAPS)))
@@ -426,10 +461,10 @@ def _blockers(held_by: Sequence[Part], blocked_by: Sequence[RemovalBlocker]) -> 
 def _blocked(asked: Asked, found: Removal) -> str:
     names, parts = _names(asked.mockup, asked.parts), asked.parts
     if found.held_by:
-        held = listed([part.name for part in found.held_by])
+        held = listed(shown(asked.mockup, (part.index for part in found.held_by)))
         return f"{names} cannot come out while {held} {'stays' if len(found.held_by) == 1 else 'stay'}: this is proven."
     how = f"in {found.seconds:.0f} s" if found.is_out_of_time else "in a complete search"
-    stopped = listed([asked.mockup.part_names[each.part] for each in found.blocked_by])
+    stopped = listed(shown(asked.mockup, (each.part for each in found.blocked_by)))
     tail = f"; stopped by {stopped}" if stopped else ""
     return f"No way out was found for {names} {how}{tail}." if parts else f"No way out was found{tail}."
 
@@ -448,7 +483,7 @@ def nearest(mockup: Mockup, way: Way, gaps: list[Gap]) -> str:
     near = min(known, key=lambda each: each["gap"] or 0.0, default=None)
     if way.clearance is None or near is None or near["part"] is None or near["gap"] is None:
         return ""
-    name = listed([mockup.part_names[near["part"]]])
+    name = listed(shown(mockup, [near["part"]]))
     if near["gap"] <= way.clearance * (1.0 + CLEARANCE_ERROR):
         return f"; nearest about {length(near['gap'])} to {name}"
     return f"; nearest about {length(way.clearance)}"
@@ -512,17 +547,22 @@ def _litres(litres: float) -> str:
 def _names(mockup: Mockup, parts: tuple[int, ...]) -> str:
     more = f" and {len(parts) - 1} more parts" if len(parts) > 2 else ""
     if len(parts) == 2:
-        return f"{mockup.part_names[parts[0]]} and {mockup.part_names[parts[1]]}"
-    return f"{mockup.part_names[parts[0]]}{more}"
+        return " and ".join(shown(mockup, parts))
+    return f"{shown(mockup, parts[:1])[0]}{more}"
 
 
 def _verb(parts: tuple[int, ...], verb: str) -> str:
     return verb + "s" if len(parts) == 1 else verb
 
 
+def shown(mockup: Mockup, parts: Iterable[int]) -> list[str]:
+    """The names of parts in a sentence: as files have them, with a "/", too. Of a path as a name, the last step."""
+    names, paths = mockup.part_names, mockup.part_paths
+    return [names[part] if names[part] != paths[part] else names[part].rpartition("/")[2] for part in parts]
+
+
 def listed(names: list[str]) -> str:
-    """ "a, b and c", or "a, b, c and 5 more", without folders."""
-    names = [name.rpartition("/")[2] for name in names]
+    """ "a, b and c", or "a, b, c and 5 more"."""
     if len(names) > _NAMED + 1:
         return f"{', '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""

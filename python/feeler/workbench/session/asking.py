@@ -11,12 +11,16 @@ from typing import Any, Generic, Protocol, TypeVar, cast
 import numpy as np
 
 from feeler.errors import WorkbenchError
+from feeler.mockup import Tool
 from feeler.progress import Progress
 from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
+from feeler.workbench.document import motion
 from feeler.workbench.document.answers import (
     CardAnswer,
     FoundParts,
+    JointGhost,
+    JointPlace,
     Measured,
     Outline,
     PartFacts,
@@ -31,10 +35,11 @@ from feeler.workbench.document.answers import (
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
 from feeler.workbench.document.document import Document, active_planes, plain
+from feeler.workbench.document.joints import is_at, loose
 from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
 from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
-from feeler.workbench.engine.geometry import Geometry
+from feeler.workbench.engine.geometry import Geometry, HeldGeometry
 from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.files import static_files
 from feeler.workbench.session import export, films, page, saving
@@ -84,7 +89,8 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
-    card. recorded: the record to replay, if there is one. history: of statuses, of a project.
+    card. joint_to: shows a joint at a value. recorded: the record to replay, if there is one. history: of statuses, of
+    a project.
     """
 
     document: Document
@@ -98,6 +104,7 @@ class Place:
     cards: Callable[[int], CardAnswer]
     recorded: Recorded | None = None
     history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
+    joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
 
 
 @dataclass(frozen=True)
@@ -152,6 +159,35 @@ def find(place: Place, given: Arguments) -> FoundParts:
 def card(place: Place, given: Arguments) -> CardAnswer:
     """The whole answer of a card."""
     return place.cards(given.whole("id"))
+
+
+def joint_to(place: Place, given: Arguments) -> JointPlace:
+    """Shows a joint at a value to all pages, as far as contact lets it, until the next change; null: as it stands."""
+    if place.joint_to is None:
+        raise WorkbenchError("there are no joints", given.command, "open a mechanism")
+    value = given.number("value") if given.has("value") else None
+    return place.joint_to(place.document, given.text("name"), value)
+
+
+def joint_ghost(place: Place, given: Arguments) -> JointGhost:
+    """The parts that a joint moves, at its worst position."""
+    document, name = place.document, given.text("name")
+    worst = next((each.worst for each in document.joint_ranges if each.name == name), None)
+    state = document.mechanism
+    if worst is None or state is None:
+        raise WorkbenchError(f"the worst position of {name} is not known", given.command, "wait for its range")
+    away = loose(state, document.moved, frozenset((*document.out, *document.gripped)))
+    items: dict[str, Tool | tuple[Tool, motion.Floats]] = {}
+    for link, pose in zip(state.links, worst.poses, strict=True):
+        if is_at(link.pose, pose):
+            continue
+        items.update(
+            {str(part): (place.meshes.of(part)[0], motion.matrix(pose)) for part in link.parts if part not in away}
+        )
+    if not items:
+        raise WorkbenchError("it stands at its worst position", given.command, "move it")
+    geometry = HeldGeometry(Tool.assembly(items, name), 0)
+    return {"manifest": geometry.manifest(), "data": base64.b64encode(geometry.data()).decode("ascii")}
 
 
 def outline(place: Place, given: Arguments, progress: Progress) -> Outline:
@@ -252,6 +288,8 @@ ASKS: dict[str, Question[Any]] = {
     "part": Question(part, {"part": Selection}),
     "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
+    "joint_ghost": Question(joint_ghost, {"name": str}),
+    "joint_to": Question(joint_to, {"name": str, "value": float | None}),
     "record": Question(record, {}),
     "finding_alike": Question(finding_alike, {"version": str, "row": int}),
     "finding_side": Question(finding_side, {"version": str, "row": int}),

@@ -155,7 +155,7 @@ class Cards:
         tools = {str(name): hands.tool(str(name)) for name in names}
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
-        return ANSWERS[card.question](Asked(scene, there, card.options, tools, hands.built_in, threads), progress)
+        return ANSWERS[card.question](Asked(scene, there, card.options, tools, hands.built_in(), threads), progress)
 
     def _give_up(self, number: int, is_gone: bool) -> None:
         with self._lock:

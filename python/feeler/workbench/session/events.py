@@ -31,6 +31,12 @@ class Events:
             for listener in list(self._listeners):
                 listener(numbered)
 
+    def show(self, message: Event) -> None:
+        """A message that counts only until the next of its type: it has no number, and is not kept."""
+        with self._lock:
+            for listener in list(self._listeners):
+                listener(message)
+
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
         """Subscribes a listener. Call the result to unsubscribe."""
         with self._lock:

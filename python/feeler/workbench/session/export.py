@@ -13,7 +13,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench.document import motion
-from feeler.workbench.document.document import UNITS, Document, Removal
+from feeler.workbench.document.document import UNITS, Document, Removal, is_stale
 
 
 def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
@@ -67,7 +67,7 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
 
 
 def _headings(unit: str) -> list[str]:
-    return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool", "end"]
+    return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool", "checked", "end"]
 
 
 def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[Cell]:
@@ -80,8 +80,16 @@ def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> li
         None if line.least_clearance is None else _rounded(line.least_clearance / per_unit),
         "; ".join(line.touched),
         line.tool or "",
+        checked(line, document),
         _end(number, line, document),
     ]
+
+
+def checked(line: Removal, document: Document) -> str:
+    """What the newest check of its way found, if the way, and what is around it, is still that one."""
+    cards = [card for card in document.cards if card.line == line.id and card.question == "way"]
+    found = [card.is_good for card in cards if card.state == "done" and not is_stale(document, card)]
+    return "not checked" if not found or found[-1] is None else "holds" if found[-1] else "does not hold"
 
 
 def _end(number: int, line: Removal, document: Document) -> str:

@@ -9,13 +9,15 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 
 from feeler._core import GuardedMove, Impact
-from feeler.errors import WorkbenchError
+from feeler.errors import FeelerError, WorkbenchError
+from feeler.mechanism.ranging import range_of
 from feeler.mockup import Tool
 from feeler.poses import between, inverse, rotation_vector
 from feeler.progress import Progress
@@ -23,12 +25,14 @@ from feeler.words import length, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, Gap, WayFacts
 from feeler.workbench.document.document import Card, Document, Removal, line_out, line_places
+from feeler.workbench.document.joints import figure
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.geometry import scene_bounds
 from feeler.workbench.engine.hand import Hands
+from feeler.workbench.engine.mechanism import Standings, given_values
 from feeler.workbench.engine.world import World
-from feeler.workbench.session.answering import Answered, gaps_along, nearest, part_of, triple
+from feeler.workbench.session.answering import Answered, gaps_along, nearest, part_of, shown, triple
 
 TOLERANCE_M, OFF_M = 2.5e-7, 5e-7
 """As of the engine: a way that the hand has gone is not refused because it rests at contact."""
@@ -39,6 +43,7 @@ LEAST_SAVED = 0.01
 LEAST_CUT = 1e-3
 """A shortcut saves at least this share of the way."""
 _MOST_LEGS = 12  # that are told one by one
+_SAME_VALUE = 1e-6  # radians or metres: the joint got there
 _TURNED_RAD = math.radians(0.5)  # less is not told
 _CHECK_SHARE, _SHORTEN_SHARE = 0.6, 0.7  # of the time, of the first stage
 
@@ -95,6 +100,8 @@ class LineWay:
 def check_way(document: Document, card: Card, hands: Hands, progress: Progress) -> Answered:
     """Whether the way of a line holds."""
     way = LineWay(document, card, hands)
+    if way.line.joint is not None:
+        return _joint_checked(document, way, hands, progress)
     hit, gaps = _walked(way, way.poses, progress)
     if hit is not None:
         return _refused(way, hit)
@@ -108,6 +115,8 @@ def check_way(document: Document, card: Card, hands: Hands, progress: Progress) 
 def shorten_way(document: Document, card: Card, hands: Hands, progress: Progress) -> Answered:
     """A shorter way of a line, of straight pieces that hold."""
     way = LineWay(document, card, hands)
+    if way.line.joint is not None:
+        raise WorkbenchError("a joint has one way alone", "cards", "check it")
     before = _length(way.moving, way.poses)
     if way.is_alone:
         short: Floats | Hit = way.poses[[0, -1]]
@@ -129,6 +138,49 @@ def shorten_way(document: Document, card: Card, hands: Hands, progress: Progress
         f"{nearest(way.mockup, kept, gaps)}. It was checked."
     )
     return Answered(sentence, True, (kept,), (facts,), facts=_tool_facts(way))
+
+
+def _joint_checked(document: Document, way: LineWay, hands: Hands, progress: Progress) -> Answered:
+    """Whether a joint goes from one value to the other, cast exactly along its motion."""
+    step, state = way.line.joint, document.mechanism
+    assert step is not None, "the line moves a joint"
+    if state is None or state.number(step.name) is None:
+        raise WorkbenchError(f"there is no joint {step.name} any more", "cards", "open its mechanism")
+    progress(0.1, "casting the joint")
+    at = next(at for at, line in enumerate(document.sequence) if line.id == way.line.id)
+    standings = Standings(hands.scene, hands.meshes)
+    try:
+        whole = standings.whole(state.text, state.name)
+        poses = whole.links.poses(step.start)
+        links = tuple(replace(link, pose=motion.row(poses[k])) for k, link in enumerate(state.links))
+        then = replace(
+            document,
+            mechanism=replace(state, values=step.start, links=links),
+            moved=MappingProxyType(way.places),
+            out=line_out(document, at),
+            gripped=MappingProxyType({}),
+        )
+        positions = standings.asked(then)
+        others = given_values(positions, step.start, step.name)
+        found = range_of(positions, step.name, {**others, step.name: step.begin})
+    except WorkbenchError:
+        raise
+    except FeelerError as error:
+        raise WorkbenchError(str(error), "cards", "see docs/mechanisms.md") from None
+    facts = _facts(way, way.poses, [])
+    kept = _way_of(way, facts)
+    reached = min(max(step.end, found.lower), found.upper)
+    begin, end = figure(step.kind, step.begin), figure(step.kind, step.end)
+    if abs(reached - step.end) <= _SAME_VALUE:
+        return Answered(f"{step.name} moves freely from {begin} to {end}.", True, (kept,), (facts,))
+    met = found.above if step.end > step.begin else found.below
+    sentence = f"{step.name} stops at {figure(step.kind, reached)} on its way from {begin} to {end}"
+    if met is None:
+        return Answered(f"{sentence}: its limit.", False, (kept,), (facts,))
+    name = way.mockup.part_names[met.other].rpartition("/")[2]
+    share = (reached - step.begin) / (step.end - step.begin)
+    facts["hit"] = {"share": share, "part": met.other, "point": met.point}
+    return Answered(f"{sentence}: it meets {name}.", False, (kept,), (facts,))
 
 
 LINE_ANSWERS: dict[str, Callable[[Document, Card, Hands, Progress], Answered]] = {
@@ -242,7 +294,7 @@ def _refused(way: LineWay, hit: Hit) -> Answered:
     facts["hit"] = {"share": share, "part": part, "point": triple(hit.impact.point)}
     (move,) = hit.pose[None] @ inverse(way.poses[0])
     blocker: BlockerFacts = {"part": part, "attempts": 1, "is_proof": False, "pose": list(motion.row(move))}
-    name = way.mockup.part_names[part].rpartition("/")[2]
+    (name,) = shown(way.mockup, [part])
     sentence = f"The way meets {name} between pose {hit.after + 1:,} and {hit.after + 2:,} of {len(way.poses):,}."
     return Answered(sentence, False, (_way_of(way, facts),), (facts,), (blocker,), facts=_tool_facts(way))
 

@@ -35,8 +35,14 @@ Opener = Callable[[Wanted], bool]
 class Openings:
     """Thread-safe. `close` removes all files."""
 
-    def __init__(self, limits: FileLimits | None = None, folder: Path | None = None) -> None:
-        """folder: where the temporary folder is made; default the system's."""
+    def __init__(
+        self,
+        limits: FileLimits | None = None,
+        folder: Path | None = None,
+        tell: Callable[[str], object] = lambda _text: None,
+    ) -> None:
+        """folder: where the temporary folder is made; default the system's. tell: says something to all pages."""
+        self._tell = tell
         self.files = SentFiles(limits, folder)
         """The files that pages sent."""
         self._lock = threading.Lock()
@@ -60,8 +66,11 @@ class Openings:
             "most_files": self.files.limits.files,
         }
 
-    def request(self, message: OpeningRequest) -> dict[str, Any]:
-        """Carries out a page's message. Raises `WorkbenchError`."""
+    def request(self, message: OpeningRequest, by: str | None = None) -> dict[str, Any]:
+        """Carries out a page's message. Raises `WorkbenchError`.
+
+        by: the name of its person, if others are there: they are told who opens what.
+        """
         match message:
             case SendFiles():
                 if message.purpose == "open":
@@ -70,7 +79,7 @@ class Openings:
             case FilePiece():
                 return {"bytes": self.files.take(message)}
             case OpenMockup():
-                self._begin(message, self._offered())
+                self._begin(message, self._offered(), by)
                 return {}
 
     def close(self) -> None:
@@ -83,12 +92,14 @@ class Openings:
             raise WorkbenchError("no other mock-up can be opened here", "open", "start feeler view with it")
         return self._opener
 
-    def _begin(self, message: OpenMockup, opener: Opener) -> None:
+    def _begin(self, message: OpenMockup, opener: Opener, by: str | None) -> None:
         with self._lock:
             wanted = self._wanted(message)
             if self._is_opening:
                 raise WorkbenchError("a mock-up is being opened", "open", "wait until it is there")
             self._is_opening = True
+        if by is not None:
+            self._tell(f"{by} {_what(wanted)}")
         work = (wanted, message.files, opener)
         threading.Thread(target=self._run, args=work, name="feeler opening", daemon=True).start()
 
@@ -117,6 +128,16 @@ class Openings:
                     self.files.keep(number)
                 elif not is_open and number is not None:
                     self.files.drop(number)
+
+
+def _what(wanted: Wanted) -> str:
+    """What somebody does, for others."""
+    if wanted.sources is None:
+        return f"loads the mock-up again, unit {wanted.unit}" if wanted.unit else "loads the mock-up again"
+    first, *others = (Path(source).name.removeprefix("sample:") for source in wanted.sources)
+    is_sample = wanted.sources[0].startswith("sample:")
+    more = f" and {len(others)} more" if others else ""
+    return f"opens {'the sample ' if is_sample else ''}{first}{more}"
 
 
 def _meshes(paths: Sequence[Path]) -> tuple[str, ...]:

@@ -38,13 +38,24 @@ def digest(mesh: Mockup | Tool) -> str:
     return found.hexdigest()
 
 
-def document_digest(document: Document) -> str:
+def is_recorded(document: Document, digest: str) -> bool:
+    """Whether a digest in a record is that of the document: of this version, or of one whose viewpoints had no cuts."""
+    return digest == document_digest(document) or (
+        bool(document.viewpoints) and digest == document_digest(document, has_viewpoint_cuts=False)
+    )
+
+
+def document_digest(document: Document, *, has_viewpoint_cuts: bool = True) -> str:
     """Digest of everything that commands can change; hex."""
     facts = dict(document.to_json())
     for name in ("mockup", "loading", "failed", "tools", "record", "project", "absent", "cards"):
         del facts[name]
     if facts["section_box"] is None:  # as in records of versions without it
         del facts["section_box"]
+    if not has_viewpoint_cuts:
+        cuts = ("sections", "section_box")
+        views = document.to_json()["viewpoints"]
+        facts["viewpoints"] = [{name: value for name, value in each.items() if name not in cuts} for each in views]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 

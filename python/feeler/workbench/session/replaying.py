@@ -16,7 +16,7 @@ from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.engine.engine import Ticked
 from feeler.workbench.engine.geometry import absent_parts
-from feeler.workbench.session.record import Record, digest, document_digest, hits_digest
+from feeler.workbench.session.record import Record, digest, hits_digest, is_recorded
 from feeler.workbench.session.session import Session
 
 _MOST_IDS = 20
@@ -191,7 +191,7 @@ class Replay:
         if (trouble is None) != ("error" not in entry):
             said = trouble or "it is done, and was refused then"
             return Parted(number, f"the command {entry['name']} ends otherwise: {said}")
-        if trouble is None and document_digest(self._session.current) != entry["document"]:
+        if trouble is None and not is_recorded(self._session.current, entry["document"]):
             return Parted(number, f"after the command {entry['name']} the document is another")
         return None
 

@@ -9,7 +9,7 @@ from typing import Any
 from feeler.arguments import near
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
-from feeler.workbench.document.answers import CardAnswer
+from feeler.workbench.document.answers import CardAnswer, JointPlace
 from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.document import Document
 from feeler.workbench.engine import measuring
@@ -40,6 +40,8 @@ class Requests:
         """The record to replay, if there is one."""
         self.history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
         """The history of statuses, of a project."""
+        self.joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
+        """Shows a joint at a value."""
 
     def forget(self) -> None:
         """Another mock-up is open: drops files and caches of the previous one."""
@@ -67,6 +69,7 @@ class Requests:
                 cards,
                 self.recorded,
                 self.history,
+                self.joint_to,
             )
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:

@@ -24,7 +24,7 @@ from feeler.project.store import Change, drop, put
 from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
 from feeler.workbench.document import keeping
-from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts
+from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts, with_revision
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.record import digest
 
@@ -98,6 +98,8 @@ class Saver:
                 None if revision is None else _renumbering(revision),
             )
             document, aside = kept.document, kept.aside
+            if revision is not None and (revision.stale or revision.gone):
+                document = with_revision(document)
             # With the same mock-up, only what differs from the file is written.
             there = document if is_known and revision is None else None
             if document.tool is not None and document.tool.name not in hands.names:

@@ -34,6 +34,7 @@ from feeler.workbench.document.document import UNITS, Document, Loading, Project
 from feeler.workbench.document.findings import findings_of, read_findings, saved
 from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
+from feeler.workbench.document.joint_commands import JOINTS
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest, Turning
@@ -49,6 +50,7 @@ from feeler.workbench.session.asking import Place, Recorded
 from feeler.workbench.session.cards import Cards
 from feeler.workbench.session.events import Event, Events
 from feeler.workbench.session.jobs import Job
+from feeler.workbench.session.joints import Joints, Revised
 from feeler.workbench.session.opening import beside, opening
 from feeler.workbench.session.openings import Openings
 from feeler.workbench.session.people import DEVICE, SCRIPT, PeopleOf
@@ -90,9 +92,12 @@ class Session:
         self._events = Events()
         self._wanted = Wanted(self._events.tell)
         self._cards = Cards(self._card_told, self._keep_answer)
-        self.openings = Openings()
+        self.joints = Joints(self._ranges_told, self._events.show)
+        """Moves the joints of the mechanism, and knows their ranges."""
+        self.openings = Openings(tell=lambda text: self._events.tell({"type": "notice", "level": "info", "text": text}))
         """Files of pages, and the opening of other mock-ups, if somebody offers it."""
         self._requests = Requests(self.openings.files)
+        self._requests.joint_to = self.joints.to
         if project is not None:
             self._requests.history = project.history
         self._clock, self._seed = clock, seed
@@ -157,6 +162,8 @@ class Session:
         document = replace(document, doubts=tuple(doubts))
         with self.engine.paused(), self._lock:
             self._hands, self._geometry = begun.hands, begun.geometry
+            self.joints.open(begun.hands)
+            document = self.joints.restored(document)
             self._history = History()
             self._requests.forget()
             self._cards.open(begun.hands, self._kept_answers(document, mockup))
@@ -468,6 +475,7 @@ class Session:
             self._thread.join(timeout=_CLOSE_S)
         self._requests.close()
         self._cards.close()
+        self.joints.close()
         self.openings.close()
         if self._saver is not None:
             self._saver.close()
@@ -528,6 +536,8 @@ class Session:
                 known = replace(known, measured=found)
         elif name == "findings_take" and isinstance(args, dict):
             known = replace(known, findings=self._requests.taken.of(args.get("key"), before))
+        if command is not None and (name in JOINTS or before.on_joint is not None):
+            known = self.joints.known(known, Arguments(name, args, command.arguments), before, self.engine.guide)
         after = applied(before, name, args, known)
         if after.guiding is not None and held_key(after) != held_key(before):
             after = replace(after, guiding=None)
@@ -574,6 +584,7 @@ class Session:
         """An earlier document, with what the user did not change and what is no step of undo as it is now."""
         now = self._document
         document = replace(document, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
+        document = replace(document, joint_ranges=now.joint_ranges)
         return replace(document, project=now.project, cards=now.cards, next_card=now.next_card)
 
     def _engine_follows(self, before: Document, after: Document) -> None:
@@ -636,6 +647,10 @@ class Session:
         with self._lock:
             self._show(told(self._document, number, **changes), None)
 
+    def _ranges_told(self, revised: Revised) -> None:
+        with self._lock:
+            self._show(replace(self._document, joint_ranges=revised(self._document.joint_ranges)), None)
+
     def _play(self, document: Document) -> None:
         line = next(each for each in document.sequence if each.id == document.replaying)
         way = [motion.matrix(each) for each in line.way]
@@ -648,6 +663,9 @@ class Session:
 
     def _guide(self, document: Document) -> None:
         way = document.guiding
+        if document.on_joint is not None:
+            self.engine.set_guide(self.joints.freedom(document))
+            return
         self.engine.set_guide(None if way is None else [motion.matrix(pose) for pose in way.way])
 
     def _guided(self, guide: Guide | None) -> None:
@@ -662,6 +680,7 @@ class Session:
         with self._lock:
             if self._saver is not None:
                 document = self._saver.changed(self._document, document)
+            document = self.joints.followed(document)
             before, self._document = self._document, document
             fields = patch(before, document)
             if fields or command is not None:

@@ -56,13 +56,22 @@ impl Blocks {
 
     /// Cuts triangles to pieces of `size` metres and builds the blocks.
     pub fn build(mesh: &Mesh, size: f64, limit: u64, control: Control<'_>) -> Result<Blocks> {
+        Blocks::build_of((mesh, mesh.queried().collect(), &mesh.bounds()), size, limit, control)
+    }
+
+    /// The same of some triangles that are queried, at least one, with the box around them.
+    pub fn build_of(
+        (mesh, ids, bounds): (&Mesh, Vec<u32>, &Aabb),
+        size: f64,
+        limit: u64,
+        control: Control<'_>,
+    ) -> Result<Blocks> {
         if !(size.is_finite() && size > 0.0) {
             return Err(Error::VoxelSize { value: size });
         }
         control.progress.report(0.0, "cutting triangles")?;
-        let ids: Vec<u32> = mesh.queried().collect();
         let counts = count_pieces(mesh, &ids, size, limit)?;
-        let frame = Frame::new(&mesh.bounds());
+        let frame = Frame::new(bounds);
         let (mut pieces, cuts) = cut_all(mesh, &ids, size, &counts, &frame);
         drop((ids, counts));
 
@@ -71,7 +80,7 @@ impl Blocks {
 
         control.progress.report(0.7, "building blocks")?;
         // Cutting rounds, and so does growing by what cutting rounds: coordinates are at most 1.
-        let slack = (1.01 * cut_margin(mesh.bounds().largest_coordinate()) * frame.scale) as f32;
+        let slack = (1.01 * cut_margin(bounds.largest_coordinate()) * frame.scale) as f32;
         let margin = slack + 2.0 * f32::EPSILON;
         let lanes = Level::best().checked();
         let mut packed = vec![PackedPieces::ZERO; pieces.len().div_ceil(FANOUT)];

@@ -127,6 +127,21 @@ impl Blocks {
         words
     }
 
+    /// The same after more triangles left, all of them in these boxes (metres): only nodes that overlap one are looked at. `words` are
+    /// those of before, empty where all were there.
+    pub fn children_left(&self, words: &[Vec<u32>], there: TrianglesThere<'_>, boxes: &[Aabb]) -> Vec<Vec<u32>> {
+        let words = if words.is_empty() {
+            let all = |level: &Column<Node>| level.iter().map(|node| node.valid).collect();
+            std::iter::once(Vec::new()).chain(self.levels.iter().skip(1).map(all)).collect()
+        } else {
+            words.to_vec()
+        };
+        let boxes: Vec<Box4> = boxes.iter().map(|b| self.frame.to_box4(b)).collect();
+        let mut left = Left { blocks: self, there, words };
+        left.has_any(self.levels.len() - 1, 0, &boxes);
+        left.words
+    }
+
     /// The triangle of a piece.
     pub(super) fn triangle(&self, piece: usize) -> u32 {
         self.pieces[piece / FANOUT].triangles[piece % FANOUT]
@@ -134,6 +149,11 @@ impl Blocks {
 
     /// Every triangle's box is covered by pieces, and every child lies in its node.
     pub fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
+        self.validate_of(mesh, &mesh.queried().collect::<Vec<u32>>())
+    }
+
+    /// The same of blocks of some triangles, ascending.
+    pub fn validate_of(&self, mesh: &Mesh, ids: &[u32]) -> std::result::Result<(), String> {
         let lanes = Level::best().checked();
         let mut seen = vec![0u32; mesh.faces().len()];
         let count = self.levels[0].iter().map(|node| node.valid.count_ones() as usize).sum();
@@ -146,7 +166,7 @@ impl Blocks {
             }
         }
         for t in 0..mesh.faces().len() as u32 {
-            if (seen[t as usize] == 0) == mesh.is_queried(t) {
+            if (seen[t as usize] == 0) == ids.binary_search(&t).is_ok() {
                 return Err(format!("triangle {t} has {} pieces", seen[t as usize]));
             }
         }
@@ -174,6 +194,37 @@ impl Blocks {
         } else {
             Err(format!("{below} roots"))
         }
+    }
+}
+
+/// Words of nodes that triangles leave.
+struct Left<'a> {
+    blocks: &'a Blocks,
+    there: TrianglesThere<'a>,
+    words: Vec<Vec<u32>>,
+}
+
+impl Left<'_> {
+    /// Whether a node has anything below it that is there; its word, and those below it, are right then.
+    fn has_any(&mut self, level: usize, node: usize, boxes: &[Box4]) -> bool {
+        let own = &self.blocks.levels[level][node];
+        let bounds = own.bounds();
+        // Both are rounded alike, and a node is around all of its pieces.
+        let meets = |b: &Box4| (0..3).all(|a| b.lower[a] <= bounds.upper[a] && bounds.lower[a] <= b.upper[a]);
+        let near: Vec<Box4> = boxes.iter().copied().filter(meets).collect();
+        if level == 0 {
+            let count = own.valid.count_ones() as usize;
+            return near.is_empty() || self.blocks.pieces[node].triangles[..count].iter().any(|t| self.there.has(*t));
+        }
+        let before = self.words[level][node];
+        if !near.is_empty() {
+            for child in (0..FANOUT).filter(|child| before >> child & 1 == 1) {
+                if !self.has_any(level - 1, FANOUT * node + child, &near) {
+                    self.words[level][node] &= !(1 << child);
+                }
+            }
+        }
+        self.words[level][node] != 0
     }
 }
 

@@ -142,6 +142,38 @@ impl Adjacency {
         }
     }
 
+    /// Of a mesh in which some parts are moved, each as a whole: shared, but for what has a place.
+    pub(crate) fn moved(&self, (mesh, part_bounds): (&Mesh, &[Aabb]), is_moved: impl Fn(u32) -> bool) -> Adjacency {
+        let mut shells = self.shells.clone();
+        for shell in shells.iter_mut().filter(|shell| is_moved(shell.part)) {
+            // Across a crack two surfaces are one shell, and neighbours one way: nowhere is it larger than the part.
+            let of_part = &part_bounds[shell.part as usize];
+            shell.bounds = if self.has_cracks { *of_part } else { self.bounds_around(mesh, shell.first) };
+        }
+        Adjacency {
+            neighbours: self.neighbours.clone(),
+            outward: self.outward.clone(),
+            smooth_regions: self.smooth_regions.clone(),
+            bodies: self.bodies.clone(),
+            centre: centre_of_area(mesh),
+            open_surfaces: self.open_surfaces.clone(),
+            torn_parts: self.torn_parts.clone(),
+            shells,
+            ..*self
+        }
+    }
+
+    /// The box around the surface of a triangle.
+    fn bounds_around(&self, mesh: &Mesh, triangle: u32) -> Aabb {
+        let (mut bounds, mut next) = (Aabb::EMPTY, vec![triangle]);
+        let mut seen = std::collections::HashSet::from([triangle]);
+        while let Some(t) = next.pop() {
+            mesh.triangle(t).iter().for_each(|corner| bounds.grow(corner));
+            next.extend(self.neighbours[t as usize].iter().filter(|n| **n != NONE && seen.insert(**n)));
+        }
+        bounds
+    }
+
     /// Of one part alone, as a mesh whose triangle `i` is this one's `faces[i]`; these are all of the part that are queried, ascending.
     pub(crate) fn of_part(&self, mesh: &Mesh, part: u32, faces: &[u32]) -> Adjacency {
         let own = |face: u32| faces.partition_point(|f| *f < face) as u32;

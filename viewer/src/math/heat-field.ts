@@ -3,7 +3,7 @@
 // The surface is sampled; each sample gives its distance to the nodes around it, and an exact squared distance transform
 // carries these on (Felzenszwalb and Huttenlocher 2012, three passes along the axes).
 
-import type { Vec3 } from "../math/vectors";
+import type { Vec3 } from "./vectors";
 
 /** The heat map shows what is nearer to the tool than this, metres. */
 export const HEAT_REACH_M = 0.02;

@@ -1,0 +1,162 @@
+"""The links as tools and scenes, and how far points of a link move with each joint."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.ignored import IgnoredPairs
+from feeler.mechanism.coupling import JointCoupling
+from feeler.mechanism.joint import Joint, JointKind
+from feeler.mechanism.links import Links
+from feeler.mechanism.seating import Seated, seated
+from feeler.mockup import Mockup, Tool
+from feeler.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_ALWAYS = 1e-12  # metres: rounding of levers
+
+
+class Bodies:
+    """The links of a mechanism as bodies that are asked."""
+
+    def __init__(
+        self,
+        mockup: Mockup,
+        links: Links,
+        couplings: Sequence[JointCoupling] = (),
+        scene: Scene | None = None,
+        loops: Sequence[tuple[Joint, tuple[int, int]]] = (),
+    ) -> None:
+        self.mockup, self.links = mockup, links
+        self._given = scene
+        of_name = {name: link.number for link in links.links for name in link.joint.names}
+        self._joined = {frozenset((link.number, link.above)) for link in links.links}
+        self._joined |= {frozenset((of_name[each.joint], of_name[each.of])) for each in couplings}
+        self._joined |= {frozenset(ends) for _, ends in loops}
+        self._loops = {frozenset(ends): joint for joint, ends in loops}
+        self._tools: dict[int, Tool] = {}
+        self._scenes: dict[int, Scene] = {}
+        self._seats: dict[tuple[int, int], tuple[Seated, ...]] = {}
+
+    @cached_property
+    def scene(self) -> Scene:
+        """All parts where they are modelled."""
+        return Scene(self.mockup) if self._given is None else self._given
+
+    def parts(self, link: int) -> tuple[int, ...]:
+        """The parts of a link; -1: of the frame."""
+        return self.links.frame if link < 0 else self.links.links[link].parts
+
+    def tool(self, link: int) -> Tool:
+        """A link as a tool, where it is modelled."""
+        if link not in self._tools:
+            self._tools[link] = Tool.of_parts(self.mockup, self.parts(link))
+        return self._tools[link]
+
+    def alone(self, link: int) -> Scene:
+        """A link as a scene, where it is modelled."""
+        if link not in self._scenes:
+            self._scenes[link] = self.scene.only(list(self.parts(link)))
+        return self._scenes[link]
+
+    def is_solid(self, link: int) -> bool:
+        """Whether it has triangles that can be asked."""
+        bounds = self.mockup.part_bounds.reshape(-1, 2, 3)[list(self.parts(link))]
+        return bool(len(bounds)) and bool((bounds[:, 0] <= bounds[:, 1]).any())
+
+    def is_joined(self, one: int, other: int) -> bool:
+        """Whether a joint or a coupling joins two links."""
+        return frozenset((one, other)) in self._joined
+
+    def joint_between(self, one: int, other: int) -> Joint | None:
+        """The joint that joins two links, of the tree or of a loop."""
+        for link, above in ((one, other), (other, one)):
+            if link >= 0 and self.links.links[link].above == above:
+                return self.links.links[link].joint
+        return self._loops.get(frozenset((one, other)))
+
+    def seats(self, one: int, other: int) -> tuple[Seated, ...]:
+        """The pairs of parts that are seated in each other where they are modelled, of two links that a joint, coupling
+        or loop joins."""
+        key = (one, other)
+        if key not in self._seats:
+            is_asked = self.is_joined(one, other) and self.is_solid(one) and self.is_solid(other)
+            self._seats[key] = seated(self, one, other) if is_asked else ()
+        return self._seats[key]
+
+    def ignored(self, one: int, other: int, more: Iterable[tuple[int, int]] = ()) -> IgnoredPairs | None:
+        """The seats of two links, and more pairs of a part of the tool and one of the mock-up, as queries skip them."""
+        pairs = sorted({*((seat.number, seat.other) for seat in self.seats(one, other)), *more})
+        if not pairs:
+            return None
+        return IgnoredPairs(self.tool(one), self.mockup, np.array(pairs, dtype=np.int64))
+
+    def mesh(self, part: int) -> tuple[Floats, Ints]:
+        """The vertices and faces of a part, without faces that are none."""
+        order, first = self._by_part
+        faces = np.asarray(self.mockup.faces)[order[first[part] : first[part + 1]]].astype(np.int64)
+        faces = faces[(faces < len(self.mockup.vertices)).all(axis=1)]
+        used, index = np.unique(faces, return_inverse=True)
+        return np.asarray(self.mockup.vertices, dtype=np.float64)[used], index.reshape(-1, 3).astype(np.int64)
+
+    @cached_property
+    def _by_part(self) -> tuple[Ints, Ints]:
+        of = np.asarray(self.mockup.part_of_face)
+        order = np.argsort(of, kind="stable")
+        return order, np.searchsorted(of[order], np.arange(self.mockup.part_count + 1))
+
+    def levers(self, one: int, other: int, reach: dict[str, float]) -> dict[str, float]:
+        """By name of a number: the most by which points of one link move against the other, for a unit of it.
+
+        reach: the largest slide of each sliding number, metres.
+        """
+        up, down = self.links.between(one, other)
+        found: dict[str, float] = {}
+        for chain, link in ((up, one), (down, other)):
+            corners = self._corners(link)
+            for place, number in enumerate(chain):
+                joint = self.links.links[number].joint
+                far = self._far(joint, [self.links.links[n].joint for n in reversed(chain[:place])], corners, reach)
+                for name, turns in zip(joint.names, joint.turns, strict=True):
+                    lever = far if turns else 1.0
+                    if joint.kind is JointKind.SCREW:
+                        lever = math.hypot(far, joint.pitch / math.tau)
+                    found[name] = found.get(name, 0.0) + lever * (1.0 + 1e-12) + _ALWAYS
+        return found
+
+    def _corners(self, link: int) -> Floats:
+        """The points of a link, or the corners of its box where those are many."""
+        bounds = self.mockup.part_bounds.reshape(-1, 2, 3)[list(self.parts(link))]
+        kept = bounds[(bounds[:, 0] <= bounds[:, 1]).all(axis=1)]
+        if link >= 0 and len(kept):
+            return np.asarray(self.tool(link).vertices, dtype=np.float64)
+        picks = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1)
+        corners: Floats = kept[:, picks, [[0], [1], [2]]].transpose(0, 2, 1).reshape(-1, 3)
+        return corners
+
+    @staticmethod
+    def _far(joint: Joint, between: list[Joint], points: Floats, reach: dict[str, float]) -> float:
+        """The largest distance of a link's points from a joint's axis, at any position. between: the joints from
+        there to the link."""
+        if not len(points):
+            return 0.0
+        between = [each for each in between if each.kind is not JointKind.FIXED]
+        if not between:
+            return float(np.linalg.norm(np.cross(points - np.array(joint.point), np.array(joint.axis)), axis=1).max())
+        total, here = 0.0, np.array(joint.point)
+        for each in between:
+            there = np.array(each.point)
+            total += float(np.linalg.norm(there - here))
+            here = there
+            names = zip(each.names, each.turns, strict=True)
+            total += sum(reach.get(name, math.inf) for name, turns in names if not turns)
+            if each.kind is JointKind.SCREW:
+                total += abs(each.pitch) / math.tau * reach.get(each.name, math.inf)
+        return total + float(np.linalg.norm(points - here, axis=1).max())

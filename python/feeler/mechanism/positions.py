@@ -1,0 +1,278 @@
+"""The positions of mechanisms: numbers, poses of links, and scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler._core import Screw
+from feeler.arguments import check_kind, check_list, check_number, check_text, near, shown
+from feeler.errors import MechanismError, OptionError
+from feeler.mechanism.bodies import Bodies
+from feeler.mechanism.coupling import JointCoupling, driven_by
+from feeler.mechanism.joint import Joint, JointKind
+from feeler.mechanism.links import Links
+from feeler.mechanism.loops import Follower, opening
+from feeler.mockup import Mockup
+from feeler.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+Values = Mapping[str, float]
+
+_SAME = 1e-9
+
+
+class Positions:
+    """The positions that joints, couplings and loops allow. See `Mechanism`."""
+
+    def __init__(
+        self,
+        mockup: Mockup,
+        joints: Iterable[Joint],
+        couplings: Iterable[JointCoupling] = (),
+        loops: Iterable[Joint] = (),
+        scene: Scene | None = None,
+    ) -> None:
+        self.mockup = check_kind("mockup", mockup, Mockup)
+        self.joints = tuple(check_kind("a joint", each, Joint) for each in check_list("joints", joints, "joints"))
+        if not self.joints:
+            raise OptionError("there are no joints: give one at least")
+        self.couplings = tuple(
+            check_kind("a coupling", each, JointCoupling) for each in check_list("couplings", couplings, "couplings")
+        )
+        self.loops = tuple(check_kind("a loop", each, Joint) for each in check_list("loops", loops, "joints"))
+        if scene is not None and check_kind("scene", scene, Scene).mockup is not mockup:
+            raise OptionError("the scene is of another mock-up: give one of this mock-up")
+        self.links = Links(mockup, self.joints)
+        self.names = tuple(name for joint in self.joints for name in joint.names)
+        """The names of the numbers of a position, in the order of the joints."""
+        self.driven = driven_by(self.names, self.couplings)
+        self._of_name = {name: (joint, n) for joint in self.joints for n, name in enumerate(joint.names)}
+        self._ends = [self._ends_of(loop) for loop in self.loops]
+        closed = list(zip(self.loops, self._ends, strict=True))
+        self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed)
+        self.groups = self._grouped()
+        self._last: tuple[tuple[tuple[str, float], ...], Scene] | None = None
+
+    def limits(self, name: str) -> tuple[float, float] | None:
+        """The limits of a number, those of the numbers coupled with it included; None for none."""
+        self.check_name(name)
+        lower, upper = -np.inf, np.inf
+        mine = self.driven[name]
+        for other, by in self.driven.items():
+            own = self.own_limits(other)
+            if by.root == mine.root and own is not None:
+                ratio = by.ratio / mine.ratio
+                offset = by.offset - ratio * mine.offset
+                ends = sorted((end - offset) / ratio for end in own)
+                lower, upper = max(lower, ends[0]), min(upper, ends[1])
+        if lower > upper:
+            raise OptionError(f"the limits of the joints coupled with {name!r} leave no position: give wider ones")
+        return None if np.isinf(lower) and np.isinf(upper) else (float(lower), float(upper))
+
+    def own_limits(self, name: str) -> tuple[float, float] | None:
+        """The limits that the joint of a number has."""
+        joint, number = self._of_name[name]
+        return joint.limits if number == 0 else joint.slide_limits
+
+    def position(self, values: Values | None = None, start: Values | None = None) -> dict[str, float]:
+        """All numbers of a position, radians and metres. Those not given are 0, or follow from couplings and loops.
+
+        start: where loops are followed from, a position of this mechanism; None: where the parts are modelled.
+        Raises `OptionError` outside of limits, `MechanismError` where a loop cannot close or has a dead point.
+        """
+        given = self.checked(values)
+        roots = self._rooted(given)
+        found = {}
+        for name in {by.root for by in self.driven.values()}:
+            own = self.limits(name)
+            rest = 0.0 if own is None else min(max(0.0, own[0]), own[1])
+            found[name] = roots.get(name, rest)
+        for group, loops in self.groups:
+            if group & roots.keys():
+                self._close(found, sorted(group & roots.keys()), sorted(group - roots.keys()), loops, start)
+        return {name: by.ratio * found[by.root] + by.offset for name, by in self.driven.items()}
+
+    def poses(self, values: Values | None = None, start: Values | None = None) -> dict[str, Floats]:
+        """The pose `(4, 4)` of each moved link, by the name of its joint; the identity is where it is modelled."""
+        found = self.links.poses(self.position(values, start))
+        return {link.joint.name: found[link.number] for link in self.links.links}
+
+    def chain(self, joint: str, start: Values, end: Values) -> list[Screw | Floats]:
+        """The motion of the link of a joint from one position to another, as `Scene.check_path` takes it: a pose, and
+        a `Screw` or a pose to slide to.
+
+        Raises `OptionError` if more than one joint moves it, for then its motion is no screw.
+        """
+        link = self._link(joint)
+        begin, stop = self.position(start), self.position(end)
+        names = [name for n in self.links.way_up(link) for name in self.links.links[n].joint.names]
+        moving = [name for name in names if abs(begin[name] - stop[name]) > 0.0]
+        if len(moving) > 1:
+            raise OptionError(f"{joint!r} is moved by {', '.join(moving)} at once: move one joint after the other")
+        there = self.links.poses(begin)
+        if not moving:
+            return [there[link]]
+        screw = self.screw(moving[0], begin, stop[moving[0]] - begin[moving[0]])
+        return [there[link], self.links.poses(stop)[link] if screw is None else screw]
+
+    def screw(self, name: str, position: Values, by: float) -> Screw | None:
+        """The screw in the world by which a number moves what hangs on it; None for a slide."""
+        joint, number = self._of_name[name]
+        if not joint.turns[number]:
+            return None
+        link = next(link for link in self.links.links if link.joint is joint)
+        above = self.links.poses(position)[link.above]
+        slide = position[joint.names[1]] if joint.kind is JointKind.CYLINDRICAL else 0.0
+        axis = above[:3, :3] @ np.array(joint.axis)
+        point = above[:3, :3] @ np.array(joint.point) + above[:3, 3] + slide * axis
+        return Screw(axis, point, by, joint.pitch)
+
+    def scene(self, values: Values | None = None, start: Values | None = None) -> Scene:
+        """A scene with the parts at a position; parts keep their numbers and names (`Scene.moved`). The last one is
+        kept."""
+        position = self.position(values, start)
+        key = tuple(sorted(position.items()))
+        poses = self.links.poses(position)
+        if all(np.array_equal(pose, np.eye(4)) for pose in poses):
+            return self.bodies.scene
+        if self._last is None or self._last[0] != key:
+            of_links = np.array([poses[link.number] for link in self.links.links])
+            self._last = (key, self.bodies.scene._with_poses(self.links.link_of, of_links))
+        return self._last[1]
+
+    def check_ranges(
+        self, values: Mapping[str, float | tuple[float, float]]
+    ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+        """The numbers that stand, and the ranges of those that move."""
+        stand: dict[str, float] = {}
+        move: dict[str, tuple[float, float]] = {}
+        if not isinstance(values, Mapping):
+            raise OptionError(f"values is {shown(values)}: give a dict of joints, such as {{'hinge': (0, 1.9)}}")
+        for name, value in values.items():
+            self.check_name(name)
+            if isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2:
+                lower, upper = (check_number(f"{name!r}", each, "radians or metres") for each in value)
+                if lower > upper:
+                    raise OptionError(f"the range of {name!r} is {shown(value)}: give the least and the greatest value")
+                for end in (lower, upper):
+                    self._check_limits(name, end)
+                move[name] = (lower, upper)
+            else:
+                stand[name] = check_number(f"{name!r}", value, "a number, or the least and greatest value")
+        return stand, move
+
+    def loops_of(self, name: str) -> bool:
+        """Whether a number is part of a loop."""
+        return any(self.driven[name].root in group for group, _ in self.groups)
+
+    def check_name(self, name: object) -> None:
+        """Raises `OptionError` for joints that do not move."""
+        if not isinstance(name, str) or name not in self.driven:
+            raise OptionError(f"there is no joint {shown(name)} that moves: {near(name, list(self.names))}")
+
+    def _check_limits(self, name: str, value: float) -> None:
+        own = self.own_limits(name)
+        if own is not None and not own[0] - _SAME <= value <= own[1] + _SAME:
+            raise OptionError(f"{name!r} is {value:.9g}: its limits are {own[0]:.9g} to {own[1]:.9g}")
+
+    def checked(self, values: Values | None) -> dict[str, float]:
+        """Given numbers. Raises `OptionError` for others."""
+        if values is not None and not isinstance(values, Mapping):
+            raise OptionError(f"values is {shown(values)}: give a dict of joints, such as {{'hinge': 1.2}}")
+        found = {}
+        for name, value in (values or {}).items():
+            self.check_name(name)
+            found[name] = check_number(f"{name!r}", value, "radians or metres")
+            self._check_limits(name, found[name])
+        return found
+
+    def _rooted(self, given: dict[str, float]) -> dict[str, float]:
+        roots: dict[str, float] = {}
+        for name, value in given.items():
+            by = self.driven[name]
+            root = (value - by.offset) / by.ratio
+            known = roots.setdefault(by.root, root)
+            if abs(known - root) > _SAME * max(1.0, abs(known)):
+                raise OptionError(f"{name!r} is coupled with {by.root!r}, and both are given: leave one out")
+        return roots
+
+    def _link(self, joint: str) -> int:
+        check_text("joint", joint, "the name of a joint")
+        for link in self.links.links:
+            if link.joint.name == joint:
+                return link.number
+        raise OptionError(f"there is no joint {shown(joint)}: {near(joint, [each.name for each in self.joints])}")
+
+    def _ends_of(self, loop: Joint) -> tuple[int, int]:
+        ends = (
+            self.links.of(self.mockup, loop.parent, f"parent of loop {loop.name!r}"),
+            self.links.of(self.mockup, loop.child, f"child of loop {loop.name!r}"),
+        )
+        if ends[0] == ends[1]:
+            raise OptionError(f"loop {loop.name!r} joins a link with itself: give two links")
+        return ends
+
+    def _grouped(self) -> list[tuple[set[str], list[int]]]:
+        """The roots that each set of loops moves, loops that share some together."""
+        groups: list[tuple[set[str], list[int]]] = []
+        for number, ends in enumerate(self._ends):
+            up, down = self.links.between(*ends)
+            own = {self.driven[name].root for n in up + down for name in self.links.links[n].joint.names}
+            if not own:
+                raise OptionError(f"loop {self.loops[number].name!r} has no joint that moves: leave it out")
+            loops = [number]
+            for other in [group for group in groups if group[0] & own]:
+                groups.remove(other)
+                own, loops = own | other[0], other[1] + loops
+            groups.append((own, loops))
+        return groups
+
+    def _close(
+        self, found: dict[str, float], given: list[str], followed: list[str], loops: list[int], start: Values | None
+    ) -> None:
+        origin = (
+            {name: 0.0 for name in found}
+            if start is None
+            else {name: self.checked(start).get(name, 0.0) for name in found}
+        )
+        size = self.size
+
+        def open_by(inputs: Floats, outputs: Floats) -> Floats:
+            roots = {**found, **dict(zip(given, inputs, strict=True)), **dict(zip(followed, outputs, strict=True))}
+            poses = self.links.poses({name: by.ratio * roots[by.root] + by.offset for name, by in self.driven.items()})
+            parts = [opening(self.loops[n], poses[self._ends[n][0]], poses[self._ends[n][1]], size) for n in loops]
+            return np.concatenate(parts)
+
+        def told(inputs: Floats) -> str:
+            return ", ".join(f"{name} = {value:.9g}" for name, value in zip(given, inputs, strict=True))
+
+        scales = np.array([1.0 if self.turns(name) else size for name in followed])
+        begin, end = (np.array([each[name] for name in given]) for each in (origin, found))
+        outputs = np.array([origin[name] for name in followed])
+        if not followed:
+            if float(np.abs(open_by(end, outputs)).max()) > 1e-6:
+                raise MechanismError(f"the loop does not close at {told(end)}: give fewer of its joints")
+            return
+        for name, value in zip(followed, Follower(open_by, scales, told).follow(begin, outputs, end), strict=True):
+            found[name] = float(value)
+            self._check_limits(name, found[name])
+
+    @cached_property
+    def size(self) -> float:
+        """The diagonal of the mock-up, metres; 1 where it has none."""
+        bounds = self.mockup.part_bounds.reshape(-1, 2, 3)
+        kept = bounds[(bounds[:, 0] <= bounds[:, 1]).all(axis=1)]
+        return (float(np.linalg.norm(kept[:, 1].max(axis=0) - kept[:, 0].min(axis=0))) if len(kept) else 0.0) or 1.0
+
+    def link_of(self, name: str) -> int:
+        """The number of the link that a number of a position moves."""
+        return self._link(self._of_name[name][0].name)
+
+    def turns(self, name: str) -> bool:
+        """Whether a number of a position is an angle."""
+        joint, number = self._of_name[name]
+        return joint.turns[number]

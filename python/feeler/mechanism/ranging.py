@@ -1,0 +1,291 @@
+"""How far a joint moves freely, and what clashes on the way.
+
+Each link is cast against each other one along their relative motion, which is a chain of screws and slides. Seats, the
+pairs of parts that are in contact where they are modelled, are left out there and followed by the rule of seats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.choices import TOUCHINGS
+from feeler.errors import OptionError
+from feeler.mechanism.answers import MechanismClashes, MechanismContact, MechanismSeat, Range
+from feeler.mechanism.legs import STRAIGHT_M, Leg, Legs, halves, relative
+from feeler.mechanism.positions import Positions
+from feeler.mechanism.seating import Seated
+from feeler.poses import inverse
+
+Floats = npt.NDArray[np.float64]
+
+TOLERANCE_M = 2e-8
+"""By how much a contact may be early."""
+_TURN = 2.0 * np.pi  # how far a joint without limits is followed, both ways
+_SIZES = 2.0  # the same of a slide, in sizes of the mock-up
+_MOST_HALVES = 40
+_SAME_SHARE = 1e-9
+_PARTED = (2.0**-10, 2.0**-7, 2.0**-4, 2.0**-2)  # shares of a motion at which a seat may have parted
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """Where two parts meet on a leg."""
+
+    share: float
+    number: int
+    """Of the link's tool; -1 of a seat."""
+    part: int
+    other: int
+    point: Floats
+    normal: Floats
+    """Of the other link, where it is modelled."""
+
+
+def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None) -> Range:
+    """See `Mechanism.range`."""
+    mechanism.check_name(name)
+    at = mechanism.checked(given)
+    start = mechanism.position(at)[name]
+    pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
+    found: list[tuple[float, MechanismContact | None]] = []
+    why = ""
+    for end in span(mechanism, name, start):
+        value, met, ended = _end(mechanism, name, at, (start, end), pairs)
+        found.append((value, met))
+        why = why or ended
+    (lower, below), (upper, above) = found
+    seats = seats_of(mechanism, pairs)
+    return Range(name, start, lower, upper, below, above, seats, not mechanism.loops_of(name), why)
+
+
+def span(mechanism: Positions, name: str, start: float) -> tuple[float, float]:
+    """The limits of a joint; without limits a turn both ways, or a slide that leaves the mock-up."""
+    far = _TURN if mechanism.turns(name) else _SIZES * mechanism.size
+    own = mechanism.limits(name) or (-np.inf, np.inf)
+    return max(own[0], start - far), min(own[1], start + far)
+
+
+def roots_of(mechanism: Positions, names: Iterable[str]) -> set[str]:
+    """The roots that move with some numbers, those of their loops too."""
+    roots = {mechanism.driven[name].root for name in names}
+    for group, _ in mechanism.groups:
+        if roots & group:
+            roots |= group
+    return roots
+
+
+def moving_pairs(mechanism: Positions, roots: set[str]) -> list[tuple[int, int]]:
+    """The pairs of links that some roots move against each other; the frame is the second of its pairs."""
+    links = [*range(len(mechanism.links)), -1]
+    found = []
+    for place, one in enumerate(links):
+        for other in links[place + 1 :]:
+            up, down = mechanism.links.between(one, other)
+            names = [name for n in up + down for name in mechanism.links.links[n].joint.names]
+            is_moved = any(mechanism.driven[name].root in roots for name in names)
+            if is_moved and mechanism.bodies.is_solid(one) and mechanism.bodies.is_solid(other):
+                found.append((one, other))
+    return found
+
+
+def seats_of(mechanism: Positions, pairs: Iterable[tuple[int, int]]) -> tuple[MechanismSeat, ...]:
+    """The seats of pairs of links."""
+    paths = mechanism.mockup.part_paths
+    return tuple(
+        MechanismSeat(seat.part, seat.other, paths[seat.part], paths[seat.other], seat.kind)
+        for pair in pairs
+        for seat in mechanism.bodies.seats(*pair)
+    )
+
+
+def _end(
+    mechanism: Positions, name: str, at: Mapping[str, float], ends: tuple[float, float], pairs: list[tuple[int, int]]
+) -> tuple[float, MechanismContact | None, str]:
+    """The value of a joint where its way to another ends, what it meets there, and why else it ends."""
+    begin, end = ends
+    if begin == end:
+        return end, None, ""
+    legs, value = Legs(mechanism, name, at, begin, end), begin
+    for leg in legs:
+        value = leg.values[1]
+        found = _meeting(mechanism, name, at, leg, pairs, _MOST_HALVES)
+        if found is not None:
+            return found.value, found, ""
+    return value, None, legs.why
+
+
+def _meeting(
+    mechanism: Positions,
+    name: str,
+    at: Mapping[str, float],
+    leg: Leg,
+    pairs: list[tuple[int, int]],
+    most: int,
+) -> MechanismContact | None:
+    """The first contact on a leg; one of a loop is halved until it is straight where they meet."""
+    met = _first(mechanism, leg, pairs)
+    if met is None:
+        return None
+    if leg.off <= STRAIGHT_M or most == 0:
+        return contact(mechanism, leg, *met)
+    for half in halves(mechanism, name, at, leg):
+        found = _meeting(mechanism, name, at, half, pairs, most - 1)
+        if found is not None:
+            return found
+    return None
+
+
+def _first(mechanism: Positions, leg: Leg, pairs: list[tuple[int, int]]) -> tuple[tuple[int, int], Meeting] | None:
+    """What meets first on a leg: the links and their parts."""
+    best: tuple[tuple[int, int], Meeting] | None = None
+    for pair in pairs:
+        found = [exactly(mechanism, pair, leg)]
+        found += [seat_meeting(mechanism, pair, seat, leg) for seat in mechanism.bodies.seats(*pair)]
+        for each in found:
+            if each is not None and (best is None or each.share < best[1].share):
+                best = (pair, each)
+    return best
+
+
+def exactly(
+    mechanism: Positions, pair: tuple[int, int], leg: Leg, skipped: Iterable[tuple[int, int]] = ()
+) -> Meeting | None:
+    """The first contact of two links on a leg, seats and other pairs left out. Parts that touch where the leg begins
+    may slide along each other."""
+    bodies = mechanism.bodies
+    pose, way = relative(mechanism, *pair, leg)
+    tool, ignore = bodies.tool(pair[0]), bodies.ignored(*pair, skipped)
+    hit = None
+    for touching in TOUCHINGS:
+        hit = bodies.alone(pair[1]).cast(tool, pose, screw=way, tolerance=TOLERANCE_M, touching=touching, ignore=ignore)
+        if hit is None:
+            return None
+        if hit.fraction > 0.0:
+            break
+    assert hit is not None
+    part = bodies.parts(pair[0])[hit.tool_part]
+    return Meeting(hit.fraction, hit.tool_part, part, hit.part, hit.point, hit.normal)
+
+
+def seat_meeting(mechanism: Positions, pair: tuple[int, int], seat: Seated, leg: Leg) -> Meeting | None:
+    """Where a seat first goes deeper on a leg than where it is modelled."""
+    rest = _rest_share(mechanism, pair, leg)
+    if rest is None:
+        return _seat_on(mechanism, pair, seat, leg)
+    middle = leg.at(rest)
+    # Up to there it is followed from there, so that a part that comes back to its seat does not stop at it.
+    found = None
+    if rest > 0.0:
+        found = _seat_on(mechanism, pair, seat, Leg(middle, leg.start, leg.values))
+    if found is not None:
+        ahead = _seat_on(mechanism, pair, seat, Leg(leg.start, middle, leg.values))
+        share = 1.0 - found.share if ahead is None else ahead.share
+        return replace(ahead or found, share=rest * share)
+    found = _seat_on(mechanism, pair, seat, Leg(middle, leg.end, leg.values)) if rest < 1.0 else None
+    return None if found is None else replace(found, share=rest + (1.0 - rest) * found.share)
+
+
+def _rest_share(mechanism: Positions, pair: tuple[int, int], leg: Leg) -> float | None:
+    """Where on a leg two links are to each other as they are modelled."""
+    up, down = mechanism.links.between(*pair)
+    names = [name for n in up + down for name in mechanism.links.links[n].joint.names]
+    moves = [name for name in names if leg.start[name] != leg.end[name]]
+    if not moves or any(leg.start[name] != 0.0 for name in names if name not in moves):
+        return None
+    shares = [-leg.start[name] / (leg.end[name] - leg.start[name]) for name in moves]
+    if max(shares) - min(shares) > _SAME_SHARE or not 0.0 <= shares[0] <= 1.0:
+        return None
+    return shares[0]
+
+
+def _seat_on(mechanism: Positions, pair: tuple[int, int], seat: Seated, leg: Leg) -> Meeting | None:
+    pose, way = relative(mechanism, *pair, leg)
+    met = seat.meets(pose, way)
+    found = None if met is None else Meeting(met[0], -1, seat.part, seat.other, met[1], met[2])
+    for begin in _PARTED:
+        if found is not None and found.share <= begin:
+            return found
+        if seat.is_apart(way.at(pose, begin)):
+            # All that it meets from there on is met exactly, by the surfaces that were seated too.
+            rest = Leg(leg.at(begin), leg.end, leg.values)
+            met = seat.meets(*relative(mechanism, *pair, rest))
+            if met is None:
+                return None
+            return Meeting(begin + (1.0 - begin) * met[0], -1, seat.part, seat.other, met[1], met[2])
+    return found
+
+
+def contact(mechanism: Positions, leg: Leg, pair: tuple[int, int], met: Meeting) -> MechanismContact:
+    """A meeting in the world."""
+    there = mechanism.links.poses(leg.at(met.share))[pair[1]]
+    point, normal = there[:3, :3] @ met.point + there[:3, 3], there[:3, :3] @ met.normal
+    paths = mechanism.mockup.part_paths
+    return MechanismContact(
+        leg.value(met.share),
+        met.part,
+        met.other,
+        paths[met.part],
+        paths[met.other],
+        (float(point[0]), float(point[1]), float(point[2])),
+        (float(normal[0]), float(normal[1]), float(normal[2])),
+    )
+
+
+def clashes_of(mechanism: Positions, values: Mapping[str, float | tuple[float, float]]) -> MechanismClashes:
+    """See `Mechanism.clash`."""
+    stand, move = mechanism.check_ranges(values)
+    if len(move) != 1:
+        raise OptionError(f"clash is asked of {len(move)} joints that move: give the range of one, numbers of others")
+    ((name, (lower, upper)),) = move.items()
+    pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
+    legs = list(Legs(mechanism, name, stand, lower, upper))
+    found: list[MechanismContact] = []
+    for pair in pairs:
+        skipped: set[tuple[int, int]] = set()
+        waiting = list(mechanism.bodies.seats(*pair))
+        for leg in legs:
+            while (met := exactly(mechanism, pair, leg, skipped)) is not None:
+                found.append(contact(mechanism, leg, pair, met))
+                skipped.add((met.number, met.other))
+            for seat in list(waiting):
+                if (met := seat_meeting(mechanism, pair, seat, leg)) is not None:
+                    found.append(contact(mechanism, leg, pair, met))
+                    waiting.remove(seat)
+    ordered = tuple(sorted(found, key=lambda each: each.value))
+    return MechanismClashes(name, lower, upper, ordered, seats_of(mechanism, pairs), not mechanism.loops_of(name))
+
+
+def reaches(mechanism: Positions, *places: Mapping[str, float]) -> dict[str, float]:
+    """The largest absolute values of all numbers at some positions, which are the ends of ranges."""
+    found: dict[str, float] = {}
+    for place in places:
+        for name, value in mechanism.position(place).items():
+            found[name] = max(found.get(name, 0.0), abs(value))
+    return found
+
+
+def gap(
+    mechanism: Positions,
+    one: int,
+    other: int,
+    position: dict[str, float],
+    within: float,
+    poses: list[Floats] | None = None,
+) -> tuple[float, int, int, Floats, Floats] | None:
+    """The distance of two links at a position: metres, both parts, both points in the world; None beyond `within`."""
+    poses = mechanism.links.poses(position) if poses is None else poses
+    bodies = mechanism.bodies
+    pose = inverse(poses[other]) @ poses[one]
+    near = bodies.alone(other).distance(bodies.tool(one), pose, within, ignore=bodies.ignored(one, other))
+    if not np.isfinite(near.value):
+        return None
+    assert near.part is not None and near.tool_part is not None
+    there = poses[other]
+    ends = []
+    for point in (near.point_on_tool, near.point_on_mockup):
+        ends.append(poses[other][:3, 3] if point is None else there[:3, :3] @ np.asarray(point) + there[:3, 3])
+    return near.value, bodies.parts(one)[near.tool_part], near.part, ends[0], ends[1]

@@ -1,0 +1,157 @@
+"""Round surfaces about the axis of a joint: pins and holes whose facets cross while the round ones only turn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+CLEAR_M = 2e-6
+"""How far the facets of a pin are kept off those of its hole: more than what counts as touching."""
+_STEP = 0.88
+"""The widest facet, radians: prisms of eight sides are round, those of seven have edges that stop them."""
+_ARC = 1.5
+"""The least arc that facets side by side make up, radians: less is a flat face that is square to its radius."""
+_FEWEST = 4
+_UPRIGHT = 1e-3  # cosine of a facet's normal with the axis
+_SAME = 1e-3  # differences of radii, as a share of them: axes are found, and files rounded
+_PRESS = 1.1  # a pin is wider than its hole by this factor at most
+
+
+@dataclass(frozen=True)
+class Round:
+    """Facets of one cylinder about the axis. Metres and radians."""
+
+    radius: float
+    """The largest of the corners."""
+    least: float
+    """The least of the corners."""
+    step: float
+    """The widest facet."""
+    low: float
+    high: float
+    """Along the axis."""
+    is_hole: bool
+
+    @property
+    def inner(self) -> float:
+        """The least radius of its facets."""
+        return self.least * math.cos(0.5 * self.step)
+
+
+def polar(vertices: Floats, axis: Floats, point: Floats) -> tuple[Floats, Floats, Floats]:
+    """Height, radius and bearing of points about an axis."""
+    u = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    u /= np.linalg.norm(u)
+    off = vertices - point
+    x, y = off @ u, off @ np.cross(axis, u)
+    return off @ axis, np.hypot(x, y), np.arctan2(y, x)
+
+
+def rounds_of(
+    vertices: Floats, faces: Ints, axis: Floats, point: Floats, near: Sequence[Round] | None = None
+) -> list[Round]:
+    """The cylinders about an axis. near: look for those beside these alone."""
+    height, radius, bearing = polar(vertices, axis, point)
+    if near is not None:
+        kept = np.zeros(len(vertices), dtype=bool)
+        for each in near:
+            slack = 0.2 * each.radius
+            kept |= np.abs(radius - each.radius) <= slack
+        faces = faces[kept[faces].all(axis=1)]
+    if not len(faces):
+        return []
+    of = radius[faces]
+    mean = of.mean(axis=1)
+    same = (np.ptp(of, axis=1) <= _SAME * mean + 1e-9) & (mean > 0.0)
+    faces, mean = faces[same], mean[same]
+    corners = vertices[faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    twice = np.linalg.norm(normal, axis=1)
+    turned = bearing[faces] - bearing[faces[:, :1]]
+    turned = (turned + np.pi) % (2.0 * np.pi) - np.pi
+    span = np.ptp(turned, axis=1)
+    upright = np.abs(normal @ axis) <= _UPRIGHT * twice
+    kept = upright & (twice > 0.0) & (span > 1e-9) & (span <= _STEP)
+    faces, mean, turned, span, normal = (each[kept] for each in (faces, mean, turned, span, normal))
+    middle = vertices[faces].mean(axis=1) - point
+    is_hole = np.einsum("ij,ij->i", normal, middle - np.outer(middle @ axis, axis)) < 0.0
+    low_bearing = bearing[faces[:, 0]] + turned.min(axis=1)
+    order = np.lexsort((mean, is_hole))
+    found = []
+    starts = np.flatnonzero(
+        (np.diff(mean[order], prepend=-1.0) > 2.0 * _SAME * mean[order]) | (np.diff(is_hole[order], prepend=False) != 0)
+    )
+    for group in np.split(order, starts[1:]) if len(order) else []:
+        if _longest_arc(low_bearing[group], span[group]) < _ARC:
+            continue
+        if len(np.unique(np.round(low_bearing[group], 4))) < _FEWEST:
+            continue
+        heights = height[faces[group]]
+        found.append(
+            Round(
+                float(radius[faces[group]].max()),
+                float(radius[faces[group]].min()),
+                float(span[group].max()),
+                float(heights.min()),
+                float(heights.max()),
+                bool(is_hole[group[0]]),
+            )
+        )
+    return found
+
+
+def _longest_arc(begin: Floats, span: Floats) -> float:
+    """The longest arc that intervals of bearings cover without a gap."""
+    begin = begin % (2.0 * np.pi)
+    order = np.argsort(begin)
+    begin, span = np.tile(begin[order], 2), np.tile(span[order], 2)
+    begin[len(order) :] += 2.0 * np.pi
+    reach = np.maximum.accumulate(begin + span)
+    gaps = np.flatnonzero(begin[1:] > reach[:-1] + 1e-4)
+    firsts = np.concatenate([[0], gaps + 1])
+    lasts = np.concatenate([gaps, [len(begin) - 1]])
+    return float((reach[lasts] - begin[firsts]).max())
+
+
+def clear_radii(own: Sequence[Round], others: Sequence[Round]) -> list[tuple[Round, float]]:
+    """The cylinders of a part whose facets cross those of another on its turn, and the radius at which they do not."""
+    found = []
+    for mine in own:
+        wanted = mine.radius
+        for its in others:
+            if mine.is_hole == its.is_hole or min(mine.high, its.high) <= max(mine.low, its.low):
+                continue
+            pin, hole = (its, mine) if mine.is_hole else (mine, its)
+            if pin.radius <= hole.inner - CLEAR_M or pin.radius > _PRESS * hole.radius:
+                continue
+            if mine.is_hole:
+                wanted = max(wanted, (pin.radius + CLEAR_M) / math.cos(0.5 * mine.step))
+            else:
+                wanted = min(wanted, hole.inner - CLEAR_M)
+        if wanted != mine.radius:
+            found.append((mine, wanted))
+    return found
+
+
+def moved(vertices: Floats, axis: Floats, point: Floats, radii: Sequence[tuple[Round, float]]) -> Floats:
+    """The vertices of a part with cylinders brought to other radii."""
+    height, radius, _ = polar(vertices, axis, point)
+    moved_to: Floats = vertices.copy()
+    for each, wanted in radii:
+        slack = 1e-9 + _SAME * each.radius
+        on = (
+            (radius >= each.least - 1e-9)
+            & (radius <= each.radius + 1e-9)
+            & (height >= each.low - slack)
+            & (height <= each.high + slack)
+        )
+        foot = point + np.outer(height[on], axis)
+        moved_to[on] = foot + (vertices[on] - foot) * (wanted / radius[on])[:, None]
+    return moved_to

@@ -1,0 +1,166 @@
+"""Motions that slide surfaces in themselves (Gelfand and Guibas 2004), and what stands in the way of the others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mechanism.touching import Touches
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+SLIDES = 0.12
+"""Sine of the largest angle between a motion and a surface that slides in itself: facets of threads lean that much."""
+TURN_PLAY_RAD = 0.2
+"""A joint may have this much play until its flats or keys stop it."""
+LEAST_SHARE = 0.004
+"""The share of the surface in contact that stops a motion; less are edges and rounding."""
+FREE = 1e-5
+"""The greatest mean square of a free motion's speed into the surface, relative to its speed."""
+BALL = 0.02
+"""The largest distance of the normals from the middle of a ball, as a share of its radius."""
+BALL_SHARE = 0.25
+"""The share of a ball's surface that may be farther."""
+LEANS = 0.15
+"""The least lean along the axis of the flanks of a thread, as a sine."""
+THREAD_SHARE = 0.03
+"""The least share of flanks in the surface in contact."""
+AGREED = 0.7
+"""The least share of flanks that agree on a pitch within 30 %."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """Whether a motion is stopped forwards and backwards: shares of the surface."""
+
+    forward: float
+    backward: float
+
+    @property
+    def is_free(self) -> bool:
+        """To both sides."""
+        return self.forward < LEAST_SHARE and self.backward < LEAST_SHARE
+
+    @property
+    def most(self) -> float:
+        """The larger share."""
+        return max(self.forward, self.backward)
+
+    @property
+    def is_open(self) -> bool:
+        """Free to one side at least."""
+        return min(self.forward, self.backward) < LEAST_SHARE
+
+
+def turn(touches: Touches, axis: Floats, point: Floats, pitch: float = 0.0) -> Floats:
+    """The velocity of each point of a turn of a radian a second; pitch: metres a radian."""
+    return np.asarray(np.cross(axis, touches.points - point) + pitch * axis)
+
+
+def slip(touches: Touches, velocity: Floats) -> Floats:
+    """The speed of each point into the other side; 0 where either surface slides in itself."""
+    one = np.einsum("ij,ij->i", velocity, touches.child_normals)
+    other = np.einsum("ij,ij->i", velocity, touches.parent_normals)
+    least = np.where(np.abs(one) < np.abs(other), one, other)
+    return np.where(one * other > 0.0, least, 0.0)
+
+
+def way_of(touches: Touches, velocity: Floats, travel: float) -> Way:
+    """What stops a motion. travel: stops beyond are ignored, in the unit of the motion."""
+    into = slip(touches, velocity)
+    stops = stopped(touches, into, velocity, travel)
+    total = float(touches.weights.sum())
+    forward = float(touches.weights[stops & (into > 0)].sum()) / total
+    backward = float(touches.weights[stops & (into < 0)].sum()) / total
+    return Way(forward, backward)
+
+
+def stopped(touches: Touches, into: Floats, velocity: Floats, travel: float) -> Bools:
+    """Which points stop a motion."""
+    speed = np.linalg.norm(velocity, axis=1)
+    steep = np.abs(into) > np.maximum(SLIDES * speed, 1e-15)
+    return np.asarray(steep & (np.maximum(touches.gaps, 0.0) <= travel * np.abs(into)))
+
+
+def matrix_of(touches: Touches) -> tuple[Floats, Floats, float]:
+    """The 6x6 matrix of the surface in contact, with its middle and size: turns first, in units of the size."""
+    weights = touches.weights / touches.weights.sum()
+    middle = weights @ touches.points
+    size = float(np.sqrt(weights @ np.sum((touches.points - middle) ** 2, axis=1))) or 1.0
+    matrix = np.zeros((6, 6))
+    for normals in (touches.child_normals, touches.parent_normals):
+        rows = np.concatenate([np.cross((touches.points - middle) / size, normals), normals], axis=1)
+        matrix += 0.5 * (rows * weights[:, None]).T @ rows
+    return matrix, middle, size
+
+
+def screws_of(touches: Touches) -> list[tuple[float, Floats, Floats, Floats]]:
+    """The motions in the order of how freely they slip: the share, turn, slide, and a point of the axis."""
+    matrix, middle, size = matrix_of(touches)
+    values, vectors = np.linalg.eigh(matrix)
+    found = []
+    for value, vector in zip(values, vectors.T, strict=True):
+        omega, slide = vector[:3], vector[3:] * size
+        square = float(omega @ omega)
+        point = middle + (np.cross(omega, slide) / square if square > 1e-6 else 0.0)
+        found.append((float(value), omega, slide, point))
+    return found
+
+
+def ball_of(touches: Touches) -> Floats | None:
+    """The middle of the ball that all normals of one side pass through, if they do."""
+    for normals, of in ((touches.child_normals, touches.is_of_child), (touches.parent_normals, ~touches.is_of_child)):
+        if np.count_nonzero(of) < 8:
+            continue
+        points, rows, weights = touches.points[of], normals[of], touches.weights[of] / touches.weights[of].sum()
+        across = np.eye(3) - rows[:, :, None] * rows[:, None, :]
+        matrix = np.einsum("i,ijk->jk", weights, across)
+        if np.linalg.eigvalsh(matrix)[0] < 1e-3:
+            continue
+        middle = np.linalg.solve(matrix, np.einsum("i,ijk,ik->j", weights, across, points))
+        off = np.linalg.norm(np.einsum("ijk,ik->ij", across, points - middle), axis=1)
+        radius = np.sqrt(weights @ np.sum((points - middle) ** 2, axis=1))
+        if weights @ (off > BALL * radius) < BALL_SHARE:
+            return np.asarray(middle)
+    return None
+
+
+def pitch_of(touches: Touches, axis: Floats, point: Floats) -> float | None:
+    """The pitch, metres a radian, at which a turn about an axis slips along the flanks of a thread, if these are one.
+
+    Flanks lean so little that a turn without the pitch seems to slip too; that most agree on one pitch is the sign.
+    """
+    across, along, weights = [], [], []
+    for normals, of in ((touches.child_normals, touches.is_of_child), (touches.parent_normals, ~touches.is_of_child)):
+        rows = normals[of]
+        lean = rows @ axis
+        leans = np.abs(lean) > LEANS
+        across.append(np.einsum("ij,ij->i", turn(touches, axis, point)[of], rows)[leans])
+        along.append(lean[leans])
+        weights.append((touches.weights[of] * np.abs(lean))[leans])
+    turns, lifts, weight = (np.concatenate(each) for each in (across, along, weights))
+    if len(turns) < 16 or weight.sum() < THREAD_SHARE * touches.weights.sum():
+        return None
+    values = -turns / lifts
+    order = np.argsort(values)
+    total = np.cumsum(weight[order])
+    pitch = float(values[order][np.searchsorted(total, total[-1] / 2)])
+    if weight @ (np.abs(values - pitch) < 0.3 * abs(pitch)) < AGREED * total[-1]:
+        return None
+    return pitch
+
+
+def winding_of(corners: Floats, axis: Floats, point: Floats, pitch: float) -> float:
+    """The pitch, metres a radian, of the edges that wind around an axis at one radius; `pitch` if too few do."""
+    begin, end = corners.reshape(-1, 3) - point, np.roll(corners, -1, axis=1).reshape(-1, 3) - point
+    rise = (end - begin) @ axis
+    begin, end = (each - (each @ axis)[:, None] * axis for each in (begin, end))
+    inner, outer = np.linalg.norm(begin, axis=1), np.linalg.norm(end, axis=1)
+    angle = np.arctan2(np.cross(begin, end) @ axis, np.einsum("ij,ij->i", begin, end))
+    winds = (np.abs(inner - outer) < 0.002 * np.maximum(inner, outer)) & (np.abs(angle) > 0.01)
+    found = rise[winds] / angle[winds]
+    found = found[np.abs(found - pitch) < 0.3 * abs(pitch)]
+    return float(np.median(found)) if len(found) >= 8 else pitch

@@ -1,0 +1,1 @@
+"""Maintenance tasks: what holds a part."""

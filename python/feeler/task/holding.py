@@ -1,0 +1,361 @@
+"""`holds`: which fastener holds which parts, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.arguments import check_kind, check_list, check_progress, check_whole, near, shown
+from feeler.errors import OptionError
+from feeler.mockup import Mockup
+from feeler.part_meshes import PartMeshes
+from feeler.parts import PartsLike
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.task.passing import Passed, in_bore, passed_by, under
+from feeler.task.retainers import clasped, retained
+
+Floats = npt.NDArray[np.float64]
+
+TIGHT = 1.014
+"""Radius of a hole over that of the shank: threads and fits are tighter, clearance holes wider."""
+CORE = 0.93
+"""The same of the core of a thread that is drawn as a helix."""
+THREADED = 0.84
+"""Radius of what is in a nut over that of its bore: threads are at least as large."""
+ON_AXIS = 0.3
+"""How far from the axis a nut of a shank may be, in diameters of the shank."""
+SHORT = 0.5
+"""Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
+WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
+"""The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What one fastener holds."""
+
+    fastener: int
+    """Its part, an index into `mockup.parts`."""
+    path: str
+    kind: str
+    """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip" or "pin"; "given" if a table says so."""
+    parts: tuple[int, ...]
+    """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
+    paths: tuple[str, ...]
+    washers: tuple[int, ...]
+    """Washers on it, which come loose too."""
+    anchor: int | None
+    """The part, or the nut or bolt, that it is fastened in; None if none was found."""
+    anchor_path: str
+    mates: tuple[int, ...]
+    """Other fasteners on its axis: to undo one of them is enough."""
+    because: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON."""
+        return dict(vars(self))
+
+
+class Holds(Sequence[Hold]):
+    """What fasteners hold, sorted by their parts. See `holds`."""
+
+    def __init__(self, rows: Iterable[Hold]) -> None:
+        found = [check_kind("rows", row, Hold) for row in check_list("rows", rows, "a list of feeler.Hold")]
+        self._rows = tuple(sorted(found, key=lambda row: row.fastener))
+        self._of = {row.fastener: row for row in self._rows}
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Hold: ...
+    @overload
+    def __getitem__(self, index: slice) -> Holds: ...
+    def __getitem__(self, index: int | slice) -> Hold | Holds:
+        return Holds(self._rows[index]) if isinstance(index, slice) else self._rows[index]
+
+    def __iter__(self) -> Iterator[Hold]:
+        return iter(self._rows)
+
+    def __repr__(self) -> str:
+        return f"Holds({len(self)} fasteners)"
+
+    def of(self, fastener: int) -> Hold | None:
+        """What the fastener of a part holds; None if the part is none."""
+        return self._of.get(check_whole("fastener", fastener))
+
+    def holding(self, part: int) -> Holds:
+        """The fasteners that hold a part, washers included."""
+        what = check_whole("part", part)
+        return Holds(row for row in self._rows if what in row.parts or what in row.washers)
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """As JSON."""
+        return [row.to_dict() for row in self._rows]
+
+
+def holds(
+    mockup: Mockup | Scene,
+    fasteners: Fasteners | None = None,
+    *,
+    table: Mapping[int | str, PartsLike | None] | None = None,
+    progress: Progress | None = None,
+) -> Holds:
+    """Which fastener holds which parts: a bolt or screw those that its shank passes through on the way to its thread or
+    nut, a nut those that it clamps, a plug itself; clamps and clips pass it on to what they touch.
+
+    Threads are told from clearance holes by their radius. Circlips and pins are known by name. Results are estimates,
+    each with its reason. `mockup`: also a `Scene`, of which only the present parts are examined. `fasteners`: of this
+    mock-up; None: `find_fasteners`. `table`: what you know better, fastener by fastener: what it holds, or None if it
+    holds nothing; a part that is no fastener so far becomes one.
+    Raises `OptionError` for parts that do not exist.
+    """
+    if not isinstance(mockup, (Mockup, Scene)):
+        raise OptionError(f"mockup is {shown(mockup)}: give a feeler.Mockup or a feeler.Scene")
+    check_progress(progress)
+    scene = mockup if isinstance(mockup, Scene) else Scene(mockup)
+    if fasteners is None:
+        fasteners = find_fasteners(scene, None, None if progress is None else _share(progress, 0.8))
+    else:
+        check_kind("fasteners", fasteners, Fasteners, "the result of feeler.find_fasteners")
+        beyond = [row.path for row in fasteners if row.part >= scene.mockup.part_count]
+        if beyond:
+            raise OptionError(f"fasteners has {beyond[0]!r}, which is not in this mock-up: give fasteners of this one")
+    given = _given(scene.mockup, table)
+    found = _Holding(scene, [row for row in fasteners if scene.part_mask[row.part]]).rows()
+    if progress is not None:
+        progress(0.9, "looking at circlips and pins")
+    kept = {row.fastener: row for row in found}
+    for each in retained(scene, list(kept)):
+        kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+    for part, parts in given.items():
+        was = kept.get(part)
+        said = "the table says so"
+        if was is None:
+            kept[part] = _row(scene.mockup, part, "given", parts, (), None, (), said)
+        else:
+            paths = tuple(scene.mockup.part_paths[each] for each in parts)
+            kept[part] = replace(was, parts=parts, paths=paths, because=said)
+    if progress is not None:
+        progress(1.0, "done")
+    return Holds(kept.values())
+
+
+def _given(mockup: Mockup, table: Mapping[int | str, PartsLike | None] | None) -> dict[int, tuple[int, ...]]:
+    if table is None:
+        return {}
+    if not isinstance(table, Mapping):
+        raise OptionError(f"table is {shown(table)}: give a dict of fasteners and what they hold")
+    found: dict[int, tuple[int, ...]] = {}
+    for name, parts in table.items():
+        what = () if parts is None else tuple(mockup.parts.select(parts).tolist())
+        for part in mockup.parts.select(name).tolist():
+            if found.get(part, what) != what:
+                path = mockup.part_paths[part]
+                raise OptionError(f"table says two things of {path!r}: {near(path, list(mockup.part_paths))}")
+            found[part] = what
+    return found
+
+
+def _row(
+    mockup: Mockup,
+    fastener: int,
+    kind: str,
+    parts: tuple[int, ...],
+    washers: tuple[int, ...],
+    anchor: int | None,
+    mates: tuple[int, ...],
+    because: str,
+) -> Hold:
+    paths = mockup.part_paths
+    return Hold(
+        fastener,
+        paths[fastener],
+        kind,
+        parts,
+        tuple(paths[each] for each in parts),
+        washers,
+        anchor,
+        "" if anchor is None else paths[anchor],
+        mates,
+        because,
+    )
+
+
+class _Holding:
+    """Looks at all fasteners of a scene."""
+
+    def __init__(self, scene: Scene, rows: list[Fastener]) -> None:
+        self.mockup, self.fasteners = scene.mockup, rows
+        mask = scene.part_mask.copy()
+        mask[[row.part for row in rows]] = False
+        self.bare = scene.only(mask)
+        self.meshes = PartMeshes(scene.mockup)
+        self.sizes = np.diff(scene.mockup.part_bounds.reshape(-1, 2, 3), axis=1)[:, 0]
+        shanks = [row for row in rows if row.kind != "nut"]
+        self.passed = {row.part: found for row, found in zip(shanks, passed_by(self.bare, shanks), strict=True)}
+        self.nuts: dict[int, list[Fastener]] = {row.part: [] for row in shanks}
+        self.shank: dict[int, Fastener] = {}
+        self._pair([row for row in rows if row.kind == "nut"], shanks)
+
+    def _pair(self, nuts: list[Fastener], shanks: list[Fastener]) -> None:
+        """Which nut is on which shank."""
+        if not shanks:
+            return
+        frames = np.linalg.inv(np.array([row.frame for row in shanks]))
+        sizes = np.array([row.size for row in shanks])
+        lengths = np.array([_finite(row.length) + _head(row) for row in shanks])
+        for nut in nuts:
+            middle = nut.frame[:3, 3] - 0.5 * _finite(nut.length) * nut.axis
+            local = np.einsum("nij,j->ni", frames[:, :3, :3], middle) + frames[:, :3, 3]
+            off = np.hypot(local[:, 0], local[:, 1])
+            along = np.abs(np.einsum("ni,i->n", frames[:, 2, :3], nut.axis))
+            is_on = (off < ON_AXIS * sizes) & (along > 0.99) & (local[:, 2] < 0.5 * sizes)
+            is_on &= local[:, 2] > -lengths - 0.5 * _finite(nut.length)
+            if is_on.any():
+                best = int(np.argmin(np.where(is_on, off, np.inf)))
+                self.nuts[shanks[best].part].append(nut)
+                self.shank[nut.part] = shanks[best]
+
+    def rows(self) -> list[Hold]:
+        """What each of them holds."""
+        found = []
+        for row in self.fasteners:
+            if row.kind != "nut":
+                found.append(self._of_shank(row))
+            elif row.part in self.shank:
+                found.append(self._of_nut(row, self.shank[row.part]))
+            else:
+                found.append(self._of_union(row))
+        return found
+
+    def _of_shank(self, row: Fastener) -> Hold:
+        passed, washers = self._without_washers(row, self.passed[row.part])
+        nuts = self.nuts[row.part]
+        mates = tuple(nut.part for nut in nuts)
+        if nuts and row.kind != "stud":
+            height, nut = max((self._bearing(row, each), each) for each in nuts)
+            clamped = [each for each in passed if 0.5 * (each.top + each.bottom) > height]
+            return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
+        anchor = self._anchor(row, passed)
+        if row.kind == "stud":
+            said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
+            if anchor is not None:
+                said = f"it is fastened in {self._name(anchor.part)}; {said}"
+            return _row(self.mockup, row.part, row.kind, (), (), _part(anchor), mates, said)
+        if anchor is None:
+            said = "neither a thread nor a nut was found for it"
+            if not passed and not washers and row.length < SHORT * row.size:
+                passed = [Passed(part, 0.0, 0.0, 0.0) for part in under(self.bare, row, 0.2 * row.size)]
+                said = f"its shank is not drawn; its head lies on {self._names(passed)}"
+            return self._held(row, passed, washers, None, (), said)
+        clamped = [each for each in passed if each.top > anchor.top and each is not anchor]
+        how = "without a hole for it" if anchor.radius == 0.0 else "as wide as its thread"
+        return self._held(row, clamped, washers, anchor.part, (), f"its thread is in {self._name(anchor.part)}, {how}")
+
+    def _of_nut(self, nut: Fastener, shank: Fastener) -> Hold:
+        passed, washers = self._without_washers(shank, self.passed[shank.part])
+        others = [each for each in self.nuts[shank.part] if each is not nut]
+        mates = tuple(sorted([shank.part, *(each.part for each in others)]))
+        height = self._bearing(shank, nut)
+        is_upward = float(nut.axis @ shank.axis) > 0.0
+        anchor = self._anchor(shank, passed) if shank.kind == "stud" else None
+        beyond = [self._bearing(shank, each) for each in others if float(each.axis @ nut.axis) < 0.0]
+        if is_upward:
+            # From this nut down to the thread of the stud, or to the nut at its other end.
+            end = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top])
+            clamped = [each for each in passed if end < 0.5 * (each.top + each.bottom) < height and each is not anchor]
+        else:
+            end = min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
+            clamped = [each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each is not anchor]
+        return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
+
+    def _of_union(self, nut: Fastener) -> Hold:
+        """A nut without a shank of its own: on a pipe, or on the thread of a part."""
+        inside = in_bore(self.bare, nut)
+        threads = [each for each in inside if each.radius >= THREADED * 0.5 * nut.size]
+        anchor = min(threads, key=lambda each: each.bottom, default=None)
+        held = [each for each in inside if each is not anchor]
+        if not held:
+            below = [part for part in under(self.bare, nut, 0.1 * nut.size) if part != _part(anchor)]
+            held = [Passed(part, 0.0, 0.0, 0.0) for part in below]
+        held, washers = self._without_washers(nut, held)
+        said = "nothing is in its bore" if anchor is None else f"its thread is on {self._name(anchor.part)}"
+        return self._held(nut, held, washers, _part(anchor), (), said)
+
+    def _held(
+        self,
+        row: Fastener,
+        passed: list[Passed],
+        washers: list[int],
+        anchor: int | None,
+        mates: tuple[int, ...],
+        said: str,
+    ) -> Hold:
+        parts = list(dict.fromkeys(each.part for each in passed))
+        if not parts and not washers and anchor is not None and not mates:
+            because = f"{said}; it holds nothing but itself"
+            return _row(self.mockup, row.part, row.kind, (row.part,), (), anchor, (), because)
+        more = clasped(self.bare, parts, {row.part, *mates, *washers, *([] if anchor is None else [anchor])})
+        because = f"{said}; what its clamps touch comes loose too" if more else said
+        return _row(self.mockup, row.part, row.kind, (*parts, *more), tuple(washers), anchor, mates, because)
+
+    def _without_washers(self, row: Fastener, passed: list[Passed]) -> tuple[list[Passed], list[int]]:
+        flats = row.across_flats if np.isfinite(row.across_flats) else 0.0
+        widest = WASHER_WIDTH * max(flats, 1.8 * row.size)
+        washers = []
+        for each in passed:
+            if self.sizes[each.part].max() > 1.01 * widest:
+                continue
+            vertices = self.meshes.mesh(each.part)[0]
+            local = (vertices - row.frame[:3, 3]) @ row.frame[:3, :3]
+            radius = np.hypot(local[:, 0], local[:, 1])
+            is_flat = float(np.ptp(local[:, 2])) <= WASHER_HEIGHT * row.size
+            if is_flat and 2.0 * radius.max() <= widest and radius.min() > 0.4 * row.size:
+                washers.append(each.part)
+        return [each for each in passed if each.part not in washers], washers
+
+    def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
+        """The deepest part that the shank is tight in."""
+        half = 0.5 * row.size
+        tight = [each for each in passed if each.radius <= TIGHT * half or each.least <= CORE * half]
+        return min(tight, key=lambda each: each.bottom, default=None)
+
+    @staticmethod
+    def _bearing(shank: Fastener, nut: Fastener) -> float:
+        """Where the bearing face of a nut is along a shank."""
+        point = nut.frame[:3, 3] - _finite(nut.length) * nut.axis
+        return float((point - shank.frame[:3, 3]) @ shank.axis)
+
+    def _names(self, passed: list[Passed]) -> str:
+        return ", ".join(self._name(each.part) for each in passed) or "nothing"
+
+    def _name(self, part: int) -> str:
+        return repr(self.mockup.part_paths[part])
+
+
+def _part(passed: Passed | None) -> int | None:
+    return None if passed is None else passed.part
+
+
+def _finite(value: float) -> float:
+    return value if np.isfinite(value) else 0.0
+
+
+def _head(row: Fastener) -> float:
+    return _finite(row.head_height) if row.kind in ("bolt", "screw") else 0.0
+
+
+def _share(progress: Progress, share: float) -> Progress:
+    """Progress of the first share of the work."""
+
+    def report(done: float, stage: str) -> None:
+        progress(share * done, stage)
+
+    return report

@@ -1,0 +1,188 @@
+"""What lies around the axes of fasteners: the parts that shanks pass through, and what is in the bores of nuts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler._core import Rays
+from feeler.plan.fasteners import Fastener
+from feeler.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_AROUND = 12  # rays around the axis
+_LEVELS = 32  # heights along it
+_LAYERS = 24  # the most layers that are entered or left below a head
+_BESIDE = (0.6, 0.68)  # distances from the axis, in diameters, where layers are looked for: beside holes, under heads
+_REACH = 0.8  # in diameters: holes are narrower
+_MOST = 0.5  # the share of rays that hit a part that is around the axis
+_BATCH = 1_000  # fasteners at a time
+_TIP = 0.95  # of the length of a shank: what is met beyond is not passed
+_STEP = 1e-7  # metres beyond a hit, where the next ray begins
+_BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
+
+
+@dataclass(frozen=True)
+class Passed:
+    """A part around or in the axis of a fastener."""
+
+    part: int
+    top: float
+    """Where it begins and ends along the axis, in the fastener's frame, metres; `top` is nearer to the head."""
+    bottom: float
+    radius: float
+    """The largest distance of its surface from the axis there, metres; 0: it is drawn without a hole."""
+    least: float = 0.0
+    """The least such distance."""
+
+
+def passed_by(scene: Scene, rows: Sequence[Fastener]) -> Iterator[list[Passed]]:
+    """The parts that each shank passes through, the one nearest to the head first.
+
+    scene: without the fasteners.
+    """
+    for begin in range(0, len(rows), _BATCH):
+        yield from _passed(scene, rows[begin : begin + _BATCH])
+
+
+def _span(row: Fastener) -> tuple[float, float]:
+    """Top and bottom of the shank, in its frame."""
+    head = row.head_height if row.kind in ("bolt", "screw") and np.isfinite(row.head_height) else 0.0
+    length = row.length if np.isfinite(row.length) else 0.0
+    return -head, -head - length
+
+
+def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
+    spans = np.array([_span(row) for row in rows]).reshape(-1, 2)
+    sizes = np.array([row.size if np.isfinite(row.size) else 0.0 for row in rows])
+    frames = np.array([row.frame for row in rows]).reshape(-1, 4, 4)
+    levels = spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * ((np.arange(_LEVELS) + 0.5) / _LEVELS)
+    levels = np.concatenate([levels, _layers(scene, frames, spans, sizes)], axis=1)
+    levels = -np.sort(-levels, axis=1)
+    count = levels.shape[1]
+    ring = _ring()
+    ways = np.einsum("nij,aj->nai", frames[:, :3, :3], ring)[:, None].repeat(count, axis=1)
+    origins = frames[:, None, :3, 3] + levels[:, :, None] * frames[:, None, :3, 2]
+    hits = scene.rays(
+        origins[:, :, None].repeat(_AROUND, axis=2).reshape(-1, 3),
+        ways.reshape(-1, 3),
+        within=float(_REACH * sizes.max(initial=0.0)),
+    )
+    parts, far = _flat(hits, (len(rows), count, _AROUND))
+    parts[far > _REACH * sizes[:, None, None]] = -1
+    found = [_around(parts[n], far[n], levels[n]) for n in range(len(rows))]
+    for n, more in enumerate(_solid(scene, frames, spans)):
+        known = {each.part for each in found[n]}
+        found[n] += [each for each in more if each.part not in known]
+        found[n].sort(key=lambda each: -each.top)
+    return found
+
+
+def _ring() -> Floats:
+    turn = (np.arange(_AROUND) + 0.37) * (2.0 * np.pi / _AROUND)
+    return np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1)
+
+
+def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
+    return np.asarray(hits.parts, dtype=np.int64).reshape(shape).copy(), np.asarray(hits.distances).reshape(shape)
+
+
+def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
+    """The parts that at least half of the rays of a level hit. parts, far: (levels, rays)."""
+    seen: dict[int, list[tuple[float, float, float]]] = {}
+    for level, own, distances in zip(levels.tolist(), parts, far, strict=True):
+        names, counts = np.unique(own[own >= 0], return_counts=True)
+        if len(names) and counts.max() >= _MOST * len(own):
+            part = int(names[int(np.argmax(counts))])
+            seen.setdefault(part, []).append(
+                (level, float(distances[own == part].max()), float(distances[own == part].min()))
+            )
+    found = []
+    for part, rows in seen.items():
+        heights, largest, least = zip(*rows, strict=True)
+        found.append(Passed(part, heights[0], heights[-1], float(np.median(largest)), float(np.median(least))))
+    return found
+
+
+def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Floats:
+    """Heights in the middle of the layers beside each shank, for thin ones, (n, k). Unused ones are the shank's top."""
+    ring = _ring()[:: _AROUND // 4]
+    columns = []
+    for beside in _BESIDE:
+        for way in ring:
+            at = np.einsum("nij,j->ni", frames[:, :3, :3], way) * (beside * sizes)[:, None]
+            origins = frames[:, :3, 3] + at + spans[:, :1] * frames[:, :3, 2]
+            ends = _through(scene, origins, -frames[:, :3, 2], spans[:, 0] - spans[:, 1])[0]
+            middle = spans[:, :1] - 0.5 * (ends[:, 1:] + ends[:, :-1])
+            columns.append(np.where(np.isfinite(middle), middle, spans[:, :1]))
+    return np.concatenate(columns, axis=1)
+
+
+def _through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tuple[Floats, Ints]:
+    """All that rays meet up to their lengths: distances and parts, (n, `_LAYERS`), infinite and -1 beyond the last."""
+    far = np.full((len(origins), _LAYERS), np.inf)
+    parts = np.full((len(origins), _LAYERS), -1, dtype=np.int64)
+    gone = np.zeros(len(origins))
+    left = np.arange(len(origins))
+    for n in range(_LAYERS):
+        if not len(left):
+            break
+        hits = scene.rays(
+            origins[left] + gone[left, None] * ways[left], ways[left], within=float(lengths.max(initial=0.0))
+        )
+        gone[left] += np.asarray(hits.distances)
+        is_hit = (np.asarray(hits.triangles) >= 0) & (gone[left] <= lengths[left])
+        left, owners = left[is_hit], np.asarray(hits.parts, dtype=np.int64)[is_hit]
+        far[left, n], parts[left, n] = gone[left], owners
+        gone[left] += _STEP
+    return far, parts
+
+
+def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
+    """The parts whose material is in the axis: drawn without a hole, or plates that the shank crosses."""
+    far, parts = _through(
+        scene, frames[:, :3, 3] + spans[:, :1] * frames[:, :3, 2], -frames[:, :3, 2], spans[:, 0] - spans[:, 1]
+    )
+    found: list[list[Passed]] = []
+    for n in range(len(frames)):
+        own: dict[int, list[float]] = {}
+        for distance, part in zip(far[n].tolist(), parts[n].tolist(), strict=True):
+            if part >= 0:
+                own.setdefault(part, []).append(distance)
+        # What is met at the tip alone is the bottom of a blind hole, or a part that the tip touches.
+        top, tip = spans[n, 0], _TIP * (spans[n, 0] - spans[n, 1])
+        found.append([Passed(part, top - min(at), top - max(at), 0.0) for part, at in own.items() if min(at) < tip])
+    return found
+
+
+def in_bore(scene: Scene, nut: Fastener) -> list[Passed]:
+    """The outermost parts in the bore of a nut, the one nearest to its top first. scene: without the fasteners."""
+    if not (np.isfinite(nut.size) and np.isfinite(nut.length) and nut.size > 0.0):
+        return []
+    begin = _BORE[1] * nut.across_flats if np.isfinite(nut.across_flats) else _BORE[0] * nut.size
+    levels = -nut.length * (np.arange(_LEVELS) + 0.5) / _LEVELS
+    ways = _ring() @ nut.frame[:3, :3].T
+    origins = nut.frame[:3, 3] + levels[:, None, None] * nut.axis + begin * ways
+    hits = scene.rays(
+        origins.reshape(-1, 3), np.broadcast_to(-ways, (_LEVELS, _AROUND, 3)).reshape(-1, 3), within=begin
+    )
+    parts, far = _flat(hits, (_LEVELS, _AROUND))
+    return _around(parts, begin - far, levels)
+
+
+def under(scene: Scene, row: Fastener, within: float) -> list[int]:
+    """The parts just under the bearing face of a nut or a head. scene: without the fasteners."""
+    height = row.length if row.kind == "nut" else row.head_height
+    if not (np.isfinite(row.size) and np.isfinite(height)):
+        return []
+    wide = row.across_flats if np.isfinite(row.across_flats) and row.across_flats > row.size else 1.2 * row.size
+    radius = 0.25 * (row.size + wide)
+    origins = row.frame[:3, 3] - height * row.axis + radius * (_ring() @ row.frame[:3, :3].T)
+    hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=within)
+    names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+    return [int(name) for name, count in zip(names, counts, strict=True) if count >= _MOST * _AROUND]

@@ -1,0 +1,125 @@
+"""Circlips, pins, clamps and clips: what holds parts without a thread. They are known by their names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mockup import Tool
+from feeler.part_meshes import PartMeshes
+from feeler.plan.fastener_names import words
+from feeler.plan.fasteners import Fastener, framed
+from feeler.scene import Scene
+from feeler.task.passing import passed_by
+
+Floats = npt.NDArray[np.float64]
+
+TOUCH_M = 2e-4
+"""Parts nearer than this lean on a circlip, metres."""
+CLASP_M = 5e-4
+"""What clamps and clips hold may have this gap: rubber is often not drawn."""
+CLASPING = frozenset(["clip", "clips", "clamp", "clamps", "strap", "straps", "saddle", "saddles"])
+CIRCLIPS = frozenset(["circlip", "circlips", "snapring", "snaprings", "retainingring", "retainingrings", "seeger"])
+PINS = frozenset(
+    ["pin", "pins", "dowel", "dowels", "cotter", "cotters", "splitpin", "splitpins", "rollpin", "rollpins"]
+)
+"""Last words of names; of two words written as one, too."""
+LARGEST_M = 0.6
+MOST_TRIANGLES = 100_000
+_AROUND, _RADII = 24, 12  # rays around a circlip, on each side, and at how many distances from its axis
+_LEAST = 0.2  # the share of them that hit a part that leans on it
+
+
+@dataclass(frozen=True)
+class Retained:
+    """What a circlip or a pin holds."""
+
+    part: int
+    kind: str
+    parts: tuple[int, ...]
+    anchor: int | None
+    because: str
+
+
+def called(name: str, what: frozenset[str]) -> bool:
+    """Whether the last words of a name are one of a kind's."""
+    said = [word for word in words(name) if len(word) > 1]
+    return bool(said) and (said[-1] in what or "".join(said[-2:]) in what)
+
+
+def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
+    """What the clamps and clips among some parts touch, but for some. scene: without fasteners."""
+    mockup, found = scene.mockup, set[int]()
+    for part in parts:
+        if called(mockup.part_names[part], CLASPING):
+            near = scene.clearance(Tool.of_parts(mockup, [part]), np.eye(4), CLASP_M)
+            found.update(int(each) for each in near.parts)
+    return sorted(found - set(parts) - but)
+
+
+def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
+    """What the circlips and pins of a scene hold. but: parts that are known as other fasteners."""
+    mockup, taken = scene.mockup, set(but)
+    bounds = mockup.part_bounds.reshape(-1, 2, 3)
+    sides = bounds[:, 1] - bounds[:, 0]
+    is_small = scene.part_mask & (sides.max(axis=1) <= LARGEST_M) & (sides.min(axis=1) > 0.0)
+    is_small &= (mockup.part_triangles <= MOST_TRIANGLES) & (mockup.part_triangles >= 8)
+    some = [int(part) for part in np.flatnonzero(is_small) if int(part) not in taken]
+    circlips = [part for part in some if called(mockup.part_names[part], CIRCLIPS)]
+    pins = [part for part in some if called(mockup.part_names[part], PINS)]
+    mask = scene.part_mask.copy()
+    mask[[*taken, *circlips, *pins]] = False
+    bare, meshes = scene.only(mask), PartMeshes(mockup)
+    rows = [_circlip(bare, part, meshes.mesh(part)[0]) for part in circlips]
+    rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
+    for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
+        parts = tuple(each.part for each in passed)
+        said = "it is in no part" if not parts else "it goes through them"
+        rows.append(Retained(rod.part, "pin", parts, None, f"{said}; its name says pin"))
+    return rows
+
+
+def _axes(vertices: Floats) -> tuple[Floats, Floats]:
+    """The middle of some points, and their principal directions, the one of the least spread first, as columns."""
+    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    return middle, np.linalg.eigh(np.cov((vertices - vertices.mean(axis=0)).T))[1]
+
+
+def _rod(path: str, part: int, vertices: Floats) -> Fastener:
+    """A pin, as the shank that it is."""
+    middle, axes = _axes(vertices)
+    axis = axes[:, 2]
+    along = (vertices - middle) @ axis
+    across = np.linalg.norm((vertices - middle) - along[:, None] * axis, axis=1)
+    top = middle + along.max() * axis
+    size, length = 2.0 * float(np.percentile(across, 75)), float(np.ptp(along))
+    return Fastener(part, path, "stud", framed(top, axis), size, np.nan, length, np.nan, 1.0, "")
+
+
+def _circlip(scene: Scene, part: int, vertices: Floats) -> Retained:
+    """What leans on one side of a ring; what is on both sides has its groove."""
+    mockup = scene.mockup
+    middle, axes = _axes(vertices)
+    axis = axes[:, 0]
+    frame = framed(middle, axis)
+    local = (vertices - middle) @ frame[:3, :3]
+    radii = np.hypot(local[:, 0], local[:, 1])
+    half = float(np.abs(local[:, 2]).max())
+    turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
+    sides: list[set[int]] = []
+    for way in (axis, -axis):
+        found = set[int]()
+        for radius in np.linspace(radii.min(), radii.max(), _RADII + 2)[1:-1]:
+            at = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
+            hits = scene.rays(middle + at, np.broadcast_to(way, (_AROUND, 3)), within=half + TOUCH_M)
+            names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+            found.update(int(n) for n, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND)
+        sides.append(found)
+    both = sides[0] & sides[1]
+    anchor = min(both) if both else None
+    parts = tuple(sorted((sides[0] | sides[1]) - both))
+    said = "no groove was found" if anchor is None else f"its groove is in {mockup.part_paths[anchor]!r}"
+    return Retained(part, "circlip", parts, anchor, f"{said}; its name says circlip")

@@ -1,0 +1,243 @@
+"""What holds what: joints of known bolts, nuts and plates, and the gearbox, which knows its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from shapes import Mesh, at, box, joined, mockup_of
+
+import feeler
+from feeler.errors import OptionError
+from feeler.samples import hardware
+from feeler.samples import mesh as samples
+from feeler.samples.tessellation import Tolerance
+
+Floats = npt.NDArray[np.float64]
+
+FINE, USUAL = Tolerance(2e-5), Tolerance(1e-4)
+SIZE = 0.008
+CLEAR, TAPPED, FITTED = 0.0045, 0.0034, 0.004
+"""Radii of holes: for clearance, for a thread as its core, as wide as the shank."""
+
+
+def ring(inner: float, low: float, high: float, outer: float = 0.02, tolerance: Tolerance = USUAL) -> Mesh:
+    mesh = hardware.ring(inner, outer, high - low, tolerance)
+    return mesh.vertices + np.array([0.0, 0.0, low]), mesh.faces.astype(np.int64)
+
+
+def plain(mesh: samples.Mesh, pose: Floats | None = None) -> Mesh:
+    place = np.eye(4) if pose is None else pose
+    return mesh.vertices @ place[:3, :3].T + place[:3, 3], mesh.faces.astype(np.int64)
+
+
+def bolt(length: float, tolerance: Tolerance = USUAL) -> Mesh:
+    return plain(hardware.hex_bolt(SIZE, length, tolerance))
+
+
+def nut(top: float, tolerance: Tolerance = USUAL) -> Mesh:
+    """With its bearing face at z = `top`, below it."""
+    return plain(hardware.nut(SIZE, tolerance), at(z=top) @ np.diag([1.0, -1.0, -1.0, 1.0]))
+
+
+def tilted(parts: Mapping[str, Mesh], seed: int) -> feeler.Mockup:
+    """Somewhere, in no special direction."""
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    shift = rng.uniform(-2.0, 2.0, 3)
+    return mockup_of({name: (vertices @ turn.T + shift, faces) for name, (vertices, faces) in parts.items()})
+
+
+def only(found: feeler.Holds, name: str) -> feeler.Hold:
+    (row,) = [row for row in found if row.path == name]
+    return row
+
+
+@pytest.mark.parametrize("tolerance", [FINE, USUAL])
+@pytest.mark.parametrize("thread", [TAPPED, FITTED])
+def test_a_bolt_holds_all_above_its_thread(thread: float, tolerance: Tolerance) -> None:
+    parts = {
+        "bolt": bolt(0.03, tolerance),
+        "cover": ring(CLEAR, -0.01, 0.0, tolerance=tolerance),
+        "shim": ring(CLEAR, -0.01005, -0.01, tolerance=tolerance),
+        "case": ring(thread, -0.04, -0.01005, tolerance=tolerance),
+        "beside": box((0.03, -0.01, -0.02), (0.05, 0.01, 0.0)),
+    }
+    for seed in range(3):
+        row = only(feeler.holds(tilted(parts, seed)), "bolt")
+        assert row.paths == ("cover", "shim") and row.anchor_path == "case", row.because
+        assert row.kind == "bolt" and not row.washers and "'case'" in row.because
+
+
+def test_what_is_below_the_thread_is_not_held() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "cover": ring(CLEAR, -0.01, 0.0),
+        "case": ring(TAPPED, -0.02, -0.01),
+        "tray": ring(CLEAR, -0.028, -0.022),
+    }
+    row = only(feeler.holds(tilted(parts, 1)), "bolt")
+    assert row.paths == ("cover",) and row.anchor_path == "case"
+
+
+def test_a_bolt_and_its_nut_hold_the_same() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "washer": plain(hardware.washer(SIZE, USUAL), at(z=-0.15 * SIZE)),
+        "upper": ring(CLEAR, -0.01, -0.15 * SIZE),
+        "lower": ring(CLEAR, -0.02, -0.01),
+        "nut": nut(-0.02),
+    }
+    found = feeler.holds(tilted(parts, 2))
+    head, foot = only(found, "bolt"), only(found, "nut")
+    assert head.paths == foot.paths == ("upper", "lower")
+    assert head.anchor_path == "nut" and head.mates == (4,) and foot.mates == (0,)
+    assert head.washers == foot.washers == (1,)
+    assert [row.path for row in found.holding(2)] == ["bolt", "nut"]
+    assert [row.path for row in found.holding(1)] == ["bolt", "nut"]
+
+
+def test_a_bolt_drawn_without_its_hole() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "cover": ring(CLEAR, -0.01, 0.0),
+        "case": box((-0.03, -0.03, -0.05), (0.03, 0.03, -0.01)),
+    }
+    row = only(feeler.holds(tilted(parts, 3)), "bolt")
+    assert row.paths == ("cover",) and row.anchor_path == "case" and "without a hole" in row.because
+
+
+def test_a_plug_holds_itself() -> None:
+    parts = {"drain_plug": bolt(0.02), "case": ring(TAPPED, -0.04, 0.0)}
+    row = only(feeler.holds(tilted(parts, 4)), "drain_plug")
+    assert row.paths == ("drain_plug",) and row.anchor_path == "case"
+
+
+def test_a_bolt_in_clearance_holes_alone() -> None:
+    parts = {"bolt": bolt(0.02), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(CLEAR, -0.04, -0.01)}
+    row = only(feeler.holds(tilted(parts, 5)), "bolt")
+    assert row.paths == ("cover", "case") and row.anchor is None and "neither" in row.because
+
+
+def test_a_head_without_a_shank_holds_what_it_lies_on() -> None:
+    parts = {
+        "bolt": plain(hardware.hex_bolt(SIZE, 0.001, USUAL)),
+        "cover": box((-0.02, -0.02, -0.02), (0.02, 0.02, 0.0)),
+    }
+    row = only(feeler.holds(tilted(parts, 6)), "bolt")
+    assert row.paths == ("cover",) or row.anchor_path == "cover"
+
+
+def test_a_stud_stays_and_its_nut_holds() -> None:
+    shank = hardware.ring(1e-5, SIZE / 2, 0.05, USUAL)
+    parts = {
+        "stud_1": plain(shank, at(z=-0.03)),
+        "cover": ring(CLEAR, -0.0, 0.008),
+        "case": ring(FITTED, -0.04, 0.0),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=0.008)),
+    }
+    found = feeler.holds(tilted(parts, 7))
+    stud, top = only(found, "stud_1"), only(found, "nut")
+    assert stud.paths == () and stud.anchor_path == "case" and stud.mates == (3,)
+    assert top.paths == ("cover",) and top.anchor_path == "stud_1"
+
+
+def test_a_clamp_passes_it_on() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "pipe_clamp": joined(ring(CLEAR, -0.005, 0.0), box((0.0199, -0.005, -0.005), (0.03, 0.005, 0.0))),
+        "case": ring(TAPPED, -0.04, -0.005),
+        "pipe": box((0.0301, -0.1, -0.005), (0.04, 0.1, 0.005)),
+        "far": box((0.1, -0.1, -0.005), (0.2, 0.1, 0.005)),
+    }
+    assert only(feeler.holds(tilted(parts, 8)), "bolt").paths == ("pipe_clamp", "pipe")
+
+
+def test_pins_and_circlips() -> None:
+    shaft = hardware.revolve(
+        np.array(
+            [
+                [1e-5, -0.05],
+                [0.006, -0.05],
+                [0.006, 0.0],
+                [0.0055, 0.0],
+                [0.0055, 0.001],
+                [0.006, 0.001],
+                [0.006, 0.01],
+                [1e-5, 0.01],
+            ]
+        ),
+        FINE,
+    )
+    parts = {
+        "shaft": plain(shaft),
+        "gear": ring(0.00601, -0.02, 0.0),
+        "circlip": ring(0.0056, 0.0, 0.00099, 0.009, FINE),
+        "arm": ring(0.0031, -0.005, 0.005, 0.01),
+        "post": ring(0.0031, -0.025, -0.005, 0.01),
+        "dowel_pin": plain(hardware.ring(1e-5, 0.003, 0.02, USUAL), at(z=-0.015)),
+    }
+    for name in ("arm", "post", "dowel_pin"):
+        parts[name] = (parts[name][0] + np.array([0.1, 0.0, 0.0]), parts[name][1])
+    found = feeler.holds(tilted(parts, 9))
+    ring_row, pin = only(found, "circlip"), only(found, "dowel_pin")
+    assert ring_row.paths == ("gear",) and ring_row.anchor_path == "shaft" and ring_row.kind == "circlip"
+    assert sorted(pin.paths) == ["arm", "post"] and pin.kind == "pin"
+
+
+def test_a_table_knows_better() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "cover": ring(CLEAR, -0.01, 0.0),
+        "case": ring(TAPPED, -0.04, -0.01),
+        "wire": box((1, 1, 1), (2, 2, 2)),
+    }
+    mockup = mockup_of(parts)
+    found = feeler.holds(mockup, table={"bolt": None, "wire": ["cover", "case"]})
+    assert only(found, "bolt").paths == () and only(found, "bolt").because == "the table says so"
+    assert only(found, "wire").paths == ("cover", "case") and only(found, "wire").kind == "given"
+    with pytest.raises(OptionError, match="no part"):
+        feeler.holds(mockup, table={"nothing": None})
+    with pytest.raises(OptionError, match="two things"):
+        feeler.holds(mockup, table={"bolt": "cover", "bo*": "case"})
+    with pytest.raises(OptionError, match="table"):
+        feeler.holds(mockup, table=[("bolt", "cover")])  # type: ignore[arg-type]
+
+
+def test_parts_that_are_out_hold_and_are_held_no_more() -> None:
+    parts = {"bolt": bolt(0.03), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(TAPPED, -0.04, -0.01)}
+    scene = feeler.Scene(mockup_of(parts))
+    assert only(feeler.holds(scene.without(["cover"])), "bolt").paths == ("bolt",)
+    assert len(feeler.holds(scene.without(["bolt"]))) == 0
+
+
+def test_of_what_is_no_mockup() -> None:
+    with pytest.raises(OptionError, match="mockup"):
+        feeler.holds("engine.step")  # type: ignore[arg-type]
+    other = mockup_of({"bolt": bolt(0.03)})
+    small = mockup_of({"cube": box((0, 0, 0), (1, 1, 1))})
+    moved = feeler.find_fasteners(mockup_of({"cube": box((5, 5, 5), (6, 6, 6)), "bolt": bolt(0.03)}))
+    assert len(feeler.holds(other)) == 1
+    with pytest.raises(OptionError, match="not in this mock-up"):
+        feeler.holds(small, moved)
+
+
+@pytest.mark.parametrize("seed", [1, 6])
+def test_the_gearbox_knows_what_its_fasteners_hold(seed: int) -> None:
+    triangles = {1: 100_000, 6: 150_000}[seed]
+    mockup, truth = feeler.sample("gearbox", triangles, seed), feeler.sample_truth("gearbox", triangles, seed)
+    found = feeler.holds(mockup)
+    for fastener in truth.fasteners:
+        row = only(found, fastener.path)
+        washers = tuple(mockup.part_paths[part] for part in row.washers)
+        assert set(row.paths or washers) == set(fastener.holds), (fastener.path, row.because)
+    # Rings and pins, whose truth is that of the steps: what the ring holds comes out after it.
+    after = {step.parts[0]: step.after for step in truth.steps}
+    rings = [row for row in found if row.kind == "circlip" and row.path in after and "gear_train" in row.path]
+    assert rings
+    for row in rings:
+        for path in row.paths:
+            assert row.path in after.get(path, (row.path,)), (row.path, path)

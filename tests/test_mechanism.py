@@ -1,0 +1,389 @@
+"""Mechanisms against closed forms."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from commands import run, run_json
+from shapes import box
+
+import feeler
+from feeler import Joint, JointCoupling, Mechanism
+from feeler.errors import LoadError, MechanismError, OptionError
+from feeler.io import write_glb
+
+Z = (0.0, 0.0, 1.0)
+
+
+def mockup(**boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> feeler.Mockup:
+    """Boxes by name, from the lower corner to the upper."""
+    made = [box(*ends) for ends in boxes.values()]
+    return feeler.Mockup(
+        np.concatenate([vertices for vertices, _ in made]),
+        np.concatenate([np.asarray(faces) + 8 * i for i, (_, faces) in enumerate(made)]),
+        np.repeat(np.arange(len(made)), 12),
+        list(boxes),
+    )
+
+
+def hinge() -> Mechanism:
+    """A thin door along x that turns about z through the origin, and a wall that it meets."""
+    mock = mockup(door=((0.1, -0.01, 0.0), (1.0, 0.01, 1.0)), wall=((-0.5, 0.5, 0.0), (0.3, 0.6, 1.0)))
+    return Mechanism(mock, [Joint("hinge", "revolute", None, "door", Z)])
+
+
+def dots(*points: tuple[float, float, float]) -> feeler.Mockup:
+    """Small boxes about points, called a, b, c, ..."""
+    at = {chr(97 + n): (tuple(x - 0.01 for x in p), tuple(x + 0.01 for x in p)) for n, p in enumerate(points)}
+    return mockup(**at)  # type: ignore[arg-type]
+
+
+def hinge_contact() -> float:
+    """The angle at which the door's front edge, at y 0.01, meets the wall's edge at (0.3, 0.5)."""
+    far = math.hypot(0.3, 0.5)
+    return math.atan2(0.5, 0.3) - math.asin(0.01 / far)
+
+
+def test_a_door_opens_up_to_the_wall_and_the_range_tells_what_it_met() -> None:
+    found = hinge().range("hinge")
+    assert found.upper == pytest.approx(hinge_contact(), abs=1e-6) and found.upper <= hinge_contact()
+    assert found.above is not None
+    assert (found.above.path, found.above.other_path) == ("door", "wall")
+    assert found.above.point[:2] == pytest.approx((0.3, 0.5), abs=1e-6)
+    # The other way round it meets the wall's other lower edge, or its back.
+    assert found.below is not None and -2 * math.pi < found.lower < -math.pi
+    assert found.is_certified and found.seats == ()
+
+
+def test_the_scene_of_a_position_is_that_of_moved_parts() -> None:
+    moved = hinge()
+    scene = moved.scene({"hinge": math.pi / 2})
+    part = scene.mockup.parts[0]
+    assert (part.lower, part.upper) == (
+        pytest.approx((-0.01, 0.1, 0.0), abs=1e-12),
+        pytest.approx((0.01, 1.0, 1.0), abs=1e-12),
+    )
+    assert moved.scene().mockup is moved.mockup
+    assert moved.scene({"hinge": math.pi / 2}) is scene
+
+
+def test_clearance_is_bounded_and_never_above_the_truth() -> None:
+    moved = hinge()
+    found = moved.clearance({"hinge": (0.0, 0.5)}, error=1e-4)
+    rng = np.random.default_rng(5)
+    door, around = feeler.Tool.of_parts(moved.mockup, "door"), moved.scene().only("wall")
+    poses = np.array([moved.poses({"hinge": q})["hinge"] for q in rng.uniform(0.0, 0.5, 300)])
+    truth = float(around.distance_batch(door, poses).values.min())
+    assert found.lower <= truth and found.upper - found.lower <= 1.01e-4
+    assert found.worst["hinge"] == pytest.approx(0.5, abs=1e-3)
+    assert (found.path, found.other_path, found.undecided) == ("door", "wall", 0.0)
+    assert found.curve.shape == (121, 3) and (found.curve[:, 2] <= found.curve[:, 1]).all()
+    assert moved.clearance({"hinge": (0.0, 1.2)}).upper == 0.0
+
+
+def arm() -> Mechanism:
+    mock = mockup(
+        upper=((0.0, -0.02, 0.0), (0.5, 0.02, 0.05)),
+        lower=((0.5, -0.02, 0.06), (1.0, 0.02, 0.1)),
+        post=((0.9, 0.6, -0.2), (1.0, 0.7, 0.3)),
+    )
+    return Mechanism(
+        mock,
+        [
+            Joint("elbow", "revolute", "upper", "lower", Z, (0.5, 0.0, 0.0)),
+            Joint("shoulder", "revolute", None, "upper", Z, limits=(-1.0, 1.0)),
+        ],
+    )
+
+
+def test_clearance_over_two_joints_is_certified() -> None:
+    moved = arm()
+    found = moved.clearance({"shoulder": (0.0, 0.3), "elbow": (-0.3, 0.3)}, error=1e-3)
+    assert found.upper - found.lower <= 1.01e-3
+    rng = np.random.default_rng(6)
+    lower, around = feeler.Tool.of_parts(moved.mockup, "lower"), moved.scene().without("lower")
+    asked = [{"shoulder": a, "elbow": b} for a, b in rng.uniform([0.0, -0.3], [0.3, 0.3], (500, 2))]
+    poses = np.array([moved.poses(each)["elbow"] for each in asked])
+    truth = float(around.only("post").distance_batch(lower, poses).values.min())
+    # Both arms lie one above the other, 10 mm apart.
+    assert found.lower <= min(truth, 0.01) and found.upper == pytest.approx(0.01, abs=1e-9)
+    few = moved.clearance({"shoulder": (0.0, 0.8), "elbow": (-0.3, 0.8)}, error=1e-9, most=4)
+    assert few.lower <= few.upper and few.undecided > 0.0
+
+
+def test_children_move_with_their_parents() -> None:
+    poses = arm().poses({"shoulder": math.pi / 6, "elbow": math.pi / 3})
+    tip = poses["elbow"] @ [1.0, 0.0, 0.0, 1.0]
+    assert tip[:2] == pytest.approx((0.5 * math.cos(math.pi / 6), 0.5 * math.sin(math.pi / 6) + 0.5))
+    with pytest.raises(OptionError, match="limits"):
+        arm().poses({"shoulder": 1.1})
+    first = arm().chain("elbow", {"elbow": 0.1}, {"elbow": 0.4})
+    assert isinstance(first[1], feeler.Screw) and first[1].angle == pytest.approx(0.3)
+
+
+def test_a_rack_follows_its_pinion() -> None:
+    radius = 0.1
+    mock = dots((0, 0, 0), (0, -0.2, 0), (0.3, -0.2, 0))
+    moved = Mechanism(
+        mock,
+        [Joint("pinion", "revolute", None, "a", Z), Joint("rack", "prismatic", None, "b", (1, 0, 0))],
+        [JointCoupling("rack", "pinion", radius)],
+    )
+    assert moved.poses({"pinion": 2.0})["rack"][0, 3] == pytest.approx(0.2)
+    assert moved.position({"rack": 0.2})["pinion"] == pytest.approx(2.0)
+    found = moved.range("pinion")  # the rack meets c after 0.28 m
+    assert found.upper == pytest.approx(0.28 / radius, abs=1e-6) and found.upper <= 0.28 / radius + 1e-12
+    assert found.above is not None and found.above.other_path == "c"
+    with pytest.raises(OptionError, match="both are given"):
+        moved.position({"pinion": 1.0, "rack": 0.5})
+
+
+def test_chains_of_couplings_hold_or_contradict() -> None:
+    mock = dots(*((0.1 * n, 0, 0) for n in range(4)))
+    joints = [Joint(name, "revolute", None, name, Z) for name in "abc"]
+    moved = Mechanism(mock, joints, [JointCoupling("b", "a", -2.0), JointCoupling("c", "b", 0.5, 0.25)])
+    assert moved.position({"a": 0.5}) == pytest.approx({"a": 0.5, "b": -1.0, "c": -0.25})
+    with pytest.raises(OptionError, match="contradict"):
+        Mechanism(
+            mock, joints, [JointCoupling("b", "a", 2.0), JointCoupling("c", "b", 1.0), JointCoupling("c", "a", 1.0)]
+        )
+
+
+def slider_crank(crank: float = 0.1, rod: float = 0.3) -> Mechanism:
+    mock = dots((crank / 2, 0, 0), (crank + rod / 2, 0, 0.1), (crank + rod, 0, 0.2), (0, -1, 0))
+    return Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("rod", "revolute", "a", "b", Z, (crank, 0, 0)),
+            Joint("slider", "prismatic", None, "c", (1, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (crank + rod, 0, 0))],
+    )
+
+
+def off_centre() -> Mechanism:
+    """A slider-crank whose parts are modelled away from its dead point, at 90 degrees."""
+    crank, rod = 0.1, 0.3
+    along = math.sqrt(rod**2 - crank**2)
+    mock = dots((0, crank / 2, 0), (along / 2, crank / 2, 0.1), (along, 0, 0.2), (0, -1, 0))
+    return Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("rod", "revolute", "a", "b", Z, (0, crank, 0)),
+            Joint("slider", "prismatic", None, "c", (1, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (along, 0, 0))],
+    )
+
+
+@pytest.mark.parametrize("angle", [-7.0, -0.5, 0.3, 1.0, 2.5, 6.0])
+def test_a_slider_follows_its_crank(angle: float) -> None:
+    crank, rod = 0.1, 0.3
+    place = crank * math.cos(angle) + math.sqrt(rod**2 - (crank * math.sin(angle)) ** 2)
+    assert slider_crank().position({"crank": angle})["slider"] == pytest.approx(place - crank - rod, abs=1e-9)
+
+
+def test_a_slider_ends_at_the_dead_point_of_its_crank() -> None:
+    moved = off_centre()
+    along = math.sqrt(0.08)
+    found = moved.position({"slider": 0.35 - along})
+    inner = 0.5 * math.pi + found["crank"]
+    assert 0.1 * math.cos(inner) + math.sqrt(0.09 - (0.1 * math.sin(inner)) ** 2) == pytest.approx(0.35, abs=1e-9)
+    with pytest.raises(MechanismError, match=r"dead point at slider = 0\.117157"):
+        moved.position({"slider": 0.45 - along})
+    assert 0.4 - along == pytest.approx(0.117157, abs=1e-6)
+
+
+def test_a_four_bar_follows_and_ends_at_its_dead_point() -> None:
+    # Frame 0.4, crank 0.1, coupler 0.35, rocker 0.3; the crank stands at 90 degrees.
+    frame, crank, coupler, rocker = 0.4, 0.1, 0.35, 0.3
+
+    def joint_of(angle: float) -> npt.NDArray[np.float64]:
+        tip = crank * np.array([math.cos(angle), math.sin(angle)])
+        to = np.array([frame, 0.0]) - tip
+        far = float(np.linalg.norm(to))
+        along = (coupler**2 - rocker**2 + far**2) / (2 * far)
+        up = math.sqrt(coupler**2 - along**2)
+        return tip + along * to / far + up * np.array([-to[1], to[0]]) / far
+
+    start = joint_of(math.pi / 2)
+    mock = dots((0, 0.05, 0), (*start / 2, 0.1), ((start[0] + frame) / 2, start[1] / 2, 0.2), (0, -1, 0))
+    moved = Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("coupler", "revolute", "a", "b", Z, (0, crank, 0)),
+            Joint("rocker", "revolute", None, "c", Z, (frame, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (*start, 0))],
+    )
+    for by in (-3.0, 0.7, 4.0):
+        poses = moved.poses({"crank": by})
+        pin = joint_of(math.pi / 2 + by)
+        assert (poses["rocker"] @ [*start, 0, 1])[:2] == pytest.approx(pin, abs=1e-9)
+        assert (poses["coupler"] @ [*start, 0, 1])[:2] == pytest.approx(pin, abs=1e-9)
+    # Driven by the rocker it ends where crank and coupler are in line.
+    first = math.atan2(start[1], start[0] - frame)
+    cosine = (rocker**2 + frame**2 - (crank + coupler) ** 2) / (2 * rocker * frame)
+    dead = math.pi - math.acos(cosine) - first
+    with pytest.raises(MechanismError, match="dead point at rocker = ") as told:
+        moved.position({"rocker": dead - 0.2})
+    assert float(str(told.value).split("rocker = ")[1].split(",")[0]) == pytest.approx(dead, abs=1e-6)
+
+
+def test_a_scissor_lift_rises() -> None:
+    # Two bars of length 1 cross at their middles; one foot is fixed, the other slides.
+    angle, bar = 0.5, 1.0
+    wide, high = bar * math.cos(angle), bar * math.sin(angle)
+    mock = dots(
+        (wide / 4, high / 4, 0), (0.75 * wide, high / 4, 0.1), (wide, 0, 0.2), (wide / 2, high, 0.3), (0, -1, 0)
+    )
+    moved = Mechanism(
+        mock,
+        [
+            Joint("bar", "revolute", None, "a", Z),
+            Joint("cross", "revolute", "a", "b", Z, (wide / 2, high / 2, 0)),
+            Joint("foot", "prismatic", None, "c", (1, 0, 0)),
+            Joint("table", "revolute", "a", "d", Z, (wide, high, 0)),
+        ],
+        [JointCoupling("table", "bar", -1.0)],
+        [Joint("pin", "revolute", "b", "c", Z, (wide, 0, 0))],
+    )
+    poses = moved.poses({"bar": 0.3})
+    assert moved.position({"bar": 0.3})["foot"] == pytest.approx(bar * math.cos(0.8) - wide, abs=1e-9)
+    top = poses["table"]
+    assert top[:3, :3] == pytest.approx(np.eye(3), abs=1e-12)
+    assert top[1, 3] == pytest.approx(bar * math.sin(0.8) - high, abs=1e-9)
+
+
+def test_a_seated_hinge_turns_and_names_its_seat() -> None:
+    mock = mockup(door=((0.0, 0.0, 0.1), (1.0, 0.02, 1.0)), sill=((0.0, -0.5, 0.0), (1.0, 0.5, 0.1)))
+    found = Mechanism(mock, [Joint("hinge", "revolute", "sill", "door", Z, limits=(0.0, 1.5))]).range("hinge")
+    assert (found.lower, found.upper, found.below, found.above) == (0.0, 1.5, None, None)
+    assert [(seat.path, seat.other_path) for seat in found.seats] == [("door", "sill")]
+
+
+def test_a_slide_and_a_screw_stop_where_they_must() -> None:
+    mock = mockup(block=((0, 0, 0), (0.1, 0.1, 0.1)), wall=((0, 0, 0.4), (0.1, 0.1, 0.5)))
+    slide = Mechanism(mock, [Joint("slide", "prismatic", None, "block", Z)]).range("slide")
+    assert slide.upper == pytest.approx(0.3, abs=1e-7) and slide.upper <= 0.3 and slide.below is None
+    screw = Mechanism(mock, [Joint("screw", "screw", None, "block", Z, (0.05, 0.05, 0), pitch=0.1)])
+    found = screw.range("screw")
+    assert found.upper == 2 * math.pi and screw.poses({"screw": math.pi})["screw"][2, 3] == pytest.approx(0.05)
+    both = Mechanism(mock, [Joint("rod", "cylindrical", None, "block", Z, (0.05, 0.05, 0), slide_limits=(0.0, 0.2))])
+    assert both.names == ("rod.turn", "rod.slide")
+    assert both.range("rod.slide").upper == 0.2
+
+
+def test_clash_tells_each_pair_with_its_first_position() -> None:
+    found = hinge().clash({"hinge": (0.0, 1.5)})
+    assert [(each.path, each.other_path) for each in found.contacts] == [("door", "wall")]
+    assert found.contacts[0].value == pytest.approx(hinge_contact(), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("joints", "says"),
+    [
+        ([Joint("j", "revolute", None, ["a", "b", "c"])], "whole mock-up"),
+        ([Joint("j", "revolute", None, "a"), Joint("k", "revolute", None, ["a", "b"])], "two joints"),
+        ([Joint("j", "revolute", "b", "a"), Joint("k", "revolute", "a", "b")], "circle"),
+        ([Joint("j", "revolute", ["b", "c"], "a"), Joint("k", "revolute", None, "b")], "several links"),
+        ([Joint("j", "revolute", None, "a"), Joint("j", "revolute", None, "b")], "called"),
+        ([], "no joints"),
+    ],
+)
+def test_joints_that_make_no_tree_are_refused(joints: list[Joint], says: str) -> None:
+    with pytest.raises(OptionError, match=says):
+        Mechanism(dots((0, 0, 0), (1, 0, 0), (2, 0, 0)), joints)
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ({"axis": (0, 0, 0)}, "length zero"),
+        ({"axis": (0, 0, math.nan)}, "not finite"),
+        ({"limits": (1.0, 0.0)}, "cross"),
+        ({"pitch": 1.0}, "only a screw"),
+        ({"kind": "screw"}, "without pitch"),
+        ({"name": "a.b"}, "without '.'"),
+        ({"slide_limits": (0, 1)}, "only a cylindrical"),
+    ],
+)
+def test_joints_that_cannot_be_are_refused(more: dict[str, object], says: str) -> None:
+    with pytest.raises(OptionError, match=says):
+        Joint(**{"name": "j", "kind": "revolute", "parent": None, "child": "a", **more})  # type: ignore[arg-type]
+
+
+def test_a_mechanism_is_saved_and_loaded(tmp_path: Path) -> None:
+    moved = off_centre()
+    moved.save(tmp_path / "crank.toml")
+    again = Mechanism.load(tmp_path / "crank.toml", moved.mockup)
+    assert (again.joints, again.loops) == (moved.joints, moved.loops)
+    file = tmp_path / "cowl.toml"
+    text = '[[joint]]\nname = "j"\nkind = "revolute"\nchild = "a"\n'
+    file.write_text(text + "limits_deg = [0, 90]\n")
+    assert Mechanism.load(file, moved.mockup).limits("j") == pytest.approx((0.0, math.pi / 2))
+    for line, says in (
+        ("limits = [0, 1]", "line 5: 'limits' is unknown"),
+        ("limits_m = [0, 1]", "line 5: a revolute joint has no limits_m"),
+        ("limits_deg = [0]", "line 5: limits_deg is no pair"),
+        ("colour = 1", "line 5: 'colour' is unknown"),
+        ("axis = [0, 0, 0]", "line 1: .*length zero"),
+    ):
+        file.write_text(text + line + "\n")
+        with pytest.raises(LoadError, match=says):
+            Mechanism.load(file, moved.mockup)
+
+
+def test_the_command_bounds_a_range_and_tells_where_it_does_not_hold(tmp_path: Path) -> None:
+    moved = hinge()
+    file, joints = tmp_path / "door.glb", tmp_path / "door.toml"
+    write_glb(file, moved.mockup)
+    joints.write_text('[[joint]]\nname = "hinge"\nkind = "revolute"\nchild = "*door"\nlimits_deg = [0, 90]\n')
+    words = ["move", str(file), "--mechanism", str(joints)]
+    ranges = run_json(*words)["ranges"]
+    assert ranges[0]["upper"] == pytest.approx(hinge_contact(), abs=1e-5)
+    more = ["--csv", str(tmp_path / "g.csv"), "--glb", str(tmp_path / "w.glb")]
+    facts = run_json(*words, "--joint", "hinge=0:30", "--require", "10cm", *more)
+    assert facts["holds"] and facts["lower"] > 0.1 and facts["undecided"] == 0.0
+    assert (tmp_path / "g.csv").read_text("utf-8-sig").startswith("hinge_rad,gap_m,lower_m") and (
+        tmp_path / "w.glb"
+    ).exists()
+    assert run(*words, "--joint", "hinge=0:1.5rad", code=1).stdout.startswith("does not hold: parts meet")
+    run(*words, "--joint", "hinge=0:30", "--require", "1", code=1)
+    started = tmp_path / "new.toml"
+    run("move", str(file), "--write-mechanism", str(started))
+    assert Mechanism.load(started, feeler.load_mockup(file)).names == ("hinge",)
+
+
+def test_random_mechanisms_are_never_late_and_their_bounds_never_above_samples() -> None:
+    rng = np.random.default_rng(1)
+    asked = 0
+    for _ in range(25):
+        ends = [(c - h, c + h) for c, h in zip(rng.uniform(-1, 1, (4, 3)), rng.uniform(0.05, 0.3, (4, 3)), strict=True)]
+        mock = mockup(**{name: tuple(each) for name, each in zip("abcd", ends, strict=True)})
+        joints = [
+            Joint("p", "revolute", None, "a", rng.normal(size=3), rng.uniform(-1, 1, 3)),
+            Joint("q", "screw", "a", "b", rng.normal(size=3), rng.uniform(-1, 1, 3), pitch=0.3),
+        ]
+        moved = Mechanism(mock, joints)
+        one, two, both = (feeler.Tool.of_parts(mock, parts) for parts in ("a", "b", ["a", "b"]))
+        first, rest = moved.scene().only("a"), moved.scene().only(["c", "d"])
+        if rest.is_colliding(both, np.eye(4)) or first.is_colliding(two, np.eye(4)):
+            continue  # seats
+        asked += 1
+        free = moved.range("p")
+        between = np.array([moved.poses({"p": q})["p"] for q in np.linspace(free.lower, free.upper, 100)[1:-1]])
+        assert not any(len(rest.collide(both, pose)) for pose in between)
+        found = moved.clearance({"p": (-0.3, 0.4), "q": (-0.2, 0.5)}, error=5e-3, most=3000)
+        for p, q in rng.uniform([-0.3, -0.2], [0.4, 0.5], (30, 2)):
+            poses = moved.poses({"p": p, "q": q})
+            own = first.distance(two, np.linalg.inv(poses["p"]) @ poses["q"]).value
+            assert found.lower <= min(own, rest.distance(one, poses["p"]).value, rest.distance(two, poses["q"]).value)
+    assert asked > 15

@@ -1,0 +1,391 @@
+"""Mechanisms against closed forms: first contacts, seats, and certified bounds."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from commands import run
+from shapes import box
+
+import feeler
+from feeler import Joint, JointCoupling, Mechanism
+from feeler.io import write_glb
+
+Z = (0.0, 0.0, 1.0)
+Mesh = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
+
+
+def parts(**meshes: Mesh | list[Mesh]) -> feeler.Mockup:
+    """A mock-up of meshes by name; a list is one part."""
+    vertices, faces, of = [], [], []
+    count = 0
+    for number, each in enumerate(meshes.values()):
+        for own, triangles in each if isinstance(each, list) else [each]:
+            vertices.append(own)
+            faces.append(np.asarray(triangles) + count)
+            of += [number] * len(triangles)
+            count += len(own)
+    return feeler.Mockup(np.concatenate(vertices), np.concatenate(faces), of, list(meshes))
+
+
+def cube(x: float, y: float, z: float, half: float = 0.01) -> Mesh:
+    """A small box about a point."""
+    return box((x - half, y - half, z - half), (x + half, y + half, z + half))
+
+
+def ring(outer: float, inner: float, sides: int, low: float, high: float, turned: float = 0.0) -> Mesh:
+    """A plate with a hole of some sides about z; without a hole a pin."""
+    angles = turned + np.arange(sides) * 2.0 * math.pi / sides
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    levels = [(outer, low), (outer, high), (inner, high), (inner, low)]
+    vertices = np.concatenate([np.column_stack([r * circle, np.full(sides, z)]) for r, z in levels])
+    faces = []
+    for level in range(4):
+        for i in range(sides):
+            a, b = level * sides + i, level * sides + (i + 1) % sides
+            c, d = (level + 1) % 4 * sides + i, (level + 1) % 4 * sides + (i + 1) % sides
+            faces += [[a, b, d], [a, d, c]]
+    if inner == 0.0:
+        vertices = np.concatenate([vertices[: 2 * sides], [[0, 0, high], [0, 0, low]]])
+        faces = [[min(v, 2 * sides) if v < 3 * sides else 2 * sides + 1 for v in face] for face in faces]
+        faces = [face for face in faces if len(set(face)) == 3]
+    return vertices, np.array(faces)
+
+
+def reach_of_edge(x: float, y: float, off: float) -> float:
+    """The angle at which the face of a leaf, `off` beside the axis, meets an edge at (x, y)."""
+    return math.atan2(y, x) - math.asin(off / math.hypot(x, y))
+
+
+def test_a_slider_crank_stops_where_its_slider_meets_a_wall() -> None:
+    crank, rod = 0.1, 0.3
+    along = math.sqrt(rod**2 - crank**2)
+    far = 0.35
+    mock = parts(
+        a=cube(0, crank / 2, 0), b=cube(along / 2, crank / 2, 0.1), c=cube(along, 0, 0.2), d=cube(far + 0.02, 0, 0.2)
+    )
+    moved = Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("rod", "revolute", "a", "b", Z, (0, crank, 0)),
+            Joint("slider", "prismatic", None, "c", (1, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (along, 0, 0))],
+    )
+    # place^2 - 2 crank cos(angle) place + crank^2 - rod^2 = 0
+    angle = math.acos((far**2 + crank**2 - rod**2) / (2 * crank * far))
+    found = moved.range("crank")
+    assert found.lower == pytest.approx(angle - math.pi / 2, abs=1e-6) and not found.is_certified
+    assert found.below is not None and (found.below.path, found.below.other_path) == ("c", "d")
+    assert found.below.normal == pytest.approx((-1.0, 0.0, 0.0), abs=1e-6)
+    listed = moved.clash({"crank": (-1.2, 0.0)})
+    assert [(each.path, each.other_path) for each in listed.contacts] == [("c", "d")]
+    gap = moved.clearance({"crank": (-0.5, 0.0)}, error=1e-4)
+    inner = math.pi / 2 - 0.5
+    place = crank * math.cos(inner) + math.sqrt(rod**2 - (crank * math.sin(inner)) ** 2)
+    assert gap.upper == pytest.approx(far - place, abs=1e-4) and (gap.lower, gap.is_certified) == (0.0, False)
+    assert not gap.curve[:, 2].any() and gap.curve[:, 1].min() == pytest.approx(gap.upper, abs=1e-4)
+
+
+def test_a_thin_plate_between_two_steps_of_a_loop_is_met() -> None:
+    # A plate 10 um thick in the way of the rocker: no position of a loop followed in steps is within it.
+    frame, side = 0.4, 0.3
+    plate = box((frame + 0.0, side - 0.0005, 0.19), (frame + 1e-5, side + 0.02, 0.21))
+    mock = parts(a=cube(0, side / 2, 0), b=cube(0.2, side, 0.1), c=cube(frame + 0.05, side, 0.2), d=plate)
+    moved = Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("coupler", "revolute", "a", "b", Z, (0, side, 0)),
+            Joint("rocker", "revolute", None, "c", Z, (frame, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (frame, side, 0))],
+    )
+    # A parallelogram: the rocker turns as the crank does. Its corner (0.04, 0.29) from the pivot reaches x 1e-5.
+    far = math.hypot(0.04, side - 0.01)
+    angle = math.acos(1e-5 / far) - math.atan2(side - 0.01, 0.04)
+    found = moved.range("crank")
+    assert found.above is not None and (found.above.path, found.above.other_path) == ("c", "d")
+    assert found.upper < angle  # it is met before that corner comes there, by the face beside it
+
+
+def test_a_four_bar_stops_where_its_rocker_meets_a_wall() -> None:
+    # A parallelogram, in which the rocker turns as the crank does.
+    frame, side = 0.4, 0.3
+    mock = parts(
+        a=cube(0, side / 2, 0),
+        b=cube(frame / 2, side, -0.1),
+        c=cube(frame, side, 0.2),
+        d=box((frame - 0.2, 0.0, 0.15), (frame - 0.1, side, 0.3)),
+    )
+    moved = Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("coupler", "revolute", "a", "b", Z, (0, side, 0)),
+            Joint("rocker", "revolute", None, "c", Z, (frame, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (frame, side, 0))],
+    )
+    found = moved.range("crank")
+    # The corner at (-0.01, 0.31) from the rocker's pivot turns to x = -0.1; or a lower one that is there before.
+    first = min(
+        math.asin(0.1 / math.hypot(0.01, y)) - math.atan2(0.01, y)
+        for y in (side - 0.01, side + 0.01)
+        if math.hypot(0.01, y) * math.cos(math.asin(0.1 / math.hypot(0.01, y))) <= side
+    )
+    assert found.upper == pytest.approx(first, abs=1e-6) and found.upper <= first + 1e-7
+    assert found.above is not None and (found.above.path, found.above.other_path) == ("c", "d")
+
+
+def test_a_cam_comes_as_near_to_its_follower_as_its_radius_says() -> None:
+    # The corner of the cam at radius hypot(0.3, 0.05) passes below the flat foot of the follower.
+    far, height = math.hypot(0.3, 0.05), 0.4
+    mock = parts(cam=box((-0.1, -0.05, 0), (0.3, 0.05, 0.1)), foot=box((-0.2, height, 0), (0.2, height + 0.1, 0.1)))
+    cam = Joint("cam", "revolute", None, "cam", Z)
+    follower = Joint("lift", "prismatic", None, "foot", (0, 1, 0))
+    moved = Mechanism(mock, [cam, follower])
+    found = moved.clearance({"cam": (0.0, math.pi)}, error=1e-6)
+    assert found.lower <= height - far <= found.upper <= found.lower + 1.01e-6
+    top = math.pi / 2 - math.atan2(0.05, 0.3)
+    assert min(abs(found.worst["cam"] - each) for each in (top, math.pi - top)) < 5e-3
+    # Lowered to 0.302 it is met where the corner comes to that height.
+    low = moved.range("cam", {"lift": 0.302 - height})
+    angle = math.asin(0.302 / far) - math.atan2(0.05, 0.3)
+    assert low.upper == pytest.approx(angle, abs=1e-6) and low.upper <= angle
+    assert low.above is not None and low.above.normal == pytest.approx((0.0, -1.0, 0.0), abs=1e-3)
+
+
+def test_a_rack_keeps_up_with_its_worm() -> None:
+    # Both advance alike, so the tooth of the worm only turns as seen from the rack, up to the rack's bar.
+    pitch = 0.05
+    mock = parts(
+        worm=box((0, -0.01, 0), (0.1, 0.01, 0.02)), bar=box((-0.2, 0.06, -0.5), (0.2, 0.07, 0.5)), rest=cube(9, 9, 9)
+    )
+    joints = [
+        Joint("worm", "screw", None, "worm", Z, pitch=pitch),
+        Joint("rack", "prismatic", None, "bar", Z),
+    ]
+    moved = Mechanism(mock, joints, [JointCoupling("rack", "worm", pitch / math.tau)])
+    angle = math.asin(0.06 / math.hypot(0.1, 0.01)) - math.atan2(0.01, 0.1)
+    found = moved.range("worm")
+    assert found.is_certified
+    assert found.upper == pytest.approx(angle, abs=1e-6) and found.upper <= angle
+    gap = moved.clearance({"worm": (0.0, 0.3)}, error=1e-6)
+    truth = 0.06 - math.hypot(0.1, 0.01) * math.sin(0.3 + math.atan2(0.01, 0.1))
+    assert gap.lower <= truth <= gap.upper + 1e-12 and gap.upper - gap.lower <= 1.01e-6
+    assert [(each.path, each.other_path) for each in moved.clash({"worm": (0.0, 0.8)}).contacts] == [("worm", "bar")]
+    two = moved.clearance({"rack": (0.0, 0.3 * pitch / math.tau)}, error=1e-6)
+    assert two.upper == pytest.approx(gap.upper, abs=2e-6)
+
+
+def test_a_scissor_lift_stops_at_the_ceiling() -> None:
+    angle, bar, ceiling = 0.5, 1.0, 0.8
+    wide, high = bar * math.cos(angle), bar * math.sin(angle)
+    mock = parts(
+        a=cube(wide / 4, high / 4, 0),
+        b=cube(0.75 * wide, high / 4, 0.1),
+        c=cube(wide, 0, 0.2),
+        d=cube(wide / 2, high, 0.3),
+        e=box((-2, ceiling + 0.01, 0.2), (2, 1, 0.4)),
+    )
+    moved = Mechanism(
+        mock,
+        [
+            Joint("bar", "revolute", None, "a", Z),
+            Joint("cross", "revolute", "a", "b", Z, (wide / 2, high / 2, 0)),
+            Joint("foot", "prismatic", None, "c", (1, 0, 0)),
+            Joint("table", "revolute", "a", "d", Z, (wide, high, 0)),
+        ],
+        [JointCoupling("table", "bar", -1.0)],
+        [Joint("pin", "revolute", "b", "c", Z, (wide, 0, 0))],
+    )
+    found = moved.range("bar")
+    assert found.upper == pytest.approx(math.asin(ceiling / bar) - angle, abs=1e-6)
+    assert found.above is not None and (found.above.path, found.above.other_path) == ("d", "e")
+
+
+@pytest.mark.parametrize(
+    ("pin", "hole", "sides", "turned"),
+    [
+        (0.01, 0.01, 24, 0.0),  # as deep as it gets when it has turned by half a facet
+        (0.01, 0.01, 18, 0.1),
+        (0.01, 0.010002, 24, 0.0),  # clear of its hole where it is modelled
+        (0.0102, 0.01, 24, 0.0),  # pressed in
+        (0.0102, 0.01, 8, 0.05),
+    ],
+)
+@pytest.mark.parametrize("is_pin_moved", [True, False])
+def test_a_pin_turns_in_a_hole_of_facets(
+    pin: float, hole: float, sides: int, turned: float, is_pin_moved: bool
+) -> None:
+    mock = parts(
+        pin=[ring(pin, 0.0, sides, -0.02, 0.03, turned), ring(0.03, 0.0, sides, 0.02, 0.03)],
+        plate=ring(0.05, hole, 24, 0.0, 0.02),
+    )
+    child, parent = ("pin", "plate") if is_pin_moved else ("plate", "pin")
+    moved = Mechanism(mock, [Joint("hinge", "revolute", parent, child, Z)])
+    found = moved.range("hinge")
+    assert (found.lower, found.upper, found.below, found.above) == (-math.tau, math.tau, None, None)
+    assert [(seat.path, seat.other_path) for seat in found.seats] == [(child, parent)]
+    assert not moved.clash({"hinge": (-1.0, 1.0)}).contacts
+    # Away from the collar it slides as well; against it not.
+    slide = Mechanism(mock, [Joint("rod", "cylindrical", parent, child, Z)]).range("rod.slide")
+    ends = (slide.lower, slide.upper) if is_pin_moved else (-slide.upper, -slide.lower)
+    assert ends[0] == pytest.approx(0.0, abs=1e-5) and ends[1] > 0.02
+
+
+@pytest.mark.parametrize("sides", [4, 6])
+def test_a_pin_with_edges_jams_in_its_hole(sides: int) -> None:
+    mock = parts(pin=ring(0.01, 0.0, sides, -0.02, 0.03), plate=ring(0.05, 0.01, sides, 0.0, 0.02))
+    found = Mechanism(mock, [Joint("hinge", "revolute", "plate", "pin", Z)]).range("hinge")
+    assert found.upper < 0.01 and found.lower > -0.01
+    assert found.above is not None and found.above.other_path == "plate"
+
+
+def jamming_door() -> Mechanism:
+    """A door that stands on the sill of its frame, all of one part, and meets a post of it at 45 degrees or so."""
+    door = box((0.1, -0.01, 0.0), (1.0, 0.01, 1.0))
+    sill, post = box((-0.5, -0.5, -0.1), (1.5, 1.5, 0.0)), box((0.5, 0.5, 0.5), (0.6, 0.6, 0.7))
+    return Mechanism(parts(door=door, frame=[sill, post]), [Joint("hinge", "revolute", "frame", "door", Z)])
+
+
+def test_a_door_that_jams_in_its_own_frame_is_told_by_all_answers(tmp_path: Path) -> None:
+    moved = jamming_door()
+    angle = reach_of_edge(0.6, 0.5, 0.01)  # the post's edge that the door's front comes to first
+    found = moved.range("hinge")
+    assert found.upper == pytest.approx(angle, abs=1e-6) and found.upper <= angle
+    assert found.above is not None and found.above.other_path == "frame"
+    assert [seat.kind for seat in found.seats] == ["touching"]
+    listed = moved.clash({"hinge": (0.0, 1.5)}).contacts
+    assert [(each.path, each.other_path) for each in listed] == [("door", "frame")]
+    assert listed[0].value == pytest.approx(angle, abs=1e-6)
+    gap = moved.clearance({"hinge": (0.0, 1.5)})
+    assert (gap.lower, gap.upper, gap.path, gap.other_path) == (0.0, 0.0, "door", "frame")
+    assert gap.worst["hinge"] == pytest.approx(angle, abs=1e-6) and gap.jams[0].value == gap.worst["hinge"]
+    assert not moved.clearance({"hinge": (0.0, 0.5)}).jams
+    # From beyond the post, where it touches the sill as well, it comes back to the other side of it.
+    back = moved.range("hinge", {"hinge": 1.4})
+    far = math.atan2(0.6, 0.5) + math.asin(0.01 / math.hypot(0.5, 0.6))
+    assert back.lower == pytest.approx(far, abs=1e-6) and back.lower >= far
+    # Within the post it does not move, either way.
+    stuck = moved.range("hinge", {"hinge": 0.8})
+    assert (stuck.lower, stuck.upper) == (0.8, 0.8)
+    file, joints = tmp_path / "door.glb", tmp_path / "door.toml"
+    write_glb(file, moved.mockup)
+    joints.write_text('[[joint]]\nname = "hinge"\nkind = "revolute"\nparent = "*frame"\nchild = "*door"\n')
+    words = ["move", str(file), "--mechanism", str(joints), "--joint"]
+    assert run(*words, "hinge=0:85", code=1).stdout.startswith("does not hold: parts meet")
+    run(*words, "hinge=0:25")
+
+
+def test_a_jam_over_several_joints_is_found() -> None:
+    mock = parts(
+        door=box((0.1, -0.01, 0.0), (1.0, 0.01, 1.0)),
+        frame=[box((-0.5, -0.5, -0.1), (1.5, 1.5, 0.0)), box((0.5, 0.5, 0.5), (0.6, 0.6, 0.7))],
+        flap=box((0.1, -0.01, 1.1), (1.0, 0.01, 1.2)),
+    )
+    joints = [Joint("hinge", "revolute", "frame", "door", Z), Joint("flap", "revolute", "frame", "flap", Z)]
+    moved = Mechanism(mock, joints)
+    asked: dict[str, float | tuple[float, float]] = {"hinge": (0.0, 1.5), "flap": (0.0, 0.5)}
+    found = moved.clearance(asked)
+    assert (found.upper, found.is_certified) == (0.0, True) and found.jams[0].other_path == "frame"
+    free = moved.clearance({"hinge": (0.0, 0.4), "flap": (0.0, 0.5)}, error=0.02)
+    assert not free.jams and free.is_certified and free.lower <= 0.1 <= free.upper + 1e-9
+
+
+def test_a_seat_that_parts_is_exact_afterwards_and_may_come_back() -> None:
+    # The drawer stands at its stop. Behind it, the same part has a rail that ends 0.3 on.
+    body = [box((-0.1, 0, 0), (0.0, 0.1, 0.1)), box((0.5, 0, 0), (0.6, 0.1, 0.1))]
+    mock = parts(drawer=box((0.0, 0, 0), (0.2, 0.1, 0.1)), body=body)
+    moved = Mechanism(mock, [Joint("slide", "prismatic", "body", "drawer", (1, 0, 0))])
+    found = moved.range("slide")
+    assert found.lower == pytest.approx(0.0, abs=2e-6) and found.upper == pytest.approx(0.3, abs=1e-7)
+    again = moved.range("slide", {"slide": 0.1})
+    assert again.lower == pytest.approx(0.0, abs=2e-6) and again.upper == pytest.approx(0.3, abs=1e-7)
+    assert not moved.clash({"slide": (0.0, 0.2)}).contacts
+    assert [each.value for each in moved.clash({"slide": (-0.1, 0.2)}).contacts] == [-0.1]
+
+
+def random_arm(rng: np.random.Generator) -> tuple[Mechanism, list[str]]:
+    """Three links, of all kinds of joints, and things around."""
+    low = rng.uniform(-1, 1, (6, 3))
+    meshes = {
+        name: box(at, at + size) for name, at, size in zip("abcdef", low, rng.uniform(0.1, 0.4, (6, 3)), strict=True)
+    }
+    kinds = [str(kind) for kind in rng.choice(["revolute", "prismatic", "screw"], 3)]
+    joints = [
+        Joint(
+            name, kind, parent, part, rng.normal(size=3), rng.uniform(-1, 1, 3), pitch=0.4 if kind == "screw" else 0.0
+        )
+        for name, kind, parent, part in zip("pqr", kinds, (None, "a", "b"), "abc", strict=True)
+    ]
+    return Mechanism(parts(**meshes), joints), list("pqr")
+
+
+def least_gap(moved: Mechanism, values: dict[str, float], pairs: tuple[str, ...] = ("ca", "cb")) -> float:
+    """The least gap at a position, by poses: of links to what stands, and of some pairs of links."""
+    poses = moved.poses(values)
+    placed = {"a": poses["p"], "b": poses["q"], "c": poses["r"]}
+    scene, least = moved.scene().only(["d", "e", "f"]), math.inf
+    for name, pose in placed.items():
+        least = min(least, scene.distance(feeler.Tool.of_parts(moved.mockup, name), pose).value)
+    for one, other in pairs:
+        alone, pose = moved.scene().only(other), np.linalg.inv(placed[other]) @ placed[one]
+        least = min(least, alone.distance(feeler.Tool.of_parts(moved.mockup, one), pose).value)
+    return least
+
+
+@pytest.mark.parametrize("is_coupled", [False, True])
+def test_certified_bounds_are_never_above_random_positions(is_coupled: bool) -> None:
+    rng = np.random.default_rng(11)
+    asked = 0
+    while asked < 12:
+        moved, names = random_arm(rng)
+        pairs = ("ba", "ca", "cb") if is_coupled else ("ca", "cb")
+        if least_gap(moved, {}, ("ba", "ca", "cb")) == 0.0:
+            continue  # seats
+        asked += 1
+        ranges: dict[str, float | tuple[float, float]] = {"p": (-0.2, 0.3)}
+        if is_coupled:
+            couplings = [JointCoupling("q", "p", 0.7), JointCoupling("r", "p", -1.2)]
+            moved = Mechanism(moved.mockup, moved.joints, couplings)
+        else:
+            ranges["r"] = (-0.1, 0.2)
+        asked_of = dict(ranges)
+        found = moved.clearance(ranges, error=2e-3, most=400)
+        assert found.is_certified and found.lower <= found.upper
+        for _ in range(25):
+            drawn = {name: float(rng.uniform(*np.array(ends))) for name, ends in asked_of.items()}
+            position = moved.position(drawn)
+            assert found.lower <= least_gap(moved, position, pairs) + 1e-9
+        assert found.upper == pytest.approx(least_gap(moved, found.worst, pairs), abs=1e-9)
+        if is_coupled and found.upper > 0.0:
+            assert found.upper - found.lower <= 2.01e-3
+            for value, gap, lower in found.curve[::10]:
+                assert least_gap(moved, moved.position({"p": float(value)}), pairs) == pytest.approx(gap, abs=1e-9)
+                assert lower <= gap
+    assert names == ["p", "q", "r"]
+
+
+def test_the_reach_of_an_arm_is_bounded_from_both_sides() -> None:
+    # It comes nearest to the wall at the end of both ranges, by a corner of its tip.
+    mock = parts(
+        upper=box((0.0, -0.02, 0.0), (0.5, 0.02, 0.05)),
+        lower=box((0.5, -0.02, 0.2), (1.0, 0.02, 0.25)),
+        wall=box((1.05, -1.0, 0.2), (1.1, 1.0, 0.3)),
+    )
+    joints = [
+        Joint("shoulder", "revolute", None, "upper", Z),
+        Joint("elbow", "revolute", "upper", "lower", Z, (0.5, 0.0, 0.0)),
+    ]
+    truth = 1.05 - 0.5 * math.cos(0.4) - math.hypot(0.5, 0.02) * math.cos(0.5 - math.atan2(0.02, 0.5))
+    found = Mechanism(mock, joints).clearance({"shoulder": (0.1, 0.4), "elbow": (-1.6, -0.9)}, error=1e-3)
+    assert found.lower <= truth <= found.upper <= found.lower + 1.01e-3
+    assert (found.path, found.other_path, found.undecided) == ("lower", "wall", 0.0)
+    assert found.worst == pytest.approx({"shoulder": 0.4, "elbow": -0.9}, abs=0.01)

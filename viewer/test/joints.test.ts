@@ -1,0 +1,110 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { JointMover } from "../src/actions/joints";
+import type { JointPlace, JointRange, Mechanism } from "../src/link/protocol";
+import { IDENTITY, translation } from "../src/math/matrix";
+import { barOf, gapClass, numberOf, partsOf, placesAt, spanOf } from "../src/model/joints";
+
+const MECHANISM: Mechanism = {
+  name: "m",
+  numbers: [
+    {
+      ...{ name: "hinge", kind: "turn", link: 0, root: "hinge", group: "hinge" },
+      ...{ axis: [0, 0, 1], point: [0, 0, 0], pitch: 0, limits: null },
+    },
+  ],
+  links: [
+    { name: "hinge", above: -1, parts: [1], pose: [...IDENTITY] },
+    { name: "lock", above: 0, parts: [2, 3], pose: [...IDENTITY] },
+  ],
+  values: { hinge: 0 },
+};
+
+test("parts go with their links, and those that lie elsewhere stay there", () => {
+  const away = [...translation([9, 0, 0])];
+  const document = { moved: { "3": away, "4": away }, mechanism: MECHANISM, gripped: [], out: [] };
+  const there = [...translation([0, 0, 1])];
+  const places = placesAt(document, [there, there]);
+  assert.deepEqual([places.get(1), places.get(2)], [there, there]);
+  assert.deepEqual([places.get(3), places.get(4)], [away, away]);
+  assert.equal(placesAt(document, null).has(1), false);
+});
+
+test("a part of a link that is fastened moves by the joint above it", () => {
+  assert.equal(numberOf(MECHANISM, 3)?.name, "hinge");
+  assert.equal(numberOf(MECHANISM, 4), null);
+  const [hinge] = MECHANISM.numbers;
+  assert.deepEqual(hinge && partsOf(MECHANISM, hinge), [1, 2, 3]);
+});
+
+const RANGE: JointRange = {
+  ...{ name: "hinge", state: "done", share: 1, lower: 0, upper: 2, below: null, above: null, worst: null, trouble: "" },
+  curve: [
+    [0, null],
+    [1, 0.003],
+    [2, 0],
+  ],
+};
+
+test("the bar is coloured by the gap", () => {
+  assert.deepEqual(
+    barOf(RANGE, [-2, 2]).map(({ from, to, gap }) => [from, to, gap]),
+    [
+      [0.5, 0.625, 4],
+      [0.625, 0.875, 2],
+      [0.875, 1, 0],
+    ],
+  );
+  assert.deepEqual([gapClass(0), gapClass(5e-4), gapClass(0.01), gapClass(0.02)], [0, 1, 3, 4]);
+  const [hinge] = MECHANISM.numbers;
+  assert.deepEqual(hinge && spanOf(hinge, RANGE, 3), [0, 3]);
+});
+
+/** A server that answers when it is told to, and stops at 1. */
+function slow() {
+  const asked: [string, number | null][] = [];
+  const moved: [string, number][] = [];
+  const answers: (() => void)[] = [];
+  const link = {
+    to: (name: string, value: number | null) => {
+      asked.push([name, value]);
+      return new Promise<JointPlace>((resolve) => {
+        const place = Math.min(1, value ?? 0);
+        answers.push(() => resolve({ name, value: place, is_stopped: place !== value, met: null, values: {} }));
+      });
+    },
+    move: async (name: string, value: number) => {
+      moved.push([name, value]);
+    },
+    fail: (error: unknown) => assert.fail(String(error)),
+  };
+  const answer = async (): Promise<void> => {
+    answers.shift()?.();
+    await new Promise((resolve) => setImmediate(resolve));
+  };
+  return { asked, moved, answer, mover: new JointMover(link) };
+}
+
+test("one question is on its way, and of those that wait the newest counts", async () => {
+  const { asked, moved, answer, mover } = slow();
+  for (const value of [0.1, 0.2, 0.3, 3]) mover.to("hinge", value);
+  assert.deepEqual(asked, [["hinge", 0.1]]);
+  await answer();
+  assert.deepEqual(asked.at(-1), ["hinge", 3]);
+  mover.settle();
+  assert.deepEqual(moved, [], "it is not there yet");
+  await answer();
+  assert.deepEqual(moved, [["hinge", 1]], "where contact let it");
+  assert.equal(asked.length, 2);
+  assert.equal(mover.name, null);
+});
+
+test("Esc puts it back, also while an answer is on its way", async () => {
+  const { asked, moved, answer, mover } = slow();
+  mover.to("hinge", 0.5);
+  assert.equal(mover.cancel(), true);
+  for (let k = 0; k < 4; k++) await answer();
+  assert.deepEqual(asked.at(-1), ["hinge", null]);
+  assert.deepEqual(moved, []);
+  assert.equal(mover.cancel(), false);
+});
