@@ -44,7 +44,7 @@ OPTIONS = [(name, option) for name in commands() for option in options_of(name).
 
 
 def test_the_table_is_whole() -> None:
-    assert len(commands()) == 24 and len(OPTIONS) > 200
+    assert len(commands()) == 25 and len(OPTIONS) > 200
 
 
 def test_every_option_with_a_number_has_a_value() -> None:
@@ -113,6 +113,8 @@ FILES: list[tuple[list[str], list[str]]] = [
     (["remove", "m.glb", "--part", "m/a/part"], ["--ignore", "--csv", "--way", "--glb", "--without"]),
     (["remove", "m.glb", "--part", "m/a/part", "--insert"], ["--from", "--goal"]),
     (["access", *MOVING], ["--targets", "--frames", "--hand", "--grip", "--csv", "--glb"]),
+    (["sight", "m.glb"], ["--eye", "--from", "--to"]),
+    (["sight", "m.glb", "--eye", "0,0,1"], ["--targets", "--parts", "--csv"]),
     (["swept", "t.stl"], ["--poses"]),
     (["swept", "t.stl", "--poses", "p.txt"], ["--out"]),
     (["feel", "m.glb"], ["--tool", "--record", "--pose", "--device-option"]),

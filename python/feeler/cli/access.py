@@ -131,7 +131,7 @@ def access(
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
     scene = Choice(None, without, only).scene_of(scene)
     asked: feeler.Fasteners | npt.NDArray[np.float64]
-    asked = _fasteners(scene, targets, kind) if places is None else places
+    asked = fasteners_among(scene, targets, kind) if places is None else places
     start = time.perf_counter()
     is_interrupted = False
     try:
@@ -196,7 +196,7 @@ def _grip(text: str | None) -> GripAxis | npt.NDArray[np.float64] | None:
     return matrix
 
 
-def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None) -> feeler.Fasteners:
+def fasteners_among(scene: feeler.Scene, patterns: list[str] | None, kind: str | None) -> feeler.Fasteners:
     """The selected fasteners."""
     try:
         parts = None if not patterns else scene.mockup.parts.select(patterns)

@@ -260,6 +260,7 @@ ANY_LENGTH = Length(least=-_FARTHEST, most=_FARTHEST)
 SWING = Number("ANGLE", "an angle", "60 (degrees), 60deg or 1.05rad", _ANGLES, above=0.0, most=360.0, suffix="deg")
 SECONDS = Number("TIME", "a time", "30 (seconds), 500ms or 2min", _TIMES, above=0.0, most=1e9, suffix="s")
 STIFFNESS = Number(what="a stiffness", above=0.0, most=1e9)
+SHARE = Number(what="a share", least=0.0, most=1.0)
 SHARE_SAVED = Number(least=0.0, most=0.99)
 SERVO_RATE = Number(what="a rate", least=50.0, most=100_000.0)
 COLLISION_RATE = Number(what="a rate", least=1.0, most=1e6)  # a slower search would end that much later, too
