@@ -95,8 +95,8 @@ if _typing.TYPE_CHECKING:
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
     from feeler.spreading import WorkerLost
-    from feeler.tasks.holding import Hold, Holds, holds
     from feeler.tasks.answer import Task, TaskBlocker, TaskStep
+    from feeler.tasks.holding import Hold, Holds, holds
     from feeler.tasks.planning import task
     from feeler.tasks.sight import Seen, Sight, eyes_in, sight
     from feeler.tasks.times import Times
@@ -184,6 +184,10 @@ __all__ = [
     "Sight",
     "Slide",
     "Source",
+    "Task",
+    "TaskBlocker",
+    "TaskStep",
+    "Times",
     "Tool",
     "Tracks",
     "VariantsError",
@@ -226,6 +230,7 @@ __all__ = [
     "sample_truth",
     "sight",
     "swept",
+    "task",
     "verify",
     "view",
 ]

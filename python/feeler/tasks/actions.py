@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -91,6 +92,7 @@ class Actions:
         self.get_seconds = times.elements["get"].mean
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
+        self._needed: dict[int, frozenset[int]] = {}
         self._holders: dict[int, list[frozenset[int]]] = {}
         self.met: dict[int, frozenset[int]] = {}
         """Of each fastener that a kept part stops on its axis: that part."""
@@ -178,8 +180,19 @@ class Actions:
         if item not in self._least:
             by_hand = self.by_hand([item]).seconds
             options = [each.seconds for each in self.tooled(item, self._most_out(item))[0]]
-            self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=by_hand)
+            self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
         return self._least[item]
+
+    def needed(self, item: int) -> frozenset[int]:
+        """As `Problem`: of the items in the way at first, those that are in it alone."""
+        if item not in self._needed:
+            found: set[int] = set()
+            choices, blockers = self.tooled(item, frozenset())
+            if not (choices or self.mates(item) or math.isinf(self.least(item))):
+                most = self._most_out(item)
+                found = {each for each in sorted(blockers & most) if not self.tooled(item, most - {each})[0]}
+            self._needed[item] = frozenset(found)
+        return self._needed[item]
 
     def _most_out(self, item: int) -> frozenset[int]:
         """All items that can be out before a fastener is undone: not what it alone holds, nor what is kept."""

@@ -22,7 +22,7 @@ WIDTHS_MM: dict[float, tuple[float, ...]] = {
     **{3.0: (5.5,), 4.0: (7.0,), 5.0: (8.0,), 6.0: (10.0,), 8.0: (13.0,), 10.0: (16.0, 17.0), 12.0: (18.0, 19.0)},
     **{14.0: (21.0, 22.0), 16.0: (24.0,), 18.0: (27.0,), 20.0: (30.0,), 24.0: (36.0,), 30.0: (46.0,), 36.0: (55.0,)},
 }
-"""Widths across flats by nominal diameter, ISO 272, millimetres: threads are drawn as their core or as their outside."""
+"""Widths across flats by nominal diameter, ISO 272, millimetres: threads are drawn as core or outside."""
 WIDTH_SHARE = 0.03
 """How near a width must be."""
 SIZE_SHARE = (0.7, 1.3)
@@ -72,7 +72,7 @@ class Fixings:
                 self.by_joined.setdefault(part, []).append(hold.fastener)
 
     def __contains__(self, part: object) -> bool:
-        return part in self._held and self._held[part].kind != "stud"  # type: ignore[index]
+        return part in self._held and self._held[part].kind != "stud"
 
     def __iter__(self) -> Iterator[int]:
         return iter(part for part, hold in self._held.items() if hold.kind != "stud")

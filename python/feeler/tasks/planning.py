@@ -247,11 +247,12 @@ class _Planner:
         self.clock.tell(f"checking the way of {self.mockup.part_names[parts[0]]}")
         if int(scene.part_mask.sum()) <= len(parts) + len(gone):
             return alone(int(self.question.options["seed"]))
-        is_straight = isinstance(step.unit.motion, tuple) and len(step.unit.motion) == 3
+        motion: Any = step.unit.motion
+        is_straight = isinstance(motion, tuple) and len(motion) == 3
         return removal(
             scene.without(sorted(gone)) if gone else scene,
             list(parts),
-            directions=[step.unit.motion] if is_straight else None,
+            directions=[motion] if is_straight else None,
             seconds=self.clock.left,
             rounds=STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS,
             seed=self.question.options["seed"],
@@ -334,24 +335,45 @@ class _Planner:
         return self.actions.undone(items[0], tooled) if isinstance(tooled, Tooled) else self.actions.taken(items)
 
     def _after(self, checked: list[_Checked]) -> list[tuple[int, ...]]:
-        """Of each step those before it that it depends on: what they take away is among what it looked at, or held
-        it."""
+        """Of each step those before it that it depends on."""
         found = []
         for n, one in enumerate(checked):
-            joints = frozenset().union(
-                *(joint for item in one.ordered.unit.items for joint in self.actions.holders(item))
-            )
-            if self.actions.is_turned(one.ordered.unit.items[0]):
-                joints |= self.actions.mates(one.ordered.unit.items[0])
-            needed = joints | one.ordered.unit.before
+            needed = self._needed(one)
+            is_enough = self._is_free_after(one, needed)
+            looked = frozenset[int]() if is_enough else one.looked | set(one.parts)
             found.append(
                 tuple(
                     m
                     for m, other in enumerate(checked[:n])
-                    if set(other.ordered.unit.items) & needed or set(other.parts) & (one.looked | set(one.parts))
+                    if set(other.ordered.unit.items) & needed or set(other.parts) & looked
                 )
             )
         return found
+
+    def _needed(self, one: _Checked) -> frozenset[int]:
+        """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
+        actions, unit = self.actions, one.ordered.unit
+        joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
+        mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
+        return joints | mates | unit.before
+
+    def _is_free_after(self, one: _Checked, needed: frozenset[int]) -> bool:
+        """Whether a step can be done as well once these alone are out. If not, it depends on all that it looked at."""
+        actions, item, tooled = self.actions, one.ordered.unit.items[0], one.ordered.choice.key
+        if isinstance(tooled, Tooled):
+            choices = actions.tooled(item, needed)[0]
+            return any((each.tool, each.seconds) == one.ordered.choice[:2] for each in choices)
+        return actions.is_turned(item) or self._is_along(one)
+
+    @staticmethod
+    def _is_along(one: _Checked) -> bool:
+        """Whether the way is the straight motion whose blockers are known."""
+        motion = one.ordered.unit.motion
+        if not (isinstance(motion, tuple) and len(motion) == 3 and len(one.way) == 2):
+            return False
+        step = one.way[1][:3, 3]
+        is_turning = not np.allclose(one.way[1][:3, :3], np.eye(3))
+        return not is_turning and float(step @ np.array(motion)) >= (1.0 - 1e-9) * float(np.linalg.norm(step))
 
     def _step(self, number: int, one: _Checked, timed: Timed, after: tuple[int, ...], slot: Slot) -> TaskStep:
         actions, item = self.actions, one.ordered.unit.items[0]

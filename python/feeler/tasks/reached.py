@@ -150,7 +150,8 @@ def _tools(tools: object) -> tuple[_Held, ...] | None:
 
 
 def _held(name: object, given: object) -> _Held:
-    tool, options = given if _is_pair(given) else (given, {})  # type: ignore[misc]
+    pair: Any = given if _is_pair(given) else (given, {})
+    tool, options = pair
     if not isinstance(tool, Tool):
         raise MeshError(f"tools has {shown(tool)}: give feeler.Tool, or (tool, options of feeler.access)")
     known = {"grip", "lift", "hand", "swing_deg", "approach", "angles"}

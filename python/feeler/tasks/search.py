@@ -1,6 +1,6 @@
 """Which parts have to go, and in which order, for the least time: a best-first search with a bound.
 
-The plan is an AND/OR graph (Homem de Mello and Sanderson 1990). A *set* is what a plan takes out. Each item of a set has
+The plan is an AND/OR graph (Homem de Mello and Sanderson 1990). A *set* is what a plan takes out. Each of its items has
 needs: fasteners that hold it, parts in the way of a motion, parts in the way of a tool. A need has alternatives; a set
 grows by one of them. Sets wait in order of their bound, the sum of the least times of their items. A set without open
 needs is put in order by a second search, over what is out and which tool is in hand.
@@ -12,6 +12,7 @@ that grows from the set, and the least bound of all sets that have not been give
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
@@ -69,7 +70,10 @@ class Problem(Protocol):
         """How parts, which leave together, or a loose fastener are taken out."""
 
     def least(self, item: int) -> float:
-        """The least seconds of a fastener in any order; 0 for parts, which may leave together with others."""
+        """The least seconds of a fastener in any order; infinite if it cannot be undone in any."""
+
+    def needed(self, item: int) -> frozenset[int]:
+        """Items each of which has to be out before a fastener is undone: with it alone in place no tool reaches it."""
 
 
 class Need(NamedTuple):
@@ -77,7 +81,7 @@ class Need(NamedTuple):
 
     rank: int
     item: int
-    index: int
+    joint: int
 
 
 _JOINT, _AXIS, _WAY, _REACH = range(4)
@@ -139,7 +143,8 @@ class Search:
         best: tuple[Ordered, ...] | None = None
         seconds, least_leaf, number = float("inf"), float("inf"), 0
         first = self._grown(_Set(frozenset(), ()), [self.target])
-        heapq.heappush(queue, (self._bound(first), number, first))
+        if not math.isinf(self._bound(first)):
+            heapq.heappush(queue, (self._bound(first), number, first))
         is_complete = True
         limit = MOST_SETS
         while queue:
@@ -152,7 +157,7 @@ class Search:
             heapq.heappop(queue)
             self.sets += 1
             if one.needs:
-                children = self._children(one)
+                children: Iterable[_Set] = self._children(one)
             else:
                 least_leaf = min(least_leaf, bound)
                 steps, blocked = self._in_order(one)
@@ -164,6 +169,8 @@ class Search:
                     continue
                 children = [self._grown(one, [item]) for item in sorted(blocked)]
             for child in children:
+                if math.isinf(self._bound(child)):
+                    continue
                 key = (child.items, child.needs, tuple(sorted(child.chosen.items(), key=lambda each: each[0])))
                 if key not in seen:
                     seen.add(key)
@@ -196,10 +203,13 @@ class Search:
             items.add(item)
             for index, joint in enumerate(self.problem.holders(item)):
                 if len(joint) == 1:
-                    waiting += joint - items
+                    waiting += sorted(joint - items)
                 else:
                     needs.append(Need(_JOINT, item, index))
             if self.problem.is_turned(item):
+                if math.isinf(self.problem.least(item)):
+                    self._note(item, frozenset())
+                waiting += sorted(self.problem.needed(item) - items)
                 needs += [Need(_AXIS, item, 0), Need(_REACH, item, 0)]
             else:
                 needs.append(Need(_WAY, item, 0))
@@ -211,7 +221,7 @@ class Search:
         left = _Set(one.items, rest, one.chosen)
         item, problem = need.item, self.problem
         if need.rank == _JOINT:
-            joint = problem.holders(item)[need.index]
+            joint = problem.holders(item)[need.joint]
             if joint & one.items:
                 yield left
             else:
@@ -338,7 +348,9 @@ class _Order:
             if len(done) > MOST_STATES:
                 return self._hastily(spent, out, tool, steps)
             for n, step in self._worth(ready, tool):
-                left = sum(least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items})
+                left = sum(
+                    least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items}
+                )
                 after = spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
                 number += 1
                 grown = out | set(step.unit.items)

@@ -134,7 +134,11 @@ class Times:
         for name, (mean, spread) in self.elements.items():
             said = EXAMPLES[name][2] + (" (an example, not measured)" if name in self.examples else "")
             lines.append(f"{name} = [{mean!r}, {spread!r}]  # {said}")
-        lines += ["", "# Pitches that are not the coarse ones of ISO 261, millimetres, by pattern of paths.", "[pitches_mm]"]
+        lines += [
+            "",
+            "# Pitches that are not the coarse ones of ISO 261, millimetres, by pattern of paths.",
+            "[pitches_mm]",
+        ]
         lines += [f"{_quoted(name)} = {pitch!r}" for name, pitch in self.pitches_mm.items()]
         lines += ["", "# Whole steps, by pattern of paths, seconds: [mean, spread].", "[typed]"]
         lines += [f"{_quoted(name)} = [{mean!r}, {spread!r}]" for name, (mean, spread) in self.typed.items()]
@@ -152,7 +156,10 @@ class Times:
     def typed_for(self, path: str) -> Timed | None:
         """The typed time of the step of a fastener or part."""
         element = _matching(self.typed, path)
-        return None if element is None else Timed(*element, f"{_spread(*element)} s, typed")
+        if element is None:
+            return None
+        mean, spread = element
+        return Timed(mean, spread, f"{_spread(mean, spread)} s, typed")
 
     def turns(self, path: str, size: float, engaged: float) -> Turns:
         """How often a fastener is turned. size: diameter of its thread, engaged: length of the thread, metres."""
@@ -186,7 +193,9 @@ class Times:
         """Elements, each so often."""
         mean = math.fsum(count * self.elements[name].mean for name, count in elements)
         spread = math.sqrt(math.fsum(count * self.elements[name].spread ** 2 for name, count in elements))
-        terms = [f"{'' if count == 1 else f'{count} x '}{name} {self.elements[name].mean:g}" for name, count in elements]
+        terms = [
+            f"{'' if count == 1 else f'{count} x '}{name} {self.elements[name].mean:g}" for name, count in elements
+        ]
         return Timed(mean, spread, f"{' + '.join(terms)} = {_spread(mean, spread)} s")
 
 
