@@ -21,7 +21,7 @@ from feeler.cli import app
 from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
-COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "move", "clash", "verify", "remove"]
+COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "move", "clash", "verify", "remove", "task"]
 COMMANDS += ["access", "swept", "feel", "view", "report", "mcp", "replay", "sample", "bench"]
 
 

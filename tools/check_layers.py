@@ -347,7 +347,7 @@ ROOMS: dict[str, set[str]] = {
             "requirements",
             "samples",
         ),
-        *("saved", "study", "workbench", "feeler"),
+        *("saved", "study", "tasks", "workbench", "feeler"),
     },
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "mechanism"),

@@ -95,10 +95,11 @@ if _typing.TYPE_CHECKING:
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
     from feeler.spreading import WorkerLost
-    from feeler.tasks.answer import Task, TaskBlocker, TaskStep
+    from feeler.tasks.answer import Task
     from feeler.tasks.holding import Hold, Holds, holds
     from feeler.tasks.planning import task
     from feeler.tasks.sight import Seen, Sight, eyes_in, sight
+    from feeler.tasks.steps import TaskBlocker, TaskStep
     from feeler.tasks.times import Times
     from feeler.workbench.scripting import View, view
 
@@ -390,17 +391,17 @@ _HOMES = {
         "Holds",
         "holds",
     ),
-    "feeler.tasks.answer": (
-        "Task",
-        "TaskBlocker",
-        "TaskStep",
-    ),
+    "feeler.tasks.answer": ("Task",),
     "feeler.tasks.planning": ("task",),
     "feeler.tasks.sight": (
         "Seen",
         "Sight",
         "eyes_in",
         "sight",
+    ),
+    "feeler.tasks.steps": (
+        "TaskBlocker",
+        "TaskStep",
     ),
     "feeler.tasks.times": ("Times",),
     "feeler.workbench.scripting": (

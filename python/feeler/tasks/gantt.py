@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from html import escape
 
 from feeler.atomic import atomic_file
-from feeler.tasks.answer import Task, TaskStep, clock
+from feeler.tasks.steps import TaskFacts, TaskStep, clock
 from feeler.tasks.times import EXAMPLES
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'"
@@ -32,7 +32,7 @@ _HUES = (212, 28, 145, 275, 350, 185, 48, 315)
 """Of tools, in order of their first use; by hand is grey."""
 
 
-def write_html(path: str | os.PathLike[str], task: Task) -> None:
+def write_html(path: str | os.PathLike[str], task: TaskFacts) -> None:
     """Writes the page. Raises `WriteError`."""
     title = f"Take out {', '.join(task.parts[:3])}{' and more' if len(task.parts) > 3 else ''}"
     page = [
@@ -51,7 +51,7 @@ def write_html(path: str | os.PathLike[str], task: Task) -> None:
         file.write("\n".join(page).encode("utf-8", errors="replace"))
 
 
-def _found(task: Task) -> list[str]:
+def _found(task: TaskFacts) -> list[str]:
     return [
         "<h2>Gantt chart</h2>",
         *_chart(task),
@@ -88,7 +88,7 @@ def _found(task: Task) -> list[str]:
     ]
 
 
-def _blocked(task: Task) -> list[str]:
+def _blocked(task: TaskFacts) -> list[str]:
     return [
         "<h2>Blocked</h2>",
         *_table(
@@ -98,7 +98,7 @@ def _blocked(task: Task) -> list[str]:
     ]
 
 
-def _elements(task: Task) -> list[str]:
+def _elements(task: TaskFacts) -> list[str]:
     return [
         "<h2>Elements</h2>",
         *_table(
@@ -125,7 +125,7 @@ def _table(heads: tuple[str, ...], rows: Iterable[tuple[str, ...]], numbers: tup
     return ["<table>", line(heads, "th"), *(line(row, "td") for row in rows), "</table>"]
 
 
-def _chart(task: Task) -> list[str]:
+def _chart(task: TaskFacts) -> list[str]:
     """A row for each step: a bar from its start to its end, in the colour of its tool, and its spread."""
     end = max((step.start + step.high for step in task.steps), default=1.0) or 1.0
     scale = (_WIDTH - _NAMES - 10.0) / end

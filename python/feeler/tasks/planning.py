@@ -21,12 +21,13 @@ from feeler.plan.sequence import Exit
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.actions import Actions, Together
-from feeler.tasks.answer import Task, TaskBlocker, TaskStep
+from feeler.tasks.answer import Task
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.reached import Reaching, Tooled
 from feeler.tasks.search import Found, Ordered, Search
+from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.times import Timed, Times
 from feeler.words import plural
 

@@ -12,7 +12,7 @@ from typing import Any
 from feeler.atomic import atomic_file
 from feeler.io.csv_table import Cell
 from feeler.io.xlsx import write_cell, xlsx_library
-from feeler.tasks.answer import Task
+from feeler.tasks.steps import TaskFacts
 from feeler.tasks.times import EXAMPLES
 
 _CREATED = datetime.datetime(1980, 1, 1)
@@ -20,7 +20,7 @@ _CREATED = datetime.datetime(1980, 1, 1)
 _WIDE = {"part", "arithmetic", "because", "parts", "in its way", "what"}
 
 
-def write_xlsx(path: str | os.PathLike[str], task: Task) -> None:
+def write_xlsx(path: str | os.PathLike[str], task: TaskFacts) -> None:
     """Writes sheets of the steps, the totals and the elements, and of what is blocked. Text is never a formula.
 
     Raises `WriteError`, and `OptionError` if XlsxWriter is not installed.
@@ -41,7 +41,7 @@ def write_xlsx(path: str | os.PathLike[str], task: Task) -> None:
         file.write(data.getvalue())
 
 
-def _sheets(task: Task) -> Iterable[tuple[str, Sequence[str], list[Sequence[Cell]]]]:
+def _sheets(task: TaskFacts) -> Iterable[tuple[str, Sequence[str], list[Sequence[Cell]]]]:
     heads = ("number", "verb", "part", "parts", "tool", "swing, deg", "strokes", "person", "start, s", "seconds")
     steps: list[Sequence[Cell]] = [
         (
