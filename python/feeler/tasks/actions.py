@@ -129,9 +129,8 @@ class Actions:
     def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
         """As `Problem`."""
         answer = self.answer(item, out)
-        if not answer.tooled:
-            return [], self._nodes(answer.blockers) - {item}
-        return [Choice(each.tool, self.undone(item, each).mean, each) for each in answer.tooled], frozenset()
+        choices = [Choice(each.tool, self.undone(item, each).mean, each) for each in answer.tooled]
+        return choices, self._nodes(answer.blockers) - {item}
 
     def answer(self, item: int, out: frozenset[int]) -> Reached:
         """With which tools a fastener is reached while items are out."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol
 
 MOST_SETS = 20_000
@@ -64,7 +64,7 @@ class Problem(Protocol):
         """Other fasteners on the axis of one: once one of them is undone, it is loose."""
 
     def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
-        """How a fastener is undone while items are out; if it is not, the items in the way."""
+        """How a fastener is undone while items are out; and the items in the way of a tool, or of a larger swing."""
 
     def by_hand(self, items: Iterable[int]) -> Choice:
         """How parts, which leave together, or a loose fastener are taken out."""
@@ -125,6 +125,16 @@ class _Set:
     items: frozenset[int]
     needs: tuple[Need, ...]
     chosen: Mapping[int, Way] = field(default_factory=dict)
+    costs: Mapping[int, float] = field(default_factory=dict)
+    """Seconds of fasteners whose tools get no more room than now."""
+    stays: frozenset[int] = frozenset()
+    """Items that plans of this set leave in place: they would give room to those."""
+
+    @property
+    def key(self) -> Hashable:
+        """Equal for equal sets."""
+        chosen = tuple(sorted(self.chosen.items(), key=lambda each: each[0]))
+        return (self.items, self.needs, chosen, tuple(sorted(self.costs.items())), self.stays)
 
 
 class Search:
@@ -135,56 +145,70 @@ class Search:
         self.sets = 0
         """Sets that were looked at."""
         self.stuck: dict[int, frozenset[int]] = {}
+        self._makes_room = False
 
     def best(self) -> Found:
-        """The quickest plan found, and its bound."""
+        """The quickest plan found, and its bound.
+
+        First what gives tools room is only taken out where no tool reaches; then also where it saves strokes.
+        """
+        first = self._run(Found(None, math.inf, math.inf, True, self.stuck))
+        if first.steps is None or first.bound >= first.seconds - SLACK:
+            return first
+        self._makes_room = True
+        second = self._run(first)
+        is_complete = first.is_complete and second.is_complete
+        return Found(second.steps, second.seconds, max(first.bound, second.bound), is_complete, self.stuck)
+
+    def _run(self, known: Found) -> Found:
+        """The search over sets. known: a plan from before."""
+        best, seconds = known.steps, known.seconds
         queue: list[tuple[float, int, _Set]] = []
-        seen: set[tuple[frozenset[int], tuple[Need, ...], tuple[tuple[int, Way], ...]]] = set()
-        best: tuple[Ordered, ...] | None = None
-        seconds, least_leaf, number = float("inf"), float("inf"), 0
+        seen: set[Hashable] = set()
+        least_leaf, number, looked = math.inf, 0, 0
+        limit = MOST_SETS if best is None else MOST_MORE
         first = self._grown(_Set(frozenset(), ()), [self.target])
-        if not math.isinf(self._bound(first)):
-            heapq.heappush(queue, (self._bound(first), number, first))
-        is_complete = True
-        limit = MOST_SETS
-        while queue:
-            bound, _, one = queue[0]
-            if bound >= seconds - SLACK:
+        assert first is not None
+        waiting = [first]
+        while True:
+            for one in waiting:
+                bound = self._bound(one)
+                if not math.isinf(bound) and one.key not in seen:
+                    seen.add(one.key)
+                    number += 1
+                    heapq.heappush(queue, (bound, number, one))
+            if not queue or queue[0][0] >= seconds - SLACK:
+                is_complete = True
                 break
-            if not self._goes_on() or self.sets >= limit:
+            if not self._goes_on() or looked >= limit:
                 is_complete = False
                 break
-            heapq.heappop(queue)
-            self.sets += 1
+            bound, _, one = heapq.heappop(queue)
+            looked += 1
             if one.needs:
-                children: Iterable[_Set] = self._children(one)
-            else:
-                least_leaf = min(least_leaf, bound)
-                steps, blocked = self._in_order(one)
-                if steps is not None:
-                    cost = self._seconds(steps)
-                    limit = limit if best is not None else min(limit, self.sets + MOST_MORE)
-                    if cost < seconds - SLACK:
-                        best, seconds = steps, cost
-                    continue
-                children = [self._grown(one, [item]) for item in sorted(blocked)]
-            for child in children:
-                if math.isinf(self._bound(child)):
-                    continue
-                key = (child.items, child.needs, tuple(sorted(child.chosen.items(), key=lambda each: each[0])))
-                if key not in seen:
-                    seen.add(key)
-                    number += 1
-                    heapq.heappush(queue, (self._bound(child), number, child))
-        waiting = queue[0][0] if queue else float("inf")
-        return Found(best, seconds, min(seconds, least_leaf, waiting), is_complete, self.stuck)
+                waiting = list(self._children(one))
+                continue
+            waiting = []
+            steps, blocked = self._in_order(one)
+            if steps is None:
+                waiting = [each for item in sorted(blocked) if (each := self._grown(one, [item])) is not None]
+                continue
+            least_leaf = min(least_leaf, bound)
+            if best is None:
+                limit = min(limit, looked + MOST_MORE)
+            cost = self._seconds(steps)
+            if cost < seconds - SLACK:
+                best, seconds = steps, cost
+        self.sets += looked
+        lowest = queue[0][0] if queue else math.inf
+        return Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
 
     def _bound(self, one: _Set) -> float:
         """The least seconds of all plans that take this set out: of its fasteners, of its parts with a known way, as
         many as cannot leave together, and of the first tool."""
         problem = self.problem
         turned = [item for item in one.items if problem.is_turned(item)]
-        found = sum(problem.least(item) for item in turned)
+        found = sum(one.costs.get(item, problem.least(item)) for item in turned)
         parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
         open_ = _leading_to({need.item for need in one.needs if need.rank == _WAY}, parts)
         found += sum(problem.by_hand(group).seconds for group in _groups(parts) if not open_ & set(group))
@@ -192,14 +216,16 @@ class Search:
         needs_tool = any(problem.least(item) > 0.0 and not problem.mates(item) for item in turned)
         return found + (problem.get_seconds if needs_tool else 0.0)
 
-    def _grown(self, one: _Set, more: Iterable[int]) -> _Set:
-        """The set with more items, and what each of them needs for sure."""
+    def _grown(self, one: _Set, more: Iterable[int]) -> _Set | None:
+        """The set with more items, and what each of them needs for sure; None if that has to stay."""
         items, needs = set(one.items), list(one.needs)
         waiting = [item for item in more if item not in items]
         while waiting:
             item = waiting.pop(0)
             if item in items:
                 continue
+            if item in one.stays:
+                return None
             items.add(item)
             for index, joint in enumerate(self.problem.holders(item)):
                 if len(joint) == 1:
@@ -213,47 +239,58 @@ class Search:
                 needs += [Need(_AXIS, item, 0), Need(_REACH, item, 0)]
             else:
                 needs.append(Need(_WAY, item, 0))
-        return _Set(frozenset(items), tuple(sorted(needs)), one.chosen)
+        return replace(one, items=frozenset(items), needs=tuple(sorted(needs)))
 
     def _children(self, one: _Set) -> Iterator[_Set]:
         """The sets that settle the first need of a set, each in one way."""
-        need, rest = one.needs[0], one.needs[1:]
-        left = _Set(one.items, rest, one.chosen)
+        need = one.needs[0]
+        left = replace(one, needs=one.needs[1:])
         item, problem = need.item, self.problem
         if need.rank == _JOINT:
             joint = problem.holders(item)[need.joint]
-            if joint & one.items:
-                yield left
-            else:
-                yield from (self._grown(left, [each]) for each in sorted(joint))
             if not joint:
                 self._note(item, frozenset())
+            yield from [left] if joint & one.items else self._with_each(left, joint)
         elif need.rank in (_AXIS, _WAY):
             ways = problem.ways(item)
             if not ways:
                 self._note(item, frozenset())
             for way in ways:
-                grown = _Set(one.items, rest, {**one.chosen, item: way})
-                yield self._grown(grown, sorted(way.blockers - one.items))
+                grown = self._grown(replace(left, chosen={**one.chosen, item: way}), sorted(way.blockers - one.items))
+                if grown is not None:
+                    yield grown
         else:
-            yield from self._reached(one, need, left)
+            yield from self._reached(one, item, left)
 
-    def _reached(self, one: _Set, need: Need, left: _Set) -> Iterator[_Set]:
-        item, problem = need.item, self.problem
+    def _with_each(self, one: _Set, items: Iterable[int]) -> Iterator[_Set]:
+        """A set for each item more."""
+        for item in sorted(items):
+            grown = self._grown(one, [item])
+            if grown is not None:
+                yield grown
+
+    def _reached(self, one: _Set, item: int, left: _Set) -> Iterator[_Set]:
+        problem = self.problem
         mates = problem.mates(item)
         if mates & one.items:
             yield left
             return
         choices, blockers = problem.tooled(item, one.items - {item} - self._after(item, one))
-        if choices:
-            yield left
+        more = blockers - one.items - {item}
+        if not choices:
+            yield from self._with_each(one, more)
+            yield from self._with_each(left, mates)
+            if not (more or mates):
+                self._note(item, blockers)
             return
-        for each in sorted(blockers - one.items - {item}):
-            yield self._grown(one, [each])
-        for each in sorted(mates):
-            yield self._grown(left, [each])
-        if not (blockers - one.items or mates):
-            self._note(item, blockers)
+        seconds = min(each.seconds for each in choices)
+        if not self._makes_room or mates:
+            yield left
+        elif seconds <= problem.least(item) + SLACK:
+            yield replace(left, costs={**one.costs, item: seconds})
+        else:
+            yield replace(left, costs={**one.costs, item: seconds}, stays=one.stays | more)
+            yield from self._with_each(one, more)
 
     def _note(self, item: int, blockers: frozenset[int]) -> None:
         self.stuck.setdefault(item, blockers)
