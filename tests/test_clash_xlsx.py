@@ -17,6 +17,7 @@ import feeler
 from feeler.clashes import as_xlsx, write_xlsx
 from feeler.clashes.columns import COLUMNS
 from feeler.errors import OptionError
+from feeler.io import xlsx
 
 pytest.importorskip("xlsxwriter")
 SPACE = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
@@ -140,5 +141,5 @@ def test_nothing_found_is_a_workbook_too(tmp_path: Path, mockup: feeler.Mockup) 
 def test_the_extra_is_asked_for_before_the_check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xlsxwriter", None)
     with pytest.raises(OptionError, match=r'pip install "feeler\[xlsx\]", or write CSV'):
-        as_xlsx.xlsx_library()
+        xlsx.xlsx_library()
     assert "needs XlsxWriter" in error_of("clash", "none.glb", "--xlsx", tmp_path / "a.xlsx")

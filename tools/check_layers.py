@@ -327,8 +327,8 @@ ROOMS: dict[str, set[str]] = {
         *(*BASE, "clashes", "haptics", "ignored", "io", "mechanism", "parts", "picture", "plan", "project"),
         *("requirements", "samples", "feeler"),
     },
-    # What holds a part.
-    "task": {*BASE, "parts", "plan"},
+    # What holds a part, and how it is taken out.
+    "tasks": {*BASE, "io", "parts", "plan"},
     # Clearances that must hold.
     "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.
@@ -347,7 +347,7 @@ ROOMS: dict[str, set[str]] = {
             "requirements",
             "samples",
         ),
-        *("saved", "study", "workbench", "feeler"),
+        *("saved", "study", "tasks", "workbench", "feeler"),
     },
     "__init__": {
         *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "mechanism"),
@@ -360,7 +360,7 @@ ROOMS: dict[str, set[str]] = {
             "samples",
             "spreading",
             "study",
-            "task",
+            "tasks",
             "types",
             "workbench",
         ),

@@ -95,8 +95,12 @@ if _typing.TYPE_CHECKING:
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
     from feeler.spreading import WorkerLost
-    from feeler.task.holding import Hold, Holds, holds
-    from feeler.task.sight import Seen, Sight, eyes_in, sight
+    from feeler.tasks.answer import Task
+    from feeler.tasks.holding import Hold, Holds, holds
+    from feeler.tasks.planning import task
+    from feeler.tasks.sight import Seen, Sight, eyes_in, sight
+    from feeler.tasks.steps import TaskBlocker, TaskStep
+    from feeler.tasks.times import Times
     from feeler.workbench.scripting import View, view
 
     __version__: str
@@ -181,6 +185,10 @@ __all__ = [
     "Sight",
     "Slide",
     "Source",
+    "Task",
+    "TaskBlocker",
+    "TaskStep",
+    "Times",
     "Tool",
     "Tracks",
     "VariantsError",
@@ -223,6 +231,7 @@ __all__ = [
     "sample_truth",
     "sight",
     "swept",
+    "task",
     "verify",
     "view",
 ]
@@ -377,17 +386,24 @@ _HOMES = {
     ),
     "feeler.source": ("Source",),
     "feeler.spreading": ("WorkerLost",),
-    "feeler.task.holding": (
+    "feeler.tasks.holding": (
         "Hold",
         "Holds",
         "holds",
     ),
-    "feeler.task.sight": (
+    "feeler.tasks.answer": ("Task",),
+    "feeler.tasks.planning": ("task",),
+    "feeler.tasks.sight": (
         "Seen",
         "Sight",
         "eyes_in",
         "sight",
     ),
+    "feeler.tasks.steps": (
+        "TaskBlocker",
+        "TaskStep",
+    ),
+    "feeler.tasks.times": ("Times",),
     "feeler.workbench.scripting": (
         "View",
         "view",

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import datetime
-import importlib
 import io
-import math
 import os
 from collections.abc import Callable
 from typing import Any
@@ -19,8 +17,8 @@ from feeler.clashes.columns import COLUMNS, cells
 from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 from feeler.clashes.words import capitalised, hidden
-from feeler.errors import OptionError
 from feeler.io.csv_table import Cell
+from feeler.io.xlsx import write_cell, xlsx_library
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 
@@ -35,14 +33,6 @@ _WIDTHS = {"id": 12.0, "group": 30.0, "path_a": 40.0, "path_b": 40.0, "note": 30
 _WIDTH = 12.0
 _CREATED = datetime.datetime(1980, 1, 1)
 """Fixed, so that equal findings give equal bytes."""
-
-
-def xlsx_library() -> Any:
-    """The module XlsxWriter. Raises `OptionError` if it is not installed."""
-    try:
-        return importlib.import_module("xlsxwriter")
-    except ImportError:
-        raise OptionError('--xlsx needs XlsxWriter: pip install "feeler[xlsx]", or write CSV') from None
 
 
 def write_xlsx(
@@ -100,7 +90,7 @@ def write_xlsx(
                     image = {"image_data": io.BytesIO(drawn(number - 1)), "x_scale": _SCALE, "y_scale": _SCALE}
                     sheet.insert_image(number, 0, f"{number}.png", {**image, "object_position": 1})
                 for place, cell in enumerate(row, start=1):
-                    _write(sheet, number, place, cell, top)
+                    write_cell(sheet, number, place, cell, top)
             _summary(book.add_worksheet("summary"), clashes, count, pictured, bold)
         finally:
             book.close()  # removes its own files, too
@@ -115,15 +105,6 @@ def _drawing(clashes: Clashes, mockup: Mockup) -> Callable[[int], bytes]:
     check_same(mockup, clashes)
     pictures = Pictures(mockup)
     return lambda row: pictures.png(clashes[row])
-
-
-def _write(sheet: Any, row: int, column: int, cell: Cell, style: Any = None) -> None:
-    """Writes text as text and numbers as numbers. Unknown values stay empty."""
-    if isinstance(cell, str):
-        text = cell.encode("utf-8", errors="replace").decode("utf-8")
-        sheet.write_string(row, column, text, style)  # it cuts text that is too long for a cell of Excel
-    elif cell is not None and math.isfinite(cell):
-        sheet.write_number(row, column, cell, style)
 
 
 def _summary(sheet: Any, clashes: Clashes, count: int, pictured: int, bold: Any) -> None:
@@ -148,4 +129,4 @@ def _summary(sheet: Any, clashes: Clashes, count: int, pictured: int, bold: Any)
     sheet.set_column(1, 1, 80.0)
     for row, (name, value) in enumerate(lines):
         sheet.write_string(row, 0, name, bold)
-        _write(sheet, row, 1, value)
+        write_cell(sheet, row, 1, value)

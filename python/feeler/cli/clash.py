@@ -139,9 +139,9 @@ def clash(
     partial, and ends with 130.
     """
     from feeler import clashes as room
-    from feeler.clashes.as_xlsx import xlsx_library
     from feeler.clashes.changes import check_previous
     from feeler.cli import outputs
+    from feeler.io.xlsx import xlsx_library
 
     named = named_project(mockup, project)
     if named is not None and (previous is not None or _is_saved(mockup)):

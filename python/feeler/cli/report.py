@@ -84,8 +84,8 @@ def report(
     has no pictures. Exit status: 0 fine, 2 bad input. Ctrl-C writes the report with the pictures made so far, and ends
     with 130.
     """
-    from feeler.clashes.as_xlsx import xlsx_library
     from feeler.cli import outputs
+    from feeler.io.xlsx import xlsx_library
     from feeler.workbench.report.as_json import report_json
     from feeler.workbench.report.content import report_of
     from feeler.workbench.report.media import media_of

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from feeler.clashes.as_xlsx import xlsx_library
 from feeler.io.csv_table import Cell
+from feeler.io.xlsx import xlsx_library
 from feeler.workbench.report.values import FindingRow, Media, ReachRow, Report, RequirementRow, WayRow
 
 MOST_ROWS = 100_000

@@ -17,8 +17,8 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.task.passing import Passed, in_bore, passed_by, under
-from feeler.task.retainers import clasped, retained
+from feeler.tasks.passing import Passed, in_bore, passed_by, under
+from feeler.tasks.retainers import clasped, retained
 
 Floats = npt.NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import words
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
-from feeler.task.passing import passed_by
+from feeler.tasks.passing import passed_by
 
 Floats = npt.NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""Tasks: plans of random assemblies against exhaustive search."""

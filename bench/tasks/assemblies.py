@@ -1,0 +1,199 @@
+"""Random assemblies of plates under bolts, hoods, bars, posts and plugs, whose truth is known by their construction.
+
+A base block, plates on it, bolts through them into the base; hoods over heads, bars above heads and posts beside them,
+which are in the way of tools; plugs in the base. Boxes are parallel to the axes, bolts along z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import feeler
+from feeler.samples import hardware
+from feeler.samples.tessellation import Tolerance
+
+manifold3d = import_module("manifold3d")  # an extra, without type information
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+MOST_PARTS = 7
+SIZE_M, CLEAR_M = 0.008, 0.0045
+"""Diameter of the bolts, and the radius of their holes in plates."""
+ENGAGED_M = 0.01
+"""How deep bolts are in the base."""
+PLATE_M, SIDE_M, BASE_M = 0.006, 0.06, 0.03
+PLACES = ((-0.035, -0.035), (-0.035, 0.035), (0.035, -0.035), (0.035, 0.035))
+GAP_M = 2e-5
+"""Between parts that lie on each other: no flush faces."""
+TOLERANCE = Tolerance(2e-4)
+
+
+@dataclass
+class Part:
+    """A part of boxes, `(n, 2, 3)`, metres; a bolt's are around its shank and head."""
+
+    name: str
+    boxes: Floats
+    mesh: tuple[Floats, Ints]
+    is_bolt: bool = False
+    holds: set[int] = field(default_factory=set)
+    """Of a bolt: the plates that it goes through."""
+    travel: float = 0.0
+
+
+@dataclass
+class Assembly:
+    """Parts, the one that is wanted, and those that stay."""
+
+    parts: list[Part]
+    wanted: int = 0
+    keep: frozenset[int] = frozenset()
+
+    def mockup(self) -> feeler.Mockup:
+        """The parts as one mock-up."""
+        meshes = [part.mesh for part in self.parts]
+        first = np.cumsum([0] + [len(corners) for corners, _ in meshes])
+        return feeler.Mockup(
+            np.concatenate([corners for corners, _ in meshes]),
+            np.concatenate([faces + begin for (_, faces), begin in zip(meshes, first, strict=False)]),
+            np.repeat(np.arange(len(meshes)), [len(faces) for _, faces in meshes]),
+            [part.name for part in self.parts],
+        )
+
+
+def random_assembly(seed: int) -> Assembly:
+    """The assembly of a number."""
+    rng = np.random.default_rng([seed, 64])
+    made = Assembly([])
+    half = SIDE_M
+    _add_box(made, "base", [[-half, -half, -BASE_M], [half, half, 0.0]])
+    count = int(rng.integers(1, 3))
+    plates = [_plate(rng, level) for level in range(count)]
+    bolts = [place for place in rng.permutation(len(PLACES)).tolist()[: int(rng.integers(1, 4))]]
+    for level, (low, high) in enumerate(plates):
+        holes = [PLACES[place] for place in bolts if _is_in(PLACES[place], low, high)]
+        made.parts.append(_drilled(f"plate_{level}", low, high, holes))
+    for place in bolts:
+        _add_bolt(made, place, plates)
+    tops = {place: _top(PLACES[place], plates) for place in bolts}
+    for place in bolts:
+        if len(made.parts) < MOST_PARTS and rng.random() < 0.7:
+            _add_obstacle(made, rng, PLACES[place], tops[place])
+    if len(made.parts) < MOST_PARTS and rng.random() < 0.3:
+        free = [place for place in range(len(PLACES)) if place not in bolts]
+        _add_bolt(made, free[0], [], "plug")
+    others = [n for n, part in enumerate(made.parts) if n and not part.name.startswith(("hood", "bar", "post"))]
+    made.wanted = int(rng.choice(others))
+    movable = [n for n, part in enumerate(made.parts) if n and n != made.wanted and not part.is_bolt]
+    made.keep = frozenset([0, *(n for n in movable if rng.random() < 0.1)])
+    return made
+
+
+def tools() -> dict[str, Any]:
+    """A stubby handle that swings nearly everywhere, and a long one that goes over low obstacles."""
+    return {"stubby": _handle(0.018, 0.001, "stubby"), "crank": _handle(0.05, 0.03, "crank")}
+
+
+def _handle(length: float, height: float, name: str) -> feeler.Tool:
+    """A rod up from the head, and a handle across."""
+    rod = _box([[-0.002, -0.002, 0.0005], [0.002, 0.002, height + 0.004]])
+    arm = _box([[-0.002, -0.002, height], [length, 0.002, height + 0.004]])
+    corners, faces = _arrays(rod + arm)
+    return feeler.Tool(corners, faces, name)
+
+
+def _plate(rng: np.random.Generator, level: int) -> tuple[Floats, Floats]:
+    """Corners: of the whole face, or of one half."""
+    low = np.array([-SIDE_M, -SIDE_M, level * (PLATE_M + GAP_M) + GAP_M])
+    high = np.array([SIDE_M, SIDE_M, low[2] + PLATE_M])
+    side = int(rng.integers(0, 3))
+    if side == 1:
+        high[0] = -0.005
+    elif side == 2:
+        low[0] = 0.005
+    return low, high
+
+
+def _is_in(place: tuple[float, float], low: Floats, high: Floats) -> bool:
+    return bool(low[0] < place[0] < high[0] and low[1] < place[1] < high[1])
+
+
+def _top(place: tuple[float, float], plates: list[tuple[Floats, Floats]]) -> float:
+    """Where the head of a bolt lies."""
+    return max((float(high[2]) for low, high in plates if _is_in(place, low, high)), default=0.0) + GAP_M
+
+
+def _add_box(made: Assembly, name: str, corners: list[list[float]]) -> None:
+    box = np.array(corners, dtype=np.float64)
+    made.parts.append(Part(name, box[None], _arrays(_box(corners))))
+
+
+def _drilled(name: str, low: Floats, high: Floats, holes: list[tuple[float, float]]) -> Part:
+    solid = _box([low.tolist(), high.tolist()])
+    for x, y in holes:
+        drill = manifold3d.Manifold.cylinder(3.0 * PLATE_M, CLEAR_M, CLEAR_M, 24)
+        solid = solid - drill.translate((x, y, float(low[2]) - PLATE_M))
+    return Part(name, np.array([[low, high]]), _arrays(solid))
+
+
+def _add_bolt(made: Assembly, place: int, plates: list[tuple[Floats, Floats]], name: str = "bolt") -> None:
+    x, y = PLACES[place]
+    top = _top((x, y), plates)
+    length = top + ENGAGED_M
+    mesh = hardware.hex_bolt(SIZE_M, length, TOLERANCE)
+    corners = mesh.vertices + np.array([x, y, top])
+    head = float(corners[:, 2].max())
+    wide = float(np.hypot(mesh.vertices[:, 0], mesh.vertices[:, 1]).max())
+    boxes = np.array(
+        [
+            [[x - 0.5 * SIZE_M, y - 0.5 * SIZE_M, -ENGAGED_M], [x + 0.5 * SIZE_M, y + 0.5 * SIZE_M, top]],
+            [[x - wide, y - wide, top], [x + wide, y + wide, head]],
+        ]
+    )
+    holds = {1 + level for level, (low, high) in enumerate(plates) if _is_in((x, y), low, high)}
+    number = sum(part.is_bolt for part in made.parts)
+    made.parts.append(Part(f"{name}_{number}", boxes, (corners, mesh.faces.astype(np.int64)), True, holds, length))
+
+
+def _add_obstacle(made: Assembly, rng: np.random.Generator, place: tuple[float, float], top: float) -> None:
+    """Over, above or beside a head."""
+    x, y = place
+    number = len(made.parts)
+    kind = int(rng.integers(0, 3))
+    if kind == 0:
+        wide, low = 0.016, top + GAP_M
+        outer = [[x - wide, y - wide, low], [x + wide, y + wide, low + 0.03]]
+        inner = [[x - wide + 0.003, y - wide + 0.003, low - 1.0], [x + wide - 0.003, y + wide - 0.003, low + 0.026]]
+        walls = [
+            [[x - wide, y - wide, low], [x - wide + 0.003, y + wide, low + 0.03]],
+            [[x + wide - 0.003, y - wide, low], [x + wide, y + wide, low + 0.03]],
+            [[x - wide, y - wide, low], [x + wide, y - wide + 0.003, low + 0.03]],
+            [[x - wide, y + wide - 0.003, low], [x + wide, y + wide, low + 0.03]],
+            [[x - wide, y - wide, low + 0.026], [x + wide, y + wide, low + 0.03]],
+        ]
+        made.parts.append(Part(f"hood_{number}", np.array(walls), _arrays(_box(outer) - _box(inner))))
+    elif kind == 1:
+        low = top + float(rng.choice([0.012, 0.025, 0.05]))
+        far = 0.055 if rng.random() < 0.5 else 0.012
+        _add_box(made, f"bar_{number}", [[x - 0.012, y - far, low], [x + 0.012, y + far, low + 0.006]])
+    else:
+        away = float(rng.choice([0.012, 0.02, 0.03]))
+        way = rng.choice([-1.0, 1.0])
+        at = np.sort([x + way * away, x + way * (away + 0.006)])
+        _add_box(made, f"post_{number}", [[at[0], y - 0.02, top + GAP_M], [at[1], y + 0.02, top + 0.045]])
+
+
+def _box(corners: list[list[float]]) -> Any:
+    low, high = np.array(corners)
+    return manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
+
+
+def _arrays(solid: Any) -> tuple[Floats, Ints]:
+    mesh = solid.to_mesh64()
+    return np.asarray(mesh.vert_properties)[:, :3].copy(), np.asarray(mesh.tri_verts).astype(np.int64)

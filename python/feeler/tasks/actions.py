@@ -1,0 +1,290 @@
+"""The actions of a task: undo, disconnect and take out, each asked of the geometry once for all that it looks at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mockup import Tool
+from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph
+from feeler.plan.question import TARGET, Clock, Question
+from feeler.scene import Scene
+from feeler.tasks.fixings import Fixing, Fixings
+from feeler.tasks.reached import Reached, Reaching, Tooled
+from feeler.tasks.search import Choice, Way
+from feeler.tasks.times import Timed, Times
+
+Floats = npt.NDArray[np.float64]
+
+AXIS = "axis"
+"""The motion of a fastener: out along its axis."""
+DRAWN_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0)
+"""Where, on the way of a fastener, depths are measured."""
+BOX_M = 1e-6
+"""What boxes are grown by where they tell what a motion can touch."""
+
+
+@dataclass(frozen=True)
+class Together(Question):
+    """A question in which fasteners leave with their washers, and parts with what is fastened to them alone."""
+
+    riders: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    lead: dict[int, int] = field(default_factory=dict)
+    """What leaves with another item: a washer with its fastener, a union nut with its pipe."""
+    undone: tuple[int, ...] = ()
+    """Fasteners that are wanted themselves."""
+
+    def node_of(self, part: int) -> int:
+        """The item that has to leave for a part to be gone."""
+        if part in self.wanted:
+            return TARGET
+        leader = self.lead.get(part, part)
+        return TARGET if leader in self.wanted else leader
+
+    def parts_of(self, nodes: Iterable[int]) -> tuple[int, ...]:
+        """All parts that leave with items."""
+        found: set[int] = set()
+        for node in nodes:
+            own = self.wanted if node == TARGET else (node,)
+            found.update(own)
+            found.update(rider for part in own for rider in self.riders.get(part, ()))
+        return tuple(sorted(found))
+
+
+class _Graph(BlockingGraph):
+    """What blocks parts, where the fasteners are those of `holds`."""
+
+    def __init__(self, question: Together, clock: Clock, fixings: Fixings) -> None:
+        super().__init__(question, clock)
+        self._fixings = fixings
+
+    def holding(self, node: int) -> frozenset[int]:
+        """The fasteners that are undone before a part leaves."""
+        if node not in self._holding:
+            joints = joints_of(self.question, self._fixings, node)
+            self._holding[node] = frozenset(next(iter(each)) for each in joints if len(each) == 1)
+        return self._holding[node]
+
+
+def joints_of(question: Question, fixings: Fixings, node: int) -> list[frozenset[int]]:
+    """Of each joint of a part with others: the fasteners of which one has to be undone. Empty sets: none can be."""
+    own = set(question.parts_of([node]))
+    found: dict[frozenset[int], frozenset[int]] = {}
+    for part in sorted(own):
+        for fastener in fixings.by_joined.get(part, ()):
+            if set(fixings.joins(fastener)) <= own:
+                continue
+            axis = frozenset([fastener, *(mate for mate in fixings.axis_mates(fastener))])
+            found[axis] = axis - question.kept
+    return list(found.values())
+
+
+class Actions:
+    """The actions of a scene, as `Search` asks for them."""
+
+    def __init__(self, question: Together, clock: Clock, fixings: Fixings, reaching: Reaching, times: Times) -> None:
+        self.question, self.clock, self.fixings, self.reaching, self.times = question, clock, fixings, reaching, times
+        self.graph = _Graph(question, clock, fixings)
+        self.get_seconds = times.elements["get"].mean
+        self._axis: dict[int, tuple[Way, ...]] = {}
+        self._least: dict[int, float] = {}
+        self._needed: dict[int, frozenset[int]] = {}
+        self._holders: dict[int, list[frozenset[int]]] = {}
+        self.met: dict[int, frozenset[int]] = {}
+        """Of each fastener that a kept part stops on its axis: that part."""
+
+    def is_turned(self, item: int) -> bool:
+        """Whether it is a fastener that a tool turns."""
+        return item != TARGET and self.fixings.is_turned(item)
+
+    def holders(self, item: int) -> Sequence[frozenset[int]]:
+        """As `Problem`."""
+        if item not in self._holders:
+            turned = self.is_turned(item)
+            self._holders[item] = [] if turned else joints_of(self.question, self.fixings, item)
+            if item == TARGET:
+                self._holders[item] += [frozenset([each]) for each in self.question.undone]
+        return self._holders[item]
+
+    def ways(self, item: int) -> Sequence[Way]:
+        """As `Problem`."""
+        if self.is_turned(item):
+            if item not in self._axis:
+                self._axis[item] = self._along_axis(self.fixings.of(item))
+            return self._axis[item]
+        if item == TARGET and not self.question.wanted:
+            return [Way((AXIS,), frozenset())]
+        if item in self.fixings.studs:
+            return []
+        return [Way(one.motions, one.blockers) for one in self.graph.exits(item)]
+
+    def mates(self, item: int) -> frozenset[int]:
+        """As `Problem`."""
+        return frozenset(self.fixings.axis_mates(item)) - self.question.kept
+
+    def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
+        """As `Problem`."""
+        answer = self.answer(item, out)
+        choices = [Choice(each.tool, self.undone(item, each).mean, each) for each in answer.tooled]
+        return choices, self._nodes(answer.blockers) - {item}
+
+    def answer(self, item: int, out: frozenset[int]) -> Reached:
+        """With which tools a fastener is reached while items are out."""
+        self.clock.look()
+        fixing = self.fixings.of(item)
+        assert fixing.row is not None
+        return self.reaching.reached(fixing.row, self.gone(out) - {fixing.part})
+
+    def gone(self, out: Iterable[int]) -> frozenset[int]:
+        """The parts that are away while items are out: union nuts stay on their pipes."""
+        away = [item for item in out if not self.is_captive(item)]
+        wanted = () if self.question.wanted else (TARGET,)
+        return frozenset(self.question.parts_of(item for item in away if item not in wanted))
+
+    def is_captive(self, item: int) -> bool:
+        """Whether an undone fastener stays in the mock-up."""
+        return self.is_turned(item) and self.fixings.captive_on(item) is not None
+
+    def undone(self, item: int, tooled: Tooled) -> Timed:
+        """The time to undo a fastener with a tool in hand."""
+        fixing = self.fixings.of(item)
+        strokes = tooled.strokes or self.times.strokes(fixing.turns, tooled.swing_deg)
+        last = ["slide"] if self.is_captive(item) else ["draw", "aside"]
+        return self.times.undo(fixing.hold.path, fixing.turns, tooled.swing_deg, strokes, last)
+
+    def by_hand(self, items: Iterable[int]) -> Choice:
+        """As `Problem`."""
+        timed = self.taken(tuple(items))
+        return Choice("", timed.mean, None)
+
+    def taken(self, items: Sequence[int]) -> Timed:
+        """The time of a step without a tool."""
+        if TARGET in items and not self.question.wanted:
+            return Timed(0.0, 0.0, "")
+        first = self.question.parts_of(items[:1])[0] if items[0] == TARGET else items[0]
+        path = self.question.scene.mockup.part_paths[first]
+        if items[0] in self.fixings:
+            kind = self.fixings.of(items[0]).hold.kind
+            if kind in ("circlip", "pin"):
+                return self.times.by_hand(path, ["clip" if kind == "circlip" else "pin", "aside"])
+            return self.times.by_hand(path, ["draw", "aside"])
+        return self.times.by_hand(path, ["take", "aside"])
+
+    def least(self, item: int) -> float:
+        """As `Problem`: with all out that can be out before, and a loose fastener by hand."""
+        if item not in self._least:
+            by_hand = self.by_hand([item]).seconds
+            options = [each.seconds for each in self.tooled(item, self._most_out(item))[0]]
+            self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
+        return self._least[item]
+
+    def needed(self, item: int) -> frozenset[int]:
+        """As `Problem`: of the items in the way at first, those that are in it alone."""
+        if item not in self._needed:
+            found: set[int] = set()
+            choices, blockers = self.tooled(item, frozenset())
+            if not (choices or self.mates(item) or math.isinf(self.least(item))):
+                most = self._most_out(item)
+                found = {each for each in sorted(blockers & most) if not self.tooled(item, most - {each})[0]}
+            self._needed[item] = frozenset(found)
+        return self._needed[item]
+
+    def _most_out(self, item: int) -> frozenset[int]:
+        """All items that can be out before a fastener is undone: not what it alone holds, nor what is kept."""
+        question = self.question
+        stays = {TARGET, item, *question.kept, *self.fixings.studs}
+        alone = frozenset([item])
+        for part in self.fixings.joins(item):
+            node = question.node_of(part)
+            if alone in self.holders(node):
+                stays.add(node)
+        present = np.flatnonzero(question.scene.part_mask).tolist()
+        return frozenset(question.node_of(part) for part in present) - stays
+
+    def _nodes(self, parts: Iterable[int]) -> frozenset[int]:
+        """The items that have to leave for parts to be gone, but those that are kept."""
+        question = self.question
+        nodes = {question.node_of(part) for part in parts if part not in question.kept}
+        return frozenset(nodes - question.kept - set(self.fixings.studs) - {TARGET})
+
+    def _along_axis(self, fixing: Fixing) -> tuple[Way, ...]:
+        """The way out along the axis, with all that is in it; none if something kept is."""
+        question = self.question
+        own = question.parts_of([fixing.part])
+        tool, rest = Tool.of_parts(question.scene.mockup, list(own)), question.scene.without(list(own))
+        passed = set(self.ignored(fixing))
+        deep = self._deep(rest, tool, passed)
+        found = self._deepening(rest, tool, fixing, deep)
+        passed |= deep
+        if not all(self._nodes([part]) for part in found):
+            self.met[fixing.part] = frozenset(found)
+            return ()
+        pose, far = np.eye(4), self.drawn(fixing)
+        while True:
+            self.clock.look()
+            ignore = [("*", sorted(passed))] if passed else None
+            hit = rest.cast(tool, pose, far, touching="free", ignore=ignore)
+            if hit is None:
+                return (Way((AXIS,), self._nodes(found)),)
+            if not self._nodes([hit.part]):
+                self.met[fixing.part] = frozenset([hit.part])
+                return ()
+            found.add(hit.part)
+            passed.add(hit.part)
+            pose = hit.pose
+
+    def _deep(self, rest: Scene, tool: Tool, passed: set[int]) -> set[int]:
+        """The parts that a fastener crosses at its place, such as the facets of its hole."""
+        contacts = rest.collide(tool, np.eye(4), ignore=[("*", sorted(passed))] if passed else None)
+        crossing = contacts.pairs[contacts.kinds == "crossing", 1]
+        return set(np.unique(self.question.scene.mockup.part_of_face[crossing]).tolist())
+
+    def _deepening(self, rest: Scene, tool: Tool, fixing: Fixing, parts: set[int]) -> set[int]:
+        """Those of them that it enters deeper on its way, by samples."""
+        found: set[int] = set()
+        for part in sorted(parts):
+            alone = rest.only([part])
+            limit = DEEPER_M + (1.0 + DEEPER_SHARE) * _depth(alone, tool, np.eye(4))
+            for share in DRAWN_SHARES:
+                self.clock.look()
+                if _depth(alone, tool, self.drawn(fixing, share)) > limit:
+                    found.add(part)
+                    break
+        return found
+
+    def drawn(self, fixing: Fixing, share: float = 1.0) -> Floats:
+        """The motion of a fastener when it is drawn, or a share of it, (4, 4)."""
+        assert fixing.row is not None
+        far = np.eye(4)
+        far[:3, 3] = share * fixing.travel * fixing.row.axis
+        return far
+
+    def ignored(self, fixing: Fixing) -> list[int]:
+        """What a fastener may meet on its axis: its thread, and what it is on."""
+        more = [fixing.hold.anchor, self.fixings.captive_on(fixing.part), *fixing.hold.mates]
+        return sorted({part for part in more if part is not None and self.question.scene.part_mask[part]})
+
+    def looked(self, items: Sequence[int], poses: Floats) -> frozenset[int]:
+        """The parts whose boxes parts can meet on their way: those that the way depends on."""
+        question = self.question
+        own = question.parts_of(items)
+        tool = Tool.of_parts(question.scene.mockup, list(own))
+        corners = tool.bounds[[0, 0, 0, 0, 1, 1, 1, 1], 0], tool.bounds[[0, 0, 1, 1, 0, 0, 1, 1], 1]
+        box = np.column_stack([*corners, tool.bounds[[0, 1] * 4, 2]])
+        moved = np.einsum("nij,kj->nki", poses[:, :3, :3], box) + poses[:, None, :3, 3]
+        # Between two poses its middle is on a line, and corners turn about it.
+        turns = np.einsum("nij,nij->n", poses[1:, :3, :3], poses[:-1, :3, :3])
+        half = 0.5 * np.arccos(np.clip(0.5 * (turns - 1.0), -1.0, 1.0)).max(initial=0.0)
+        grown = BOX_M + 0.5 * float(np.linalg.norm(tool.bounds[1] - tool.bounds[0])) * (1.0 - np.cos(half))
+        lower, upper = moved.min(axis=(0, 1)) - grown, moved.max(axis=(0, 1)) + grown
+        bounds = question.scene.mockup.part_bounds.reshape(-1, 2, 3)
+        meets = ((bounds[:, 0] <= upper) & (bounds[:, 1] >= lower)).all(axis=1) & question.scene.part_mask
+        return frozenset(np.flatnonzero(meets).tolist()) - set(own)
+
+
+def _depth(alone: Scene, tool: Tool, pose: Floats) -> float:
+    return max(alone.depth(tool, pose).depths.tolist(), default=0.0)

@@ -1,0 +1,21 @@
+"""The answer of `task`, and the files that it writes."""
+
+from __future__ import annotations
+
+import os
+
+from feeler.tasks.gantt import write_html
+from feeler.tasks.steps import TaskFacts
+from feeler.tasks.workbook import write_xlsx
+
+
+class Task(TaskFacts):
+    """How parts are taken out: the best plan that was found, in steps. See `task`."""
+
+    def to_html(self, path: str | os.PathLike[str]) -> None:
+        """Writes a page with a Gantt chart and the arithmetic of each step. It loads nothing. Raises `WriteError`."""
+        write_html(path, self)
+
+    def to_xlsx(self, path: str | os.PathLike[str]) -> None:
+        """Writes a workbook: steps, totals, elements. Needs `feeler[xlsx]`. Raises `WriteError`, `OptionError`."""
+        write_xlsx(path, self)

@@ -1,0 +1,213 @@
+"""Fasteners as a task sees them: what each joins, what goes with it, how far it is turned, and how far it is drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mockup import Tool
+from feeler.plan.fasteners import Fastener, Fasteners
+from feeler.scene import Scene
+from feeler.tasks.holding import Hold, Holds
+from feeler.tasks.passing import Passed, in_bore, passed_by
+from feeler.tasks.times import Times, Turns
+
+Floats = npt.NDArray[np.float64]
+
+WIDTHS_MM: dict[float, tuple[float, ...]] = {
+    **{3.0: (5.5,), 4.0: (7.0,), 5.0: (8.0,), 6.0: (10.0,), 8.0: (13.0,), 10.0: (16.0, 17.0), 12.0: (18.0, 19.0)},
+    **{14.0: (21.0, 22.0), 16.0: (24.0,), 18.0: (27.0,), 20.0: (30.0,), 24.0: (36.0,), 30.0: (46.0,), 36.0: (55.0,)},
+}
+"""Widths across flats by nominal diameter, ISO 272, millimetres: threads are drawn as core or outside."""
+WIDTH_SHARE = 0.03
+"""How near a width must be."""
+SIZE_SHARE = (0.7, 1.3)
+"""The diameter in the mesh, over that of the width, for the width to decide."""
+BEYOND = 1.02
+"""How far a fastener is drawn, in lengths of its thread."""
+
+
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Fixing:
+    """One fastener."""
+
+    hold: Hold
+    row: Fastener | None
+    """None for circlips, pins and what a table says: they come off by hand."""
+    turns: Turns
+    travel: float
+    """How far it is drawn along its axis, metres."""
+
+    @property
+    def part(self) -> int:
+        """Its own part."""
+        return self.hold.fastener
+
+
+class Fixings:
+    """All fasteners of a scene."""
+
+    def __init__(self, scene: Scene, rows: Fasteners, held: Holds, times: Times) -> None:
+        self.scene, self.times = scene, times
+        self._rows = {row.part: row for row in rows}
+        self._held = {hold.fastener: hold for hold in held}
+        mask = scene.part_mask.copy()
+        mask[[row.part for row in rows if row.part < len(mask)]] = False
+        self._bare = scene.only(mask)
+        self._washers = self._sorted_washers(held)
+        self._known: dict[int, Fixing] = {}
+        self._captive: dict[int, int | None] = {}
+        self.studs: dict[int, int] = {
+            hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
+        }
+        """Studs, and the part that each is fastened in."""
+        self.by_joined: dict[int, list[int]] = {}
+        """Fasteners by the parts that they join."""
+        for hold in held:
+            for part in self.joins(hold.fastener):
+                self.by_joined.setdefault(part, []).append(hold.fastener)
+
+    def __contains__(self, part: object) -> bool:
+        return part in self._held and self._held[part].kind != "stud"
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(part for part, hold in self._held.items() if hold.kind != "stud")
+
+    def of(self, part: int) -> Fixing:
+        """The fastener of a part."""
+        if part not in self._known:
+            self._known[part] = self._made(part)
+        return self._known[part]
+
+    def joins(self, part: int) -> tuple[int, ...]:
+        """The parts that a fastener joins, without itself."""
+        hold = self._held[part]
+        if hold.kind == "stud" or not hold.parts:
+            return ()
+        ends = [*hold.parts, self._end(hold)]
+        return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))
+
+    def axis_mates(self, part: int) -> tuple[int, ...]:
+        """Other fasteners on its axis, without studs."""
+        return tuple(each for each in self._held[part].mates if each in self)
+
+    def is_turned(self, part: int) -> bool:
+        """Whether a fastener is turned by a tool."""
+        return part in self and part in self._rows
+
+    def is_plug(self, part: int) -> bool:
+        """Whether a fastener holds itself alone."""
+        return self._held[part].parts == (part,)
+
+    def anchor(self, part: int) -> int | None:
+        """What a fastener is fastened in."""
+        return self._held[part].anchor
+
+    def washers(self, part: int) -> list[int]:
+        """The washers that leave with a fastener."""
+        return self._washers.get(part, [])
+
+    def captive_on(self, part: int) -> int | None:
+        """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""
+        if part not in self._captive:
+            self._captive[part] = self._held_on(part)
+        return self._captive[part]
+
+    def _held_on(self, part: int) -> int | None:
+        row, hold = self._rows.get(part), self._held[part]
+        held = [each for each in hold.parts if each != part and self.scene.part_mask[each]]
+        if row is None or row.kind != "nut" or hold.mates or not held:
+            return None
+        own = Tool.of_parts(self.scene.mockup, [part])
+        far = np.eye(4)
+        far[:3, 3] = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0])) * row.axis
+        for each in held:
+            alone = self.scene.only([each])
+            if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), far, touching="free") is not None:
+                return each
+        return None
+
+    def _end(self, hold: Hold) -> int | None:
+        """The part that it is fastened in: through its stud, not through its nut."""
+        anchor, seen = hold.anchor, {hold.fastener}
+        while anchor in self._held and anchor not in seen:
+            seen.add(anchor)
+            if self._held[anchor].kind != "stud":
+                return None
+            anchor = self._held[anchor].anchor
+        return anchor
+
+    def _made(self, part: int) -> Fixing:
+        hold, row = self._held[part], self._rows.get(part)
+        if row is None:
+            return Fixing(hold, None, Turns(0.0, ""), 0.0)
+        size, engaged = self._thread(row, hold)
+        turns = self.times.turns(row.path, self._nominal(row, size), engaged)
+        length = row.length if math.isfinite(row.length) else 0.0
+        return Fixing(hold, row, turns, BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length))
+
+    def _thread(self, row: Fastener, hold: Hold) -> tuple[float, float]:
+        """The diameter of its thread, and how far it is turned, metres."""
+        anchor = hold.anchor
+        if row.kind == "nut":
+            shanks = [self._rows[mate] for mate in hold.mates if mate in self._rows and self._rows[mate].kind != "nut"]
+            if shanks:
+                return max(row.size, shanks[0].size), row.length + _beyond(row, shanks[0])
+            thread = [each for each in in_bore(self._bare, row) if each.part == anchor]
+            if thread:
+                return 2.0 * thread[0].radius, min(_height(thread[0]), row.length)
+            return row.size, row.length
+        nuts = [self._rows[mate] for mate in hold.mates if mate in self._rows]
+        if nuts:
+            return row.size, nuts[0].length
+        thread = [each for each in next(iter(passed_by(self._bare, [row]))) if each.part == anchor]
+        head = row.head_height if math.isfinite(row.head_height) else 0.0
+        if thread and math.isfinite(row.length):
+            lowest = min(thread[0].bottom, -head - row.length) if thread[0].radius == 0.0 else thread[0].bottom
+            return row.size, min(thread[0].top, -head) - lowest
+        return row.size, row.length
+
+    def _nominal(self, row: Fastener, size: float) -> float:
+        """The nominal diameter: by the width across flats, if the drive is a hexagon that fits."""
+        if row.drive == "hexagon" and math.isfinite(row.across_flats):
+            for nominal, widths in WIDTHS_MM.items():
+                is_near = any(abs(1e3 * row.across_flats - width) <= WIDTH_SHARE * width for width in widths)
+                if is_near and SIZE_SHARE[0] <= 1e3 * size / nominal <= SIZE_SHARE[1]:
+                    return 1e-3 * nominal
+        return size
+
+    def _sorted_washers(self, held: Holds) -> dict[int, list[int]]:
+        """Each washer with the nearest of the fasteners that it is on."""
+        bounds = self.scene.mockup.part_bounds.reshape(-1, 2, 3)
+        on: dict[int, list[int]] = {}
+        for hold in held:
+            if hold.kind != "stud":
+                for washer in hold.washers:
+                    on.setdefault(washer, []).append(hold.fastener)
+        found: dict[int, list[int]] = {}
+        for washer, fasteners in on.items():
+            middle = bounds[washer].mean(axis=0)
+            nearest = min(fasteners, key=lambda part: (_distance(self._rows.get(part), middle), part))
+            found.setdefault(nearest, []).append(washer)
+        return found
+
+
+def _distance(row: Fastener | None, point: Floats) -> float:
+    return math.inf if row is None else float(np.linalg.norm(row.frame[:3, 3] - point))
+
+
+def _height(passed: Passed) -> float:
+    return passed.top - passed.bottom
+
+
+def _beyond(nut: Fastener, shank: Fastener) -> float:
+    """How far a shank stands out beyond the top of a nut, metres."""
+    head = shank.head_height if math.isfinite(shank.head_height) else 0.0
+    length = shank.length if math.isfinite(shank.length) else 0.0
+    top = shank.frame[:3, 3]
+    ends = np.array([top - (head + length) * shank.axis, *([top] if shank.kind == "stud" else [])])
+    return max(0.0, float(((ends - nut.frame[:3, 3]) @ nut.axis).max()))

@@ -1,0 +1,435 @@
+"""`task`: how parts are taken out: which fasteners, with which tools, in which order, and how long it takes."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.arguments import check_kind, check_number, check_progress, check_threads, check_whole
+from feeler.errors import OptionError
+from feeler.parts import PartsLike
+from feeler.plan.fasteners import Fasteners, find_fasteners
+from feeler.plan.question import TARGET, Clock
+from feeler.plan.removal import LARGEST_SEED, Removal, alone, removal
+from feeler.plan.sequence import Exit
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.tasks.actions import Actions, Together
+from feeler.tasks.answer import Task
+from feeler.tasks.crewed import Job, Slot, critical, scheduled
+from feeler.tasks.fixings import Fixings
+from feeler.tasks.holding import Holds, holds
+from feeler.tasks.reached import Reaching, Tooled
+from feeler.tasks.search import Found, Ordered, Search
+from feeler.tasks.steps import TaskBlocker, TaskStep
+from feeler.tasks.times import Timed, Times
+from feeler.words import plural
+
+Floats = npt.NDArray[np.float64]
+
+STRAIGHT_ROUNDS = 2
+"""Rounds of the search for the way of a part whose direction is known."""
+BENT_ROUNDS = 8
+"""Rounds for a part that no straight motion takes out."""
+MOST_PLANS = 30
+"""Plans whose ways are checked; each that fails teaches a blocker."""
+MOST_PEOPLE = 100
+
+
+def task(
+    scene: Scene,
+    parts: PartsLike,
+    tools: Any = None,
+    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    keep: PartsLike | None = None,
+    people: int = 1,
+    *,
+    fasteners: Fasteners | None = None,
+    held: Holds | None = None,
+    seconds: float = 600.0,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Task:
+    """How parts are taken out: the quickest plan that was found, step by step, and what no plan is below.
+
+    A state is what is out. In each state fasteners can be undone that a tool reaches and that come out along their
+    axis, and parts can be taken out that nothing holds any more and that have a way out (`removal`). What stands in the
+    way goes first; nothing else is touched.
+
+    - `parts`: as `Parts.select` takes them; they come out together, with what is fastened to them alone. Wanted
+      fasteners that hold them to others are undone before.
+    - `tools`: a `Tool` as `access` takes it, a list of them, or a dict of names; each may be a pair of the tool and a
+      dict of options of `access`, such as `{"grip": "y"}`. None: their reach is not checked.
+    - `times`: `Times`, its TOML file, or a dict of its elements. None: the built-in figures, which are examples.
+    - `keep`: parts that stay, as `Parts.select` takes them.
+    - `people`: who can work at once. Steps that look at other parts can be done at the same time.
+    - `fasteners`, `held`: what `find_fasteners` and `holds` found, if you have it or know better.
+    - `seconds`: the search ends then. The plan depends neither on it, unless it ended it (`is_complete`), nor on
+      `threads`.
+    - `progress`: called with the share of the time, 0 to 1, and what is done.
+
+    Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
+    `MeshError` for tools that are none, `LoadError` for a bad file of times.
+    """
+    check_kind("scene", scene, Scene)
+    limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
+    crew = check_whole("people", people, 1, MOST_PEOPLE)
+    check_whole("seed", seed, 0, LARGEST_SEED)
+    workers = check_threads(threads)
+    check_progress(progress)
+    table = Times.of(times)
+    wanted = _wanted(scene, parts)
+    kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
+    if kept & set(wanted):
+        path = scene.mockup.part_paths[min(kept & set(wanted))]
+        raise OptionError(f"keep has {path!r}, which is wanted: leave it out of one of them")
+    reaching = Reaching(scene, tools, workers)
+    clock = Clock(limit, progress)
+    clock.tell("looking for fasteners")
+    if fasteners is None:
+        fasteners = find_fasteners(scene, None, lambda _share, _stage: clock.look())
+    check_kind("fasteners", fasteners, Fasteners, "the result of feeler.find_fasteners")
+    clock.tell("looking at what they hold")
+    if held is None:
+        held = holds(scene, fasteners)
+    check_kind("held", held, Holds, "the result of feeler.holds")
+    fixings = Fixings(scene, fasteners, held, table)
+    clock.tell("looking at what leaves together")
+    question = _question(scene, wanted, kept, fixings, seed, workers)
+    actions = Actions(question, clock, fixings, reaching, table)
+    return _Planner(actions, clock, crew, tuple(scene.mockup.part_paths[part] for part in wanted)).task()
+
+
+def _wanted(scene: Scene, parts: PartsLike) -> tuple[int, ...]:
+    wanted = tuple(int(part) for part in scene.mockup.parts.select(parts))
+    if not wanted:
+        raise OptionError("parts names no part: name one at least")
+    away = [part for part in wanted if not scene.part_mask[part]]
+    if away:
+        raise OptionError(f"part {scene.mockup.part_paths[away[0]]!r} is not in the scene: it is out already")
+    if int(scene.part_mask.sum()) == len(wanted):
+        raise OptionError(f"parts names all {plural(len(wanted), 'part')} of the scene: leave at least one out of it")
+    return wanted
+
+
+def _question(
+    scene: Scene, wanted: tuple[int, ...], kept: frozenset[int], fixings: Fixings, seed: int, threads: int | None
+) -> Together:
+    """What leaves with what. Wanted fasteners are undone, unless they join wanted parts to each other; studs in other
+    parts stay there."""
+    own = {part for part in wanted if part not in fixings and fixings.studs.get(part, part) in (part, *wanted)}
+    inner = {part for part in fixings if set(fixings.joins(part)) <= own and fixings.joins(part)}
+    undone = tuple(part for part in wanted if part in fixings and part not in inner)
+    riders: dict[int, list[int]] = {}
+    lead: dict[int, int] = {}
+    for part in fixings:
+        if not scene.part_mask[part]:
+            continue
+        for washer in fixings.washers(part):
+            riders.setdefault(part, []).append(washer)
+            lead[washer] = part
+        pipe, anchor = fixings.captive_on(part), fixings.anchor(part)
+        if pipe is not None:
+            riders.setdefault(pipe, []).append(part)
+            lead[part] = pipe
+        elif part in inner:
+            riders.setdefault(min(own), []).append(part)
+        elif fixings.is_plug(part) and anchor is not None:
+            riders.setdefault(anchor, []).append(part)
+    for stud, anchor in fixings.studs.items():
+        riders.setdefault(anchor, []).append(stud)
+        lead[stud] = anchor
+    options = {"ignore": [], "overlap": 0.0, "seats": True, "clearance": 0.0, "seed": seed, "threads": threads}
+    grip = {"tool": None, "start": None, "directions": None}
+    all_riders = {part: _all_riders(part, riders) for part in riders}
+    wanted_own = tuple(sorted(own - set(undone)))
+    return Together(scene, wanted_own, kept, grip, options, all_riders, lead, undone)
+
+
+def _all_riders(part: int, riders: Mapping[int, list[int]]) -> tuple[int, ...]:
+    """Those of a part, those of these, and so on."""
+    found: list[int] = []
+    waiting = list(riders[part])
+    while waiting:
+        each = waiting.pop(0)
+        if each not in found and each != part:
+            found.append(each)
+            waiting += riders.get(each, [])
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Checked:
+    """A step with its way."""
+
+    ordered: Ordered
+    parts: tuple[int, ...]
+    way: Floats
+    looked: frozenset[int]
+    because: str
+
+
+class _Planner:
+    """Searches plans, and checks the ways of their steps."""
+
+    def __init__(self, actions: Actions, clock: Clock, people: int, wanted: tuple[str, ...]) -> None:
+        self.actions, self.clock, self.people, self.wanted = actions, clock, people, wanted
+        self.question = actions.question
+        self.mockup = self.question.scene.mockup
+        self.tries = 0
+        self.bound = 0.0
+
+    def task(self) -> Task:
+        """The best plan whose ways hold."""
+        found = self._found()
+        for _ in range(MOST_PLANS):
+            if found.steps is None:
+                if not (found.is_complete and self._try_bent(found)):
+                    break
+            else:
+                checked = self._checked(found.steps)
+                if checked is not None:
+                    return self._answer(found, checked)
+            if not self.clock.goes_on():
+                break
+            found = self._found()
+        return self._blocked(found)
+
+    def _found(self) -> Found:
+        self.clock.tell("searching the quickest order")
+        return Search(self.actions, TARGET, self.clock.goes_on).best()
+
+    def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
+        """The steps with their ways; None if one does not hold, and then its blockers are known."""
+        out: frozenset[int] = frozenset()
+        checked = []
+        for step in steps:
+            one = self._checked_step(step, out)
+            if one is None:
+                return None
+            if one.parts:
+                checked.append(one)
+            out |= set(step.unit.items)
+        return checked
+
+    def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
+        actions, item = self.actions, step.unit.items[0]
+        gone = actions.gone(out)
+        parts = tuple(part for part in self.question.parts_of(step.unit.items) if part not in gone)
+        if actions.is_turned(item):
+            fixing = actions.fixings.of(item)
+            way = np.stack([np.eye(4), actions.drawn(fixing)])
+            looked = actions.looked([item], way) - gone
+            tooled = step.choice.key
+            said = "loose: what it was fastened with is undone"
+            if isinstance(tooled, Tooled):
+                looked |= actions.reaching.near(fixing.row) if fixing.row is not None else frozenset()
+                said = tooled.because
+            return _Checked(step, parts, way, looked - set(parts), f"{fixing.hold.because}; {said}")
+        if not parts:
+            return _Checked(step, (), np.eye(4)[None], frozenset(), "")
+        found = self._way(step, parts, gone)
+        if not found.is_found:
+            self._learn(step, found)
+            return None
+        method = found.certificate.method
+        said = "; ".join(str(leg) for leg in found.legs) or method
+        return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), said)
+
+    def _way(self, step: Ordered, parts: tuple[int, ...], gone: frozenset[int]) -> Removal:
+        scene = self.question.scene
+        self.clock.tell(f"checking the way of {self.mockup.part_names[parts[0]]}")
+        if int(scene.part_mask.sum()) <= len(parts) + len(gone):
+            return alone(int(self.question.options["seed"]))
+        motion: Any = step.unit.motion
+        is_straight = isinstance(motion, tuple) and len(motion) == 3
+        return removal(
+            scene.without(sorted(gone)) if gone else scene,
+            list(parts),
+            directions=[motion] if is_straight else None,
+            seconds=self.clock.left,
+            rounds=STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS,
+            seed=self.question.options["seed"],
+            threads=self.question.options["threads"],
+            progress=lambda _share, _stage: self.clock.look(),
+        )
+
+    def _learn(self, step: Ordered, tried: Removal) -> None:
+        """A motion that does not hold has more blockers than casts along it met."""
+        graph, question = self.actions.graph, self.question
+        items = set(step.unit.items)
+        more = next((question.node_of(each.part) for each in tried.blocked_by), None)
+        for item in step.unit.items:
+            for one in graph.forget(item, step.unit.motion):
+                if more is not None and more not in items | question.kept | {TARGET}:
+                    graph.learn(item, Exit(one.motions, one.blockers | {more}, one.fasteners))
+
+    def _try_bent(self, found: Found) -> bool:
+        """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave."""
+        graph, question = self.actions.graph, self.question
+        stuck = [item for item in found.stuck if not self.actions.is_turned(item) and item not in question.kept]
+        for item in sorted(stuck, key=question.size):
+            if item == TARGET and not question.wanted:
+                continue
+            gone = graph.most_gone() | self.actions.graph.holding(item) - {item}
+            parts = [part for part in question.parts_of([item]) if part not in self.actions.gone(gone)]
+            away = sorted(self.actions.gone(gone) - set(parts))
+            if not parts or int(question.scene.part_mask.sum()) <= len(parts) + len(away):
+                continue
+            self.tries += 1
+            self.clock.tell(f"searching a bent way of {self.mockup.part_names[parts[0]]}")
+            way = removal(
+                question.scene.without(away) if away else question.scene,
+                parts,
+                seconds=self.clock.left,
+                rounds=BENT_ROUNDS,
+                seed=question.options["seed"],
+                threads=question.options["threads"],
+                progress=lambda _share, _stage: self.clock.look(),
+            )
+            if way.is_found:
+                met = frozenset(node for node in gone if question.is_met(frozenset([item]), node, way))
+                graph.learn(item, Exit((self.tries,), met - {item}))
+                return True
+        return False
+
+    def _answer(self, found: Found, checked: list[_Checked]) -> Task:
+        timed = [self._timed(one) for one in checked]
+        after = self._after(checked)
+        jobs = [
+            Job(one.ordered.choice.tool, each.mean, before)
+            for one, each, before in zip(checked, timed, after, strict=True)
+        ]
+        slots = scheduled(jobs, self.actions.get_seconds, self.people)
+        steps = tuple(self._step(n, checked[n], timed[n], after[n], slots[n]) for n in range(len(checked)))
+        chain = [steps[n] for n in critical(slots)]
+        bound = min(found.bound / max(1, self.people), max((slot.end for slot in slots), default=0.0))
+        notes = []
+        if self.actions.reaching.tools is None:
+            notes.append("No tools were given: that a tool reaches each fastener was not checked.")
+        if self.actions.times.examples:
+            notes.append(f"Example figures, not measured: {', '.join(self.actions.times.examples)}.")
+        return Task(
+            parts=self.wanted,
+            is_found=True,
+            steps=steps,
+            seconds=max((slot.end for slot in slots), default=0.0),
+            spread=math.sqrt(math.fsum(step.spread**2 for step in chain)),
+            bound=bound,
+            blocked=(),
+            people=self.people,
+            is_complete=found.is_complete,
+            elements=dict(self.actions.times.elements),
+            examples=self.actions.times.examples,
+            notes=tuple(notes),
+        )
+
+    def _timed(self, one: _Checked) -> Timed:
+        items, tooled = one.ordered.unit.items, one.ordered.choice.key
+        return self.actions.undone(items[0], tooled) if isinstance(tooled, Tooled) else self.actions.taken(items)
+
+    def _after(self, checked: list[_Checked]) -> list[tuple[int, ...]]:
+        """Of each step those before it that it depends on."""
+        found = []
+        for n, one in enumerate(checked):
+            needed = self._needed(one)
+            is_enough = self._is_free_after(one, needed)
+            looked = frozenset[int]() if is_enough else one.looked | set(one.parts)
+            found.append(
+                tuple(
+                    m
+                    for m, other in enumerate(checked[:n])
+                    if set(other.ordered.unit.items) & needed or set(other.parts) & looked
+                )
+            )
+        return found
+
+    def _needed(self, one: _Checked) -> frozenset[int]:
+        """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
+        actions, unit = self.actions, one.ordered.unit
+        joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
+        mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
+        return joints | mates | unit.before
+
+    def _is_free_after(self, one: _Checked, needed: frozenset[int]) -> bool:
+        """Whether a step can be done as well once these alone are out. If not, it depends on all that it looked at."""
+        actions, item, tooled = self.actions, one.ordered.unit.items[0], one.ordered.choice.key
+        if isinstance(tooled, Tooled):
+            choices = actions.tooled(item, needed)[0]
+            return any((each.tool, each.seconds) == one.ordered.choice[:2] for each in choices)
+        return actions.is_turned(item) or self._is_along(one)
+
+    @staticmethod
+    def _is_along(one: _Checked) -> bool:
+        """Whether the way is the straight motion whose blockers are known."""
+        motion = one.ordered.unit.motion
+        if not (isinstance(motion, tuple) and len(motion) == 3 and len(one.way) == 2):
+            return False
+        step = one.way[1][:3, 3]
+        is_turning = not np.allclose(one.way[1][:3, :3], np.eye(3))
+        return not is_turning and float(step @ np.array(motion)) >= (1.0 - 1e-9) * float(np.linalg.norm(step))
+
+    def _step(self, number: int, one: _Checked, timed: Timed, after: tuple[int, ...], slot: Slot) -> TaskStep:
+        actions, item = self.actions, one.ordered.unit.items[0]
+        tooled = one.ordered.choice.key
+        verb, strokes, swing, tool_way = "take out", 0, math.nan, np.empty((0, 4, 4))
+        if isinstance(tooled, Tooled):
+            verb = "disconnect" if actions.is_captive(item) else "undo"
+            swing, tool_way = tooled.swing_deg, tooled.way
+            strokes = tooled.strokes or actions.times.strokes(actions.fixings.of(item).turns, swing)
+        get = actions.times.elements["get"]
+        variance = timed.spread**2 + (get.spread**2 if slot.is_changed else 0.0)
+        first = item if item != TARGET else one.parts[0]
+        said = timed.arithmetic + (f"; get {one.ordered.choice.tool}: {get.mean:g} s" if slot.is_changed else "")
+        return TaskStep(
+            number=number,
+            verb=verb,
+            part=self.mockup.part_paths[first],
+            parts=one.parts,
+            paths=tuple(self.mockup.part_paths[part] for part in one.parts),
+            tool=one.ordered.choice.tool,
+            swing_deg=swing,
+            strokes=strokes,
+            way=one.way,
+            tool_way=tool_way,
+            person=slot.person,
+            start=slot.start,
+            seconds=slot.end - slot.start,
+            spread=math.sqrt(variance),
+            after=after,
+            looked=tuple(sorted(one.looked)),
+            because=one.because,
+            arithmetic=said,
+        )
+
+    def _blocked(self, found: Found) -> Task:
+        rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
+        notes = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
+        nan = math.nan
+        elements, examples = dict(self.actions.times.elements), self.actions.times.examples
+        return Task(
+            *(self.wanted, False, (), nan, nan, nan, tuple(rows), self.people, found.is_complete, elements, examples),
+            notes=notes,
+        )
+
+    def _blocker(self, item: int, blockers: frozenset[int]) -> TaskBlocker:
+        actions, question, paths = self.actions, self.question, self.mockup.part_paths
+        parts = question.parts_of([item])
+        path = paths[parts[0] if item == TARGET else item] if parts or item != TARGET else ", ".join(self.wanted)
+        if not actions.is_turned(item):
+            empty = any(not joint for joint in actions.holders(item))
+            said = "a fastener that holds it is kept" if empty else "no way out was found"
+            known = actions.graph.known_blockers(item) if not empty else {}
+            worst = sorted(known, key=lambda node: (-known[node], node))
+            return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))
+        if item in actions.met:
+            return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
+        answer = actions.answer(item, frozenset())
+        return TaskBlocker(path, f"no tool reaches it: {answer.because}", tuple(paths[p] for p in answer.blockers))

@@ -1,0 +1,167 @@
+"""With which tool a fastener is reached while some parts are out, remembered by what each question looked at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.arguments import shown
+from feeler.errors import MeshError, OptionError
+from feeler.mockup import Tool
+from feeler.plan.fasteners import Fastener, Fasteners
+from feeler.plan.reaching import access
+from feeler.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+
+APPROACH_M = 0.1
+"""How far each way in is searched, as in `access`."""
+ASSUMED_DEG = 60.0
+"""The swing without tools: nothing says more."""
+NEAR_M = 1e-5
+"""What boxes are grown by where they tell what a question looked at."""
+
+
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Tooled:
+    """How a tool reaches a fastener."""
+
+    tool: str
+    swing_deg: float
+    way: Floats
+    """`(k, 4, 4)` world_from_tool: the way in; empty without a tool."""
+    because: str
+    strokes: int | None = None
+    """If the answer counts them itself."""
+
+
+@dataclass(frozen=True)
+class Reached:
+    """The tools that reach a fastener, or the parts in their way."""
+
+    tooled: tuple[Tooled, ...]
+    blockers: tuple[int, ...]
+    """The parts in the way of those that do not, the worst first."""
+    looked: frozenset[int]
+    """The parts whose boxes the tools, their swings and their ways in can meet: nothing else bears on the answer."""
+    because: str
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A tool, and how `access` is to hold it."""
+
+    name: str
+    tool: Tool
+    options: dict[str, Any]
+
+
+class Reaching:
+    """Asks which tools reach a fastener. `tools`: as `task` takes them."""
+
+    def __init__(self, scene: Scene, tools: object, threads: int | None) -> None:
+        self.scene, self.threads = scene, threads
+        self.tools = _tools(tools)
+        self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
+        self._near: dict[int, frozenset[int]] = {}
+        self._known: dict[tuple[int, frozenset[int]], Reached] = {}
+        self.asked = 0
+        """Questions that were not answered from memory."""
+
+    def reached(self, row: Fastener, out: frozenset[int]) -> Reached:
+        """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
+        among those whose boxes meet that of the tools in any turn, and on any way in."""
+        near = self.near(row)
+        key = (row.part, out & near)
+        if key not in self._known:
+            self.asked += 1
+            self._known[key] = self._ask(row, out, near)
+        return self._known[key]
+
+    def near(self, row: Fastener) -> frozenset[int]:
+        """The parts that its answers can depend on."""
+        if row.part not in self._near:
+            found: set[int] = set()
+            for held in self.tools or ():
+                lower, upper = _room(held, row)
+                meets = ((self._bounds[:, 0] <= upper) & (self._bounds[:, 1] >= lower)).all(axis=1)
+                found.update(np.flatnonzero(meets & self.scene.part_mask).tolist())
+            self._near[row.part] = frozenset(found) - {row.part}
+        return self._near[row.part]
+
+    def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int]) -> Reached:
+        if self.tools is None:
+            assumed = Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), "without tools: its reach is not checked")
+            return Reached((assumed,), (), near, assumed.because)
+        scene = self.scene.without(sorted(out)) if out else self.scene
+        found: list[Tooled] = []
+        blockers: dict[int, int] = {}
+        said = []
+        for held in self.tools:
+            answer = access(scene, held.tool, Fasteners([row]), threads=self.threads, **held.options)[0]
+            because = f"{held.name}: {answer.because}" if len(self.tools) > 1 else answer.because
+            if answer.is_reachable:
+                found.append(Tooled(held.name, answer.swing_deg, answer.way, because))
+            else:
+                said.append(because)
+            for each in answer.blockers:
+                if each.part != row.part:
+                    blockers[each.part] = blockers.get(each.part, 0) + each.count
+        worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
+        return Reached(tuple(found), worst, near, "; ".join(said))
+
+
+def _room(held: _Held, row: Fastener) -> tuple[Floats, Floats]:
+    """The box of all that a tool can meet at a fastener: turned about its axis, and on its way in."""
+    from feeler.plan.tool_seat import seated_tool
+
+    tool = seated_tool(held.tool, held.options.get("hand"), held.options.get("grip")).tool
+    approach = float(held.options.get("approach", APPROACH_M))
+    lift = float(held.options.get("lift", 0.0))
+    radius = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()) + approach + NEAR_M
+    low, high = tool.bounds[0, 2] + lift - NEAR_M, tool.bounds[1, 2] + lift + approach + NEAR_M
+    corners = np.array([[x, y, z] for x in (-radius, radius) for y in (-radius, radius) for z in (low, high)])
+    world = corners @ row.frame[:3, :3].T + row.frame[:3, 3]
+    return world.min(axis=0), world.max(axis=0)
+
+
+def _tools(tools: object) -> tuple[_Held, ...] | None:
+    """Tools by name: one, a list, or a dict of names; each may come with options of `access`."""
+    if tools is None:
+        return None
+    if isinstance(tools, Mapping):
+        named = [(name, each) for name, each in tools.items()]
+    elif isinstance(tools, Sequence) and not isinstance(tools, (str, bytes)) and not _is_pair(tools):
+        named = [(None, each) for each in tools]
+    else:
+        named = [(None, tools)]
+    if not named:
+        raise OptionError("tools is empty: give a feeler.Tool, or None not to check their reach")
+    found = [_held(name, each) for name, each in named]
+    twice = [each.name for n, each in enumerate(found) if each.name in {other.name for other in found[:n]}]
+    if twice:
+        raise OptionError(f"tools has two that are called {twice[0]!r}: give a dict of names and tools")
+    return tuple(found)
+
+
+def _held(name: object, given: object) -> _Held:
+    pair: Any = given if _is_pair(given) else (given, {})
+    tool, options = pair
+    if not isinstance(tool, Tool):
+        raise MeshError(f"tools has {shown(tool)}: give feeler.Tool, or (tool, options of feeler.access)")
+    known = {"grip", "lift", "hand", "swing_deg", "approach", "angles"}
+    odd = sorted(set(options) - known)
+    if odd:
+        raise OptionError(f"tools: the option {odd[0]!r} is unknown; options are {', '.join(sorted(known))}")
+    if not isinstance(options.get("lift", 0.0), (int, float)) or not math.isfinite(options.get("lift", 0.0)):
+        raise OptionError("tools: lift is one number of metres, for all fasteners")
+    return _Held(str(tool.name or "tool") if name is None else str(name), tool, dict(options))
+
+
+def _is_pair(given: object) -> bool:
+    return isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], Mapping)

@@ -1,0 +1,492 @@
+"""Which parts have to go, and in which order, for the least time: a best-first search with a bound.
+
+The plan is an AND/OR graph (Homem de Mello and Sanderson 1990). A *set* is what a plan takes out. Each of its items has
+needs: fasteners that hold it, parts in the way of a motion, parts in the way of a tool. A need has alternatives; a set
+grows by one of them. Sets wait in order of their bound, the sum of the least times of their items. A set without open
+needs is put in order by a second search, over what is out and which tool is in hand.
+
+What is out never blocks, so more parts out never close a way. Hence at a need one of its alternatives is in every plan
+that grows from the set, and the least bound of all sets that have not been given up is a bound of every plan.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Protocol
+
+MOST_SETS = 20_000
+"""Sets of one search; beyond it the best order so far is returned, with the bound of those that wait."""
+MOST_MORE = 500
+"""Sets that are still looked at once a plan was found."""
+MOST_STATES = 5_000
+"""States of one order; beyond it the order is completed step by step, the quickest first."""
+SLACK = 1e-9
+"""Seconds that do not count."""
+
+Motions = tuple[Hashable, ...]
+
+
+class Choice(NamedTuple):
+    """One way to do a step: with a tool ("" for none), for so many seconds."""
+
+    tool: str
+    seconds: float
+    key: object
+    """For the problem: what it answered."""
+
+
+class Way(NamedTuple):
+    """Motions by which a part leaves, and the items that have to go before."""
+
+    motions: Motions
+    blockers: frozenset[int]
+
+
+class Problem(Protocol):
+    """What the search asks. Items are numbers: fasteners that are undone, and parts that are taken out."""
+
+    get_seconds: float
+    """For each change of the tool in hand."""
+
+    def is_turned(self, item: int) -> bool:
+        """Whether it is a fastener, which leaves alone along its axis and needs a tool."""
+
+    def holders(self, item: int) -> Sequence[frozenset[int]]:
+        """Of each joint of a part, the items of which one has to be undone first."""
+
+    def ways(self, item: int) -> Sequence[Way]:
+        """How a part can leave, or a fastener can be drawn."""
+
+    def mates(self, item: int) -> frozenset[int]:
+        """Other fasteners on the axis of one: once one of them is undone, it is loose."""
+
+    def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
+        """How a fastener is undone while items are out; and the items in the way of a tool, or of a larger swing."""
+
+    def by_hand(self, items: Iterable[int]) -> Choice:
+        """How parts, which leave together, or a loose fastener are taken out."""
+
+    def least(self, item: int) -> float:
+        """The least seconds of a fastener in any order; infinite if it cannot be undone in any."""
+
+    def needed(self, item: int) -> frozenset[int]:
+        """Items each of which has to be out before a fastener is undone: with it alone in place no tool reaches it."""
+
+
+class Need(NamedTuple):
+    """Something that has to be settled: a joint, the way of a part or fastener, or the reach of a tool."""
+
+    rank: int
+    item: int
+    joint: int
+
+
+_JOINT, _AXIS, _WAY, _REACH = range(4)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Items that leave in one step."""
+
+    items: tuple[int, ...]
+    motion: Hashable
+    before: frozenset[int]
+    """Items that have to be out before, but for loose fasteners and reach."""
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """One step of an order."""
+
+    unit: Unit
+    choice: Choice
+    is_changed: bool
+    """Whether the tool in hand is changed for it."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The answer: the steps, None if there are none; their seconds, and what no plan is below."""
+
+    steps: tuple[Ordered, ...] | None
+    seconds: float
+    bound: float
+    is_complete: bool
+    """Whether the search ended by itself."""
+    stuck: Mapping[int, frozenset[int]]
+    """Of items that nothing frees: what is in their way."""
+
+
+@dataclass(frozen=True)
+class _Set:
+    items: frozenset[int]
+    needs: tuple[Need, ...]
+    chosen: Mapping[int, Way] = field(default_factory=dict)
+    costs: Mapping[int, float] = field(default_factory=dict)
+    """Seconds of fasteners whose tools get no more room than now."""
+    stays: frozenset[int] = frozenset()
+    """Items that plans of this set leave in place: they would give room to those."""
+
+    @property
+    def key(self) -> Hashable:
+        """Equal for equal sets."""
+        chosen = tuple(sorted(self.chosen.items(), key=lambda each: each[0]))
+        return (self.items, self.needs, chosen, tuple(sorted(self.costs.items())), self.stays)
+
+
+class Search:
+    """Searches the plans of a problem that take out `target`."""
+
+    def __init__(self, problem: Problem, target: int, goes_on: Callable[[], bool] = lambda: True) -> None:
+        self.problem, self.target, self._goes_on = problem, target, goes_on
+        self.sets = 0
+        """Sets that were looked at."""
+        self.stuck: dict[int, frozenset[int]] = {}
+        self._makes_room = False
+
+    def best(self) -> Found:
+        """The quickest plan found, and its bound.
+
+        First what gives tools room is only taken out where no tool reaches; then also where it saves strokes.
+        """
+        first = self._run(Found(None, math.inf, math.inf, True, self.stuck))
+        if first.steps is None or first.bound >= first.seconds - SLACK:
+            return first
+        self._makes_room = True
+        second = self._run(first)
+        is_complete = first.is_complete and second.is_complete
+        return Found(second.steps, second.seconds, max(first.bound, second.bound), is_complete, self.stuck)
+
+    def _run(self, known: Found) -> Found:
+        """The search over sets. known: a plan from before."""
+        best, seconds = known.steps, known.seconds
+        queue: list[tuple[float, int, _Set]] = []
+        seen: set[Hashable] = set()
+        least_leaf, number, looked = math.inf, 0, 0
+        limit = MOST_SETS if best is None else MOST_MORE
+        first = self._grown(_Set(frozenset(), ()), [self.target])
+        assert first is not None
+        waiting = [first]
+        while True:
+            for one in waiting:
+                bound = self._bound(one)
+                if not math.isinf(bound) and one.key not in seen:
+                    seen.add(one.key)
+                    number += 1
+                    heapq.heappush(queue, (bound, number, one))
+            if not queue or queue[0][0] >= seconds - SLACK:
+                is_complete = True
+                break
+            if not self._goes_on() or looked >= limit:
+                is_complete = False
+                break
+            bound, _, one = heapq.heappop(queue)
+            looked += 1
+            if one.needs:
+                waiting = list(self._children(one))
+                continue
+            waiting = []
+            steps, blocked = self._in_order(one)
+            if steps is None:
+                waiting = [each for item in sorted(blocked) if (each := self._grown(one, [item])) is not None]
+                continue
+            least_leaf = min(least_leaf, bound)
+            if best is None:
+                limit = min(limit, looked + MOST_MORE)
+            cost = self._seconds(steps)
+            if cost < seconds - SLACK:
+                best, seconds = steps, cost
+        self.sets += looked
+        lowest = queue[0][0] if queue else math.inf
+        return Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+
+    def _bound(self, one: _Set) -> float:
+        """The least seconds of all plans that take this set out: of its fasteners, of its parts with a known way, as
+        many as cannot leave together, and of the first tool."""
+        problem = self.problem
+        turned = [item for item in one.items if problem.is_turned(item)]
+        found = sum(one.costs.get(item, problem.least(item)) for item in turned)
+        parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
+        open_ = _leading_to({need.item for need in one.needs if need.rank == _WAY}, parts)
+        found += sum(problem.by_hand(group).seconds for group in _groups(parts) if not open_ & set(group))
+        found += min((problem.by_hand([item]).seconds for item in open_ & parts.keys()), default=0.0)
+        needs_tool = any(problem.least(item) > 0.0 and not problem.mates(item) for item in turned)
+        return found + (problem.get_seconds if needs_tool else 0.0)
+
+    def _grown(self, one: _Set, more: Iterable[int]) -> _Set | None:
+        """The set with more items, and what each of them needs for sure; None if that has to stay."""
+        items, needs = set(one.items), list(one.needs)
+        waiting = [item for item in more if item not in items]
+        while waiting:
+            item = waiting.pop(0)
+            if item in items:
+                continue
+            if item in one.stays:
+                return None
+            items.add(item)
+            for index, joint in enumerate(self.problem.holders(item)):
+                if len(joint) == 1:
+                    waiting += sorted(joint - items)
+                else:
+                    needs.append(Need(_JOINT, item, index))
+            if self.problem.is_turned(item):
+                if math.isinf(self.problem.least(item)):
+                    self._note(item, frozenset())
+                waiting += sorted(self.problem.needed(item) - items)
+                needs += [Need(_AXIS, item, 0), Need(_REACH, item, 0)]
+            else:
+                needs.append(Need(_WAY, item, 0))
+        return replace(one, items=frozenset(items), needs=tuple(sorted(needs)))
+
+    def _children(self, one: _Set) -> Iterator[_Set]:
+        """The sets that settle the first need of a set, each in one way."""
+        need = one.needs[0]
+        left = replace(one, needs=one.needs[1:])
+        item, problem = need.item, self.problem
+        if need.rank == _JOINT:
+            joint = problem.holders(item)[need.joint]
+            if not joint:
+                self._note(item, frozenset())
+            yield from [left] if joint & one.items else self._with_each(left, joint)
+        elif need.rank in (_AXIS, _WAY):
+            ways = problem.ways(item)
+            if not ways:
+                self._note(item, frozenset())
+            for way in ways:
+                grown = self._grown(replace(left, chosen={**one.chosen, item: way}), sorted(way.blockers - one.items))
+                if grown is not None:
+                    yield grown
+        else:
+            yield from self._reached(one, item, left)
+
+    def _with_each(self, one: _Set, items: Iterable[int]) -> Iterator[_Set]:
+        """A set for each item more."""
+        for item in sorted(items):
+            grown = self._grown(one, [item])
+            if grown is not None:
+                yield grown
+
+    def _reached(self, one: _Set, item: int, left: _Set) -> Iterator[_Set]:
+        problem = self.problem
+        mates = problem.mates(item)
+        if mates & one.items:
+            yield left
+            return
+        choices, blockers = problem.tooled(item, one.items - {item} - self._after(item, one))
+        more = blockers - one.items - {item}
+        if not choices:
+            yield from self._with_each(one, more)
+            yield from self._with_each(left, mates)
+            if not (more or mates):
+                self._note(item, blockers)
+            return
+        seconds = min(each.seconds for each in choices)
+        if not self._makes_room or mates:
+            yield left
+        elif seconds <= problem.least(item) + SLACK:
+            yield replace(left, costs={**one.costs, item: seconds})
+        else:
+            yield replace(left, costs={**one.costs, item: seconds}, stays=one.stays | more)
+            yield from self._with_each(one, more)
+
+    def _note(self, item: int, blockers: frozenset[int]) -> None:
+        self.stuck.setdefault(item, blockers)
+
+    def _after(self, item: int, one: _Set) -> frozenset[int]:
+        """Items of a set that cannot leave before one: it alone holds them, or they wait for such ones."""
+        found = {each for each in one.items if frozenset([item]) in self.problem.holders(each)}
+        while True:
+            more = {each for each, way in one.chosen.items() if way.blockers & found}
+            if self.target in one.items:
+                more.add(self.target)
+            if more <= found:
+                return frozenset(found - {item})
+            found |= more
+
+    def _in_order(self, one: _Set) -> tuple[tuple[Ordered, ...] | None, frozenset[int]]:
+        """The quickest order of a set; if there is none, items beyond it that may help."""
+        units = self._units(one)
+        if units is None:
+            return None, frozenset()
+        order = _Order(self.problem, units, self._goes_on)
+        steps = order.best()
+        if steps is not None:
+            last = next(n for n, step in enumerate(steps) if self.target in step.unit.items)
+            return steps[: last + 1], frozenset()
+        for item, blockers in order.blocked.items():
+            if not blockers - one.items:
+                self._note(item, blockers)
+        helping = frozenset[int]().union(*order.blocked.values()) if order.blocked else frozenset[int]()
+        return None, helping - one.items
+
+    def _units(self, one: _Set) -> list[Unit] | None:
+        """The steps of a set, without their order: parts that block each other leave together."""
+        problem = self.problem
+        parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
+        units = []
+        for group in _groups(parts):
+            motion = _in_common([parts[item].motions for item in group])
+            if motion is None:
+                self._note(group[0], frozenset(group[1:]))
+                return None
+            before = frozenset[int]().union(*(parts[item].blockers for item in group)) - set(group)
+            units.append(Unit(tuple(group), motion, before))
+        for item in sorted(one.items - parts.keys()):
+            way = one.chosen[item]
+            units.append(Unit((item,), way.motions[0], way.blockers))
+        return units
+
+    def _seconds(self, steps: Sequence[Ordered]) -> float:
+        return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
+
+
+class _Order:
+    """The quickest order of units: A* over what is out and which tool is in hand.
+
+    A step that has to be done, costs as little as it ever will and needs no other tool is done at once: to do it
+    earlier makes no other step longer.
+    """
+
+    def __init__(self, problem: Problem, units: Sequence[Unit], goes_on: Callable[[], bool]) -> None:
+        self.problem, self.units, self._goes_on = problem, units, goes_on
+        self.all = frozenset(item for unit in units for item in unit.items)
+        self.blocked: dict[int, frozenset[int]] = {}
+        self._least = [self._cheapest(unit) for unit in units]
+
+    def _cheapest(self, unit: Unit) -> float:
+        item = unit.items[0]
+        if not self.problem.is_turned(item):
+            return self.problem.by_hand(unit.items).seconds
+        choices, _ = self.problem.tooled(item, self.all - {item})
+        loose = [self.problem.by_hand(unit.items)] if self.problem.mates(item) & self.all else []
+        return min((each.seconds for each in [*choices, *loose]), default=0.0)
+
+    def best(self) -> tuple[Ordered, ...] | None:
+        """The order; None if there is none, and then `blocked` has what is in the way of what."""
+        count = len(self.units)
+        start = frozenset[int]()
+        queue: list[tuple[float, int, float, frozenset[int], str, tuple[Ordered, ...]]] = []
+        heapq.heappush(queue, (sum(self._least), 0, 0.0, start, "", ()))
+        done: set[tuple[frozenset[int], str]] = set()
+        number, furthest = 0, start
+        while queue:
+            _, _, spent, out, tool, steps = heapq.heappop(queue)
+            if len(steps) == count:
+                return steps
+            if (out, tool) in done:
+                continue
+            done.add((out, tool))
+            if len(out) > len(furthest):
+                furthest = out
+            ready = list(self._ready(out, tool))
+            if len(done) > MOST_STATES:
+                return self._hastily(spent, out, tool, steps)
+            for n, step in self._worth(ready, tool):
+                left = sum(
+                    least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items}
+                )
+                after = spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
+                number += 1
+                grown = out | set(step.unit.items)
+                entry = (after + left - self._least[n], number, after, grown, step.choice.tool or tool, (*steps, step))
+                heapq.heappush(queue, entry)
+        self._note_blocked(furthest)
+        return None
+
+    def _hastily(
+        self, spent: float, out: frozenset[int], tool: str, steps: tuple[Ordered, ...]
+    ) -> tuple[Ordered, ...] | None:
+        """The rest of an order, the quickest step first."""
+        while len(steps) < len(self.units):
+            ready = list(self._ready(out, tool))
+            if not ready:
+                self._note_blocked(out)
+                return None
+            cost = self.problem.get_seconds
+            _, step = min(ready, key=lambda each: (each[1].choice.seconds + cost * each[1].is_changed, each[0]))
+            out, tool, steps = out | set(step.unit.items), step.choice.tool or tool, (*steps, step)
+        return steps
+
+    def _ready(self, out: frozenset[int], tool: str) -> Iterator[tuple[int, Ordered]]:
+        """The steps that can be done now."""
+        for n, unit in enumerate(self.units):
+            if out & set(unit.items) or not unit.before <= out or not self._is_free(unit, out):
+                continue
+            for choice in self._choices(unit, out):
+                yield n, Ordered(unit, choice, bool(choice.tool) and choice.tool != tool)
+
+    def _is_free(self, unit: Unit, out: frozenset[int]) -> bool:
+        gone = out | set(unit.items)
+        return all(joint & gone for item in unit.items for joint in self.problem.holders(item))
+
+    def _choices(self, unit: Unit, out: frozenset[int]) -> Sequence[Choice]:
+        item = unit.items[0]
+        if not self.problem.is_turned(item) or self.problem.mates(item) & out:
+            return [self.problem.by_hand(unit.items)]
+        return self.problem.tooled(item, out)[0]
+
+    def _worth(self, ready: Sequence[tuple[int, Ordered]], tool: str) -> Iterator[tuple[int, Ordered]]:
+        """The steps to go on with: the first that is best done at once; else all, but of those that are as quick as
+        they will be and need the same other tool one."""
+        for n, step in ready:
+            if not step.is_changed and step.choice.seconds <= self._least[n] + SLACK:
+                yield n, step
+                return
+        tools: set[str] = set()
+        for n, step in ready:
+            if step.choice.seconds <= self._least[n] + SLACK:
+                if step.choice.tool in tools:
+                    continue
+                tools.add(step.choice.tool)
+            yield n, step
+
+    def _note_blocked(self, out: frozenset[int]) -> None:
+        for unit in self.units:
+            item = unit.items[0]
+            if not out & set(unit.items) and self.problem.is_turned(item) and unit.before <= out:
+                choices, blockers = self.problem.tooled(item, out)
+                if not choices:
+                    self.blocked[item] = blockers - {item}
+
+
+def _leading_to(items: set[int], chosen: Mapping[int, Way]) -> set[int]:
+    """Items, and the parts that wait for them: these may turn out to leave together."""
+    found = set(items)
+    while more := {item for item, way in chosen.items() if item not in found and way.blockers & found}:
+        found |= more
+    return found
+
+
+def _in_common(motions: Sequence[Motions]) -> Hashable | None:
+    """The first motion that all have."""
+    return next((one for one in motions[0] if all(one in other for other in motions[1:])), None)
+
+
+def _groups(chosen: Mapping[int, Way]) -> list[list[int]]:
+    """The parts that block each other in a circle, together (Tarjan 1972), those that leave first come first."""
+    number: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    groups: list[list[int]] = []
+
+    def visit(item: int) -> None:
+        number[item] = low[item] = len(number)
+        stack.append(item)
+        for other in sorted(chosen[item].blockers & chosen.keys()):
+            if other not in number:
+                visit(other)
+                low[item] = min(low[item], low[other])
+            elif other in stack:
+                low[item] = min(low[item], number[other])
+        if low[item] == number[item]:
+            group = stack[stack.index(item) :]
+            del stack[len(stack) - len(group) :]
+            groups.append(sorted(group))
+
+    for item in sorted(chosen):
+        if item not in number:
+            visit(item)
+    return groups

@@ -1,0 +1,230 @@
+"""`Times`: how long the elements of a step take, in a table that the user owns, and the arithmetic of a step."""
+
+from __future__ import annotations
+
+import fnmatch
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from feeler.arguments import check_number, shown
+from feeler.atomic import atomic_file
+from feeler.errors import LoadError, OptionError
+from feeler.io.toml import toml_of
+
+LONGEST_S = 1e6
+"""The longest element, seconds."""
+
+EXAMPLES: dict[str, tuple[float, float, str]] = {
+    "get": (8.0, 3.0, "take a tool from the trolley, or change it"),
+    "reach": (3.0, 1.0, "bring hand and tool to a fastener and seat it"),
+    "stroke": (1.2, 0.3, "one stroke of a tool, and back"),
+    "draw": (3.0, 1.0, "draw an undone fastener with its washers"),
+    "slide": (3.0, 1.0, "push an undone union nut back"),
+    "clip": (12.0, 4.0, "take a circlip or a clip off"),
+    "pin": (8.0, 3.0, "drive a pin out"),
+    "take": (6.0, 2.0, "grasp a part and lead it out"),
+    "aside": (4.0, 1.5, "put a part or a fastener aside"),
+}
+"""Element: mean and spread, seconds, and what it is. The figures are examples, not measurements."""
+
+PITCHES_MM: dict[float, float] = {
+    **{1.6: 0.35, 2.0: 0.4, 2.5: 0.45, 3.0: 0.5, 4.0: 0.7, 5.0: 0.8, 6.0: 1.0, 8.0: 1.25, 10.0: 1.5, 12.0: 1.75},
+    **{14.0: 2.0, 16.0: 2.0, 18.0: 2.5, 20.0: 2.5, 22.0: 2.5, 24.0: 3.0, 27.0: 3.0, 30.0: 3.5, 33.0: 3.5, 36.0: 4.0},
+    **{39.0: 4.0, 42.0: 4.5, 45.0: 4.5, 48.0: 5.0, 52.0: 5.0, 56.0: 5.5, 60.0: 5.5, 64.0: 6.0},
+}
+"""Coarse pitch of the ISO 261 sizes, by nominal diameter, millimetres."""
+
+
+class Element(NamedTuple):
+    """How long something takes."""
+
+    mean: float
+    """Seconds."""
+    spread: float
+    """Its standard deviation, seconds."""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """The time of a step, with its arithmetic."""
+
+    mean: float
+    spread: float
+    arithmetic: str
+
+
+@dataclass(frozen=True)
+class Turns:
+    """How often a fastener is turned until it is free."""
+
+    count: float
+    arithmetic: str
+
+
+class Times:
+    """How long the elements of a step take, which pitches threads have, and steps whose time is typed.
+
+    - `elements`: element -> mean, or (mean, spread), seconds; those left out have the figures of `EXAMPLES`.
+    - `pitches_mm`: pattern of paths -> pitch of these fasteners, millimetres; others have the coarse pitch of ISO 261.
+    - `typed`: pattern of paths -> mean, or (mean, spread), seconds, of the whole step of a fastener or part.
+
+    Spreads are standard deviations. Elements vary independently: their squares add. Raises `OptionError` for unknown
+    elements and numbers out of range.
+    """
+
+    def __init__(
+        self,
+        elements: Mapping[str, Any] | None = None,
+        *,
+        pitches_mm: Mapping[str, float] | None = None,
+        typed: Mapping[str, Any] | None = None,
+    ) -> None:
+        given = _table("elements", elements)
+        unknown = [name for name in given if name not in EXAMPLES]
+        if unknown:
+            raise OptionError(f"elements has {unknown[0]!r}: an element is one of {', '.join(EXAMPLES)}")
+        own = {name: _element(f"elements.{name}", value) for name, value in given.items()}
+        self.elements: dict[str, Element] = {
+            name: own.get(name, Element(mean, spread)) for name, (mean, spread, _) in EXAMPLES.items()
+        }
+        self.examples: tuple[str, ...] = tuple(name for name in EXAMPLES if name not in own)
+        """The elements whose figures are the built-in examples."""
+        self.pitches_mm = {
+            name: check_number(f"pitches_mm[{name!r}]", value, "millimetres, above 0", above=0.0, most=100.0)
+            for name, value in _table("pitches_mm", pitches_mm).items()
+        }
+        self.typed = {name: _element(f"typed[{name!r}]", value) for name, value in _table("typed", typed).items()}
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Times:
+        """Reads a TOML file with the tables `elements`, `pitches_mm` and `typed`. Raises `LoadError`."""
+        file = Path(path)
+        data = toml_of(file, "write one with feeler.Times().save('times.toml')")
+        unknown = sorted(data.keys() - {"elements", "pitches_mm", "typed"})
+        if unknown:
+            raise LoadError(f"{file}: [{unknown[0]}] is unknown: the tables are elements, pitches_mm and typed")
+        try:
+            return cls(data.get("elements"), pitches_mm=data.get("pitches_mm"), typed=data.get("typed"))
+        except OptionError as error:
+            raise LoadError(f"{file}: {error}") from None
+
+    @classmethod
+    def of(cls, times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
+        """A table as `task` takes it: one, a file, a dict of elements, or None for the examples."""
+        if isinstance(times, Times):
+            return times
+        if times is None or isinstance(times, Mapping):
+            return cls(times)
+        if isinstance(times, (str, os.PathLike)):
+            return cls.load(times)
+        raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes it as TOML. Raises `WriteError`."""
+        with atomic_file(path, ".toml") as file:
+            file.write(self.to_toml().encode())
+
+    def to_toml(self) -> str:
+        """As TOML, which `load` reads."""
+        lines = ["# Seconds: [mean, spread]. The spread is a standard deviation.", "[elements]"]
+        for name, (mean, spread) in self.elements.items():
+            said = EXAMPLES[name][2] + (" (an example, not measured)" if name in self.examples else "")
+            lines.append(f"{name} = [{mean!r}, {spread!r}]  # {said}")
+        lines += [
+            "",
+            "# Pitches that are not the coarse ones of ISO 261, millimetres, by pattern of paths.",
+            "[pitches_mm]",
+        ]
+        lines += [f"{_quoted(name)} = {pitch!r}" for name, pitch in self.pitches_mm.items()]
+        lines += ["", "# Whole steps, by pattern of paths, seconds: [mean, spread].", "[typed]"]
+        lines += [f"{_quoted(name)} = [{mean!r}, {spread!r}]" for name, (mean, spread) in self.typed.items()]
+        return "\n".join(lines) + "\n"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Times) and vars(self) == vars(other)
+
+    __hash__ = None  # type: ignore[assignment]  # it holds dicts
+
+    def __repr__(self) -> str:
+        count = len(self.elements) - len(self.examples)
+        return f"Times({count} of {len(self.elements)} elements given)"
+
+    def typed_for(self, path: str) -> Timed | None:
+        """The typed time of the step of a fastener or part."""
+        element = _matching(self.typed, path)
+        if element is None:
+            return None
+        mean, spread = element
+        return Timed(mean, spread, f"{_spread(mean, spread)} s, typed")
+
+    def turns(self, path: str, size: float, engaged: float) -> Turns:
+        """How often a fastener is turned. size: diameter of its thread, engaged: length of the thread, metres."""
+        if not (math.isfinite(size) and math.isfinite(engaged) and size > 0.0):
+            return Turns(1.0, "1 turn: the mesh does not show its thread")
+        own = _matching(self.pitches_mm, path)
+        nominal = min(PITCHES_MM, key=lambda each: (abs(math.log(1e3 * size / each)), each))
+        pitch = PITCHES_MM[nominal] if own is None else own
+        count = 1e3 * engaged / pitch
+        said = f"M{nominal:g}, ISO 261 coarse" if own is None else "pitch given"
+        return Turns(count, f"{1e3 * engaged:.3g} mm / {pitch:g} mm ({said}) = {count:.3g} turns")
+
+    def strokes(self, turns: Turns, swing_deg: float) -> int:
+        """Strokes of a tool, of at most a full turn each."""
+        return max(1, math.ceil(turns.count * 360.0 / min(swing_deg, 360.0) - 1e-9))
+
+    def undo(self, path: str, turns: Turns, swing_deg: float, strokes: int, last: Sequence[str]) -> Timed:
+        """A fastener by a tool in hand. last: the elements after the strokes."""
+        typed = self.typed_for(path)
+        if typed is not None:
+            return typed
+        said = f"{turns.arithmetic}; at {min(swing_deg, 360.0):.4g} deg a stroke: {strokes} strokes; "
+        found = self.sum([("reach", 1), ("stroke", strokes), *((name, 1) for name in last)])
+        return Timed(found.mean, found.spread, said + found.arithmetic)
+
+    def by_hand(self, path: str, elements: Sequence[str]) -> Timed:
+        """A step without a tool."""
+        return self.typed_for(path) or self.sum([(name, 1) for name in elements])
+
+    def sum(self, elements: Sequence[tuple[str, int]]) -> Timed:
+        """Elements, each so often."""
+        mean = math.fsum(count * self.elements[name].mean for name, count in elements)
+        spread = math.sqrt(math.fsum(count * self.elements[name].spread ** 2 for name, count in elements))
+        terms = [
+            f"{'' if count == 1 else f'{count} x '}{name} {self.elements[name].mean:g}" for name, count in elements
+        ]
+        return Timed(mean, spread, f"{' + '.join(terms)} = {_spread(mean, spread)} s")
+
+
+def _spread(mean: float, spread: float) -> str:
+    return f"{mean:.4g} +- {spread:.2g}"
+
+
+def _table(name: str, value: object) -> dict[str, Any]:
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping) or any(not isinstance(key, str) for key in value):
+        raise OptionError(f"{name} is {shown(value)}: give a dict of names and numbers")
+    return dict(value)
+
+
+def _element(name: str, value: object) -> Element:
+    pair = [value, 0.0] if isinstance(value, (int, float)) else value
+    if not isinstance(pair, (list, tuple)) or len(pair) != 2:
+        raise OptionError(f"{name} is {shown(value)}: give seconds, or [mean, spread]")
+    mean, spread = (check_number(name, each, "seconds, 0 or more", least=0.0, most=LONGEST_S) for each in pair)
+    return Element(mean, spread)
+
+
+def _matching(table: Mapping[str, Any], path: str) -> Any:
+    """The entry of the first pattern that a path, or its last step, matches."""
+    names = (path, path.split("/")[-1])
+    return next((value for name, value in table.items() if any(fnmatch.fnmatchcase(n, name) for n in names)), None)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'
