@@ -80,14 +80,18 @@ if _typing.TYPE_CHECKING:
     from feeler.mockup import Defect, LoadReport, Mockup, Tool
     from feeler.parts import Part, Parts
     from feeler.plan.blocked import Blocker
+    from feeler.plan.catalogue import Catalogue, catalogue
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
     from feeler.plan.legs import RemovalLeg
     from feeler.plan.order import RemovalOrder, RemovalOrderInterrupted, RemovalStep, removal_order
-    from feeler.plan.reaching import Access, AccessInterrupted, Reach, access
+    from feeler.plan.reach import Access, AccessInterrupted, Reach, TriedTool
+    from feeler.plan.reaching import access
     from feeler.plan.removal import Certificate, Removal, RemovalBlocker, RemovalInterrupted, removal
     from feeler.plan.removals import PartsRemoval, Removals, RemovalsInterrupted, removals
+    from feeler.plan.sight import Seen, Sight, eyes_in, sight
     from feeler.plan.swept import swept
+    from feeler.plan.tool_spec import ToolSpec
     from feeler.poses import nearest_rigid
     from feeler.project import PartChanges, Project, open_project
     from feeler.requirements import Requirement, Verified, read_requirements, verify
@@ -96,7 +100,6 @@ if _typing.TYPE_CHECKING:
     from feeler.source import Source
     from feeler.spreading import WorkerLost
     from feeler.task.holding import Hold, Holds, holds
-    from feeler.task.sight import Seen, Sight, eyes_in, sight
     from feeler.workbench.scripting import View, view
 
     __version__: str
@@ -107,6 +110,7 @@ __all__ = [
     "Batch",
     "Blocker",
     "Cast",
+    "Catalogue",
     "Certificate",
     "Chain",
     "Clash",
@@ -182,7 +186,9 @@ __all__ = [
     "Slide",
     "Source",
     "Tool",
+    "ToolSpec",
     "Tracks",
+    "TriedTool",
     "VariantsError",
     "VariantsInterrupted",
     "Verdict",
@@ -192,6 +198,7 @@ __all__ = [
     "WorkerLost",
     "WriteError",
     "access",
+    "catalogue",
     "clash",
     "clash_variants",
     "eyes_in",
@@ -316,6 +323,10 @@ _HOMES = {
         "Parts",
     ),
     "feeler.plan.blocked": ("Blocker",),
+    "feeler.plan.catalogue": (
+        "Catalogue",
+        "catalogue",
+    ),
     "feeler.plan.fasteners": (
         "Fastener",
         "Fasteners",
@@ -329,12 +340,13 @@ _HOMES = {
         "RemovalStep",
         "removal_order",
     ),
-    "feeler.plan.reaching": (
+    "feeler.plan.reach": (
         "Access",
         "AccessInterrupted",
         "Reach",
-        "access",
+        "TriedTool",
     ),
+    "feeler.plan.reaching": ("access",),
     "feeler.plan.removal": (
         "Certificate",
         "Removal",
@@ -348,7 +360,14 @@ _HOMES = {
         "RemovalsInterrupted",
         "removals",
     ),
+    "feeler.plan.sight": (
+        "Seen",
+        "Sight",
+        "eyes_in",
+        "sight",
+    ),
     "feeler.plan.swept": ("swept",),
+    "feeler.plan.tool_spec": ("ToolSpec",),
     "feeler.poses": ("nearest_rigid",),
     "feeler.project": (
         "PartChanges",
@@ -381,12 +400,6 @@ _HOMES = {
         "Hold",
         "Holds",
         "holds",
-    ),
-    "feeler.task.sight": (
-        "Seen",
-        "Sight",
-        "eyes_in",
-        "sight",
     ),
     "feeler.workbench.scripting": (
         "View",
