@@ -17,7 +17,7 @@ from feeler.errors import LoadError, OptionError
 from feeler.io.text import text_of
 from feeler.io.toml import parsed_toml, toml_of
 from feeler.mockup import Tool
-from feeler.plan.tool_shapes import ToolShape, fist, shape_of
+from feeler.plan.tool_shapes import ToolShape, cores_of, fist, shape_of
 from feeler.plan.tool_solids import Solid
 from feeler.plan.tool_spec import HANDLES, HEADS, TOOL_KINDS, ToolSpec, suits
 
@@ -116,7 +116,7 @@ class Catalogue(Sequence[ToolSpec]):
         suited = [row for row in self._rows if suits(row, wanted, width, diameter)]
         found: list[tuple[ToolSpec, ...]] = []
         for kind in dict.fromkeys(row.kind for row in suited):
-            some = [row for row in suited if row.kind == kind]
+            some = _nearest([row for row in suited if row.kind == kind], width)
             found += self._chains(some) if kind in HEADS else [(row,) for row in some]
         return found
 
@@ -169,6 +169,13 @@ def shaped(pieces: tuple[ToolSpec, ...]) -> ToolShape:
 
 
 @lru_cache(maxsize=1024)
+def core_of(pieces: tuple[ToolSpec, ...]) -> Tool | None:
+    """What a chain contains at any angle about its axis; None for other tools."""
+    solids = [("core", solid) for solid in cores_of(pieces)]
+    return _tool(solids, "core") if solids else None
+
+
+@lru_cache(maxsize=1024)
 def tool_of(pieces: tuple[ToolSpec, ...]) -> Tool:
     """A tool of pieces, made once."""
     return _tool(shaped(pieces).solids, name_of(pieces))
@@ -209,6 +216,12 @@ def _read(data: Mapping[str, Any], where: str) -> Catalogue:
         return Catalogue(rows, hand)
     except OptionError as error:
         raise LoadError(f"{where}: {error}") from None
+
+
+def _nearest(rows: list[ToolSpec], width: float) -> list[ToolSpec]:
+    """Of tools by width, those of the nearest size."""
+    off = [abs(row.size - width) if row.size > 0.0 else 0.0 for row in rows]
+    return [row for row, each in zip(rows, off, strict=True) if each <= min(off) + 1e-9]
 
 
 def _hand(table: Any, where: str) -> tuple[float, float, float]:

@@ -12,13 +12,13 @@ import numpy.typing as npt
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.blocked import Blocker
-from feeler.plan.catalogue import Catalogue, name_of, shaped, tool_of
+from feeler.plan.catalogue import Catalogue, core_of, name_of, shaped, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Reach, TriedTool, worst_first
 from feeler.plan.reach_question import ReachQuestion, SeatSearch, shifted
 from feeler.plan.swings import turned
-from feeler.plan.tool_seat import SeatedTool, seated_tool
-from feeler.plan.tool_spec import ToolSpec, depth_of
+from feeler.plan.tool_seat import SeatedTool, ignoring, seated_tool
+from feeler.plan.tool_spec import ToolSpec, depths_of
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -28,6 +28,8 @@ SIDES = {"hexagon": 6, "square": 4, "12-point": 12}
 """Flats of the drives on the outside."""
 UPRIGHT = 0.1
 """Faces whose normals are this near to across the axis are flats."""
+OVER_M = 2e-4
+"""A fastener that stands out of its head by less is flat, metres."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class Chosen:
         plug = None if shape.plug is None else Tool(*shape.plug, name="plug")
         if kind == "open":
             return replace(seated, kept=kept, outward=np.array([1.0, 0.0, 0.0]))
-        return replace(seated, kept=kept, is_around=True, plug=plug)
+        return replace(seated, kept=kept, is_around=True, plug=plug, core=core_of(pieces))
 
     def search_of(self, pieces: Pieces) -> SeatSearch:
         """The search for a tool: a chain swings as its handle does."""
@@ -74,14 +76,34 @@ def _only_grip(tool: Tool) -> Tool:
     return Tool(tool.vertices, np.asarray(tool.faces)[is_grip], name="grip")
 
 
-def turns_to_flats(mockup: Mockup, fasteners: Fasteners) -> list[float]:
-    """Degrees about z from each frame to the flats of its head: there a flat faces y. 0 for other drives."""
+@dataclass(frozen=True)
+class HeadShape:
+    """What a tool must know of a head beside its size."""
+
+    to_flats: float
+    """Degrees about z from its frame to its flats: there a flat faces y. 0 for drives without."""
+    over: float
+    """How far the fastener stands out of its own head, such as the plug of a sensor, metres."""
+    radius: float
+    """Its radius there, metres."""
+
+
+def head_shapes(mockup: Mockup, fasteners: Fasteners) -> list[HeadShape]:
+    """Those of fasteners, by their meshes."""
     meshes = PartMeshes(mockup)
-    return [_turn_to_flats(meshes, row) if row.drive in SIDES else 0.0 for row in fasteners]
+    return [_head_shape(meshes, row) for row in fasteners]
 
 
-def _turn_to_flats(meshes: PartMeshes, row: Fastener) -> float:
+def _head_shape(meshes: PartMeshes, row: Fastener) -> HeadShape:
     corners = (meshes.corners(row.part) - row.frame[:3, 3]) @ row.frame[:3, :3]
+    points = corners.reshape(-1, 3)
+    above = points[points[:, 2] > OVER_M]
+    over = float(above[:, 2].max(initial=0.0))
+    radius = float(np.hypot(above[:, 0], above[:, 1]).max(initial=0.0))
+    return HeadShape(_turn_to_flats(corners, row) if row.drive in SIDES else 0.0, over, radius)
+
+
+def _turn_to_flats(corners: Floats, row: Fastener) -> float:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(normals, axis=1)
     area[area == 0.0] = np.inf
@@ -98,7 +120,7 @@ def _turn_to_flats(meshes: PartMeshes, row: Fastener) -> float:
 
 
 def choose(
-    scene: Scene, chosen: Chosen, target: int, fastener: Fastener, frame: Floats, turn: float, turns: float
+    scene: Scene, chosen: Chosen, target: int, fastener: Fastener, frame: Floats, shape: HeadShape, turns: float
 ) -> Reach:
     """The first tool that reaches a fastener; if none does, the one that came nearest.
 
@@ -108,24 +130,23 @@ def choose(
     if not fitting:
         return _without_tool(target, fastener, frame, _no_fit(chosen.catalogue, fastener))
     head = fastener.length if fastener.kind == "nut" else fastener.head_height
+    aligned = 360.0 / SIDES[fastener.drive] if fastener.drive in SIDES else None
     tried: list[TriedTool] = []
     stems: dict[Pieces, bool] = {}
     best: Reach | None = None
     for pieces in fitting:
-        lift = depth_of(pieces[0], head)
-        seat = shifted(frame @ turned(turn), -lift * frame[:3, 2])
-        search = chosen.search_of(pieces)
-        if _is_blocked(scene, chosen, pieces, search, seat, fastener.part, stems, tried):
-            continue
-        aligned = 360.0 / SIDES[fastener.drive] if fastener.drive in SIDES else None
-        seated = replace(chosen.seated(pieces), depth=max(0.0, lift), aligned_deg=aligned)
-        row = ReachQuestion(scene, seated, search).reach(target, seat, fastener.part)
-        row = replace(row, angle_deg=(row.angle_deg + turn) % 360.0)
-        if row.is_reachable:
-            return _stroked(row, pieces[-1].step_deg, turns, tuple(tried))
-        tried.append(TriedTool(name_of(pieces), row.because, row.blockers))
-        if best is None or (row.drawn, row.swing_deg) > (best.drawn, best.swing_deg):
-            best = row
+        for depth in depths_of(pieces[0], head):
+            seat = shifted(frame @ turned(shape.to_flats), -depth * frame[:3, 2])
+            if _is_blocked(scene, pieces, depth, shape, seat, fastener.part, stems, tried):
+                continue
+            seated = replace(chosen.seated(pieces), depth=max(0.0, depth), aligned_deg=aligned)
+            row = ReachQuestion(scene, seated, chosen.search_of(pieces)).reach(target, seat, fastener.part)
+            row = replace(row, angle_deg=(row.angle_deg + shape.to_flats) % 360.0)
+            if row.is_reachable:
+                return _stroked(row, pieces[-1].step_deg, turns, tuple(tried))
+            tried.append(TriedTool(name_of(pieces), row.because, row.blockers))
+            if best is None or (row.drawn, row.swing_deg) > (best.drawn, best.swing_deg):
+                best = row
     counts: Counter[tuple[int, str]] = Counter()
     for each in tried:
         counts.update({(block.part, block.path): block.count for block in each.blockers})
@@ -141,25 +162,42 @@ def choose(
 
 def _is_blocked(
     scene: Scene,
-    chosen: Chosen,
     pieces: Pieces,
-    search: SeatSearch,
+    depth: float,
+    shape: HeadShape,
     seat: Floats,
     part: int,
     stems: dict[Pieces, bool],
     tried: list[TriedTool],
 ) -> bool:
-    """Whether the first pieces of a chain have no free seat; each is asked once."""
-    for count in range(1, len(pieces)):
+    """Whether a tool, or the first pieces of a chain, collides at every angle; each is asked once."""
+    for count in range(1, len(pieces) + 1):
         stem = pieces[:count]
         if stem not in stems:
-            blockers = ReachQuestion(scene, chosen.seated(stem), search).blockers_at(seat, part)
-            stems[stem] = blockers is not None
-            if blockers is not None:
-                tried.append(TriedTool(name_of(stem), "it collides at every angle", blockers))
+            because, blockers = _stem(scene, stem, depth, shape, seat, part)
+            stems[stem] = bool(because)
+            if because:
+                tried.append(TriedTool(name_of(stem), because, blockers))
         if stems[stem]:
             return True
     return False
+
+
+def _stem(
+    scene: Scene, stem: Pieces, depth: float, shape: HeadShape, seat: Floats, part: int
+) -> tuple[str, tuple[Blocker, ...]]:
+    """Why pieces collide at every angle, and with what; an empty text if they need not."""
+    first = stem[0]
+    room = first.length("depth") - depth if first.kind == "socket" else math.inf
+    if first.kind in ("socket", "ring") and shape.over > 0.0 and (shape.over > room or shape.radius > 0.5 * first.size):
+        return f"the fastener itself stands {1e3 * shape.over:.3g} mm out of its head", ()
+    core = core_of(stem)
+    if core is None:
+        return "", ()
+    met = scene.collide(core, seat, ignore=ignoring(core, scene.mockup, part)).parts
+    paths = scene.mockup.part_paths
+    found = tuple(Blocker(i, paths[i], 1) for i in np.unique(met).tolist())
+    return ("it collides at every angle" if found else ""), found
 
 
 def _stroked(row: Reach, step: float, turns: float, tried: tuple[TriedTool, ...]) -> Reach:

@@ -50,7 +50,7 @@ class SeatSearch:
     clearance: float
     """How far the hand, or what stands for it, stays from all parts."""
     is_strict: bool = False
-    """Whether no way in is sought for smaller swings."""
+    """Whether smaller swings are of no interest."""
 
 
 @dataclass
@@ -73,22 +73,15 @@ class ReachQuestion:
         self._swings = Swings(scene, seated.tool)
         self._sides = [turned(side)[:3, :3] @ seated.outward for side in SIDEWAYS]
 
-    def blockers_at(self, frame: Floats, part: int | None) -> tuple[Blocker, ...] | None:
-        """What blocks all seats; None if one is free."""
-        ignore = ignoring(self._seated.tool, self._scene.mockup, part)
-        blocked: Counter[int] = Counter()
-        if not len(self._scene.collide(self._seated.tool, frame, ignore=ignore)):
-            return None
-        if self._swings.free(frame, self._angles, self._search.needed, ignore, blocked):
-            return None
-        return self._named(blocked)
-
     def reach(self, target: int, frame: Floats, part: int | None) -> Reach:
         """The result for one target."""
         scene, search = self._scene, self._search
         ignore = ignoring(self._seated.tool, scene.mockup, part)
         blocked: Counter[int] = Counter()
-        swings = self._swings.free(frame, self._angles, search.needed, ignore, blocked)
+        if search.is_strict:
+            swings = self._swings.at_least(frame, search.needed, ignore, blocked)
+        else:
+            swings = self._swings.free(frame, self._angles, search.needed, ignore, blocked)
         if search.clearance > 0.0:
             swings = wide_swings(scene, self._seated.kept, frame, swings, search.clearance, part, blocked)
         drawn = _Drawn()
@@ -129,6 +122,8 @@ class ReachQuestion:
     def _because(self, best: Swing | None, found: Swing | None, drawn: float) -> str:
         search = self._search
         glove = f" with {1e3 * search.clearance:g} mm around the hand" if search.clearance > 0.0 else ""
+        if best is None and search.is_strict:
+            return f"no swing of {search.needed:g} degrees is free{glove}"
         if best is None:
             return f"no seat is free{glove}" if glove else "the tool collides at every angle"
         enough = "" if best.span >= search.needed else f", of {search.needed:g} that are needed"
@@ -161,6 +156,13 @@ class ReachQuestion:
         A triangle that stops the tool rules out all angles at which it would stop it at that height.
         """
         scene, tool, approach = self._scene, self._seated.tool, self._search.approach
+        if self._seated.core is not None:
+            within = ignoring(self._seated.core, scene.mockup, part)
+            impact = scene.cast(self._seated.core, frame, shifted(frame, approach * frame[:3, 2]), ignore=within)
+            if impact is not None:
+                blocked[impact.part] += 1
+                drawn.came(impact.fraction)
+                return np.empty((0, 4, 4))
         closed = [] if swing.span == 360.0 else [(swing.start + swing.span, 360.0 - swing.span)]
         angle = swing.start + 0.5 * swing.span
         for _ in range(STRAIGHT_ANGLES):

@@ -16,7 +16,7 @@ from feeler.choices import GripAxis
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
 from feeler.plan.catalogue import Catalogue
-from feeler.plan.choosing import Chosen, choose, strokes_for, turns_to_flats
+from feeler.plan.choosing import Chosen, HeadShape, choose, head_shapes, strokes_for
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Access as Access
 from feeler.plan.reach import AccessInterrupted as AccessInterrupted
@@ -122,8 +122,10 @@ def access(
     frames = _lifted(frames, lift)
     wanted = _turns(turns, len(frames))
     bolts: Sequence[Fastener | None] = targets if isinstance(targets, Fasteners) else [None] * len(frames)
-    flats = turns_to_flats(scene.mockup, targets) if isinstance(targets, Fasteners) else [0.0] * len(frames)
-    columns = zip(frames, parts, bolts, flats, wanted, strict=True)
+    shapes: Sequence[HeadShape | None] = [None] * len(frames)
+    if isinstance(tool, Catalogue) and isinstance(targets, Fasteners):
+        shapes = head_shapes(scene.mockup, targets)
+    columns = zip(frames, parts, bolts, shapes, wanted, strict=True)
     targeted: list[_Targeted] = [(i, *each) for i, each in enumerate(columns)]
     points = targets if isinstance(targets, Fasteners) else frames[:, :3, 3]
     seen = [float("nan")] * len(frames)
@@ -151,15 +153,15 @@ def access(
 
 
 _Asked = Chosen | tuple[SeatedTool, SeatSearch]
-_Targeted = tuple[int, Floats, int | None, Fastener | None, float, float]
+_Targeted = tuple[int, Floats, int | None, Fastener | None, HeadShape | None, float]
 
 
 def _reach(scene: Scene, asked: _Asked, targeted: _Targeted) -> Reach:
     """The task of one target."""
-    target, frame, part, fastener, to_flats, turns = targeted
+    target, frame, part, fastener, shape, turns = targeted
     if isinstance(asked, Chosen):
-        assert fastener is not None
-        return choose(scene, asked, target, fastener, frame, to_flats, turns)
+        assert fastener is not None and shape is not None
+        return choose(scene, asked, target, fastener, frame, shape, turns)
     row = ReachQuestion(scene, *asked).reach(target, frame, part)
     if not row.is_reachable:
         return row

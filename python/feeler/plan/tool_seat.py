@@ -34,6 +34,8 @@ class SeatedTool:
     """How far it is then lifted to be off the head, metres; 0: it is not tried."""
     aligned_deg: float | None = None
     """At multiples of this angle it is on the flats; None if that is not known."""
+    core: Tool | None = None
+    """A body inside of it at any angle about z: where that collides, it does at every angle."""
     plug: Tool | None = None
     """What fills its hole, as of a ring: a part in there says that it is not off."""
 

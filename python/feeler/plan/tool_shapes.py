@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from feeler.plan.tool_solids import Solid, beam, disc, flats, lathed, merged, moved, prism
+from feeler.plan.tool_solids import Solid, beam, disc, flats, inside, lathed, merged, moved, prism
 from feeler.plan.tool_spec import ToolSpec
 
 Floats = npt.NDArray[np.float64]
@@ -48,6 +48,53 @@ def shape_of(pieces: Sequence[ToolSpec]) -> ToolShape:
         solids += [(name, moved(solid, lift)) for name, solid in shape.solids]
         top, grip, plug = top + shape.top, lift @ shape.grip, shape.plug
     return ToolShape(tuple(solids), grip, top, plug)
+
+
+def cores_of(pieces: Sequence[ToolSpec]) -> list[Solid]:
+    """Bodies that are inside a chain, whatever its angle about the axis: where they collide, it collides at every one.
+
+    None of a tool without such a body.
+    """
+    solids: list[Solid] = []
+    top = 0.0
+    for piece in pieces:
+        if piece.kind not in _CORES:
+            return []
+        for rings in _CORES[piece.kind](piece):
+            solids.append(lathed([inside(r, top + z) if r > 0.0 else disc(-r, top + z) for r, z in rings]))
+        top += shape_of([piece]).top
+    return solids
+
+
+def _core_socket(spec: ToolSpec) -> list[list[tuple[float, float]]]:
+    """Radii and heights; the hole is as wide as its corners, and negative: the ring is around it."""
+    outer, body, length, depth = (spec.length(name) for name in ("outer", "body", "length", "depth"))
+    hole, nose = spec.size / np.sqrt(3.0), min(depth + 2e-3, 0.9 * length)
+    if hole >= 0.49 * outer:
+        return [[(body / 2, nose), (body / 2, length)]]
+    rings = [(-hole, depth), (-hole, 0.0), (outer / 2, 0.0), (outer / 2, nose), (body / 2, nose), (body / 2, length)]
+    return [rings]
+
+
+def _core_bit(spec: ToolSpec) -> list[list[tuple[float, float]]]:
+    reach, radius = spec.length("reach"), 0.5 * (spec.size or spec.length("blade"))
+    body = spec.length("body") / 2
+    return [[(radius, 0.0), (radius, reach)], [(body, reach), (body, spec.length("length"))]]
+
+
+def _core_extension(spec: ToolSpec) -> list[list[tuple[float, float]]]:
+    bar, end, high = spec.length("bar") / 2, spec.length("end") / 2, spec.size
+    low = high - spec.length("end_length")
+    return [[(bar, 0.0), (bar, low), (end, low), (end, high)]]
+
+
+def _core_ratchet(spec: ToolSpec) -> list[list[tuple[float, float]]]:
+    return [[(spec.length("head") / 2, z) for z in (0.0, spec.length("height"))]]
+
+
+def _core_driver(spec: ToolSpec) -> list[list[tuple[float, float]]]:
+    shaft, reach, handle = spec.length("shaft") / 2, spec.length("reach"), spec.length("handle") / 2
+    return [[(shaft, 0.0), (shaft, reach), (handle, reach), (handle, reach + spec.length("grip"))]]
 
 
 def fist(width: float, depth: float, height: float) -> Solid:
@@ -232,4 +279,11 @@ _MAKERS: Mapping[str, Callable[[ToolSpec], ToolShape]] = {
     "hex_key": _hex_key,
     "screwdriver": _screwdriver,
     "pliers": _pliers,
+}
+_CORES: Mapping[str, Callable[[ToolSpec], list[list[tuple[float, float]]]]] = {
+    "socket": _core_socket,
+    "bit": _core_bit,
+    "extension": _core_extension,
+    "ratchet": _core_ratchet,
+    "driver": _core_driver,
 }

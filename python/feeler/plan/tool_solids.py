@@ -23,6 +23,11 @@ def disc(radius: float, z: float) -> Floats:
     return np.stack([r * np.cos(_ANGLES), r * np.sin(_ANGLES), np.full(AROUND, z)], axis=1)
 
 
+def inside(radius: float, z: float) -> Floats:
+    """A ring (AROUND, 3) in a circle."""
+    return disc(radius * np.cos(np.pi / AROUND), z)
+
+
 def flats(across: float, z: float, corners: int = 6) -> Floats:
     """A ring (AROUND, 3) on a hexagon, or on the star of two, by its width across flats; a flat faces y."""
     turn = _ANGLES - np.pi / 2.0

@@ -9,8 +9,10 @@ from feeler.arguments import check_word
 
 PLAY = 2e-4
 """How far a tool stays off the face that a head bears on, metres."""
-OUTSIDE, INSIDE = (0.98, 1.01), (0.99, 1.03)
-"""Widths across flats that a tool fits, relative to its own: of heads, and of recesses."""
+ROOM = 2e-3
+"""Along flats that are taller than an open spanner by this, it is tried at both ends, too, metres."""
+OUTSIDE, INSIDE = (0.98, 1.02), (0.98, 1.03)
+"""Widths across flats that a tool fits, relative to its own: of heads, and of recesses. Meshes are rarely exact."""
 HEAD_SHARE = 0.4
 """Height of a head whose mesh does not show it, in widths across flats; about that of ISO 4014."""
 DEEP_SHARE = 0.5
@@ -93,14 +95,19 @@ def suits(spec: ToolSpec, drive: str, across_flats: float, thread: float) -> boo
     return low * spec.size <= across_flats <= high * spec.size
 
 
-def depth_of(spec: ToolSpec, head: float) -> float:
-    """How far below the top of a head of that height (NaN: unknown) the lower end of a tool is when it is on, metres."""
+def depths_of(spec: ToolSpec, head: float) -> list[float]:
+    """How far below the top of a head (its height, NaN: unknown) the lower end of a tool is when it is on, metres.
+
+    An open spanner has several places along tall flats.
+    """
     if spec.kind in INNER:
         blade = spec.size or spec.length("blade")
-        return min(DEEP_SHARE * blade, 0.8 * head if head > 0.0 else float("inf"))
+        return [min(DEEP_SHARE * blade, 0.8 * head if head > 0.0 else float("inf"))]
     known = head if head > 0.0 else HEAD_SHARE * spec.size
     if spec.kind == "open":
-        return min(known - PLAY, 0.5 * (known + spec.length("thick")))
+        thick = spec.length("thick")
+        lowest, middle = known - PLAY, 0.5 * (known + thick)
+        return [middle, thick, lowest] if known > thick + ROOM else [min(lowest, middle)]
     if spec.kind == "pliers":
-        return known
-    return min(known - PLAY, spec.length("depth")) if spec.kind == "socket" else known - PLAY
+        return [known]
+    return [min(known - PLAY, spec.length("depth")) if spec.kind == "socket" else known - PLAY]
