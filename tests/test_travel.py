@@ -136,6 +136,9 @@ def reached() -> dict[str, list[Any]]:
         "Hold": list(feeler.holds(mock, found)),
         "Access": [reach],
         "Reach": list(reach),
+        "Catalogue": [feeler.catalogue(), feeler.Catalogue([])],
+        "ToolSpec": list(feeler.catalogue())[::40],
+        "TriedTool": [feeler.TriedTool("socket 10", "it collides at every angle", reach.blockers)],
         "Blocker": list(reach.blockers),
     }
 
