@@ -21,8 +21,8 @@ from feeler.cli import app
 from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
-COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "move", "clash", "verify", "remove", "task"]
-COMMANDS += ["access", "swept", "feel", "view", "report", "mcp", "replay", "sample", "bench"]
+COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "move", "clash", "verify", "remove"]
+COMMANDS += ["access", "task", "swept", "feel", "view", "report", "mcp", "replay", "sample", "bench"]
 
 
 def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
