@@ -42,7 +42,7 @@ MADE_BY_FEELER = {
     feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
     feeler.JointKind, feeler.MechanismClashes, feeler.MechanismClearance, feeler.MechanismContact,
     feeler.ToolSpec, feeler.TriedTool,
-    feeler.Hold, feeler.MechanismSeat, feeler.Seen, feeler.Range,
+    feeler.Hold, feeler.Task, feeler.TaskStep, feeler.TaskBlocker, feeler.MechanismSeat, feeler.Seen, feeler.Range,
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
@@ -100,6 +100,8 @@ class World:
         Path("requirements.toml").write_text('[[requirement]]\nname = "one"\na = "post"\nb = "far"\ngap = 0.1\n')
         clashes.write_bcf("topics.bcf", self.clashes, self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
+        self.task = feeler.task(self.scene, [1], seconds=5.0)
+        feeler.Times().save("times.toml")
         haptics_record(self)
 
     def mechanism(self) -> feeler.Mechanism:
@@ -301,6 +303,12 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.Holds": lambda w: (feeler.Holds, {"rows": []}),
     "feeler.Holds.of": lambda w: (feeler.Holds([]).of, {"fastener": 0}),
     "feeler.Holds.holding": lambda w: (feeler.Holds([]).holding, {"part": 0}),
+    "feeler.task": lambda w: (feeler.task, {"scene": w.scene, "parts": [0], "seconds": 5.0}),
+    "feeler.Task.to_html": lambda w: (w.task.to_html, {"path": "task.html"}),
+    "feeler.Task.to_xlsx": lambda w: (w.task.to_xlsx, {"path": "task.xlsx"}),
+    "feeler.Times": lambda w: (feeler.Times, {}),
+    "feeler.Times.load": lambda w: (feeler.Times.load, {"path": "times.toml"}),
+    "feeler.Times.save": lambda w: (feeler.Times().save, {"path": "times.toml"}),
     "feeler.find_joint": lambda w: (feeler.find_joint, {"mockup": guided(), "child": 0, "parent": [1, 2, 3, 4]}),
     "feeler.from_open3d": lambda w: (feeler.from_open3d, {"mesh": None}),
     "feeler.from_pyvista": lambda w: (feeler.from_pyvista, {"mesh": None}),

@@ -127,6 +127,9 @@ def reached() -> dict[str, list[Any]]:
         feeler.Scene(mock), feeler.Tool(*box((0.02, 0.0, 0.0), 0.03), "probe"), found, swing_deg=300.0
     )
     assert len(found) == 1 and reach.blockers
+    task = feeler.task(feeler.Scene(mock), "bolt")
+    stuck = feeler.task(feeler.Scene(mock), "bolt", feeler.Tool(*box((-0.05, -0.05, -0.01), 0.1), "probe"), keep="wall")
+    assert task.steps and stuck.blocked
     return {
         "Fasteners": [found, found[:0]],
         "Fastener": list(found),
@@ -134,6 +137,10 @@ def reached() -> dict[str, list[Any]]:
         "Sight": [feeler.sight(feeler.Scene(mock), found, [[0.0, 0.0, 1.0]])],
         "Seen": list(feeler.sight(feeler.Scene(mock), found, [[0.0, 0.0, 1.0]])),
         "Hold": list(feeler.holds(mock, found)),
+        "Task": [task, stuck],
+        "TaskStep": list(task.steps),
+        "TaskBlocker": list(stuck.blocked),
+        "Times": [feeler.Times(), feeler.Times({"get": 5.0}, pitches_mm={"*": 1.0}, typed={"*bolt*": [9.0, 1.0]})],
         "Access": [reach],
         "Reach": list(reach),
         "Catalogue": [feeler.catalogue(), feeler.Catalogue([])],

@@ -96,7 +96,13 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("RemovalInterrupted", "RemovalOrderInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
         ],
     ),
-    "task": ("Maintenance tasks", ["holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"]),
+    "task": (
+        "Maintenance tasks",
+        [
+            *("task", "Task", "TaskStep", "TaskBlocker", "Times"),
+            *("holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"),
+        ],
+    ),
     "haptics": (
         "Haptics",
         [

@@ -1,6 +1,6 @@
-"""Random assemblies of plates under bolts, hoods, bars, posts and plugs, whose truth is known by their construction.
+"""Random assemblies of plates under bolts, hoods, bars, fences and plugs, whose truth is known by their construction.
 
-A base block, plates on it, bolts through them into the base; hoods over heads, bars above heads and posts beside them,
+A base block, plates on it, bolts through them into the base; hoods over heads, bars above heads and fences around them,
 which are in the way of tools; plugs in the base. Boxes are parallel to the axes, bolts along z.
 """
 
@@ -83,13 +83,15 @@ def random_assembly(seed: int) -> Assembly:
         _add_bolt(made, place, plates)
     tops = {place: _top(PLACES[place], plates) for place in bolts}
     for place in bolts:
-        if len(made.parts) < MOST_PARTS and rng.random() < 0.7:
+        if len(made.parts) < MOST_PARTS and rng.random() < 0.8:
             _add_obstacle(made, rng, PLACES[place], tops[place])
+            if _overlaps(made.parts[-1], made.parts[:-1]):
+                made.parts.pop()
     if len(made.parts) < MOST_PARTS and rng.random() < 0.3:
         free = [place for place in range(len(PLACES)) if place not in bolts]
         _add_bolt(made, free[0], [], "plug")
-    others = [n for n, part in enumerate(made.parts) if n and not part.name.startswith(("hood", "bar", "post"))]
-    made.wanted = int(rng.choice(others))
+    others = [n for n, part in enumerate(made.parts) if n and not part.name.startswith(("hood", "bar", "fence"))]
+    made.wanted = 1 if rng.random() < 0.6 else int(rng.choice(others))
     movable = [n for n, part in enumerate(made.parts) if n and n != made.wanted and not part.is_bolt]
     made.keep = frozenset([0, *(n for n in movable if rng.random() < 0.1)])
     return made
@@ -165,7 +167,7 @@ def _add_obstacle(made: Assembly, rng: np.random.Generator, place: tuple[float, 
     """Over, above or beside a head."""
     x, y = place
     number = len(made.parts)
-    kind = int(rng.integers(0, 3))
+    kind = int(rng.integers(0, 4))
     if kind == 0:
         wide, low = 0.016, top + GAP_M
         outer = [[x - wide, y - wide, low], [x + wide, y + wide, low + 0.03]]
@@ -183,10 +185,31 @@ def _add_obstacle(made: Assembly, rng: np.random.Generator, place: tuple[float, 
         far = 0.055 if rng.random() < 0.5 else 0.012
         _add_box(made, f"bar_{number}", [[x - 0.012, y - far, low], [x + 0.012, y + far, low + 0.006]])
     else:
-        away = float(rng.choice([0.012, 0.02, 0.03]))
-        way = rng.choice([-1.0, 1.0])
-        at = np.sort([x + way * away, x + way * (away + 0.006)])
-        _add_box(made, f"post_{number}", [[at[0], y - 0.02, top + GAP_M], [at[1], y + 0.02, top + 0.045]])
+        _add_fence(made, f"fence_{number}", rng, (x, y), top)
+
+
+def _add_fence(made: Assembly, name: str, rng: np.random.Generator, place: tuple[float, float], top: float) -> None:
+    """Two or three walls around a head: low ones, over which a crank turns, or high ones."""
+    x, y = place
+    away, low = float(rng.choice([0.011, 0.014])), top + GAP_M
+    high = low + float(rng.choice([0.015, 0.045]))
+    walls = [
+        [[x - away - 0.003, y - away, low], [x - away, y + away, high]],
+        [[x - away - 0.003, y + away, low], [x + away + 0.003, y + away + 0.003, high]],
+        [[x + away, y - away, low], [x + away + 0.003, y + away, high]],
+    ]
+    walls = walls[: int(rng.integers(2, 4))]
+    solid = _box(walls[0])
+    for wall in walls[1:]:
+        solid = solid + _box(wall)
+    made.parts.append(Part(name, np.array(walls), _arrays(solid)))
+
+
+def _overlaps(part: Part, others: list[Part]) -> bool:
+    boxes = np.concatenate([other.boxes for other in others])
+    low, high = part.boxes[:, None, 0], part.boxes[:, None, 1]
+    overlap = np.minimum(high, boxes[None, :, 1]) - np.maximum(low, boxes[None, :, 0])
+    return bool((overlap > 0.0).all(axis=2).any())
 
 
 def _box(corners: list[list[float]]) -> Any:

@@ -62,7 +62,9 @@ class Judge:
                 continue
             others = [other for other in range(len(self.made.parts)) if other not in out and other != part]
             if each.is_bolt:
-                if any(self._blocks(part, other, 2, each.travel) for other in others if other and other not in each.holds):
+                if any(
+                    self._blocks(part, other, 2, each.travel) for other in others if other and other not in each.holds
+                ):
                     continue
                 for name in self.tools:
                     swing = self.swing(part, out, name)
@@ -72,7 +74,9 @@ class Judge:
                         seconds += elements["draw"].mean + elements["aside"].mean
                         yield part, name, seconds + elements["get"].mean * (name != hand)
             else:
-                is_held = any(self.made.parts[other].is_bolt and part in self.made.parts[other].holds for other in others)
+                is_held = any(
+                    self.made.parts[other].is_bolt and part in self.made.parts[other].holds for other in others
+                )
                 if not is_held and self.is_free(part, others):
                     yield part, "", elements["take"].mean + elements["aside"].mean
 

@@ -85,7 +85,8 @@ def main() -> int:
     times = [one.seconds for one in answers]
     print(f"{len(answers)} assemblies, {len(possible)} come apart, {len(found)} plans found, {quick} as quick as any")
     print(f"{sum(not one.is_bounded for one in answers)} bounds too high, {tight} plans equal to their bound")
-    print(f"{sum(bool(one.faults) for one in answers)} with faults; median {np.median(times):.2f} s, worst {max(times):.2f} s")
+    faulty = sum(bool(one.faults) for one in answers)
+    print(f"{faulty} with faults; median {np.median(times):.2f} s, worst {max(times):.2f} s")
     is_bad = any(one.faults or not one.is_bounded for one in answers)
     return int(is_bad or quick < QUICK_SHARE * len(answers))
 

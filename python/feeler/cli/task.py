@@ -33,6 +33,7 @@ from feeler.io.xlsx import xlsx_library
 from feeler.progress import bar
 from feeler.tasks.planning import MOST_PEOPLE
 from feeler.tasks.steps import clock
+from feeler.tasks.times import times_of
 
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",), "write-times": (".toml",)}
 _SHOWN_BLOCKERS = 3
@@ -106,7 +107,7 @@ def task(
     from feeler.cli import outputs
 
     outputs.check_targets({"html": html, "xlsx": xlsx, "write-times": write_times}, _ENDINGS, [*mockup, times])
-    table = feeler.Times.of(times)
+    table = times_of(times)
     if write_times is not None:
         table.save(write_times)
         if as_json:

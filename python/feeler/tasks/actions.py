@@ -16,7 +16,7 @@ from feeler.scene import Scene
 from feeler.tasks.fixings import Fixing, Fixings
 from feeler.tasks.reached import Reached, Reaching, Tooled
 from feeler.tasks.search import Choice, Way
-from feeler.tasks.times import Timed, Times
+from feeler.tasks.times import Arithmetic, Timed
 
 Floats = npt.NDArray[np.float64]
 
@@ -86,7 +86,9 @@ def joints_of(question: Question, fixings: Fixings, node: int) -> list[frozenset
 class Actions:
     """The actions of a scene, as `Search` asks for them."""
 
-    def __init__(self, question: Together, clock: Clock, fixings: Fixings, reaching: Reaching, times: Times) -> None:
+    def __init__(
+        self, question: Together, clock: Clock, fixings: Fixings, reaching: Reaching, times: Arithmetic
+    ) -> None:
         self.question, self.clock, self.fixings, self.reaching, self.times = question, clock, fixings, reaching, times
         self.graph = _Graph(question, clock, fixings)
         self.get_seconds = times.elements["get"].mean

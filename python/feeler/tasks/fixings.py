@@ -14,7 +14,7 @@ from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import Scene
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import Passed, in_bore, passed_by
-from feeler.tasks.times import Times, Turns
+from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class Fixing:
 class Fixings:
     """All fasteners of a scene."""
 
-    def __init__(self, scene: Scene, rows: Fasteners, held: Holds, times: Times) -> None:
+    def __init__(self, scene: Scene, rows: Fasteners, held: Holds, times: Arithmetic) -> None:
         self.scene, self.times = scene, times
         self._rows = {row.part: row for row in rows}
         self._held = {hold.fastener: hold for hold in held}

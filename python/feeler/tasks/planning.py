@@ -28,7 +28,7 @@ from feeler.tasks.holding import Holds, holds
 from feeler.tasks.reached import Reaching, Tooled
 from feeler.tasks.search import Found, Ordered, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
-from feeler.tasks.times import Timed, Times
+from feeler.tasks.times import Arithmetic, Timed, Times, times_of
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
@@ -84,7 +84,7 @@ def task(
     check_whole("seed", seed, 0, LARGEST_SEED)
     workers = check_threads(threads)
     check_progress(progress)
-    table = Times.of(times)
+    table = Arithmetic(times_of(times))
     wanted = _wanted(scene, parts)
     kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
     if kept & set(wanted):
@@ -165,7 +165,7 @@ def _all_riders(part: int, riders: Mapping[int, list[int]]) -> tuple[int, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # it holds an array
 class _Checked:
     """A step with its way."""
 
@@ -314,8 +314,8 @@ class _Planner:
         notes = []
         if self.actions.reaching.tools is None:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
-        if self.actions.times.examples:
-            notes.append(f"Example figures, not measured: {', '.join(self.actions.times.examples)}.")
+        if self.actions.times.times.examples:
+            notes.append(f"Example figures, not measured: {', '.join(self.actions.times.times.examples)}.")
         return Task(
             parts=self.wanted,
             is_found=True,
@@ -327,7 +327,7 @@ class _Planner:
             people=self.people,
             is_complete=found.is_complete,
             elements=dict(self.actions.times.elements),
-            examples=self.actions.times.examples,
+            examples=self.actions.times.times.examples,
             notes=tuple(notes),
         )
 
@@ -413,7 +413,7 @@ class _Planner:
         rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
         notes = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
         nan = math.nan
-        elements, examples = dict(self.actions.times.elements), self.actions.times.examples
+        elements, examples = dict(self.actions.times.elements), self.actions.times.times.examples
         return Task(
             *(self.wanted, False, (), nan, nan, nan, tuple(rows), self.people, found.is_complete, elements, examples),
             notes=notes,

@@ -7,10 +7,9 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from feeler.arguments import check_number, shown
+from feeler.arguments import check_number, check_path, shown
 from feeler.atomic import atomic_file
 from feeler.errors import LoadError, OptionError
 from feeler.io.toml import toml_of
@@ -102,7 +101,7 @@ class Times:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Times:
         """Reads a TOML file with the tables `elements`, `pitches_mm` and `typed`. Raises `LoadError`."""
-        file = Path(path)
+        file = check_path("path", path, LoadError)
         data = toml_of(file, "write one with feeler.Times().save('times.toml')")
         unknown = sorted(data.keys() - {"elements", "pitches_mm", "typed"})
         if unknown:
@@ -111,17 +110,6 @@ class Times:
             return cls(data.get("elements"), pitches_mm=data.get("pitches_mm"), typed=data.get("typed"))
         except OptionError as error:
             raise LoadError(f"{file}: {error}") from None
-
-    @classmethod
-    def of(cls, times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
-        """A table as `task` takes it: one, a file, a dict of elements, or None for the examples."""
-        if isinstance(times, Times):
-            return times
-        if times is None or isinstance(times, Mapping):
-            return cls(times)
-        if isinstance(times, (str, os.PathLike)):
-            return cls.load(times)
-        raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes it as TOML. Raises `WriteError`."""
@@ -153,9 +141,27 @@ class Times:
         count = len(self.elements) - len(self.examples)
         return f"Times({count} of {len(self.elements)} elements given)"
 
+
+def times_of(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
+    """A table as `task` takes it: one, a file, a dict of elements, or None for the examples."""
+    if isinstance(times, Times):
+        return times
+    if times is None or isinstance(times, Mapping):
+        return Times(times)
+    if isinstance(times, (str, os.PathLike)):
+        return Times.load(times)
+    raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
+
+
+class Arithmetic:
+    """Adds up the times of steps by a table."""
+
+    def __init__(self, times: Times) -> None:
+        self.times, self.elements = times, times.elements
+
     def typed_for(self, path: str) -> Timed | None:
         """The typed time of the step of a fastener or part."""
-        element = _matching(self.typed, path)
+        element = _matching(self.times.typed, path)
         if element is None:
             return None
         mean, spread = element
@@ -165,7 +171,7 @@ class Times:
         """How often a fastener is turned. size: diameter of its thread, engaged: length of the thread, metres."""
         if not (math.isfinite(size) and math.isfinite(engaged) and size > 0.0):
             return Turns(1.0, "1 turn: the mesh does not show its thread")
-        own = _matching(self.pitches_mm, path)
+        own = _matching(self.times.pitches_mm, path)
         nominal = min(PITCHES_MM, key=lambda each: (abs(math.log(1e3 * size / each)), each))
         pitch = PITCHES_MM[nominal] if own is None else own
         count = 1e3 * engaged / pitch
