@@ -100,6 +100,7 @@ if _typing.TYPE_CHECKING:
     from feeler.source import Source
     from feeler.spreading import WorkerLost
     from feeler.task.holding import Hold, Holds, holds
+    from feeler.task.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.workbench.scripting import View, view
 
     __version__: str
@@ -151,6 +152,9 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "Mockup",
+    "Opening",
+    "OpeningFit",
+    "OpeningLimit",
     "OptionError",
     "Packed",
     "PackedPiece",
@@ -218,6 +222,8 @@ __all__ = [
     "nearest_rigid",
     "open_project",
     "open_scene",
+    "opening",
+    "opening_limits",
     "optimal_voxel_size",
     "read_requirements",
     "removal",
@@ -400,6 +406,13 @@ _HOMES = {
         "Hold",
         "Holds",
         "holds",
+    ),
+    "feeler.task.opening": (
+        "Opening",
+        "OpeningFit",
+        "OpeningLimit",
+        "opening",
+        "opening_limits",
     ),
     "feeler.workbench.scripting": (
         "View",
