@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import error_of, run, run_json
 from shapes import box, mockup_of
 
 import feeler
+from feeler.io import write_glb
 from feeler.plan.tool_solids import lathed
 from feeler.task.opening import LIMITS_TEMPLATE, write_limits_template
 
@@ -210,3 +212,19 @@ def test_wrong_questions() -> None:
     ]:
         with pytest.raises(feeler.OptionError, match=words):
             feeler.opening(scene, **{"at": [0.0, 0, 0], "axis": Z, **more})
+
+
+def test_the_command(tmp_path: Path) -> None:
+    plate, limits = tmp_path / "plate.glb", tmp_path / "limits.toml"
+    write_glb(plate, mockup_of(frame_of(0.12, 0.03)))
+    words = ["opening", plate, "--at", "0.01,0,0", "--axis", "0,0,1"]
+    text = run(*words, "--aspect", "0.25", "--across", "1,0,0").stdout
+    assert "30.0 mm" in text and "100.0 mm x 25.0 mm" in text and "stopped by" in text
+    assert "fill in" in run("opening", "--write-limits", limits).stdout
+    assert "there is no [[limit]]" in error_of(*words, "--limits", limits)
+    limits.write_text('version = 1\n[[limit]]\nname = "fist"\nshape = "cylinder"\ndiameter_mm = 80\nsource = "mine"\n')
+    found = run_json(*words, "--limits", limits, "--centre", code=1)
+    assert found["ball"] == pytest.approx(0.03, abs=1e-6) and not found["fits"][0]["is_through"]
+    assert "no" in run(*words, "--limits", limits, code=1).stdout
+    assert "give --at X,Y,Z and --axis X,Y,Z" in error_of("opening", plate)
+    assert "there is no mock-up" in error_of("opening", "--at", "0,0,0", "--axis", "0,0,1")
