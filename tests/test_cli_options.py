@@ -21,6 +21,7 @@ NEEDED = {
     **{"path": ["--poses", "p.txt"], "swept": ["--poses", "p.txt"], "access": ["--tool", "t.stl"]},
     "verify": ["--requirements", "r.toml"],
     "move": ["--mechanism", "m.toml"],
+    "opening": ["--at", "0,0,0", "--axis", "0,0,1"],
 }
 NO_ARGUMENT = ("demo", "feel", "view", "bench", "study")
 
@@ -44,7 +45,7 @@ OPTIONS = [(name, option) for name in commands() for option in options_of(name).
 
 
 def test_the_table_is_whole() -> None:
-    assert len(commands()) == 26 and len(OPTIONS) > 200
+    assert len(commands()) == 27 and len(OPTIONS) > 200
 
 
 def test_every_option_with_a_number_has_a_value() -> None:
@@ -115,6 +116,8 @@ FILES: list[tuple[list[str], list[str]]] = [
     (["access", *MOVING], ["--targets", "--frames", "--hand", "--grip", "--csv", "--glb"]),
     (["sight", "m.glb"], ["--eye", "--from", "--to"]),
     (["sight", "m.glb", "--eye", "0,0,1"], ["--targets", "--parts", "--csv"]),
+    (["access", "m.glb"], ["--catalogue", "--write-catalogue"]),
+    (["opening", "m.glb", "--at", "0,0,9", "--axis", "0,0,1"], ["--limits", "--write-limits"]),
     (["swept", "t.stl"], ["--poses"]),
     (["swept", "t.stl", "--poses", "p.txt"], ["--out"]),
     (["feel", "m.glb"], ["--tool", "--record", "--pose", "--device-option"]),

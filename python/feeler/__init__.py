@@ -101,6 +101,7 @@ if _typing.TYPE_CHECKING:
     from feeler.spreading import WorkerLost
     from feeler.tasks.answer import Task
     from feeler.tasks.holding import Hold, Holds, holds
+    from feeler.tasks.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.tasks.planning import task
     from feeler.tasks.steps import TaskBlocker, TaskStep
     from feeler.tasks.times import Times
@@ -155,6 +156,9 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "Mockup",
+    "Opening",
+    "OpeningFit",
+    "OpeningLimit",
     "OptionError",
     "Packed",
     "PackedPiece",
@@ -226,6 +230,8 @@ __all__ = [
     "nearest_rigid",
     "open_project",
     "open_scene",
+    "opening",
+    "opening_limits",
     "optimal_voxel_size",
     "read_requirements",
     "removal",
@@ -409,6 +415,13 @@ _HOMES = {
         "Hold",
         "Holds",
         "holds",
+    ),
+    "feeler.tasks.opening": (
+        "Opening",
+        "OpeningFit",
+        "OpeningLimit",
+        "opening",
+        "opening_limits",
     ),
     "feeler.tasks.answer": ("Task",),
     "feeler.tasks.planning": ("task",),

@@ -61,7 +61,7 @@ class Chosen:
         kept = seated.kept if hand is not None or not has_grip else _only_grip(tool)
         plug = None if shape.plug is None else Tool(*shape.plug, name="plug")
         if kind == "open":
-            return replace(seated, kept=kept, outward=np.array([1.0, 0.0, 0.0]))
+            return replace(seated, kept=kept, plug=plug, outward=np.array([1.0, 0.0, 0.0]))
         return replace(seated, kept=kept, is_around=True, plug=plug, core=core_of(pieces))
 
     def search_of(self, pieces: Pieces) -> SeatSearch:

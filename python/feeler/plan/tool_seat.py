@@ -37,7 +37,7 @@ class SeatedTool:
     core: Tool | None = None
     """A body inside of it at any angle about z: where that collides, it does at every angle."""
     plug: Tool | None = None
-    """What fills its hole, as of a ring: a part in there says that it is not off."""
+    """What fills its ring or jaw: a part in there says that it is not off."""
 
 
 def ignoring(tool: Tool, mockup: Mockup, part: int | None) -> IgnoredPairs | None:

@@ -34,7 +34,7 @@ class ToolShape:
     top: float
     """Height at which the next piece of a chain goes on."""
     plug: Solid | None = None
-    """What fills the hole of a ring: a part in it when the tool is off says that the tool is not off."""
+    """What fills a ring or jaw: a part in it when the tool is off says that the tool is not off."""
 
 
 def shape_of(pieces: Sequence[ToolSpec]) -> ToolShape:
@@ -200,7 +200,7 @@ def _ring(spec: ToolSpec) -> ToolShape:
     half = 0.4 * (far - crank) + crank
     neck = beam([(near, z, width, bar), (crank, z + rise, width, bar), (half, z + rise, width, bar)])
     return ToolShape(
-        (("ring", merged([lathed(rings, is_ring=True), neck])), ("grip", _bar(half, far, z + rise, width, bar))),
+        (("ring", merged([lathed(rings, is_ring=True), neck])), ("grip", _bar(0.98 * half, far, z + rise, width, bar))),
         _along_x(0.5 * (half + far), z + rise),
         thick,
         lathed([disc(0.45 * spec.size, z) for z in (0.0, thick)]),
@@ -229,6 +229,7 @@ def _open(spec: ToolSpec) -> ToolShape:
         (("jaw", merged([*jaws, moved(shaft[0], turn)])), ("grip", moved(shaft[1], turn))),
         turn @ _along_x(0.5 * (half + far), middle),
         thick,
+        lathed([disc(0.45 * size, z) for z in (0.0, thick)]),
     )
 
 
