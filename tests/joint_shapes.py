@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from shapes import Mesh, joined, mockup_of
+from shapes import Mesh, box, joined, mockup_of
 
 import feeler
 
@@ -245,6 +245,29 @@ def hinge(rng: np.random.Generator) -> Drawn:
     return _placed(rng, "revolute", sides[0], sides[1], play)
 
 
+def door(rng: np.random.Generator) -> Drawn:
+    """A panel on pins above and below, flush in a frame with an even gap all round."""
+    thick, wide, high = 2.0, *rng.uniform(10.0, 60.0, 2)
+    gap = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05)))) * min(wide, high)
+    pin, play, edge = rng.uniform(0.3, 0.7), rng.uniform(0.0, 0.03), rng.uniform(1.0, 2.0)
+    n, beam = _count(rng), gap + rng.uniform(2.0, 6.0)
+    panel = box((-edge, -thick / 2, 0.0), (wide - edge, thick / 2, high))
+    child, parent = {"panel": panel}, {}
+    left, right = -edge - gap, wide - edge + gap
+    for k, (low, top, foot, tip) in enumerate(
+        ((-gap - beam, -gap, 0.0, -gap - 1.0), (high + gap, high + gap + beam, high, high + gap + 1.0))
+    ):
+        child[f"pin_{k}"] = solid(circle(pin, n, rng.uniform(0, 6)), min(foot, tip), max(foot, tip), rng)
+        parent[f"bore_{k}"] = sleeve(rectangle(edge, thick / 2), circle(pin * (1 + play), _count(rng)), low, top, rng)
+        for side, (a, b) in enumerate(((left - beam, -edge), (edge, right + beam))):
+            parent[f"beam_{k}_{side}"] = box((a, -thick / 2, low), (b, thick / 2, top))
+    parent["post"] = box((left - beam, -thick / 2, -gap), (left, thick / 2, high + gap))
+    parent["jamb"] = box((right, -thick / 2, -gap), (right + beam, thick / 2, high + gap))
+    if rng.integers(2):
+        parent = {"frame": joined(*parent.values())}
+    return _placed(rng, "revolute", child, parent, pin * play)
+
+
 def piston(rng: np.random.Generator) -> Drawn:
     """A rod through a bore."""
     play = rng.uniform(-0.003, 0.03)
@@ -335,7 +358,7 @@ def nothing(rng: np.random.Generator) -> Drawn:
 
 
 KINDS: dict[str, Callable[[np.random.Generator], Drawn]] = {
-    each.__name__: each for each in (shaft, hinge, piston, slide, screw, seat, nothing)
+    each.__name__: each for each in (shaft, hinge, door, piston, slide, screw, seat, nothing)
 }
 
 

@@ -68,10 +68,13 @@ def slip(touches: Touches, velocity: Floats) -> Floats:
     return np.where(one * other > 0.0, least, 0.0)
 
 
-def way_of(touches: Touches, velocity: Floats, travel: float) -> Way:
-    """What stops a motion. travel: stops beyond are ignored, in the unit of the motion."""
+def way_of(touches: Touches, velocity: Floats, travel: float, counts: Bools | None = None) -> Way:
+    """What stops a motion. travel: stops beyond are ignored, in the unit of the motion. counts: the points that can
+    stop it; None for all."""
     into = slip(touches, velocity)
     stops = stopped(touches, into, velocity, travel)
+    if counts is not None:
+        stops &= counts
     total = float(touches.weights.sum())
     forward = float(touches.weights[stops & (into > 0)].sum()) / total
     backward = float(touches.weights[stops & (into < 0)].sum()) / total
