@@ -23,6 +23,9 @@ CLOSED = 1e-11
 RANK = 1e-7
 """A Jacobian whose least singular value is below this share of the largest has lost its rank."""
 _MOST_STEPS = 30
+_MOST_POLISH = 6
+_POLISH = 1e-3
+_FINE = 1e-14
 _DIFFERENCE = 1e-6
 _HELPS = 0.2  # a Jacobian that leaves more of the residual than this is made anew
 _FARTHEST = 0.5  # that a joint may follow in a step, radians, or in sizes of the mechanism
@@ -90,7 +93,7 @@ class Follower:
             left = self._open_by(given, found)
             size = float(np.abs(left).max(initial=0.0))
             if size <= CLOSED:
-                return found
+                return self._polished(given, found)
             if size > _HELPS * last:
                 back = np.linalg.pinv(self._jacobian(given, found))
             last = size
@@ -98,6 +101,21 @@ class Follower:
             if not np.isfinite(found).all() or (np.abs(found - begin) > _FARTHEST * self._scales).any():
                 return None
         return None
+
+    def _polished(self, given: Floats, found: Floats) -> Floats:
+        """Closer, as long as steps shrink: near a dead point a small residual leaves a large error."""
+        last = np.inf
+        for _ in range(_MOST_POLISH):
+            jacobian = self._jacobian(given, found)
+            by = np.linalg.pinv(jacobian) @ self._open_by(given, found)
+            size = float(np.abs(by).max(initial=0.0))
+            if not size < 0.5 * last or size > _POLISH:
+                return found
+            found = np.asarray(found - by * self._scales, dtype=np.float64)
+            if size <= _FINE:
+                return found
+            last = size
+        return found
 
     def _jacobian(self, given: Floats, found: Floats) -> Floats:
         columns = []
