@@ -159,11 +159,9 @@ def test_the_limits_of_all_coupled_numbers_hold() -> None:
     moved = Mechanism(mock, joints, [JointCoupling("h", "g", 2.0)])
     assert moved.position({"g": 0.5})["h"] == 1.0
     for ask in (moved.position, moved.poses, moved.scene):
-        with pytest.raises(
-            OptionError, match=r"'g' at 1 rad \(57.2958 degrees\) moves 'h' to 2 rad .* its limits are 0"
-        ):
+        with pytest.raises(OptionError, match=r"'g' at 1 rad \(57.2958 degrees\) moves 'h' to 2 rad .* limits are 0"):
             ask({"g": 1.0})
-    with pytest.raises(OptionError, match="moves 'h' to -0.2 rad"):
+    with pytest.raises(OptionError, match=r"moves 'h' to -0\.2 rad"):
         moved.clearance({"g": (-0.1, 0.3)})
     with pytest.raises(OptionError, match="'g' is coupled with 'h', and both are given, as numbers that disagree"):
         moved.position({"h": 1.0, "g": 0.1})
@@ -176,7 +174,7 @@ def test_what_a_loop_moves_keeps_the_limits_of_what_is_coupled_with_it() -> None
     far = Joint("wheel", "revolute", None, "d", Z, limits=(-0.5, 0.5))
     coupled = Mechanism(moved.mockup, [*moved.joints, far], [JointCoupling("wheel", "slider", 100.0)], moved.loops)
     assert abs(coupled.position({"crank": 0.01})["wheel"]) < 0.5
-    with pytest.raises(OptionError, match="'slider' at .* m moves 'wheel' to .* rad"):
+    with pytest.raises(OptionError, match=r"'slider' at .* m moves 'wheel' to .* rad"):
         coupled.position({"crank": 0.3})
 
 

@@ -23,6 +23,8 @@ from feeler.parts import Part, PartsLike
 _TABLES = ("joint", "coupling", "loop")
 _LIMITS = {"limits_deg": math.radians(1.0), "limits_rad": 1.0, "limits_m": 1.0}
 _SLIDES = ("slide_limits_m",)
+_KEYS = {"point": "point_m", "pitch": "pitch_m", "slide_limits": "slide_limits_m"}
+"""The keys of what errors of joints begin with, where they differ."""
 _JOINT = ("name", "kind", "parent", "child", "axis", "point_m", "pitch_m", "because", *_LIMITS, *_SLIDES)
 _COUPLING = ("joint", "of", "ratio", "offset_deg", "offset_rad", "offset_m")
 
@@ -118,9 +120,9 @@ def _joint(table: dict[str, Any], lines: _Lines, mockup: Mockup | None) -> Joint
             slide,  # type: ignore[arg-type]
         )
     except FeelerError as error:
-        key = {"point": "point_m", "pitch": "pitch_m", "slide_limits": "slide_limits_m"}.get(str(error).split()[0])
-        key = said[0] if said and str(error).startswith("limits of") else key or str(error).split()[0]
-        raise LoadError(f"{lines.of(key)}: {error}") from None
+        said_of = {"limits": said[0] if said else "limits", **_KEYS}
+        word = str(error).split()[0]
+        raise LoadError(f"{lines.of(said_of.get(word, word))}: {error}") from None
 
 
 def _check_parts(value: object, side: str, lines: _Lines, mockup: Mockup) -> None:
