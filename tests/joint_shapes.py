@@ -277,6 +277,36 @@ def piston(rng: np.random.Generator) -> Drawn:
     return _placed(rng, "cylindrical", {"rod": rod}, {"block": block}, max(play, 0.0))
 
 
+def taper(rng: np.random.Generator) -> Drawn:
+    """A taper pin in its hole, with or without play."""
+    length, play = rng.uniform(1.0, 8.0), rng.uniform(0.0, 0.02) * rng.integers(2)
+    lean = float(np.exp(rng.uniform(np.log(0.01), np.log(0.3)))) * min(1.0, 2.0 / length)
+    n, phase = _count(rng), rng.uniform(0, 6)
+    m, other = (n, phase) if rng.integers(2) else (_count(rng), rng.uniform(0, 6))
+    over = rng.uniform(0.0, 0.5)
+    pin = _frustum(circle(1.0, n, phase), -over, length + over, lean)
+    caps = [cap(circle(1.0 + lean * z, n, phase), z, up) for z, up in ((-over, False), (length + over, True))]
+    around = _around(rng, 1.5 + lean * length)
+    ends = [circle(1.0 + play + lean * z, m, other) for z in (0.0, length)]
+    bore = _frustum(circle(1.0 + play, m, other), 0.0, length, lean)
+    block = joined(
+        walls(around, np.array([0.0, length]), True, rng),
+        (bore[0], bore[1][:, ::-1].copy()),
+        ring(around, ends[0], 0.0, False),
+        ring(around, ends[1], length, True),
+    )
+    return _placed(rng, "revolute", {"pin": joined(pin, *caps)}, {"block": block}, play)
+
+
+def _frustum(loop: Loop, low: float, high: float, lean: float) -> Mesh:
+    """The wall over a loop of radius 1 at z = 0 that widens upwards."""
+    radius = float(np.linalg.norm(loop[0]))
+    rows = [np.column_stack([loop * (1.0 + lean * z / radius), np.full(len(loop), z)]) for z in (low, high)]
+    n = len(loop)
+    faces = [f for i in range(n) for f in ([i, (i + 1) % n, n + (i + 1) % n], [i, n + (i + 1) % n, n + i])]
+    return np.concatenate(rows), np.array(faces)
+
+
 def slide(rng: np.random.Generator) -> Drawn:
     """A bar in a channel, a dovetail, a D-shaft or a splined shaft."""
     play = rng.uniform(0.0, 0.02)
@@ -358,7 +388,7 @@ def nothing(rng: np.random.Generator) -> Drawn:
 
 
 KINDS: dict[str, Callable[[np.random.Generator], Drawn]] = {
-    each.__name__: each for each in (shaft, hinge, door, piston, slide, screw, seat, nothing)
+    each.__name__: each for each in (shaft, hinge, door, piston, taper, slide, screw, seat, nothing)
 }
 
 

@@ -136,6 +136,17 @@ def test_a_loose_bar_slides_along_its_channel_only() -> None:
     assert np.allclose(np.abs(joint.axis), (0, 0, 1), atol=1e-6)
 
 
+def test_a_short_taper_is_no_cylinder() -> None:
+    """1 in 50, and no longer than wide: the radius changes by 1 %, but all facets lean one way."""
+    rng = shown()
+    ends = [solid(circle(1.0, 24), 0.0, 1.0, rng), sleeve(circle(2.0, 24), circle(1.0, 24), 0.0, 1.0, rng)]
+    for points, _ in ends:
+        inner = np.linalg.norm(points[:, :2], axis=1) < 1.5
+        points[inner, :2] *= (1.0 + 0.01 * points[inner, 2])[:, None]
+    joint = found(ends[:1], ends[1:])
+    assert joint.kind is feeler.JointKind.REVOLUTE and "a cone" in joint.because
+
+
 def test_what_is_free_is_told() -> None:
     with pytest.raises(JointError, match=r"free in . ways") as plate:
         found([box((0, 0, 0), (1, 1, 1))], [box((-2, -2, -1), (3, 3, 0))])

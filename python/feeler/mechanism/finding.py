@@ -22,6 +22,7 @@ from feeler.mechanism.slipping import (
     screws_of,
     slip,
     stopped,
+    taper_of,
     turn,
     way_of,
     winding_of,
@@ -53,7 +54,7 @@ ROUNDING = 2.0**-21
 """Faces this near are in contact, as a share of the largest coordinate: four steps of single precision."""
 FITS_SHARE = 0.1
 """Where more than this share of the surface of shafts in holes stops a turn, it is stopped."""
-AXIAL_PLAY = 0.1
+AXIAL_PLAY = 0.15
 """A shaft that slides no farther than this share of the span of its holes, to both sides together, is held."""
 SHAFTS_SHARE = 0.1
 """Where shafts in their holes are more of the surface than this, they decide what turns."""
@@ -171,6 +172,11 @@ class _Search:
             a = motions.axis
             found = self._joint(JointKind.REVOLUTE, a.direction, a.point, "faces of revolution about one axis")
             return self._alone(found, motions)
+        for motions in others:
+            a = motions.axis
+            if motions.turning.is_free and motions.sliding.is_open and taper_of(self.touches, a.direction):
+                said = "a cone in its seat, which lifts off to one side"
+                return self._alone(self._joint(JointKind.REVOLUTE, a.direction, a.point, said), motions)
         for motions in others:
             if motions.turning.is_free and motions.sliding.is_free and motions.axis.weight >= 0.0:
                 a = motions.axis
@@ -410,7 +416,10 @@ class _Search:
                     self._joint(JointKind.REVOLUTE, axis.direction, axis.point, "the faces in contact turn about it")
                 )
         count = max(len(slips), len(found))
-        return self._error(f"are free in {count} ways, no joint holds them", found)
+        if count > 1:
+            return self._error(f"are free in {count} ways, no joint holds them", found)
+        said = "touch, and their faces agree with no joint" if not count else "move in one way that is no known joint"
+        return self._error(f"{said}; give all parts that hold them, such as pins and screws, to one side", found)
 
     def _slides(self, direction: Floats) -> bool:
         t = self.touches
