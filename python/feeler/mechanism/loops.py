@@ -26,6 +26,7 @@ _MOST_STEPS = 30
 _MOST_POLISH = 6
 _POLISH = 1e-3
 _FINE = 1e-14
+_BENT = 1e-10  # larger steps of a polish need a new Jacobian
 _DIFFERENCE = 1e-6
 _HELPS = 0.2  # a Jacobian that leaves more of the residual than this is made anew
 _FARTHEST = 0.5  # that a joint may follow in a step, radians, or in sizes of the mechanism
@@ -83,7 +84,7 @@ class Follower:
                 continue
             share, found, before = there, next_, now
             step = min(most, 2.0 * step)
-        return found
+        return self._polished(end, found, before)
 
     def _newton(self, given: Floats, begin: Floats, jacobian: Floats) -> Floats | None:
         """Of the followed numbers; the Jacobian of a position nearby serves as long as it helps."""
@@ -93,7 +94,7 @@ class Follower:
             left = self._open_by(given, found)
             size = float(np.abs(left).max(initial=0.0))
             if size <= CLOSED:
-                return self._polished(given, found)
+                return found
             if size > _HELPS * last:
                 back = np.linalg.pinv(self._jacobian(given, found))
             last = size
@@ -102,19 +103,17 @@ class Follower:
                 return None
         return None
 
-    def _polished(self, given: Floats, found: Floats) -> Floats:
+    def _polished(self, given: Floats, found: Floats, jacobian: Floats) -> Floats:
         """Closer, as long as steps shrink: near a dead point a small residual leaves a large error."""
-        last = np.inf
+        back, last = np.linalg.pinv(jacobian), _POLISH
         for _ in range(_MOST_POLISH):
-            jacobian = self._jacobian(given, found)
-            by = np.linalg.pinv(jacobian) @ self._open_by(given, found)
+            by = back @ self._open_by(given, found)
             size = float(np.abs(by).max(initial=0.0))
-            if not size < 0.5 * last or size > _POLISH:
+            if size <= _FINE or size >= last:
                 return found
-            found = np.asarray(found - by * self._scales, dtype=np.float64)
-            if size <= _FINE:
-                return found
-            last = size
+            found, last = np.asarray(found - by * self._scales, dtype=np.float64), 0.5 * size
+            if size > _BENT:
+                back = np.linalg.pinv(self._jacobian(given, found))
         return found
 
     def _jacobian(self, given: Floats, found: Floats) -> Floats:
