@@ -188,6 +188,39 @@ def test_bounds_along_a_loop_hold_at_all_positions(seed: int) -> None:
         assert found.lower <= near
 
 
+@pytest.mark.parametrize("name", ["bar", "foot"])
+def test_a_scissor_lift_comes_as_near_to_the_ceiling_as_its_bars_say(name: str) -> None:
+    # Two bars of length 1 cross at their middles; a coupling keeps the table level; either end may drive.
+    wide, high, ceiling = math.cos(0.5), math.sin(0.5), 0.9
+    mock = parts(
+        a=cube(wide / 4, high / 4, 0),
+        b=cube(0.75 * wide, high / 4, 0.1),
+        c=cube(wide, 0, 0.2),
+        d=box((wide / 2 - 0.2, high, 0.28), (wide / 2 + 0.2, high + 0.05, 0.32)),
+        e=box((-1, ceiling, 0.2), (2, ceiling + 0.1, 0.4)),
+    )
+    moved = Mechanism(
+        mock,
+        [
+            Joint("bar", "revolute", None, "a", Z),
+            Joint("cross", "revolute", "a", "b", Z, (wide / 2, high / 2, 0)),
+            Joint("foot", "prismatic", None, "c", (1, 0, 0)),
+            Joint("table", "revolute", "a", "d", Z, (wide, high, 0)),
+        ],
+        [JointCoupling("table", "bar", -1.0)],
+        [Joint("pin", "revolute", "b", "c", Z, (wide, 0, 0))],
+    )
+    ends = {"bar": (0.0, 0.25), "foot": (math.cos(0.75) - wide, 0.0)}[name]
+    gap = moved.clearance({name: ends}, error=1e-4)
+    assert gap.is_certified and gap.upper - gap.lower <= 1.1e-4 and (gap.path, gap.other_path) == ("d", "e")
+    assert gap.lower <= ceiling - 0.05 - math.sin(0.75) == pytest.approx(gap.upper, abs=1e-9)
+    free = moved.range(name)
+    top = math.asin(ceiling - 0.05)
+    assert (free.upper if name == "bar" else free.lower) == pytest.approx(
+        top - 0.5 if name == "bar" else math.cos(top) - wide, abs=1e-6
+    )
+
+
 def parallel(frame: float = 0.4, side: float = 0.3, post: tuple[float, float] = (0.2, 0.1)) -> Mechanism:
     """A parallelogram, in which the rocker turns as the crank does, and a post."""
     low, high = (post[0], post[1], -0.3), (post[0] + 0.02, post[1] + 0.02, 0.3)
