@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from shapes import Mesh, joined, mockup_of
+from shapes import Mesh, box, joined, mockup_of
 
 import feeler
 
@@ -245,6 +245,29 @@ def hinge(rng: np.random.Generator) -> Drawn:
     return _placed(rng, "revolute", sides[0], sides[1], play)
 
 
+def door(rng: np.random.Generator) -> Drawn:
+    """A panel on pins above and below, flush in a frame with an even gap all round."""
+    thick, wide, high = 2.0, *rng.uniform(10.0, 60.0, 2)
+    gap = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05)))) * min(wide, high)
+    pin, play, edge = rng.uniform(0.3, 0.7), rng.uniform(0.0, 0.03), rng.uniform(1.0, 2.0)
+    n, beam = _count(rng), gap + rng.uniform(2.0, 6.0)
+    panel = box((-edge, -thick / 2, 0.0), (wide - edge, thick / 2, high))
+    child, parent = {"panel": panel}, {}
+    left, right = -edge - gap, wide - edge + gap
+    for k, (low, top, foot, tip) in enumerate(
+        ((-gap - beam, -gap, 0.0, -gap - 1.0), (high + gap, high + gap + beam, high, high + gap + 1.0))
+    ):
+        child[f"pin_{k}"] = solid(circle(pin, n, rng.uniform(0, 6)), min(foot, tip), max(foot, tip), rng)
+        parent[f"bore_{k}"] = sleeve(rectangle(edge, thick / 2), circle(pin * (1 + play), _count(rng)), low, top, rng)
+        for side, (a, b) in enumerate(((left - beam, -edge), (edge, right + beam))):
+            parent[f"beam_{k}_{side}"] = box((a, -thick / 2, low), (b, thick / 2, top))
+    parent["post"] = box((left - beam, -thick / 2, -gap), (left, thick / 2, high + gap))
+    parent["jamb"] = box((right, -thick / 2, -gap), (right + beam, thick / 2, high + gap))
+    if rng.integers(2):
+        parent = {"frame": joined(*parent.values())}
+    return _placed(rng, "revolute", child, parent, pin * play)
+
+
 def piston(rng: np.random.Generator) -> Drawn:
     """A rod through a bore."""
     play = rng.uniform(-0.003, 0.03)
@@ -252,6 +275,36 @@ def piston(rng: np.random.Generator) -> Drawn:
     rod = solid(circle(1.0, _count(rng), rng.uniform(0, 6)), -rng.uniform(0.5, 4), length + rng.uniform(0.5, 4), rng)
     block = sleeve(_around(rng, 1.0), circle(1 + play, _count(rng)), 0.0, length, rng)
     return _placed(rng, "cylindrical", {"rod": rod}, {"block": block}, max(play, 0.0))
+
+
+def taper(rng: np.random.Generator) -> Drawn:
+    """A taper pin in its hole, with or without play."""
+    length, play = rng.uniform(1.0, 8.0), rng.uniform(0.0, 0.02) * rng.integers(2)
+    lean = float(np.exp(rng.uniform(np.log(0.01), np.log(0.3)))) * min(1.0, 2.0 / length)
+    n, phase = _count(rng), rng.uniform(0, 6)
+    m, other = (n, phase) if rng.integers(2) else (_count(rng), rng.uniform(0, 6))
+    over = rng.uniform(0.0, 0.5)
+    pin = _frustum(circle(1.0, n, phase), -over, length + over, lean)
+    caps = [cap(circle(1.0 + lean * z, n, phase), z, up) for z, up in ((-over, False), (length + over, True))]
+    around = _around(rng, 1.5 + lean * length)
+    ends = [circle(1.0 + play + lean * z, m, other) for z in (0.0, length)]
+    bore = _frustum(circle(1.0 + play, m, other), 0.0, length, lean)
+    block = joined(
+        walls(around, np.array([0.0, length]), True, rng),
+        (bore[0], bore[1][:, ::-1].copy()),
+        ring(around, ends[0], 0.0, False),
+        ring(around, ends[1], length, True),
+    )
+    return _placed(rng, "revolute", {"pin": joined(pin, *caps)}, {"block": block}, play)
+
+
+def _frustum(loop: Loop, low: float, high: float, lean: float) -> Mesh:
+    """The wall over a loop of radius 1 at z = 0 that widens upwards."""
+    radius = float(np.linalg.norm(loop[0]))
+    rows = [np.column_stack([loop * (1.0 + lean * z / radius), np.full(len(loop), z)]) for z in (low, high)]
+    n = len(loop)
+    faces = [f for i in range(n) for f in ([i, (i + 1) % n, n + (i + 1) % n], [i, n + (i + 1) % n, n + i])]
+    return np.concatenate(rows), np.array(faces)
 
 
 def slide(rng: np.random.Generator) -> Drawn:
@@ -335,7 +388,7 @@ def nothing(rng: np.random.Generator) -> Drawn:
 
 
 KINDS: dict[str, Callable[[np.random.Generator], Drawn]] = {
-    each.__name__: each for each in (shaft, hinge, piston, slide, screw, seat, nothing)
+    each.__name__: each for each in (shaft, hinge, door, piston, taper, slide, screw, seat, nothing)
 }
 
 

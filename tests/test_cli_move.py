@@ -159,7 +159,7 @@ def test_joints_that_are_not_found_are_told_with_what_is_free(tmp_path: Path) ->
         (["--mechanism", "cowl.toml", "--joint", "lid=0:1"], "joints: hinge"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:1:2"], "NAME=FROM:TO, or NAME=VALUE"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:3mm"], "angle"),
-        (["--mechanism", "cowl.toml", "--joint", "hinge=0:120"], "limits are 0 to"),
+        (["--mechanism", "cowl.toml", "--joint", "hinge=0:120"], "limits are 0 rad (0 degrees) to"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=9:1"], "least and the greatest"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=10"], "no joint has a range"),
         (["--mechanism", "none.toml"], "does not exist"),
@@ -176,12 +176,34 @@ def test_wrong_words_say_what_to_do(
     assert says in said and "Traceback" not in said
 
 
+def test_a_table_and_a_film_show_one_joint_only(tmp_path: Path) -> None:
+    """Of two ranges there is no curve: an error, not a table without rows."""
+    (tmp_path / "arm.urdf").write_text(
+        ROBOT.replace(
+            "</robot>",
+            '<link name="hand"><collision><origin xyz="0.1 0 0.1"/><geometry><box size="0.1 0.1 0.1"/></geometry>'
+            '</collision></link><joint name="grip" type="prismatic"><parent link="arm"/><child link="hand"/>'
+            '<origin xyz="0.6 0 0"/><axis xyz="1 0 0"/><limit lower="0" upper="1"/></joint></robot>',
+        )
+    )
+    words = ["move", str(tmp_path / "arm.urdf"), "--joint", "turn=0:9", "--joint", "grip=0:9mm"]
+    for option, target in (("--csv", tmp_path / "g.csv"), ("--film", tmp_path / "f.glb")):
+        assert f"{option} shows one joint that moves" in run(*words, option, str(target), code=2).stderr
+        assert not target.exists()
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         (HINGE.replace("limits_deg", "limits"), "say limits_deg, limits_rad or limits_m"),
         (HINGE.replace("limits_deg", "limits_m"), "a revolute joint has no limits_m"),
-        (HINGE + "axis = [0, 0, 0]\n", "length zero"),
+        (HINGE + "axis = [0, 0, 0]\n", "line 6: axis of joint 'hinge' is [0, 0, 0], of length zero"),
+        (HINGE.replace("[0, 90]", "[nan, 90]"), "line 5: limits_deg is [nan, 90]: give finite numbers"),
+        (HINGE.replace("[0, 90]", "[9, 1]"), "line 5: limits of joint 'hinge'"),
+        (HINGE.replace('"*door"', "9"), "cowl.toml, line 4: child: "),
+        (HINGE.replace('"*door"', "[]"), "cowl.toml, line 4: child names no part"),
+        (HINGE + "parent = []\n", "cowl.toml, line 6: parent names no part"),
+        (HINGE + HINGE.replace("[[joint]]", "[[loop]]"), "cowl.toml: two joints are called 'hinge'"),
         (HINGE.replace('"*door"', '"*"'), "whole mock-up"),
         (HINGE + HINGE.replace('"hinge"', '"lid"'), "moved by two joints"),
         (

@@ -100,6 +100,53 @@ def test_a_locked_door_is_still_a_hinge() -> None:
     assert locked.kind is feeler.JointKind.REVOLUTE and "stop it both ways" in locked.because
 
 
+def test_a_large_door_with_an_even_gap_is_a_hinge() -> None:
+    """5 by 10 metres, 0.1 m from its frame all round: gaps are no contact, whatever their share of the size."""
+    rng = shown()
+    panel = box((-0.3, -0.6, 0.0), (4.7, 0.6, 10.0))
+    pins = [solid(circle(0.1, 16), low, low + 0.3, rng) for low in (-0.3, 10.0)]
+    frame = [box((-0.9, -0.6, -0.6), (-0.4, 0.6, 10.6)), box((4.8, -0.6, -0.6), (5.3, 0.6, 10.6))]
+    frame += [sleeve(rectangle(0.3, 0.6), circle(0.101, 16), low, low + 0.5, rng) for low in (-0.6, 10.1)]
+    frame += [box((a, -0.6, low), (b, 0.6, low + 0.5)) for low in (-0.6, 10.1) for a, b in ((-0.4, -0.3), (0.3, 4.8))]
+    joint = found([panel, *pins], frame)
+    assert joint.kind is feeler.JointKind.REVOLUTE and "held at both ends" in joint.because
+    assert np.allclose(np.abs(joint.axis), (0, 0, 1), atol=1e-6) and np.allclose(joint.point[:2], 0, atol=1e-6)
+
+
+def test_dowels_hold_a_large_plate() -> None:
+    """The holes are under 1 % of the faces in contact, and still leave no turn about any other axis."""
+    rng, wide = shown(), rectangle(1.0, 1.0)
+    at = [(-9.0, 0.0), (9.0, 0.0)]
+
+    def put(mesh: Mesh, x: float, y: float) -> Mesh:
+        return mesh[0] + [x, y, 0.0], mesh[1]
+
+    dowels = [put(solid(circle(0.3, 12), -1.0, 0.5, rng), x, y) for x, y in at]
+    base = [put(sleeve(wide, circle(0.3, 12), -2.0, 0.0, rng), x, y) for x, y in at]
+    base += [box((-8, -10, -2), (8, 10, 0)), box((-12, -1, 1), (12, 1, 2)), box((-12, -1, -2), (-10.5, 1, 1))]
+    joint = found([box((-10, -10, 0), (10, 10, 1)), *dowels], base)
+    assert joint.kind is feeler.JointKind.FIXED
+
+
+def test_a_loose_bar_slides_along_its_channel_only() -> None:
+    """Its play is most of what counts as near, so that slanted ways seem free for a short while."""
+    channel = sleeve(rectangle(3.0, 3.0), rectangle(1.02, 0.42), 0.0, 2.0, shown())
+    joint = found([solid(rectangle(1.0, 0.4), -1.0, 4.0, shown())], [channel])
+    assert joint.kind is feeler.JointKind.PRISMATIC
+    assert np.allclose(np.abs(joint.axis), (0, 0, 1), atol=1e-6)
+
+
+def test_a_short_taper_is_no_cylinder() -> None:
+    """1 in 50, and no longer than wide: the radius changes by 1 %, but all facets lean one way."""
+    rng = shown()
+    ends = [solid(circle(1.0, 24), 0.0, 1.0, rng), sleeve(circle(2.0, 24), circle(1.0, 24), 0.0, 1.0, rng)]
+    for points, _ in ends:
+        inner = np.linalg.norm(points[:, :2], axis=1) < 1.5
+        points[inner, :2] *= (1.0 + 0.01 * points[inner, 2])[:, None]
+    joint = found(ends[:1], ends[1:])
+    assert joint.kind is feeler.JointKind.REVOLUTE and "a cone" in joint.because
+
+
 def test_what_is_free_is_told() -> None:
     with pytest.raises(JointError, match=r"free in . ways") as plate:
         found([box((0, 0, 0), (1, 1, 1))], [box((-2, -2, -1), (3, 3, 0))])

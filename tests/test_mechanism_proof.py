@@ -14,6 +14,8 @@ from shapes import box
 import feeler
 from feeler import Joint, JointCoupling, Mechanism
 from feeler.io import write_glb
+from feeler.mechanism.enclosing import enclosure
+from feeler.mechanism.legs import Legs
 
 Z = (0.0, 0.0, 1.0)
 Mesh = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
@@ -61,14 +63,14 @@ def reach_of_edge(x: float, y: float, off: float) -> float:
     return math.atan2(y, x) - math.asin(off / math.hypot(x, y))
 
 
-def test_a_slider_crank_stops_where_its_slider_meets_a_wall() -> None:
+def slider_crank(far: float = 0.35) -> Mechanism:
+    """It stands at 90 degrees, before a wall at `far`."""
     crank, rod = 0.1, 0.3
     along = math.sqrt(rod**2 - crank**2)
-    far = 0.35
     mock = parts(
         a=cube(0, crank / 2, 0), b=cube(along / 2, crank / 2, 0.1), c=cube(along, 0, 0.2), d=cube(far + 0.02, 0, 0.2)
     )
-    moved = Mechanism(
+    return Mechanism(
         mock,
         [
             Joint("crank", "revolute", None, "a", Z),
@@ -77,6 +79,11 @@ def test_a_slider_crank_stops_where_its_slider_meets_a_wall() -> None:
         ],
         loops=[Joint("pin", "revolute", "b", "c", Z, (along, 0, 0))],
     )
+
+
+def test_a_slider_crank_stops_where_its_slider_meets_a_wall() -> None:
+    crank, rod, far = 0.1, 0.3, 0.35
+    moved = slider_crank(far)
     # place^2 - 2 crank cos(angle) place + crank^2 - rod^2 = 0
     angle = math.acos((far**2 + crank**2 - rod**2) / (2 * crank * far))
     found = moved.range("crank")
@@ -88,8 +95,145 @@ def test_a_slider_crank_stops_where_its_slider_meets_a_wall() -> None:
     gap = moved.clearance({"crank": (-0.5, 0.0)}, error=1e-4)
     inner = math.pi / 2 - 0.5
     place = crank * math.cos(inner) + math.sqrt(rod**2 - (crank * math.sin(inner)) ** 2)
-    assert gap.upper == pytest.approx(far - place, abs=1e-4) and (gap.lower, gap.is_certified) == (0.0, False)
-    assert not gap.curve[:, 2].any() and gap.curve[:, 1].min() == pytest.approx(gap.upper, abs=1e-4)
+    assert gap.is_certified and gap.lower <= far - place <= gap.upper + 1e-12 and gap.upper - gap.lower <= 1.1e-4
+    at = math.pi / 2 + gap.curve[:, 0]
+    truth = far - crank * np.cos(at) - np.sqrt(rod**2 - (crank * np.sin(at)) ** 2)
+    assert (gap.curve[:, 2] <= truth).all() and gap.curve[:, 1] == pytest.approx(truth, abs=1e-9)
+
+
+def bennett(long: float = 1.0, twist: float = 0.6, short: float = 0.6) -> Mechanism:
+    """Four bars in space: opposite ones alike, twists in the ratio of their lengths. See Bennett 1903."""
+    other = math.asin(short * math.sin(twist) / long)
+    place = np.eye(4)
+    points, axes = [], []
+    for far, lean, turn in zip(
+        (long, short) * 2, (twist, other) * 2, (0.7, *bennett_turns(0.7, twist, other)), strict=True
+    ):
+        c, s, a, b = math.cos(turn), math.sin(turn), math.cos(lean), math.sin(lean)
+        points.append(tuple(place[:3, 3].tolist()))
+        axes.append(tuple(place[:3, 2].tolist()))
+        place = place @ np.array([[c, -s * a, s * b, far * c], [s, c * a, -c * b, far * s], [0, b, a, 0], [0, 0, 0, 1]])
+    assert place == pytest.approx(np.eye(4), abs=1e-12), "it closes where it is modelled"
+    mids = [tuple(((np.array(points[n]) + points[(n + 1) % 4]) / 2).tolist()) for n in range(3)]
+    mock = parts(a=cube(*mids[0]), b=cube(*mids[1]), c=cube(*mids[2]), d=cube(0, -3, 0))
+    return Mechanism(
+        mock,
+        [
+            Joint("one", "revolute", None, "a", axes[0], points[0]),
+            Joint("two", "revolute", "a", "b", axes[1], points[1]),
+            Joint("three", "revolute", "b", "c", axes[2], points[2]),
+        ],
+        loops=[Joint("four", "revolute", "c", "d", axes[3], points[3])],
+    )
+
+
+def bennett_turns(first: float, twist: float, other: float) -> tuple[float, float, float]:
+    """The other three turns."""
+    rate = math.sin((other + twist) / 2) / math.sin((other - twist) / 2)
+    second = 2 * math.atan2(rate, math.tan(first / 2))
+    return second, -first, -second
+
+
+def test_a_loop_in_space_follows_its_closed_form() -> None:
+    moved, twist = bennett(), 0.6
+    other = math.asin(0.6 * math.sin(twist))
+    start = bennett_turns(0.7, twist, other)
+    for by in (-0.5, 0.4, 1.5):
+        found = moved.position({"one": by})
+        second, third, _ = bennett_turns(0.7 + by, twist, other)
+        wrapped = [
+            math.remainder(found[k] - (v - w), math.tau)
+            for k, v, w in zip(("two", "three"), (second, third), start, strict=False)
+        ]
+        assert wrapped == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("which", ["crank", "bennett", "slider", "parallel"])
+def test_loops_are_where_they_are_proven_to_be(which: str) -> None:
+    """Positions between the ends of legs are within the boxes, which are not much wider than they are off."""
+    if which == "bennett":
+        moved, name, end = bennett(), "one", 0.3
+    elif which == "parallel":
+        moved, name, end = parallel(), "crank", 0.4
+    else:
+        moved, name, end = slider_crank(), which, 1.0 if which == "crank" else 0.117
+    rng, positions = np.random.default_rng(3), moved._positions
+    shares, count = [], 0
+    for leg in list(Legs(positions, name, {}, 0.0, end))[::4]:
+        box = enclosure(positions, name, {}, leg)
+        assert box is not None and box[name] == 0.0
+        for share in (0.5, rng.uniform()):
+            place, straight = positions.position({name: leg.value(share)}, leg.start), leg.at(share)
+            for each, value in place.items():
+                off = abs(value - straight[each])
+                assert off <= box[each] + 1e-13
+                shares += [box[each] / off] if share == 0.5 and off > 1e-9 else []
+        count += 1
+    assert count > 5 and (which == "parallel" or 1.0 <= np.median(shares) < 8.0)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_bounds_along_a_loop_hold_at_all_positions(seed: int) -> None:
+    """A post stands where the coupler of a four-bar comes by."""
+    rng = np.random.default_rng(seed)
+    frame, side = rng.uniform(0.3, 0.5), rng.uniform(0.2, 0.35)
+    moved = parallel(frame, side, tuple(rng.uniform((0.05, -0.02), (0.15, 0.15))))
+    error = float(10 ** rng.uniform(-4.0, -3.0))
+    found = moved.clearance({"crank": (-0.3, 0.3)}, error=error)
+    assert found.is_certified and 0.0 <= found.upper - found.lower <= 1.1 * error
+    for value in rng.uniform(-0.3, 0.3, 20).tolist():
+        scene = moved.scene({"crank": value})
+        tool = feeler.Tool.of_parts(scene.mockup, "d")
+        near = scene.without("d").distance(tool, np.eye(4)).value
+        assert found.lower <= near
+
+
+@pytest.mark.parametrize("name", ["bar", "foot"])
+def test_a_scissor_lift_comes_as_near_to_the_ceiling_as_its_bars_say(name: str) -> None:
+    # Two bars of length 1 cross at their middles; a coupling keeps the table level; either end may drive.
+    wide, high, ceiling = math.cos(0.5), math.sin(0.5), 0.9
+    mock = parts(
+        a=cube(wide / 4, high / 4, 0),
+        b=cube(0.75 * wide, high / 4, 0.1),
+        c=cube(wide, 0, 0.2),
+        d=box((wide / 2 - 0.2, high, 0.28), (wide / 2 + 0.2, high + 0.05, 0.32)),
+        e=box((-1, ceiling, 0.2), (2, ceiling + 0.1, 0.4)),
+    )
+    moved = Mechanism(
+        mock,
+        [
+            Joint("bar", "revolute", None, "a", Z),
+            Joint("cross", "revolute", "a", "b", Z, (wide / 2, high / 2, 0)),
+            Joint("foot", "prismatic", None, "c", (1, 0, 0)),
+            Joint("table", "revolute", "a", "d", Z, (wide, high, 0)),
+        ],
+        [JointCoupling("table", "bar", -1.0)],
+        [Joint("pin", "revolute", "b", "c", Z, (wide, 0, 0))],
+    )
+    ends = {"bar": (0.0, 0.25), "foot": (math.cos(0.75) - wide, 0.0)}[name]
+    gap = moved.clearance({name: ends}, error=1e-4)
+    assert gap.is_certified and gap.upper - gap.lower <= 1.1e-4 and (gap.path, gap.other_path) == ("d", "e")
+    assert gap.lower <= ceiling - 0.05 - math.sin(0.75) == pytest.approx(gap.upper, abs=1e-9)
+    free = moved.range(name)
+    top = math.asin(ceiling - 0.05)
+    assert (free.upper if name == "bar" else free.lower) == pytest.approx(
+        top - 0.5 if name == "bar" else math.cos(top) - wide, abs=1e-6
+    )
+
+
+def parallel(frame: float = 0.4, side: float = 0.3, post: tuple[float, float] = (0.2, 0.1)) -> Mechanism:
+    """A parallelogram, in which the rocker turns as the crank does, and a post."""
+    low, high = (post[0], post[1], -0.3), (post[0] + 0.02, post[1] + 0.02, 0.3)
+    mock = parts(a=cube(0, side / 2, 0), b=cube(frame / 2, side, 0.1), c=cube(frame, side / 2, 0.2), d=box(low, high))
+    return Mechanism(
+        mock,
+        [
+            Joint("crank", "revolute", None, "a", Z),
+            Joint("coupler", "revolute", "a", "b", Z, (0, side, 0)),
+            Joint("rocker", "revolute", None, "c", Z, (frame, 0, 0)),
+        ],
+        loops=[Joint("pin", "revolute", "b", "c", Z, (frame, side, 0))],
+    )
 
 
 def test_a_thin_plate_between_two_steps_of_a_loop_is_met() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import secrets
 import stat
@@ -107,9 +108,9 @@ def atomic_file(path: str | os.PathLike[str], *endings: str) -> Iterator[BinaryI
     except OSError as error:
         if isinstance(error, FeelerError):
             raise
-        raise WriteError(
-            f"cannot write {_shown(target)}: {error.strerror or error}; free some space or choose another place"
-        ) from error
+        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        what = "free some space or choose another place" if is_full else "choose another place"
+        raise WriteError(f"cannot write {_shown(target)}: {error.strerror or error}; {what}") from error
     finally:
         with contextlib.suppress(OSError):  # after the rename there is none
             os.unlink(temporary)

@@ -150,8 +150,11 @@ def move(
             written["csv"] = _write_csv(csv, f"{name}_{'rad' if _turns(moved)[name] else 'm'}", found)
         _tell(moved, found, require, written, world, as_json)
         return
-    with bar("moving"):
-        rows = [moved.range(name) for name in moved.names]
+    rows = []
+    with bar("moving") as progress:
+        for number, name in enumerate(moved.names):
+            progress(number / len(moved.names), name)
+            rows.append(moved.range(name))
     if as_json:
         outputs.print_json({"mockup": mesh_facts(world), "ranges": [each.to_dict() for each in rows]})
         return
@@ -287,9 +290,10 @@ def _gap(found: feeler.MechanismClearance) -> str:
         return "parts meet"
     if math.isinf(found.upper):
         return "nothing is near"
-    if not found.is_certified:
-        return f"the least gap is at most {length(found.upper)}; with loops nothing is certified"
-    return f"the least gap is {length(found.lower)} to {length(found.upper)}"
+    if not found.is_certified and found.lower == 0.0:
+        return f"the least gap is at most {length(found.upper)}; no lower bound is proven, near a dead point of a loop"
+    bounds = f"the least gap is {length(found.lower)} to {length(found.upper)}"
+    return bounds if found.is_certified else f"{bounds}; seats that several joints move are tested at some positions"
 
 
 def _value(moved: feeler.Mechanism | None, name: str, value: float) -> str:

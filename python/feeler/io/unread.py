@@ -90,7 +90,10 @@ def unread(path: Path, head: bytes, text: bytes) -> str | None:
     if schema := ifc_schema(text):
         return schema
     if b"<robot" in text:
-        return "it is URDF, a robot with joints; load it with feeler.from_urdf(path, joints)"
+        return (
+            "it is URDF, a robot with joints; load it with feeler.from_urdf(path, joints), "
+            "or feeler.Mechanism.from_urdf(path) to move it"
+        )
     start = next(((name, advice) for magic, name, advice in _STARTS if head.startswith(magic)), None)
     start = start or (_in_archive(path) if head.startswith(b"PK\x03\x04") else None)
     if start is None and not text.startswith(b"ISO-10303-21"):

@@ -103,7 +103,8 @@ class MechanismClearance:
     curve: npt.NDArray[np.float64]
     """`(n, 3)`: of one joint its value, the gap there, and a lower bound around it up to the middle of the next."""
     is_certified: bool = True
-    """False for loops, and where a seat moves by several joints at once: it is then asked along some lines only."""
+    """False where `lower` is not proven (a loop near a dead point: it is 0), and where only seats are not: those that
+    several joints move at once are tested along some lines, those of loops along legs that are a little off."""
     jams: tuple[MechanismContact, ...] = ()
     """The seated pairs that go deeper than where they are modelled, and their first values of the joint."""
 

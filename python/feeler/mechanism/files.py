@@ -23,12 +23,17 @@ from feeler.parts import Part, PartsLike
 _TABLES = ("joint", "coupling", "loop")
 _LIMITS = {"limits_deg": math.radians(1.0), "limits_rad": 1.0, "limits_m": 1.0}
 _SLIDES = ("slide_limits_m",)
+_KEYS = {"point": "point_m", "pitch": "pitch_m", "slide_limits": "slide_limits_m"}
+"""The keys of what errors of joints begin with, where they differ."""
 _JOINT = ("name", "kind", "parent", "child", "axis", "point_m", "pitch_m", "because", *_LIMITS, *_SLIDES)
 _COUPLING = ("joint", "of", "ratio", "offset_deg", "offset_rad", "offset_m")
 
 
-def read(path: Path) -> tuple[list[Joint], list[JointCoupling], list[Joint]]:
-    """The joints, couplings and loops of a file. Raises `LoadError`, naming the line."""
+def read(path: Path, mockup: Mockup | None = None) -> tuple[list[Joint], list[JointCoupling], list[Joint]]:
+    """The joints, couplings and loops of a file, of parts of a mock-up; None: they are not looked up.
+
+    Raises `LoadError`, naming the line.
+    """
     data = toml_of(path, "write one with Mechanism.save, or feeler move --write-mechanism")
     lines = _Lines(path, text_of(path))
     for key in data:
@@ -36,9 +41,9 @@ def read(path: Path) -> tuple[list[Joint], list[JointCoupling], list[Joint]]:
             raise LoadError(f"{lines.of(key)}: {key!r} is unknown: there are [[joint]], [[coupling]] and [[loop]]")
         if not isinstance(data[key], list) or not all(isinstance(each, dict) for each in data[key]):
             raise LoadError(f"{lines.of(key)}: {key!r} is no list of tables: begin each with [[{key}]]")
-    joints = [_joint(table, lines.table("joint", n)) for n, table in enumerate(data.get("joint", []))]
+    joints = [_joint(table, lines.table("joint", n), mockup) for n, table in enumerate(data.get("joint", []))]
     couplings = [_coupling(table, lines.table("coupling", n)) for n, table in enumerate(data.get("coupling", []))]
-    loops = [_joint(table, lines.table("loop", n)) for n, table in enumerate(data.get("loop", []))]
+    loops = [_joint(table, lines.table("loop", n), mockup) for n, table in enumerate(data.get("loop", []))]
     if not joints:
         raise LoadError(f"{path}: there is no [[joint]]")
     return joints, couplings, loops
@@ -84,8 +89,11 @@ def _check(table: dict[str, Any], known: Sequence[str], needed: Sequence[str], l
             raise LoadError(f"{lines.here()}: {key!r} is missing")
 
 
-def _joint(table: dict[str, Any], lines: _Lines) -> Joint:
+def _joint(table: dict[str, Any], lines: _Lines, mockup: Mockup | None) -> Joint:
     _check(table, _JOINT, ("name", "kind", "child"), lines)
+    for side in ("child", "parent"):
+        if mockup is not None and table.get(side) not in (None, ""):
+            _check_parts(table[side], side, lines, mockup)
     kind = table["kind"]
     said = [key for key in _LIMITS if key in table]
     if len(said) > 1:
@@ -112,7 +120,18 @@ def _joint(table: dict[str, Any], lines: _Lines) -> Joint:
             slide,  # type: ignore[arg-type]
         )
     except FeelerError as error:
-        raise LoadError(f"{lines.here()}: {error}") from None
+        said_of = {"limits": said[0] if said else "limits", **_KEYS}
+        word = str(error).split()[0]
+        raise LoadError(f"{lines.of(said_of.get(word, word))}: {error}") from None
+
+
+def _check_parts(value: object, side: str, lines: _Lines, mockup: Mockup) -> None:
+    try:
+        chosen = mockup.parts.select(value)  # type: ignore[arg-type]
+    except FeelerError as error:
+        raise LoadError(f"{lines.of(side)}: {side}: {error}") from None
+    if not len(chosen):
+        raise LoadError(f"{lines.of(side)}: {side} names no part: give one at least")
 
 
 def _coupling(table: dict[str, Any], lines: _Lines) -> JointCoupling:
@@ -134,6 +153,8 @@ def _numbers(value: object, key: str, lines: _Lines) -> list[float]:
     is_list = isinstance(value, list) and len(value) == 2
     if not is_list or not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in value):  # type: ignore[attr-defined]
         raise LoadError(f"{lines.of(key)}: {key} is no pair of numbers: say {key} = [0, 1]")
+    if not all(math.isfinite(each) for each in value):  # type: ignore[attr-defined]
+        raise LoadError(f"{lines.of(key)}: {key} is {value}: give finite numbers")
     return [float(each) for each in value]  # type: ignore[attr-defined]
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_text
 from feeler.errors import JointError, MeshError, OptionError
+from feeler.mechanism.axial import axial_play
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.slipping import (
     FREE,
@@ -21,6 +22,7 @@ from feeler.mechanism.slipping import (
     screws_of,
     slip,
     stopped,
+    taper_of,
     turn,
     way_of,
     winding_of,
@@ -44,13 +46,26 @@ SAME_RADIUS = 0.15
 FACETS_SHARE = 0.03
 """The share of facets that may seem to stop a turn of faces of revolution, such as balls in raceways."""
 NEAR_SHAFT = 3.0
-"""What stops a shaft within so many radii of its axis is part of the joint; what is farther is a stop elsewhere."""
+"""What locks a shaft within so many radii of its axis is part of the joint; what is farther is a stop elsewhere."""
+KEYED = 1.3
+"""Keys, flats and splines of a shaft are within so many radii of its axis. They may have play; what is farther stops
+a turn only in contact, for doors have gaps to their frames."""
+ROUNDING = 2.0**-21
+"""Faces this near are in contact, as a share of the largest coordinate: four steps of single precision."""
+FITS_SHARE = 0.1
+"""Where more than this share of the surface of shafts in holes stops a turn, it is stopped."""
+AXIAL_PLAY = 0.15
+"""A shaft that slides no farther than this share of the span of its holes, to both sides together, is held."""
 SHAFTS_SHARE = 0.1
 """Where shafts in their holes are more of the surface than this, they decide what turns."""
 SLIPPING = -1.0
 """Weight of an axis that no cylinder has."""
+SHOULDER = 0.02
+"""Faces larger than this share of a shaft's section hold it."""
 MOST_AXES = 16
 MOST_TRIANGLES = 4_000_000
+
+_STOPPED = "other faces, far from the axis, stop it both ways where it stands"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +84,8 @@ class _Motions:
     axis: _Axis
     turning: Way
     sliding: Way
+    nearly: Way | None = None
+    """Of a shaft: what stops the turn where faces count that are near but not in contact, such as a frame's."""
 
 
 def find_joint(mockup: Mockup | Scene, child: PartsLike, parent: PartsLike, name: str | None = None) -> Joint:
@@ -108,7 +125,7 @@ class _Search:
         self, world: Mockup, child: Ints, parent: Ints, name: str, given_child: PartsLike, given_parent: PartsLike
     ) -> None:
         self.world, self.name = world, name
-        self.given = given_child, given_parent
+        self.given, self.parts = (given_child, given_parent), (child, parent)
         sides = _sides(world, child, parent)
         if sides is None:
             raise self._error("have nothing in contact: their boxes are apart", ())
@@ -119,7 +136,9 @@ class _Search:
         self.parent = surfaces_of(*others, self.size)
         if not len(self.child.corners) or not len(self.parent.corners):
             raise self._error("have nothing in contact: one has no surface", ())
+        self.contact = ROUNDING * max(float(np.abs(each.corners).max()) for each in (self.child, self.parent))
         self.touches = touches_of(self.child, self.parent, reach)
+        self._in_fits = np.zeros(len(self.touches), dtype=bool)
         if len(self.touches) < 3:
             raise self._error(f"have nothing in contact within {length(reach)}", ())
 
@@ -128,7 +147,7 @@ class _Search:
         if ball is not None:
             balls = [self._joint(JointKind.REVOLUTE, axis, ball, "a ball in its socket") for axis in np.eye(3)]
             raise self._error("turn about every axis through one point: a ball joint", balls)
-        shafts = [self._motions(axis) for axis in self._shafts()]
+        shafts = [self._of_axis(axis) for axis in self._shafts()]
         found = self._thread([motions.axis for motions in shafts])
         if found is not None:
             return found
@@ -147,11 +166,17 @@ class _Search:
         seen = sum(motions.axis.weight for motions in shafts) / float(self.touches.weights.sum())
         share = FACETS_SHARE if seen < SHAFTS_SHARE else LEAST_SHARE
         rounds = [m for m in others if not m.sliding.is_open and m.turning.most < share]
+        rounds = [m for m in rounds if not self._fits_stop(m.axis)]
         # axes of cylinders first: they are exact
         for motions in sorted(rounds, key=lambda m: (m.axis.weight < 0.0, m.turning.most))[:1]:
             a = motions.axis
             found = self._joint(JointKind.REVOLUTE, a.direction, a.point, "faces of revolution about one axis")
             return self._alone(found, motions)
+        for motions in others:
+            a = motions.axis
+            if motions.turning.is_free and motions.sliding.is_open and taper_of(self.touches, a.direction):
+                said = "a cone in its seat, which lifts off to one side"
+                return self._alone(self._joint(JointKind.REVOLUTE, a.direction, a.point, said), motions)
         for motions in others:
             if motions.turning.is_free and motions.sliding.is_free and motions.axis.weight >= 0.0:
                 a = motions.axis
@@ -176,10 +201,12 @@ class _Search:
         keys = np.stack([t.child_cylinder[of], t.parent_cylinder[of]], axis=1)
         pairs, index = np.unique(keys, axis=0, return_inverse=True)
         weights = np.bincount(index.reshape(-1), t.weights[of])
+        fit = np.array([_fit(self.child.cylinders[a], self.parent.cylinders[b]) for a, b in pairs])
+        self._in_fits[of] = fit[index.reshape(-1)]
         groups: list[list[tuple[Cylinder, Cylinder, float]]] = []
         for k in np.argsort(-weights, kind="stable"):
             one, other = self.child.cylinders[pairs[k, 0]], self.parent.cylinders[pairs[k, 1]]
-            if not _fit(one, other):
+            if not fit[k]:
                 continue
             for group in groups:
                 first = group[0][0]
@@ -219,6 +246,30 @@ class _Search:
         sliding = way_of(t, np.broadcast_to(axis.direction, t.points.shape), self.travel)
         return _Motions(axis, turning, sliding)
 
+    def _of_axis(self, axis: _Axis) -> _Motions:
+        """What a shaft in its holes allows: far from it only other fits and faces in contact stop the turn."""
+        t = self.touches
+        velocity = turn(t, axis.direction, axis.point)
+        radius = max(max(one.radius, other.radius) for one, other in axis.shafts)
+        counts = np.linalg.norm(velocity, axis=1) < KEYED * radius
+        counts |= (t.child_cylinder >= 0) & (t.parent_cylinder >= 0)
+        counts |= t.gaps <= self.contact
+        near = self._motions(axis)
+        if self._fits_stop(axis):
+            return replace(near, turning=Way(1.0, 1.0))
+        return replace(near, turning=way_of(t, velocity, TURN_PLAY_RAD, counts), nearly=near.turning)
+
+    def _fits_stop(self, axis: _Axis) -> bool:
+        """Whether shafts in their holes beside an axis stop a turn about it, small as they may be."""
+        t = self.touches
+        fits = self._in_fits
+        total = float(t.weights[fits].sum())
+        if not total:
+            return False
+        velocity = turn(t, axis.direction, axis.point)
+        stops = stopped(t, slip(t, velocity), velocity, TURN_PLAY_RAD) & fits
+        return float(t.weights[stops].sum()) > FITS_SHARE * total
+
     # ----- decisions
 
     def _of_shaft(self, motions: _Motions, need_free: bool) -> Joint | None:
@@ -226,16 +277,20 @@ class _Search:
         turns = turning.is_free if need_free else turning.is_open
         because = self._shaft_words(axis)
         if turns:
-            if sliding.is_free:
+            if sliding.is_open and self._is_held(axis):
+                said = f"{because}, held at both ends"
+            elif sliding.is_free:
                 return self._joint(JointKind.CYLINDRICAL, axis.direction, axis.point, f"{because}, no shoulders")
-            if not sliding.is_open:
+            elif not sliding.is_open:
                 said = f"{because}, held at both ends"
             elif self._has_shoulder(axis):
                 said = f"{because}, a shoulder at one end"
             else:
                 said = f"{because}, a bottom at one end"
                 return self._joint(JointKind.CYLINDRICAL, axis.direction, axis.point, said)
-            stop = "" if turning.is_free else "; a stop on one side of the turn"
+            nearly = motions.nearly or turning
+            stop = "" if nearly.is_free else "; a stop on one side of the turn"
+            stop = stop if nearly.is_open else f"; {_STOPPED}"
             return self._joint(JointKind.REVOLUTE, axis.direction, axis.point, said + stop)
         slides = sliding.is_free if need_free else sliding.is_open
         if slides and not turning.is_open:
@@ -244,8 +299,24 @@ class _Search:
             return self._joint(JointKind.PRISMATIC, axis.direction, axis.point, said)
         if need_free or not self._is_locked(axis):
             return None
-        said = f"{because}; other faces, far from the axis, stop it both ways where it stands"
+        said = f"{because}; {_STOPPED}"
         return self._joint(JointKind.REVOLUTE, axis.direction, axis.point, said)
+
+    def _is_held(self, axis: _Axis) -> bool:
+        """Whether faces across the axis leave a shaft a play along it that is small beside the span of its holes."""
+        ends = [
+            float((c.point - axis.point) @ axis.direction) + sign * c.length / 2
+            for pair in axis.shafts
+            for c in [min(pair, key=lambda c: c.length)]
+            for sign in (-1.0, 1.0)
+        ]
+        play = AXIAL_PLAY * (max(ends) - min(ends))
+        sides = _sides(self.world, *self.parts, play / self.size + 2 * REACH)
+        if sides is None:
+            return False
+        radius = min(min(one.radius, other.radius) for one, other in axis.shafts)
+        area = SHOULDER * math.pi * radius**2
+        return sum(axial_play(sides[0][0], sides[1][0], axis.direction, play, area)) < play
 
     def _is_locked(self, axis: _Axis) -> bool:
         """Whether a turn is stopped only far from the axis, by some parts forwards and by others backwards."""
@@ -278,6 +349,8 @@ class _Search:
     def _thread(self, axes: list[_Axis]) -> Joint | None:
         t = self.touches
         for axis in axes:
+            if self._fits_stop(axis):
+                continue
             pitch = pitch_of(t, axis.direction, axis.point)
             if pitch is None or abs(pitch) < 1e-6 * self.size or abs(pitch) > self.size:
                 continue
@@ -293,15 +366,8 @@ class _Search:
     def _slide(self, others: list[_Motions]) -> Joint:
         t = self.touches
         directions = _unlike([*_crosses(t), *(motions.axis.direction for motions in others)])
-        directions = _best_of(t, directions)
-        ways = [(d, way_of(t, np.broadcast_to(d, t.points.shape), self.travel)) for d in directions]
         middle = t.weights @ t.points / t.weights.sum()
-        free = [d for d, way in ways if way.is_free]
-        if not free:
-            free = [d for d, way in ways if way.is_open]
-            stop = "; a stop at one end"
-        else:
-            stop = ""
+        free, stop = self._slides_of(directions)
         turns = [m for m in others if m.turning.is_free]
         slips = [s for s in screws_of(t) if s[0] < FREE]
         if len(free) == 1 and len(slips) <= 1 and not turns:
@@ -310,10 +376,22 @@ class _Search:
             return self._joint(JointKind.FIXED, np.array([0.0, 0.0, 1.0]), middle, "faces in contact leave no motion")
         raise self._too_free(slips, free, turns)
 
+    def _slides_of(self, directions: list[Floats]) -> tuple[list[Floats], str]:
+        """Of some directions those that are free, and words for a stop. Those that no face opposes come first: others
+        may only have play."""
+        t = self.touches
+        for travel in (self.size, self.travel):
+            ways = [(d, way_of(t, np.broadcast_to(d, t.points.shape), travel)) for d in directions]
+            free = [d for d, way in ways if way.is_free]
+            if free:
+                return _best_of(t, free), ""
+        return _best_of(t, [d for d, way in ways if way.is_open]), "; a stop at one end"
+
     def _alone(self, joint: Joint, motions: _Motions) -> Joint:
         """The joint, if nothing else is free."""
         slips = [s for s in screws_of(self.touches) if s[0] < FREE]
-        if len(slips) <= (2 if joint.kind is JointKind.CYLINDRICAL else 1):
+        slides = joint.kind is JointKind.CYLINDRICAL or motions.sliding.is_free  # held: by faces farther away
+        if len(slips) <= (2 if slides else 1):
             return joint
         raise self._too_free(slips, [], [motions])
 
@@ -338,7 +416,10 @@ class _Search:
                     self._joint(JointKind.REVOLUTE, axis.direction, axis.point, "the faces in contact turn about it")
                 )
         count = max(len(slips), len(found))
-        return self._error(f"are free in {count} ways, no joint holds them", found)
+        if count > 1:
+            return self._error(f"are free in {count} ways, no joint holds them", found)
+        said = "touch, and their faces agree with no joint" if not count else "move in one way that is no known joint"
+        return self._error(f"{said}; give all parts that hold them, such as pins and screws, to one side", found)
 
     def _slides(self, direction: Floats) -> bool:
         t = self.touches
@@ -374,8 +455,11 @@ def _numbers(vector: tuple[float, float, float]) -> str:
     return "(" + ", ".join(f"{round(v, 4) + 0.0:g}" for v in vector) + ")"
 
 
-def _sides(world: Mockup, child: Ints, parent: Ints) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints], float] | None:
-    """The triangles of both sides near the other one, with their parts, and the size of the space they share."""
+def _sides(
+    world: Mockup, child: Ints, parent: Ints, around: float = 2 * REACH
+) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints], float] | None:
+    """The triangles of both sides near the other one, with their parts, and the size of the space they share. around:
+    how near, in this size."""
     bounds = np.array([[part.lower, part.upper] for part in world.parts])
     boxes = []
     for parts in (child, parent):
@@ -387,7 +471,7 @@ def _sides(world: Mockup, child: Ints, parent: Ints) -> tuple[tuple[Floats, Ints
     low, high = np.maximum(boxes[0][0], boxes[1][0]), np.minimum(boxes[0][1], boxes[1][1])
     least = min(float(np.linalg.norm(box[1] - box[0])) for box in boxes)
     size = max(float(np.linalg.norm(np.maximum(high - low, 0.0))), 0.02 * least)
-    margin = 2 * REACH * size
+    margin = around * size
     if (low - margin > high + margin).any():
         return None
     meshes = PartMeshes(world)

@@ -22,6 +22,7 @@ from feeler._core import ClearanceAlong
 from feeler.arguments import check_whole
 from feeler.errors import MechanismError, OptionError
 from feeler.mechanism.answers import MechanismClearance, MechanismContact
+from feeler.mechanism.enclosing import sure_legs
 from feeler.mechanism.legs import Leg, Legs, relative
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.ranging import contact, gap, moving_pairs, reaches, roots_of, seat_meeting, seats_of
@@ -31,6 +32,8 @@ Floats = npt.NDArray[np.float64]
 Near = tuple[float, int, int, Floats, Floats]
 Ranges = dict[str, tuple[float, float]]
 
+OFF = 0.2
+"""By how much of the error the legs of a loop may be off."""
 CURVE = 121
 """Values of a joint at which the curve has a row."""
 _SLACK = 1e-9  # metres: rounding of poses and distances
@@ -112,40 +115,81 @@ def _along(mechanism: Positions, stand: dict[str, float], move: Ranges, error: f
     ((name, (begin, end)),) = move.items()
     pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
     way = Legs(mechanism, name, stand, begin, end)
-    legs = list(way)
+    followed = list(way)
     if way.why:
         raise MechanismError(f"{name!r} does not get from {begin:.9g} to {end:.9g}: {way.why}")
-    is_certified = not mechanism.loops_of(name)
-    best = _Best(mechanism, legs[0].at(0.5))
-    _follow_seats(best, pairs, legs)
+    is_loop = mechanism.loops_of(name)
+    legs = (
+        _with_spreads(mechanism, stand, name, followed, pairs, error)
+        if is_loop
+        else [(leg, [0.0] * len(pairs)) for leg in followed]
+    )
+    is_proven = all(math.isfinite(spread) for _, spreads in legs for spread in spreads)
+    best = _Best(mechanism, legs[0][0].at(0.5))
+    _follow_seats(best, pairs, [leg for leg, _ in legs])
     curve = _Curve(begin, end)
     lower, boxes, open_ = math.inf, 0, 0.0
-    for pair in pairs:
-        for leg in legs:
+    for number, pair in enumerate(pairs):
+        for leg, spreads in legs:
+            spread = spreads[number]
             # Less than the error it need not be known, though it has met something already.
-            found = _bounded(best, pair, leg, error, max(best.upper, error))
+            within = max(best.upper, error) + (spread if is_proven else 0.0)
+            found = _bounded(
+                best, pair, leg, 0.5 * error if is_loop else error, within, stand if is_loop else None, name
+            )
             boxes += len(found)
-            lower = min(lower, found.lower)
-            curve.take(leg, found.edges, found.lowers)
+            lower = min(lower, found.lower - spread)
+            curve.take(leg, found.edges, found.lowers - spread)
             spans = np.diff(found.edges)
-            open_ += float(spans[found.lowers < min(found.upper, best.upper) - 1.01 * error].sum())
-    curve.measure(mechanism, pairs, stand, name, legs, best)
+            least = min(found.upper, best.upper) - 1.01 * error
+            open_ += float(spans[found.lowers - spread < least].sum())
+    curve.measure(mechanism, pairs, stand, name, [leg for leg, _ in legs], best)
     undecided = 0.0 if best.upper == 0.0 else min(1.0, open_ / max(1, len(pairs) * len(legs)))
-    if not is_certified:
-        curve.lowers[:] = 0.0
-        return best.answer(pairs, 0.0, boxes, 1.0, curve.rows(0.0, best.jams), False)
-    rows = curve.rows(min(lower, best.upper), best.jams)
-    return best.answer(pairs, lower, boxes, undecided, rows, True)
+    rows = curve.rows(max(0.0, min(lower, best.upper)), best.jams)
+    is_certified = is_proven and not (is_loop and seats_of(mechanism, pairs))
+    return best.answer(pairs, lower, boxes, undecided, rows, is_certified)
 
 
-def _bounded(best: _Best, pair: tuple[int, int], leg: Leg, error: float, within: float) -> ClearanceAlong:
-    """The least gap of two links along a leg, without their seats; where it is the least of all it is taken."""
+def _with_spreads(
+    mechanism: Positions,
+    stand: dict[str, float],
+    name: str,
+    legs: list[Leg],
+    pairs: list[tuple[int, int]],
+    error: float,
+) -> list[tuple[Leg, list[float]]]:
+    """Legs of a loop, and by how much each pair of links may be off them."""
+    reach: dict[str, float] = {}
+    for leg in legs:
+        for place in (leg.start, leg.end):
+            reach.update({each: max(reach.get(each, 0.0), abs(value)) for each, value in place.items()})
+    wider = {each: value + mechanism.size for each, value in reach.items()}
+    levers = [mechanism.bodies.levers(*pair, wider) for pair in pairs]
+    return sure_legs(mechanism, name, stand, legs, levers, OFF * error)
+
+
+def _bounded(
+    best: _Best,
+    pair: tuple[int, int],
+    leg: Leg,
+    error: float,
+    within: float,
+    stand: dict[str, float] | None = None,
+    name: str = "",
+) -> ClearanceAlong:
+    """The least gap of two links along a leg, without their seats; where it is the least of all it is taken.
+
+    stand: of a loop, the numbers that stand; the gap is then taken where the loop closes.
+    """
     mechanism = best.mechanism
     tool, around = mechanism.bodies.tool(pair[0]), mechanism.bodies.alone(pair[1])
     pose, way = relative(mechanism, *pair, leg)
     found = around.clearance_along(tool, pose, way, error, within=within, ignore=mechanism.bodies.ignored(*pair))
     if found.upper < best.upper:
-        best.take(gap(mechanism, *pair, leg.at(found.share), math.inf), leg.at(found.share))
+        place = leg.at(found.share)
+        if stand is not None:
+            place = mechanism.position({**stand, name: leg.value(found.share)}, leg.start)
+        best.take(gap(mechanism, *pair, place, math.inf), place)
     return found
 
 
@@ -190,6 +234,11 @@ class _Curve:
     ) -> None:
         """The gaps at its values."""
         positions = [_on(legs, value) for value in self.values.tolist()]
+        if mechanism.loops_of(name):
+            positions = [
+                mechanism.position({**stand, name: value}, place)
+                for value, place in zip(self.values.tolist(), positions, strict=True)
+            ]
         all_poses = [mechanism.links.poses(position) for position in positions]
         for one, other in pairs:
             relative_poses = np.array([inverse(poses[other]) @ poses[one] for poses in all_poses])

@@ -60,6 +60,8 @@ class Links:
 
     def _child(self, mockup: Mockup, joint: Joint, number: int, joints: Sequence[Joint]) -> tuple[int, ...]:
         parts = mockup.parts.select(joint.child)
+        if not len(parts):
+            raise OptionError(f"the child of joint {joint.name!r} names no part: give one at least")
         if len(parts) == mockup.part_count:
             raise OptionError(f"the child of joint {joint.name!r} is the whole mock-up: leave the parts that stay out")
         taken = parts[self.link_of[parts] >= 0]
@@ -78,6 +80,8 @@ class Links:
         if parts is None:
             return -1
         chosen = mockup.parts.select(parts)
+        if not len(chosen):
+            raise OptionError(f"the {what} names no part: give parts of one link, or None for the frame")
         found = sorted(set(self.link_of[chosen].tolist()))
         if len(found) != 1:
             raise OptionError(f"the {what} is in several links at once: name parts of one link, or None for the frame")

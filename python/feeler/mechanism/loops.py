@@ -23,6 +23,10 @@ CLOSED = 1e-11
 RANK = 1e-7
 """A Jacobian whose least singular value is below this share of the largest has lost its rank."""
 _MOST_STEPS = 30
+_MOST_POLISH = 6
+_POLISH = 1e-3
+_FINE = 1e-14
+_BENT = 1e-10  # larger steps of a polish need a new Jacobian
 _DIFFERENCE = 1e-6
 _HELPS = 0.2  # a Jacobian that leaves more of the residual than this is made anew
 _FARTHEST = 0.5  # that a joint may follow in a step, radians, or in sizes of the mechanism
@@ -80,7 +84,7 @@ class Follower:
                 continue
             share, found, before = there, next_, now
             step = min(most, 2.0 * step)
-        return found
+        return self._polished(end, found, before)
 
     def _newton(self, given: Floats, begin: Floats, jacobian: Floats) -> Floats | None:
         """Of the followed numbers; the Jacobian of a position nearby serves as long as it helps."""
@@ -98,6 +102,19 @@ class Follower:
             if not np.isfinite(found).all() or (np.abs(found - begin) > _FARTHEST * self._scales).any():
                 return None
         return None
+
+    def _polished(self, given: Floats, found: Floats, jacobian: Floats) -> Floats:
+        """Closer, as long as steps shrink: near a dead point a small residual leaves a large error."""
+        back, last = np.linalg.pinv(jacobian), _POLISH
+        for _ in range(_MOST_POLISH):
+            by = back @ self._open_by(given, found)
+            size = float(np.abs(by).max(initial=0.0))
+            if size <= _FINE or size >= last:
+                return found
+            found, last = np.asarray(found - by * self._scales, dtype=np.float64), 0.5 * size
+            if size > _BENT:
+                back = np.linalg.pinv(self._jacobian(given, found))
+        return found
 
     def _jacobian(self, given: Floats, found: Floats) -> Floats:
         columns = []

@@ -55,8 +55,11 @@ class Mechanism:
         """A mechanism of a TOML file. Raises `LoadError` for files that say something else, naming the line."""
         where = check_path("path", path)
         check_kind("mockup", mockup, Mockup)
-        joints, couplings, loops = files.read(where)
-        return cls(mockup, joints, couplings, loops, scene)
+        joints, couplings, loops = files.read(where, mockup)
+        try:
+            return cls(mockup, joints, couplings, loops, scene)
+        except OptionError as error:
+            raise LoadError(f"{where}: {error}") from None
 
     @classmethod
     def from_urdf(
@@ -121,7 +124,8 @@ class Mechanism:
         return self._positions.limits(name)
 
     def position(self, values: Values | None = None, start: Values | None = None) -> dict[str, float]:
-        """All numbers of a position, radians and metres. Those not given are 0, or follow from couplings and loops.
+        """All numbers of a position, radians and metres. Those not given follow from couplings and loops, or are
+        0, or the limit nearest to it.
 
         start: where loops are followed from, a position of this mechanism; None: where the parts are modelled.
         Raises `OptionError` outside of limits, `MechanismError` where a loop cannot close or has a dead point.

@@ -23,6 +23,9 @@ Floats = npt.NDArray[np.float64]
 Values = Mapping[str, float]
 
 _SAME = 1e-9
+_MOST_RAD = 1e6
+"""Angles beyond have no 1e-9 radians left."""
+_MOST_M = 1e9
 
 
 class Positions:
@@ -52,6 +55,12 @@ class Positions:
         self.driven = driven_by(self.names, self.couplings)
         self._of_name = {name: (joint, n) for joint in self.joints for n, name in enumerate(joint.names)}
         self._ends = [self._ends_of(loop) for loop in self.loops]
+        taken = [joint.name for joint in (*self.joints, *self.loops)]
+        for loop in self.loops:
+            if taken.count(loop.name) > 1:
+                raise OptionError(
+                    f"two joints are called {loop.name!r}, a loop and another: give each a name of its own"
+                )
         closed = list(zip(self.loops, self._ends, strict=True))
         self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed)
         self.groups = self._grouped()
@@ -79,7 +88,8 @@ class Positions:
         return joint.limits if number == 0 else joint.slide_limits
 
     def position(self, values: Values | None = None, start: Values | None = None) -> dict[str, float]:
-        """All numbers of a position, radians and metres. Those not given are 0, or follow from couplings and loops.
+        """All numbers of a position, radians and metres. Those not given follow from couplings and loops, or are
+        0, or the limit nearest to it.
 
         start: where loops are followed from, a position of this mechanism; None: where the parts are modelled.
         Raises `OptionError` outside of limits, `MechanismError` where a loop cannot close or has a dead point.
@@ -94,6 +104,8 @@ class Positions:
         for group, loops in self.groups:
             if group & roots.keys():
                 self._close(found, sorted(group & roots.keys()), sorted(group - roots.keys()), loops, start)
+                for root in group:
+                    self._check_limits(root, found[root])
         return {name: by.ratio * found[by.root] + by.offset for name, by in self.driven.items()}
 
     def poses(self, values: Values | None = None, start: Values | None = None) -> dict[str, Floats]:
@@ -174,10 +186,27 @@ class Positions:
         if not isinstance(name, str) or name not in self.driven:
             raise OptionError(f"there is no joint {shown(name)} that moves: {near(name, list(self.names))}")
 
+    def said(self, name: str, value: float) -> str:
+        """A number of a position in words, with its unit."""
+        return f"{value:.9g} rad ({np.degrees(value):.6g} degrees)" if self.turns(name) else f"{value:.9g} m"
+
     def _check_limits(self, name: str, value: float) -> None:
-        own = self.own_limits(name)
-        if own is not None and not own[0] - _SAME <= value <= own[1] + _SAME:
-            raise OptionError(f"{name!r} is {value:.9g}: its limits are {own[0]:.9g} to {own[1]:.9g}")
+        """Raises `OptionError` where a number, or one that is coupled with it, is beyond its limits."""
+        mine = self.driven[name]
+        root = (value - mine.offset) / mine.ratio
+        for other, by in self.driven.items():
+            if by.root != mine.root:
+                continue
+            number = value if other == name else by.ratio * root + by.offset
+            by_name = "" if other == name else f"{name!r} at {self.said(name, value)} moves "
+            if not abs(number) <= (_MOST_RAD if self.turns(other) else _MOST_M):
+                most = f"{_MOST_RAD:g} radians" if self.turns(other) else f"{_MOST_M:g} m"
+                raise OptionError(f"{by_name}{other!r} {'to' if by_name else 'is'} {number:.9g}: give at most {most}")
+            own = self.own_limits(other)
+            slack = _SAME * max(1.0, abs(number))
+            if own is not None and not own[0] - slack <= number <= own[1] + slack:
+                ends = f"its limits are {self.said(other, own[0])} to {self.said(other, own[1])}"
+                raise OptionError(f"{by_name}{other!r} {'to' if by_name else 'is'} {self.said(other, number)}: {ends}")
 
     def checked(self, values: Values | None) -> dict[str, float]:
         """Given numbers. Raises `OptionError` for others."""
@@ -192,12 +221,16 @@ class Positions:
 
     def _rooted(self, given: dict[str, float]) -> dict[str, float]:
         roots: dict[str, float] = {}
+        first: dict[str, str] = {}
         for name, value in given.items():
             by = self.driven[name]
             root = (value - by.offset) / by.ratio
             known = roots.setdefault(by.root, root)
+            giver = first.setdefault(by.root, name)
             if abs(known - root) > _SAME * max(1.0, abs(known)):
-                raise OptionError(f"{name!r} is coupled with {by.root!r}, and both are given: leave one out")
+                raise OptionError(
+                    f"{name!r} is coupled with {giver!r}, and both are given, as numbers that disagree: leave one out"
+                )
         return roots
 
     def _link(self, joint: str) -> int:
@@ -248,7 +281,7 @@ class Positions:
             return np.concatenate(parts)
 
         def told(inputs: Floats) -> str:
-            return ", ".join(f"{name} = {value:.9g}" for name, value in zip(given, inputs, strict=True))
+            return ", ".join(f"{name} = {self.said(name, value)}" for name, value in zip(given, inputs, strict=True))
 
         scales = np.array([1.0 if self.turns(name) else size for name in followed])
         begin, end = (np.array([each[name] for name in given]) for each in (origin, found))
@@ -259,7 +292,6 @@ class Positions:
             return
         for name, value in zip(followed, Follower(open_by, scales, told).follow(begin, outputs, end), strict=True):
             found[name] = float(value)
-            self._check_limits(name, found[name])
 
     @cached_property
     def size(self) -> float:

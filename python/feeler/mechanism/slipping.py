@@ -28,6 +28,11 @@ LEANS = 0.15
 """The least lean along the axis of the flanks of a thread, as a sine."""
 THREAD_SHARE = 0.03
 """The least share of flanks in the surface in contact."""
+TAPER_SPREAD = 0.05
+"""The largest difference of a cone's lean from its mean: interpolated normals of coarse facets differ."""
+LEAST_TAPER = 0.002
+TAPER_SHARE = 0.8
+"""The least share of a cone in the surface in contact."""
 AGREED = 0.7
 """The least share of flanks that agree on a pitch within 30 %."""
 
@@ -68,10 +73,13 @@ def slip(touches: Touches, velocity: Floats) -> Floats:
     return np.where(one * other > 0.0, least, 0.0)
 
 
-def way_of(touches: Touches, velocity: Floats, travel: float) -> Way:
-    """What stops a motion. travel: stops beyond are ignored, in the unit of the motion."""
+def way_of(touches: Touches, velocity: Floats, travel: float, counts: Bools | None = None) -> Way:
+    """What stops a motion. travel: stops beyond are ignored, in the unit of the motion. counts: the points that can
+    stop it; None for all."""
     into = slip(touches, velocity)
     stops = stopped(touches, into, velocity, travel)
+    if counts is not None:
+        stops &= counts
     total = float(touches.weights.sum())
     forward = float(touches.weights[stops & (into > 0)].sum()) / total
     backward = float(touches.weights[stops & (into < 0)].sum()) / total
@@ -126,6 +134,19 @@ def ball_of(touches: Touches) -> Floats | None:
         if weights @ (off > BALL * radius) < BALL_SHARE:
             return np.asarray(middle)
     return None
+
+
+def taper_of(touches: Touches, axis: Floats) -> float:
+    """The lean of a cone along an axis, as a sine; 0 unless nearly all of the surface in contact leans one way."""
+    leans, weights = [], []
+    for normals, of in ((touches.child_normals, touches.is_of_child), (touches.parent_normals, ~touches.is_of_child)):
+        leans.append((normals @ axis)[of])
+        weights.append(touches.weights[of])
+    lean, weight = np.concatenate(leans), np.concatenate(weights)
+    mean = float(weight @ lean / weight.sum())
+    is_cone = np.abs(lean - mean) < TAPER_SPREAD * min(1.0, 4.0 * abs(mean))
+    alike = float(weight @ is_cone) / float(weight.sum())
+    return mean if abs(mean) > LEAST_TAPER and alike > TAPER_SHARE else 0.0
 
 
 def pitch_of(touches: Touches, axis: Floats, point: Floats) -> float | None:

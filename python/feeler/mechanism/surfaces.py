@@ -25,6 +25,8 @@ FLAT_OF_RUN = 1.6
 """A facet this much wider than the usual one of its run is a flat of a D-shaft."""
 ROUND = 0.004
 """The largest mean distance of corners from their cylinder, as a share of its radius."""
+TAPER = 0.003
+"""The least lean of a cone's facets, as a sine; that of taper pins is 0.01."""
 LEAST_ARC = 1.0
 """Runs that turn by less are no cylinders, radians."""
 
@@ -226,6 +228,9 @@ def _cylinder_of(
     if len(patches) < 3:
         return None
     points = np.concatenate([start[edges], end[edges]])
+    signed = normal[patches] @ axis
+    if abs(signed.mean()) > max(TAPER, 3.0 * signed.std()):
+        return None  # a cone
     u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     u /= np.linalg.norm(u)
     v = np.cross(axis, u)
