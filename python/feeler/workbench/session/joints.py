@@ -58,9 +58,12 @@ LIVE = "joints"
 """The type of the message that shows a position."""
 TELL_S = 0.2
 """Progress is told at most this often."""
+KNOWN_SHARE = 0.2
+"""Of the work: from there on it is known how far a number moves."""
 ERROR_M, MOST_BOXES = 2e-4, 4000
 """Of the curve of gaps: to which its bounds agree, and the most boxes that are tried."""
 _SLACK = 1e-9
+_DIP_M = 1e-7  # gaps that differ by less are the same
 _SAME = 1e-6  # numbers that followed a loop differ by less
 
 
@@ -314,7 +317,6 @@ class Joints:
 
     def _work(self, hands: Hands, document: Document, names: list[str], progress: Progress) -> None:
         state = _state(document)
-        told = [time.monotonic()]
         standings = Standings(hands.scene, hands.meshes)
         try:
             positions = standings.asked(document, progress)
@@ -325,6 +327,33 @@ class Joints:
             for name in names:
                 self._tell(name, range_key(document, name), state="failed", trouble=str(error))
             return
+        # How far all of them go is known first: their gaps take longer.
+        found: dict[str, JointRange] = {}
+
+        def ended(name: str) -> JointRange:
+            found[name] = self._ended(positions, document, name)
+            return replace(found[name], state="running", share=KNOWN_SHARE)
+
+        def measured(name: str) -> JointRange:
+            return self._measured(positions, whole, document, found[name])
+
+        try:
+            self._each(names, document, positions, progress, ended, KNOWN_SHARE)
+            self._each(list(found), document, positions, progress, measured, 1.0)
+        except JobCancelledError:
+            return
+
+    def _each(
+        self,
+        names: list[str],
+        document: Document,
+        positions: Heard,
+        progress: Progress,
+        find: Callable[[str], JointRange],
+        most: float,
+    ) -> None:
+        """Tells what is found of each number. most: the share of the work that is done then."""
+        told = [time.monotonic()]
         for count, name in enumerate(names):
             key = range_key(document, name)
 
@@ -334,46 +363,52 @@ class Joints:
                 if now - told[0] >= TELL_S:
                     told[0] = now
                     # How long it takes is not known: it comes nearer to the end, and never gets there.
-                    self._tell(name, key, hurry=0.2)
+                    self._tell(name, key, towards=most)
 
             positions.heard = heard
             try:
-                progress(count / len(names), name)
-                found = self._found(positions, whole, document, name)
+                heard()
+                done = find(name)
             except JobCancelledError:
-                return
+                raise
             except (FeelerError, MemoryError) as error:
                 self._tell(name, key, state="failed", trouble=str(error) or "not enough memory")
             except Exception as error:
                 self._tell(name, key, state="failed", trouble=f"{type(error).__name__}: {error}")
             else:
-                self._tell(name, key, found=found)
+                self._tell(name, key, found=done)
 
-    def _found(self, positions: Heard, whole: Positions, document: Document, name: str) -> JointRange:
+    def _ended(self, positions: Heard, document: Document, name: str) -> JointRange:
+        """How far a number moves, and what stops it."""
         state, key = _state(document), range_key(document, name)
         if name not in positions.names:
             raise WorkbenchError("its parts are out", "mechanism", "put one back")
-        others = given_values(positions, state.values, name)
         found = _asked(positions, state, name)
         with self._lock:
             self._ranges[name] = (key, found)
-        lower, upper = found.lower, found.upper
-        done = JointRange(
+        return JointRange(
             name,
             key,
             "done",
             1.0,
-            lower,
-            upper,
+            found.lower,
+            found.upper,
             None if found.below is None else _met(found.below),
             None if found.above is None else _met(found.above),
             trouble=found.ended,
         )
-        self._tell(name, key, found=replace(done, state="running", share=0.2))
-        if not lower < upper:
+
+    def _measured(self, positions: Heard, whole: Positions, document: Document, done: JointRange) -> JointRange:
+        """A range with its gaps and its narrowest position."""
+        if not done.lower < done.upper:
             return done
-        gaps = clearance_of(positions, {**others, name: (lower, upper)}, ERROR_M, MOST_BOXES)
+        state, name = _state(document), done.name
+        others = given_values(positions, state.values, name)
+        gaps = clearance_of(positions, {**others, name: (done.lower, done.upper)}, ERROR_M, MOST_BOXES)
         curve = tuple((float(row[0]), float(row[1]) if math.isfinite(row[1]) else None) for row in gaps.curve)
+        inside = narrow_span(gaps.curve[:, :2], done.below is not None, done.above is not None)
+        if inside is not None:
+            gaps = clearance_of(positions, {**others, name: inside}, ERROR_M, MOST_BOXES)
         worst = None
         if gaps.part is not None and gaps.other is not None and gaps.points is not None and math.isfinite(gaps.upper):
             poses = whole.links.poses({**state.values, **gaps.worst})
@@ -382,13 +417,14 @@ class Joints:
         return replace(done, curve=curve, worst=worst)
 
     def _tell(
-        self, name: str, key: str, *, found: JointRange | None = None, hurry: float = 0.0, **changes: Any
+        self, name: str, key: str, *, found: JointRange | None = None, towards: float = 0.0, **changes: Any
     ) -> None:
+        """towards: a share of the work that it comes nearer to."""
         def revised(ranges: tuple[JointRange, ...]) -> tuple[JointRange, ...]:
             out = []
             for each in ranges:
                 if each.name == name and each.key == key:
-                    each = found or replace(each, share=each.share + hurry * (1.0 - each.share), **changes)
+                    each = found or replace(each, share=each.share + 0.2 * max(0.0, towards - each.share), **changes)
                 out.append(each)
             return tuple(out)
 
@@ -426,6 +462,18 @@ def range_key(document: Document, name: str) -> str:
     others = [(each.name, round(state.values.get(each.name, 0.0), 9)) for each in state.numbers if each.group != group]
     told = repr((name, asked_key(document), others))
     return hashlib.blake2b(told.encode(), digest_size=12).hexdigest()
+
+
+def narrow_span(curve: motion.Floats, is_below: bool, is_above: bool) -> tuple[float, float] | None:
+    """The part of a curve of gaps `(n, 2)` that does not merely lead away from the stops at its ends; None if all of it
+    does, or if there are no stops: then the least gap of all is the one to show."""
+    if not (is_below or is_above):
+        return None
+    falls = np.flatnonzero(curve[1:, 1] < curve[:-1, 1] - _DIP_M)
+    rises = np.flatnonzero(curve[1:, 1] > curve[:-1, 1] + _DIP_M)
+    first = (int(falls[0]) if len(falls) else len(curve) - 1) if is_below else 0
+    last = (int(rises[-1]) + 1 if len(rises) else 0) if is_above else len(curve) - 1
+    return (float(curve[first, 0]), float(curve[last, 0])) if first < last else None
 
 
 def _asked(positions: Positions, state: MechanismState, name: str) -> Range:
