@@ -68,9 +68,7 @@ def upper(page: Any) -> float:
     return float(next(each["upper"] for each in document(page)["joint_ranges"] if each["name"] == "door"))
 
 
-def test_a_dropped_mechanism_moves_by_slider_keys_and_pointer(
-    context: Any, cupboard: Path, root: Path, tmp_path: Path
-) -> None:
+def test_a_dropped_mechanism_moves_by_slider_keys_and_pointer(context: Any, cupboard: Path, root: Path) -> None:
     with program(cupboard) as started:
         page = opened(context, started)
         assert page.get_by_role("tab", name="Joints").count() == 0
@@ -136,4 +134,29 @@ def test_a_dropped_mechanism_moves_by_slider_keys_and_pointer(
         ghost = panel.get_by_role("listitem", name="door").get_by_role("button", pressed=True)
         ghost.click()
 
+        # The part itself goes with the pointer, along its joint; Escape ends that.
+        for key in ("Escape", None):
+            page.mouse.move(700, 460)
+            page.mouse.down()
+            page.mouse.move(640, 440, steps=4)
+            wait(page, "() => document.querySelector('.joint input[type=range]').ariaValueText !== '0°'")
+            assert value(page) == 0.0, "it is shown, and not done"
+            if key:
+                page.keyboard.press(key)
+                wait(page, "() => document.querySelector('.joint input[type=range]').ariaValueText === '0°'")
+            page.mouse.up()
+        wait(page, "() => window.feeler.document.mechanism.values.door !== 0")
+        assert document(page)["mechanism"]["values"]["bolt"] == 0.0
+        panel.get_by_role("button", name="Keep this position").click()
+        wait(page, "() => window.feeler.document.sequence.length === 1")
+        page.locator("#picture").focus()
+        page.keyboard.press("Control+z")
+        page.keyboard.press("Control+z")
+        wait(page, "() => window.feeler.document.mechanism.values.door === 0")
+
+        axe = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
+        if axe.is_file():
+            page.evaluate(f"{axe.read_text(encoding='utf-8')};0")
+            found = page.evaluate("() => axe.run()")
+            assert [each["id"] for each in found["violations"] if each["impact"] in ("serious", "critical")] == []
         assert troubles(page) == []
