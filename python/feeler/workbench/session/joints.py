@@ -63,6 +63,7 @@ KNOWN_SHARE = 0.2
 ERROR_M, MOST_BOXES = 2e-4, 4000
 """Of the curve of gaps: to which its bounds agree, and the most boxes that are tried."""
 _SLACK = 1e-9
+_ROUND = 2.0**-31  # radians, metres
 _DIP_M = 1e-7  # gaps that differ by less are the same
 _SAME = 1e-6  # numbers that followed a loop differ by less
 
@@ -477,8 +478,12 @@ def narrow_span(curve: motion.Floats, is_below: bool, is_above: bool) -> tuple[f
 
 
 def _asked(positions: Positions, state: MechanismState, name: str) -> Range:
-    at = {**given_values(positions, state.values, name), name: state.values.get(name, 0.0)}
-    return range_of(positions, name, at)
+    """The range of a number from where it stands. Its ends are rounded inwards: from another place in the range they
+    come out the same, to the last digit, as a record has them."""
+    start = state.values.get(name, 0.0)
+    found = range_of(positions, name, {**given_values(positions, state.values, name), name: start})
+    lower, upper = math.ceil(found.lower / _ROUND) * _ROUND, math.floor(found.upper / _ROUND) * _ROUND
+    return replace(found, lower=min(lower, max(found.lower, start)), upper=max(upper, min(found.upper, start)))
 
 
 def _start(positions: Positions, state: MechanismState) -> dict[str, float] | None:

@@ -1,0 +1,202 @@
+"""Joints that were moved, in projects, records and undo, and with two people."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from workbench_scene import FACES, corners
+
+import feeler
+from feeler.cli.view import _begin_mechanism
+from feeler.project.book import open_or_make
+from feeler.workbench.session.record import read_record
+from feeler.workbench.session.replaying import replay
+from feeler.workbench.session.session import Session
+
+DOOR, WALL, KNOB, DRAWER = range(4)
+TEXT = """
+[[joint]]
+name = "hinge"
+kind = "revolute"
+child = ["door", "knob"]
+axis = [0, 0, 1]
+point_m = [0, 0, 0]
+
+[[joint]]
+name = "drawer"
+kind = "prismatic"
+child = "drawer"
+axis = [1, 0, 0]
+limits_m = [0, 0.3]
+"""
+
+
+def doors(shift: float = 0.0) -> feeler.Mockup:
+    """A door along x about the z axis, a wall that it meets, its knob, and a drawer that it meets on the way back."""
+    boxes = [
+        corners((0.1, -0.01, 0.0), (1.0, 0.01, 1.0)),
+        corners((-0.5 + shift, 0.5, 0.0), (0.3 + shift, 0.6, 1.0)),
+        corners((0.9, 0.02, 0.4), (0.95, 0.05, 0.5)),
+        corners((0.2, -0.5, 0.2), (0.4, -0.3, 0.4)),
+    ]
+    faces = np.concatenate([FACES + 8 * i for i in range(4)])
+    return feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(4), 12), ["door", "wall", "knob", "drawer"])
+
+
+def opened(mockup: feeler.Mockup | None = None, **more: Any) -> Session:
+    mockup = mockup or doors()
+    session = Session(has_threads=False, **more)
+    session.open(mockup, feeler.Scene(mockup), None)
+    return session
+
+
+def begun(**more: Any) -> Session:
+    session = opened(**more)
+    session.command("mechanism_open", {"name": "door.toml", "text": TEXT})
+    return session
+
+
+def known(session: Session) -> dict[str, Any]:
+    end = time.monotonic() + 60.0
+    while any(each.state == "running" for each in session.current.joint_ranges):
+        assert time.monotonic() < end, session.current.joint_ranges
+        time.sleep(0.01)
+    return {each.name: each for each in session.current.joint_ranges}
+
+
+def values(session: Session) -> dict[str, float]:
+    assert session.current.mechanism is not None
+    return dict(session.current.mechanism.values)
+
+
+def test_a_project_keeps_the_mechanism_its_position_and_its_lines(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = begun(project=open_or_make(path))
+    session.command("joint_move", {"name": "drawer", "value": 0.2})
+    session.command("joint_move", {"name": "hinge", "value": 0.4})
+    session.command("joint_step", {})
+    session.command("joint_move", {"name": "hinge", "value": 0.6})
+    before, moved, ranges = values(session), dict(session.current.moved), known(session)
+    session.close()
+    again = opened(project=open_or_make(path))
+    assert values(again) == pytest.approx(before)
+    assert again.current.moved.keys() == moved.keys() == {DOOR, KNOB, DRAWER}
+    for part, pose in moved.items():
+        assert again.current.moved[part] == pytest.approx(pose)
+    assert [line.joint.name for line in again.current.sequence] == ["drawer", "hinge"]
+    for name, each in known(again).items():
+        assert (each.lower, each.upper) == pytest.approx((ranges[name].lower, ranges[name].upper))
+    again.command("joint_step_go", {"id": again.current.sequence[1].id})
+    assert values(again) == pytest.approx({"hinge": 0.4, "drawer": 0.2})
+    again.command("joint_move", {"name": "hinge", "value": 3.0})
+    assert values(again)["hinge"] == pytest.approx(known(again)["hinge"].upper, abs=1e-9)
+    again.close()
+
+
+def test_a_project_of_another_revision_stands_where_it_was_and_is_asked_anew(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = begun(project=open_or_make(path))
+    upper = known(session)["hinge"].upper
+    session.command("joint_move", {"name": "hinge", "value": 0.4})
+    session.close()
+    again = opened(doors(shift=0.3), project=open_or_make(path))
+    assert values(again)["hinge"] == pytest.approx(0.4) and known(again)["hinge"].upper < upper
+    again.close()
+
+
+def test_a_project_opened_with_its_file_again_stands_where_it_did() -> None:
+    session = begun()
+    session.command("joint_move", {"name": "hinge", "value": 0.4})
+    _begin_mechanism(session, "door.toml", TEXT)
+    assert values(session)["hinge"] == pytest.approx(0.4) and DOOR in session.current.moved
+    _begin_mechanism(session, "door.toml", TEXT + "\n# another\n")
+    assert values(session)["hinge"] == 0.0 and not session.current.moved
+    session.close()
+
+
+def test_a_record_with_joints_gives_the_same_again(tmp_path: Path) -> None:
+    path = tmp_path / "a.rec"
+    session = begun(record=path)
+    known(session)
+    session.ask("joint_to", {"name": "hinge", "value": 0.7})
+    session.command("joint_move", {"name": "hinge", "value": 3.0})
+    session.command("joint_step", {})
+    session.command("joint_move", {"name": "drawer", "value": 0.1})
+    session.command("joint_take", {"name": "drawer"})
+    wish = np.array(session.engine.pose)
+    wish[0, 3] += 0.1
+    session.wish(wish, 1, "mouse")
+    session.engine.tick()
+    session.command("release", {})
+    session.command("undo", {})
+    session.command("undo", {})
+    session.command("joint_step_go", {"id": session.current.sequence[0].id})
+    session.command("mechanism_close", {})
+    session.close()
+    mockup = doors()
+    found = replay(read_record(path), mockup, feeler.Scene(mockup), None)
+    assert found.parted is None and found.commands == 10, found.parted
+
+
+def test_undo_and_redo_go_through_all_positions() -> None:
+    session = begun()
+    for name, value in (("hinge", 0.3), ("drawer", 0.2), ("hinge", -0.2)):
+        session.command("joint_move", {"name": name, "value": value})
+    session.command("joint_step", {})
+    after = (values(session), session.current.moved, len(session.current.sequence))
+    seen = []
+    for _ in range(4):
+        session.command("undo", {})
+        seen.append((values(session)["hinge"], values(session)["drawer"]))
+    assert seen == [(-0.2, 0.2), (0.3, 0.2), (0.3, 0.0), (0.0, 0.0)] and not session.current.moved
+    for _ in range(4):
+        session.command("redo", {})
+    assert (values(session), session.current.moved, len(session.current.sequence)) == after
+    # What was undone and done otherwise is asked anew: the drawer is in the way of the door.
+    lower = known(session)["hinge"].lower
+    session.command("joint_move", {"name": "drawer", "value": 0.0})
+    assert known(session)["hinge"].lower != lower
+    session.close()
+
+
+def test_who_has_the_tool_moves_the_joints() -> None:
+    clock = [0.0]
+    session = begun(clock=lambda: clock[0])
+    clock[0] = 60.0
+    one, two = session.people.join(), session.people.join()
+    session.command("joint_move", {"name": "hinge", "value": 0.3}, one)
+    with pytest.raises(feeler.WorkbenchError, match="has the tool"):
+        session.command("joint_move", {"name": "hinge", "value": 0.1}, two)
+    with pytest.raises(feeler.WorkbenchError, match="has the tool"):
+        session.command("mechanism_close", {}, two)
+    assert values(session)["hinge"] == pytest.approx(0.3)
+    session.close()
+
+
+def test_a_hand_that_holds_parts_is_not_moved_by_a_slider() -> None:
+    session = begun()
+    session.command("joint_take", {"name": "hinge"})
+    for name, args in (
+        ("mechanism_open", {"name": "a.toml", "text": TEXT}),
+        ("mechanism_close", {}),
+        ("joint_take", {"name": "drawer"}),
+    ):
+        with pytest.raises(feeler.WorkbenchError, match="the hand holds parts"):
+            session.command(name, args)
+    session.command("release", {})
+    session.close()
+
+
+def test_words_that_are_no_joint_are_refused() -> None:
+    session = begun()
+    with pytest.raises(feeler.WorkbenchError, match="hinge"):
+        session.command("joint_move", {"name": "hing", "value": 0.3})
+    for value in (math.nan, math.inf):
+        with pytest.raises(feeler.WorkbenchError):
+            session.ask("joint_to", {"name": "hinge", "value": value})
+    session.close()
