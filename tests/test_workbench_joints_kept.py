@@ -55,8 +55,8 @@ def opened(mockup: feeler.Mockup | None = None, **more: Any) -> Session:
     return session
 
 
-def begun(**more: Any) -> Session:
-    session = opened(**more)
+def begun(mockup: feeler.Mockup | None = None, **more: Any) -> Session:
+    session = opened(mockup, **more)
     session.command("mechanism_open", {"name": "door.toml", "text": TEXT})
     return session
 
@@ -199,4 +199,23 @@ def test_words_that_are_no_joint_are_refused() -> None:
     for value in (math.nan, math.inf):
         with pytest.raises(feeler.WorkbenchError):
             session.ask("joint_to", {"name": "hinge", "value": value})
+    session.close()
+
+
+def test_a_part_that_was_put_down_elsewhere_is_met_there() -> None:
+    session = begun()
+    session.command("joint_move", {"name": "hinge", "value": 0.3})
+    session.command("grip", {"parts": [WALL]})
+    pose = np.array(session.engine.pose)
+    pose[0, 3] += 0.3
+    session.command("set_mode", {"mode": "pass"})
+    session.command("place", {"pose": pose.ravel().tolist()})
+    session.command("release", {})
+    there = session.current.moved[WALL]
+    assert there[3] == pytest.approx(0.3)
+    found = known(session)["hinge"]
+    other = begun(mockup=doors(shift=0.3))
+    assert found.above.other == WALL and found.upper == pytest.approx(known(other)["hinge"].upper, abs=1e-6)
+    assert found.worst.points[1][0] > 0.0
+    other.close()
     session.close()

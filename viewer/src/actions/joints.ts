@@ -134,7 +134,11 @@ export function moverOf(wb: Workbench): JointMover {
   const mover = new JointMover(
     {
       to: (name, value) => wb.ask("joint_to", { name, value }),
-      move: (name, value) => wb.run("joint_move", { name, value }),
+      // What stands there already is no step of undo.
+      move: (name, value) =>
+        wb.document?.mechanism?.values[name] === value
+          ? wb.ask("joint_to", { name, value: null })
+          : wb.run("joint_move", { name, value }),
       fail: (error) => {
         store.joints_shown.value = null;
         wb.tell(error);

@@ -115,7 +115,7 @@ function JointRow({ number, range }: { number: JointNumber; range: JointRange | 
   const shown = store.joints_shown.value?.values[number.name];
   const value = shown ?? document?.mechanism?.values[number.name] ?? 0;
   const isHeld = (document?.gripped.length ?? 0) > 0;
-  const isLocked = store.is_read_only.value || isHeld;
+  const isLocked = store.is_read_only.value || isHeld || store.people.is_barred.value;
   const isTurn = number.kind === "turn";
   const words = (each: number): string => (isTurn ? formatAngle(each) : formatLength(each, unit));
   const follows = number.root !== number.name;
@@ -141,7 +141,7 @@ function JointRow({ number, range }: { number: JointNumber; range: JointRange | 
           icon="grip"
           label={isOn ? `Put ${number.name} down` : `Take ${number.name} in the hand, on its joint`}
           pressed={isOn}
-          disabled={store.is_read_only.value || (isHeld && !isOn)}
+          disabled={isOn ? store.is_read_only.value : isLocked}
           run={() => (isOn ? void wb.run("release") : void takeJoint(wb, number.name))}
         />
       </header>

@@ -103,7 +103,7 @@ class Joints:
             if self._job is not None:
                 self._job.cancel()
             self._ranges, self._about, self._job = {}, (), None
-            self._hands, self._live = hands, Standings(hands.scene, hands.meshes)
+            self._hands, self._live = hands, Standings(hands.scene)
 
     def close(self) -> None:
         """Gives up all work."""
@@ -318,7 +318,7 @@ class Joints:
 
     def _work(self, hands: Hands, document: Document, names: list[str], progress: Progress) -> None:
         state = _state(document)
-        standings = Standings(hands.scene, hands.meshes)
+        standings = Standings(hands.scene)
         try:
             positions = standings.asked(document, progress)
             whole = standings.whole(state.text, state.name)
