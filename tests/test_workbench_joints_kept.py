@@ -14,6 +14,7 @@ from workbench_scene import FACES, corners
 import feeler
 from feeler.cli.view import _begin_mechanism
 from feeler.project.book import open_or_make
+from feeler.workbench.session.export import sequence_csv
 from feeler.workbench.session.record import read_record
 from feeler.workbench.session.replaying import replay
 from feeler.workbench.session.session import Session
@@ -218,4 +219,18 @@ def test_a_part_that_was_put_down_elsewhere_is_met_there() -> None:
     assert found.above.other == WALL and found.upper == pytest.approx(known(other)["hinge"].upper, abs=1e-6)
     assert found.worst.points[1][0] > 0.0
     other.close()
+    session.close()
+
+
+def test_tables_and_reports_say_that_a_joint_moved_the_parts() -> None:
+    session = begun()
+    session.command("joint_move", {"name": "hinge", "value": 0.5})
+    session.command("joint_move", {"name": "drawer", "value": 0.25})
+    session.command("joint_step", {})
+    mockup = session.scene.mockup
+    rows = sequence_csv(session.current, mockup, lambda *_: None).decode("utf-8-sig").splitlines()
+    assert len(rows) == 3 and all(row.endswith("moved by a joint") for row in rows[1:]), rows
+    steps = session.job("report", {"pictures": 0}).result(timeout=60)
+    page = session.export(steps["name"]).decode()
+    assert "hinge from 0° to 28.65°" in page and "drawer from 0 mm to 250 mm" in page and "nothing near" not in page
     session.close()

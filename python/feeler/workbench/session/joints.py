@@ -421,6 +421,7 @@ class Joints:
         self, name: str, key: str, *, found: JointRange | None = None, towards: float = 0.0, **changes: Any
     ) -> None:
         """towards: a share of the work that it comes nearer to."""
+
         def revised(ranges: tuple[JointRange, ...]) -> tuple[JointRange, ...]:
             out = []
             for each in ranges:
