@@ -17,8 +17,8 @@ from feeler.words import length
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer, WayFacts
 from feeler.workbench.document.document import Card, Findings, KeptClear, Removal, is_stale
-from feeler.workbench.document.joints import JointStep, figure
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
+from feeler.workbench.document.joints import JointStep, figure
 from feeler.workbench.report import values
 from feeler.workbench.report.source import Source
 
