@@ -234,3 +234,62 @@ def test_tables_and_reports_say_that_a_joint_moved_the_parts() -> None:
     page = session.export(steps["name"]).decode()
     assert "hinge from 0° to 28.65°" in page and "drawer from 0 mm to 250 mm" in page and "nothing near" not in page
     session.close()
+
+
+CRANK = """
+[[joint]]
+name = "crank"
+kind = "revolute"
+child = "crank"
+axis = [0, 0, 1]
+point_m = [0, 0, 0]
+
+[[joint]]
+name = "rod"
+kind = "revolute"
+parent = "crank"
+child = "rod"
+axis = [0, 0, 1]
+point_m = [0.1, 0, 0]
+
+[[joint]]
+name = "piston"
+kind = "prismatic"
+child = "piston"
+axis = [1, 0, 0]
+
+[[loop]]
+name = "pin"
+kind = "revolute"
+parent = "rod"
+child = "piston"
+axis = [0, 0, 1]
+point_m = [0.4, 0, 0]
+"""
+
+
+def test_a_position_of_a_loop_is_kept_by_one_of_its_joints() -> None:
+    boxes = [
+        corners((0.0, -0.01, 0.0), (0.1, 0.01, 0.01)),
+        corners((0.1, -0.01, 0.02), (0.4, 0.01, 0.03)),
+        corners((0.38, -0.02, 0.04), (0.42, 0.02, 0.05)),
+    ]
+    faces = np.concatenate([FACES + 8 * i for i in range(3)])
+    session = opened(
+        feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(3), 12), ["crank", "rod", "piston"])
+    )
+    session.command("mechanism_open", {"name": "crank.toml", "text": CRANK})
+    session.command("joint_move", {"name": "crank", "value": 1.0})
+    # The closed form of the slider-crank.
+    piston = 0.1 * math.cos(1.0) + math.sqrt(0.09 - (0.1 * math.sin(1.0)) ** 2) - 0.4
+    assert values(session)["piston"] == pytest.approx(piston, abs=1e-9)
+    session.command("joint_step", {})
+    lines = session.current.sequence
+    assert {line.joint.name for line in lines} == {"crank"} and len(lines) == 3
+    ends = {part: pose for line in lines for part, pose in line.after.items()}
+    for part, pose in session.current.moved.items():
+        assert ends[part] == pytest.approx(pose, abs=1e-9)
+    session.command("joint_move", {"name": "crank", "value": 0.2})
+    session.command("joint_step_go", {"id": lines[0].id})
+    assert values(session)["piston"] == pytest.approx(piston, abs=1e-9)
+    session.close()

@@ -208,8 +208,7 @@ class Joints:
                     step = STEP_RAD if number.kind == "turn" else STEP_M
                     for value in np.linspace(now[name], end, 2 + int(abs(end - now[name]) / step)):
                         others = given_values(whole, now, name)
-                        start = None if not whole.groups else given_values(whole, last)
-                        last = whole.position({**others, name: float(value)}, start)
+                        last = whole.position({**others, name: float(value)}, last if whole.groups else None)
                         poses = whole.links.poses(last)
                         rows.append([motion.row(poses[link]) for link in range(len(state.links))])
                     move = JointStep(name, number.kind, now[name], end, MappingProxyType(now))
