@@ -243,6 +243,7 @@ kind = "revolute"
 child = "crank"
 axis = [0, 0, 1]
 point_m = [0, 0, 0]
+limits_rad = [-0.1, 1.1]
 
 [[joint]]
 name = "rod"
@@ -251,6 +252,7 @@ parent = "crank"
 child = "rod"
 axis = [0, 0, 1]
 point_m = [0.1, 0, 0]
+limits_rad = [-1.5, 0.2]
 
 [[joint]]
 name = "piston"
@@ -268,21 +270,28 @@ point_m = [0.4, 0, 0]
 """
 
 
-def test_a_position_of_a_loop_is_kept_by_one_of_its_joints() -> None:
+def crank() -> Session:
     boxes = [
         corners((0.0, -0.01, 0.0), (0.1, 0.01, 0.01)),
         corners((0.1, -0.01, 0.02), (0.4, 0.01, 0.03)),
         corners((0.38, -0.02, 0.04), (0.42, 0.02, 0.05)),
     ]
     faces = np.concatenate([FACES + 8 * i for i in range(3)])
-    session = opened(
-        feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(3), 12), ["crank", "rod", "piston"])
-    )
+    names = ["crank", "rod", "piston"]
+    session = opened(feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(3), 12), names))
     session.command("mechanism_open", {"name": "crank.toml", "text": CRANK})
+    return session
+
+
+def piston(angle: float) -> float:
+    """Where the piston of `crank` is, by the closed form of the slider-crank."""
+    return 0.1 * math.cos(angle) + math.sqrt(0.09 - (0.1 * math.sin(angle)) ** 2) - 0.4
+
+
+def test_a_position_of_a_loop_is_kept_by_one_of_its_joints() -> None:
+    session = crank()
     session.command("joint_move", {"name": "crank", "value": 1.0})
-    # The closed form of the slider-crank.
-    piston = 0.1 * math.cos(1.0) + math.sqrt(0.09 - (0.1 * math.sin(1.0)) ** 2) - 0.4
-    assert values(session)["piston"] == pytest.approx(piston, abs=1e-9)
+    assert values(session)["piston"] == pytest.approx(piston(1.0), abs=1e-9)
     session.command("joint_step", {})
     lines = session.current.sequence
     assert {line.joint.name for line in lines} == {"crank"} and len(lines) == 3
@@ -291,5 +300,31 @@ def test_a_position_of_a_loop_is_kept_by_one_of_its_joints() -> None:
         assert ends[part] == pytest.approx(pose, abs=1e-9)
     session.command("joint_move", {"name": "crank", "value": 0.2})
     session.command("joint_step_go", {"id": lines[0].id})
-    assert values(session)["piston"] == pytest.approx(piston, abs=1e-9)
+    assert values(session)["piston"] == pytest.approx(piston(1.0), abs=1e-9)
+    session.close()
+
+
+def test_a_joint_that_others_follow_is_taken_in_the_hand() -> None:
+    session = crank()
+    session.command("joint_take", {"name": "crank"})
+    assert set(session.current.gripped) == {0}, "the rod and the piston move otherwise"
+    hand = np.array(session.engine.pose)
+    turn = np.eye(4)
+    turn[:2, :2] = [[math.cos(0.5), -math.sin(0.5)], [math.sin(0.5), math.cos(0.5)]]
+    session.wish(turn @ hand, 1, "mouse")
+    session.engine.tick()
+    seen: list[dict[str, Any]] = []
+    session.subscribe(seen.append)
+    guide = session.engine.guide
+    session.joints.follow(session.current, "crank", guide.value_of(session.engine.pose))
+    assert seen[-1]["type"] == "joints" and seen[-1]["values"]["piston"] == pytest.approx(piston(0.5), abs=1e-9)
+    place = next(k for k, link in enumerate(session.current.mechanism.links) if link.name == "piston")
+    assert seen[-1]["poses"][place][3] == pytest.approx(piston(0.5), abs=1e-9)
+    session.command("release", {})
+    assert values(session)["piston"] == pytest.approx(piston(0.5), abs=1e-6)
+    assert session.current.moved[2][3] == pytest.approx(piston(0.5), abs=1e-6) and not session.current.gripped
+    session.command("joint_step", {})
+    assert {line.joint.name for line in session.current.sequence} == {"crank"}
+    with pytest.raises(feeler.WorkbenchError, match="carried by joints that move with it"):
+        session.command("joint_take", {"name": "rod"})
     session.close()

@@ -7,6 +7,7 @@ range the joint is, so that a slider asks for it once. Live moves are shown to t
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import math
 import threading
@@ -56,6 +57,8 @@ from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
 
 LIVE = "joints"
 """The type of the message that shows a position."""
+FOLLOW_S = 1.0 / 30.0
+"""Between two places of what follows the hand, at least."""
 TELL_S = 0.2
 """Progress is told at most this often."""
 KNOWN_SHARE = 0.2
@@ -96,6 +99,9 @@ class Joints:
         self._job: Job | None = None
         self._about: tuple[object, ...] = ()
         self._is_closed = False
+        self._hand: tuple[Document, str, float] | None = None
+        self._has_hand = threading.Event()
+        self._follower: threading.Thread | None = None
 
     def open(self, hands: Hands) -> None:
         """Another mock-up is open."""
@@ -108,6 +114,7 @@ class Joints:
     def close(self) -> None:
         """Gives up all work."""
         self._is_closed = True
+        self._has_hand.set()
         if self._jobs is not None:
             self._jobs.close()
 
@@ -170,6 +177,37 @@ class Joints:
             "met": None if met is None else {"part": met.part, "other": met.other, "point": met.point},
             "values": dict(found.values),
         }
+
+    # ---- the hand ----
+
+    def hand(self, document: Document, guide: Guide | None, pose: motion.Floats) -> None:
+        """Hears where the hand has a joint: a thread shows its value, and all that follows it, as fast as it can."""
+        if document.on_joint is None or not isinstance(guide, JointGuide) or self._is_closed:
+            return
+        self._hand = (document, document.on_joint, guide.clipped(guide.value_of(pose)))
+        if self._follower is None:
+            self._follower = threading.Thread(target=self._follow, name="feeler joint in the hand", daemon=True)
+            self._follower.start()
+        self._has_hand.set()
+
+    def _follow(self) -> None:
+        while True:
+            self._has_hand.wait()
+            self._has_hand.clear()
+            if self._is_closed:
+                return
+            held, self._hand = self._hand, None
+            if held is not None:
+                with contextlib.suppress(FeelerError):
+                    self.follow(*held)
+            time.sleep(FOLLOW_S)
+
+    def follow(self, document: Document, name: str, value: float) -> None:
+        """Shows a joint that the hand has, and what follows it. Raises `WorkbenchError`."""
+        found = self.reached(_laid(document), name, value)
+        self._show({"type": LIVE, "poses": [list(row) for row in found.poses], "values": dict(found.values)})
+
+    # ---- lines of the sequence ----
 
     def after(self, document: Document, line: int) -> tuple[Mapping[str, float], tuple[Row, ...]]:
         """The numbers and poses where a line of the sequence leaves the joints. Raises `WorkbenchError`."""
@@ -264,9 +302,7 @@ class Joints:
                 return None
         above = state.links[number.link].above
         frame = poses[above]
-        part = next(
-            part for link in state.below(number.link) for part in state.links[link].parts if part in document.gripped
-        )
+        part = next(part for part in state.with_number(number) if part in document.gripped)
         own = next(link for link in state.links if part in link.parts)
         return Freedom(
             number.kind == "turn",
