@@ -14,6 +14,7 @@ from workbench_scene import FACES, corners
 import feeler
 from feeler.cli.view import _begin_mechanism
 from feeler.project.book import open_or_make
+from feeler.workbench.engine.mechanism import text_of
 from feeler.workbench.session.export import sequence_csv
 from feeler.workbench.session.record import read_record
 from feeler.workbench.session.replaying import replay
@@ -327,4 +328,26 @@ def test_a_joint_that_others_follow_is_taken_in_the_hand() -> None:
     assert {line.joint.name for line in session.current.sequence} == {"crank"}
     with pytest.raises(feeler.WorkbenchError, match="carried by joints that move with it"):
         session.command("joint_take", {"name": "rod"})
+    session.close()
+
+
+def test_the_door_of_the_sample_opens_once_its_latch_is_turned() -> None:
+    """Pages and Python give the same ranges; the truth of the sample has the limits."""
+    mockup = feeler.sample("gearbox", 75_000)
+    truth = {each.name: each for each in feeler.sample_truth("gearbox", 75_000).joints}
+    leaf = [path for path in truth["door"].parts if not path.endswith("/latch")]
+    door, latch = (
+        feeler.Joint(name, "revolute", parent, parts, axis=truth[name].axis, point=truth[name].point_m)
+        for name, parent, parts in (("door", None, leaf), ("latch", "gearbox/door/panel", ["gearbox/door/latch"]))
+    )
+    mechanism = feeler.Mechanism(mockup, [door, latch])
+    text = text_of(mockup, mechanism.joints, (), ())
+    session = opened(mockup)
+    session.command("mechanism_open", {"name": "door.toml", "text": text})
+    for turned in (0.0, truth["latch"].high):
+        session.command("joint_move", {"name": "latch", "value": turned})
+        free = mechanism.range("door", {"latch": turned})
+        place = session.ask("joint_to", {"name": "door", "value": 9.0})
+        assert place["value"] == pytest.approx(free.upper, abs=1e-9) and place["met"]["part"] == free.above.part
+        assert (free.upper > truth["door"].high) == (turned > 0.0)
     session.close()
