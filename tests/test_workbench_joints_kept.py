@@ -79,6 +79,8 @@ def values(session: Session) -> dict[str, float]:
 def test_a_project_keeps_the_mechanism_its_position_and_its_lines(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     session = begun(project=open_or_make(path))
+    session.command("joint_move", {"name": "drawer", "value": 0.3})
+    assert values(session)["drawer"] == 0.3, "its limit, to the last digit"
     session.command("joint_move", {"name": "drawer", "value": 0.2})
     session.command("joint_move", {"name": "hinge", "value": 0.4})
     session.command("joint_step", {})

@@ -30,6 +30,8 @@ import { Icon } from "./icons";
 import { Name } from "./names";
 
 const TYPED_RAD = Math.PI / 180;
+/** A joint that is so near to a stop is at it: radians, metres. */
+const AT_END = 1e-8;
 
 export function MechanismPanel() {
   const wb = useWorkbench();
@@ -243,8 +245,8 @@ function Facts(props: { range: JointRange; value: number; words: (value: number)
     <>
       <p class="note">{isFixed(range) ? "Blocked both ways" : `Free from ${words(lower)} to ${words(upper)}`}</p>
       {range.trouble && <p class="note">{range.trouble}</p>}
-      <Stop text={`below ${words(lower)}`} met={range.below} isAt={value <= lower} />
-      <Stop text={`above ${words(upper)}`} met={range.above} isAt={value >= upper} />
+      <Stop text={`below ${words(lower)}`} met={range.below} isAt={value <= lower + AT_END} />
+      <Stop text={`above ${words(upper)}`} met={range.above} isAt={value >= upper - AT_END} />
       {worst && (
         <button
           type="button"
@@ -287,7 +289,7 @@ function Stop({ text, met, isAt }: { text: string; met: JointRange["below"]; isA
     >
       <span class="swatch hit" aria-hidden="true" />
       <Pair of={met} />
-      <span class="row-count">{isAt ? `stopped, ${text}` : `stops ${text}`}</span>
+      <span class="row-count">{isAt ? "stopped here" : text}</span>
     </button>
   );
 }

@@ -156,9 +156,10 @@ class Joints:
                 poses = self._whole(state).links.poses(position)
             except FeelerError as error:
                 raise _told(error) from None
-        met = found.below if value < found.lower else found.above if value > found.upper else None
+        # A slider that ends at the contact is not moved beyond it.
+        met = found.below if value <= found.lower + _SLACK else found.above if value >= found.upper - _SLACK else None
         rows = tuple(motion.row(poses[link]) for link in range(len(state.links)))
-        return Reached(position, rows, at, at != value, None if met is None else _met(met))
+        return Reached(position, rows, at, at != value or met is not None, None if met is None else _met(met))
 
     def to(self, document: Document, name: str, value: float | None) -> JointPlace:
         """As `reached`, shown to all pages until the next change; None: they show where the joints stand."""
@@ -514,12 +515,16 @@ def narrow_span(curve: motion.Floats, is_below: bool, is_above: bool) -> tuple[f
 
 
 def _asked(positions: Positions, state: MechanismState, name: str) -> Range:
-    """The range of a number from where it stands. Its ends are rounded inwards: from another place in the range they
-    come out the same, to the last digit, as a record has them."""
+    """The range of a number from where it stands. Ends at contact are rounded inwards: from another place in the range
+    they come out the same, to the last digit, as a record has them."""
     start = state.values.get(name, 0.0)
     found = range_of(positions, name, {**given_values(positions, state.values, name), name: start})
-    lower, upper = math.ceil(found.lower / _ROUND) * _ROUND, math.floor(found.upper / _ROUND) * _ROUND
-    return replace(found, lower=min(lower, max(found.lower, start)), upper=max(upper, min(found.upper, start)))
+    lower, upper = found.lower, found.upper
+    if found.below is not None:
+        lower = min(math.ceil(lower / _ROUND) * _ROUND, max(lower, start))
+    if found.above is not None:
+        upper = max(math.floor(upper / _ROUND) * _ROUND, min(upper, start))
+    return replace(found, lower=lower, upper=upper)
 
 
 def _start(positions: Positions, state: MechanismState) -> dict[str, float] | None:
