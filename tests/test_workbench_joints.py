@@ -46,12 +46,16 @@ def session() -> object:
         yield opened
 
 
-def known(session: Session) -> object:
+def known_all(session: Session) -> tuple:
     end = time.monotonic() + 60.0
     while any(each.state == "running" for each in session.current.joint_ranges):
         assert time.monotonic() < end, session.current.joint_ranges
         time.sleep(0.01)
-    (found,) = session.current.joint_ranges
+    return session.current.joint_ranges
+
+
+def known(session: Session) -> object:
+    (found,) = known_all(session)
     return found
 
 
@@ -121,6 +125,74 @@ def test_ranges_come_with_gaps_and_the_worst_position_as_a_ghost(session: Sessio
     assert known(session).key == found.key
     session.command("grip", {"parts": [WALL]})
     assert session.current.joint_ranges[0].key != found.key
+
+
+CROWD = """
+[[joint]]
+name = "a"
+kind = "revolute"
+child = ["p0", "p1"]
+axis = [1, 2, 0.5]
+point_m = [0.1, 0.2, 0]
+limits_rad = [-0.4, 0.4]
+
+[[joint]]
+name = "b"
+kind = "prismatic"
+parent = "p0"
+child = "p2"
+axis = [0, 1, -1]
+limits_m = [-0.3, 0.3]
+
+[[joint]]
+name = "c"
+kind = "revolute"
+child = "p3"
+axis = [0, 0, 1]
+point_m = [0, 0.1, 0]
+
+[[coupling]]
+joint = "c"
+of = "a"
+ratio = -1.0
+"""
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_worst_position_names_the_pair_that_is_nearest_there(seed: int) -> None:
+    """Of boxes at random: 0 and 1 turn, 2 slides on them, 3 turns the other way, 9 is out, the others stand."""
+    rng = np.random.default_rng(seed)
+    lows, sizes = rng.uniform(-0.8, 0.8, (10, 3)), rng.uniform(0.04, 0.2, (10, 3))
+    boxes = [corners(low, low + size) for low, size in zip(lows, sizes, strict=True)]
+    faces = np.concatenate([FACES + 8 * i for i in range(10)])
+    mockup = feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(10), 12), [f"p{i}" for i in range(10)])
+    away = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9, 0, 0, 0, 1]
+    with Session(has_threads=False) as session:
+        session.open(mockup, feeler.Scene(mockup), None)
+        session.command("mechanism_open", {"name": "crowd.toml", "text": CROWD})
+        ways = [{"parts": [9], "poses": [list(np.eye(4).ravel()), away], "clearance": None}]
+        session.command("way_take", {"ways": ways})
+        session.command("joint_move", {"name": "b", "value": 0.05})
+        of_part = {part: place for place, link in enumerate(session.current.mechanism.links) for part in link.parts}
+        for each in known_all(session):
+            assert each.state == "done" and each.worst is not None
+            scenes, tools = [], []
+            for part, box in enumerate(boxes[:9]):
+                pose = np.reshape(each.worst.poses[of_part[part]], (4, 4)) if part in of_part else np.eye(4)
+                placed = box @ pose[:3, :3].T + pose[:3, 3]
+                scenes.append(feeler.Scene(feeler.Mockup(placed, FACES)))
+                tools.append(feeler.Tool(placed, FACES))
+            moving = ({0, 1, 2}, {3}) if each.name == "a" else ({2},)
+            gaps = {
+                (one, other): scenes[other].distance(tools[one], np.eye(4)).value
+                for group in moving
+                for one in group
+                for other in set(range(9)) - group
+            }
+            pair = min(gaps, key=gaps.get)
+            assert set(pair) == {each.worst.part, each.worst.other}
+            assert each.worst.gap == pytest.approx(gaps[pair], abs=1e-6)
+            assert math.dist(*each.worst.points) == pytest.approx(gaps[pair], abs=1e-6)
 
 
 def test_positions_are_lines_of_the_sequence_that_later_steps_are_asked_at(session: Session) -> None:

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { JointMover } from "../src/actions/joints";
 import type { JointPlace, JointRange, Mechanism } from "../src/link/protocol";
 import { IDENTITY, translation } from "../src/math/matrix";
-import { barOf, gapClass, numberOf, partsOf, placesAt, spanOf } from "../src/model/joints";
+import { barOf, gapClass, gapText, isFixed, numberOf, partsOf, placesAt, spanOf, stepped } from "../src/model/joints";
 
 const MECHANISM: Mechanism = {
   name: "m",
@@ -107,4 +107,36 @@ test("Esc puts it back, also while an answer is on its way", async () => {
   assert.deepEqual(asked.at(-1), ["hinge", null]);
   assert.deepEqual(moved, []);
   assert.equal(mover.cancel(), false);
+});
+
+test("keys that follow each other fast add up, and go on from where a stop let it", async () => {
+  const { answer, mover } = slow();
+  mover.to("hinge", 0.5);
+  assert.equal(mover.wantedOf("hinge"), 0.5);
+  mover.to("hinge", 3);
+  assert.equal(mover.wantedOf("hinge"), 3, "no answer is there yet");
+  await answer();
+  assert.equal(mover.wantedOf("hinge"), 3);
+  await answer();
+  assert.equal(mover.wantedOf("hinge"), 1);
+  assert.equal(mover.wantedOf("latch"), null);
+  mover.settle();
+  await answer();
+  assert.equal(mover.wantedOf("hinge"), null);
+});
+
+test("a slider goes by steps, tenths and ends", () => {
+  const key = (name: string, shiftKey = false): number | null => stepped({ key: name, shiftKey }, 1, 0.5, [0, 3]);
+  assert.deepEqual(
+    ["ArrowRight", "ArrowDown", "PageUp", "PageDown"].map((name) => key(name)),
+    [1.5, 0.5, 3, 0],
+  );
+  assert.deepEqual([key("ArrowUp", true), key("Home"), key("End"), key("a")], [1.05, 0, 3, null]);
+});
+
+test("colours are told in the unit that is shown, and a joint between two stops is fixed", () => {
+  assert.deepEqual([gapText(0, "mm"), gapText(1, "mm"), gapText(4, "cm")], ["contact", "< 1 mm", "2 cm or more"]);
+  const met = { part: 0, other: 1, point: [0, 0, 0] as [number, number, number] };
+  assert.equal(isFixed({ ...RANGE, upper: 0, below: met, above: met }), true);
+  assert.equal(isFixed({ ...RANGE, upper: 0, below: met }), false);
 });

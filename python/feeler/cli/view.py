@@ -216,6 +216,13 @@ def view(
         raise typer.Exit(BAD_INPUT)
 
 
+def _begin_mechanism(session: Session, name: str, text: str) -> None:
+    """Opens a mechanism; one that the project has already stays where its joints stand."""
+    kept = session.current.mechanism
+    if kept is None or kept.text != text:
+        session.command("mechanism_open", {"name": name, "text": text}, None)
+
+
 def _mechanism_of(path: Path) -> tuple[str, str]:
     """The name and the text of a file, whose mistakes are told before anything is loaded. Raises `LoadError`."""
     from feeler.io.text import text_of
@@ -393,7 +400,7 @@ class _Opening:
             session.load_findings(self._findings)
         joints, self.mechanism = self.mechanism, None
         if joints is not None:
-            session.command("mechanism_open", {"name": joints[0], "text": joints[1]}, None)
+            _begin_mechanism(session, *joints)
         if is_first and self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.engine.device import DeviceHand
 

@@ -35,6 +35,8 @@ export class JointMover {
   name: string | null = null;
   private wanted: number | null = null;
   private placed: number | null = null;
+  /** Where it is to go, or has got to if no answer is on its way. */
+  private aim: number | null = null;
   private isAsking = false;
   private isSettling = false;
   private timer: number | null = null;
@@ -50,9 +52,14 @@ export class JointMover {
     this.stopTimer();
     if (this.name !== null && this.name !== name) void this.settle();
     this.name = name;
-    this.wanted = value;
+    this.wanted = this.aim = value;
     this.isSettling = false;
     void this.ask();
+  }
+
+  /** Where a joint is to go, while it moves; null: it stands. */
+  wantedOf(name: string): number | null {
+    return this.name === name ? this.aim : null;
   }
 
   /** It is put down where it has got to: at once, or after it has rested. */
@@ -92,6 +99,7 @@ export class JointMover {
           continue;
         }
         this.placed = place.value;
+        if (this.wanted === null) this.aim = place.value;
         this.told(place);
       }
       if (this.isSettling && this.name !== null && this.placed !== null) {
@@ -126,14 +134,23 @@ export function moverOf(wb: Workbench): JointMover {
   const mover = new JointMover(
     {
       to: (name, value) => wb.ask("joint_to", { name, value }),
-      move: (name, value) => wb.run("joint_move", { name, value }),
+      // What stands there already is no step of undo.
+      move: (name, value) =>
+        wb.document?.mechanism?.values[name] === value
+          ? wb.ask("joint_to", { name, value: null })
+          : wb.run("joint_move", { name, value }),
       fail: (error) => {
         store.joints_shown.value = null;
         wb.tell(error);
       },
     },
     (place) => {
+      const before = store.joint_place.peek();
       store.joint_place.value = place;
+      const { met, name } = place;
+      if (place.is_stopped && !(before?.is_stopped && before.name === name && before.value === place.value)) {
+        wb.say(met ? `${name} stops: ${wb.path(met.part)} meets ${wb.path(met.other)}` : `${name} is at its limit`);
+      }
     },
   );
   movers.set(wb, mover);

@@ -71,6 +71,13 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
         loop.remark();
         return;
       }
+      const met = store.joints_shown.value && !film ? store.joint_place.value?.met : null;
+      if (met) {
+        const gap = { point: [...met.point] as Vec3, value: 0, part: met.other };
+        store.way_marks.value = { path: [], gap, fan: null };
+        loop.remark();
+        return;
+      }
       store.way_marks.value = {
         path: guiding && !film ? guidePath(wb, guiding) : filmPath(wb, open),
         gap: hit

@@ -3,6 +3,7 @@
 import type { Document, JointRange, Mechanism } from "../link/protocol";
 import { carry, IDENTITY, isSamePose, type Pose, turn } from "../math/matrix";
 import { alongAxis, type PointerView } from "../math/pointing";
+import { formatLength, type Unit } from "../math/units";
 import { add, cross, dot, length, type Point, scale, subtract, type Vec3 } from "../math/vectors";
 
 export type JointNumber = Mechanism["numbers"][number];
@@ -73,7 +74,7 @@ export function axisNow(mechanism: Mechanism, number: JointNumber): { direction:
 
 /** The least and the greatest value of a slider. */
 export function spanOf(number: JointNumber, range: JointRange | undefined, value: number): [number, number] {
-  const isKnown = range !== undefined && range.state !== "failed" && range.share > 0;
+  const isKnown = range !== undefined && range.state !== "failed" && range.share >= KNOWN_SHARE;
   const wide = WIDE[number.kind];
   const [low, high] = number.limits ?? (isKnown ? [range.lower, range.upper] : [-wide, wide]);
   const [least, most] = [Math.min(low, value), Math.max(high, value)];
@@ -87,6 +88,36 @@ export const gapClass = (gap: number | null): GapClass => {
   const found = gap === null ? -1 : GAPS_M.findIndex((each) => gap < each);
   return (found < 0 ? 4 : found) as GapClass;
 };
+
+export const GAP_CLASSES: readonly GapClass[] = [0, 1, 2, 3, 4];
+/** What a colour says. */
+export function gapText(gap: GapClass, unit: Unit): string {
+  if (gap === 0) return "contact";
+  return gap === 4 ? `${formatLength(GAPS_M[3], unit)} or more` : `< ${formatLength(GAPS_M[gap], unit)}`;
+}
+
+/** Of the work on a range: from there on it is known how far the joint moves. */
+export const KNOWN_SHARE = 0.2;
+/** Ranges that are shorter are none: radians, metres. */
+const FIXED = 1e-6;
+export const isFixed = ({ lower, upper, below, above }: JointRange): boolean =>
+  below !== null && above !== null && upper - lower < FIXED;
+
+/** Whether a gap is none, but for rounding. */
+export const isContact = (gap: number): boolean => gap < 1e-7;
+
+/** Where a key moves a slider: by a step, ten of them, or to an end; with Shift by a tenth. Null: another key. */
+export function stepped(
+  { key, shiftKey }: Pick<KeyboardEvent, "key" | "shiftKey">,
+  value: number,
+  step: number,
+  [least, most]: readonly [number, number],
+): number | null {
+  const fine = shiftKey ? 0.1 : 1;
+  const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[key];
+  if (by !== undefined) return Math.min(most, Math.max(least, value + by * fine * step));
+  return key === "Home" ? least : key === "End" ? most : null;
+}
 
 /** A piece of a bar, in shares of the slider. `gap` null: not known yet. */
 export interface BarPiece {

@@ -93,7 +93,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
     <li class={`card ${isReplaying ? "playing" : ""}`}>
       <header>
         <NameField
-          label={`Name of removal ${at + 1}`}
+          label={`Name of ${line.joint ? "step" : "removal"} ${at + 1}`}
           value={line.name}
           disabled={isLocked}
           change={(name) => wb.run("sequence_rename", { id: line.id, name })}

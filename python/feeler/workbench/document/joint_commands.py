@@ -47,7 +47,7 @@ def joint_move(document: Document, given: Arguments, known: Known) -> Document:
     """Moves a joint to a value, radians or metres, as far as contact lets it; joints that follow it follow."""
     given.number("value")
     _named(document, given)
-    return _placed(document, known, given)
+    return _placed(document, known, given, given.text("name"))
 
 
 def joint_step(document: Document, given: Arguments, known: Known) -> Document:
@@ -81,22 +81,23 @@ def joint_step_go(document: Document, given: Arguments, known: Known) -> Documen
     line = document.sequence[given.place_of(document.sequence)]
     if line.joint is None:
         raise WorkbenchError("this line moves no joint", given.command, "replay it")
-    return _placed(document, known, given)
+    return _placed(document, known, given, line.joint.name)
 
 
 def joint_grip(document: Document, given: Arguments, _known: Known) -> tuple[int, ...]:
-    """The parts that go with a joint: those of its link, and of all that hang on it."""
+    """The parts that go with a joint: those of its link, and of all that hang on it and do not move on their own."""
     state = _state(document, given)
     _named(document, given)
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     number = state.number(given.choice("name", [each.name for each in state.numbers]))
     assert number is not None, "a name was chosen"
-    same = [each for each in state.numbers if each.group == number.group]
-    if len(same) > 1:
-        raise WorkbenchError(f"{number.name} moves other joints too", given.command, "drag it, or use its slider")
+    others = state.others(number)
+    if others & {number.link, *state.above(number.link)}:
+        what = f"what {number.name} moves is carried by joints that move with it"
+        raise WorkbenchError(what, given.command, "take one of these, or use its slider")
     away = loose(state, document.moved, frozenset(document.out))
-    parts = [part for link in state.below(number.link) for part in state.links[link].parts if part not in away]
+    parts = [part for part in state.with_number(number) if part not in away]
     if not parts:
         raise WorkbenchError("all its parts are out", given.command, "put one back")
     return tuple(sorted(parts))
@@ -109,7 +110,7 @@ def laid_down(document: Document, known: Known) -> Document:
         raise WorkbenchError("the position is not known", "release", "put the parts back")
     held = laid(state, document.moved, document.gripped)
     down = replace(document, moved=held, gripped=MappingProxyType({}), trip=None, replaying=None, on_joint=None)
-    return _at(down, known)
+    return _at(down, known, document.on_joint)
 
 
 def steps_before(document: Document) -> Mapping[str, float]:
@@ -168,20 +169,22 @@ def with_links(document: Document, state: MechanismState) -> Document:
     return replace(document, mechanism=state, moved=MappingProxyType(dict(sorted(moved.items()))))
 
 
-def _placed(document: Document, known: Known, given: Arguments) -> Document:
+def _placed(document: Document, known: Known, given: Arguments, name: str | None = None) -> Document:
     state = _state(document, given)
     if known.joints is None or len(known.joints[1]) != len(state.links):
         raise WorkbenchError("the position is not known", given.command, "send it to an open workbench")
-    return _at(document, known)
+    return _at(document, known, name)
 
 
-def _at(document: Document, known: Known) -> Document:
+def _at(document: Document, known: Known, name: str | None) -> Document:
+    """The document with the joints elsewhere. name: of the number that was moved; others follow it."""
     state, at = document.mechanism, known.joints
     assert state is not None and at is not None, "both are there"
     values, poses = at
     order = state.order
     changed = [name for name, value in values.items() if abs(value - state.values.get(name, 0.0)) > SMALLEST]
-    order = (*(name for name in order if name not in changed), *changed)
+    changed.sort(key=lambda each: each != name)
+    order = (*(each for each in order if each not in changed), *changed)
     links = tuple(replace(link, pose=pose) for link, pose in zip(state.links, poses, strict=True))
     now = replace(state, values=MappingProxyType(dict(values)), links=links, order=order)
     return replace(with_links(document, now), pose=known.pose)

@@ -63,13 +63,37 @@ class MechanismState:
         """A number by its name."""
         return next((each for each in self.numbers if each.name == name), None)
 
-    def below(self, link: int) -> tuple[int, ...]:
-        """A link, and all that hang on it."""
+    def below(self, link: int, but: frozenset[int] = frozenset()) -> tuple[int, ...]:
+        """A link, and all that hang on it, without some links and what hangs on these."""
         found = [link]
         for place, each in enumerate(self.links):
-            if each.above in found and place not in found:
+            if each.above in found and place not in found and place not in but:
                 found.append(place)
         return tuple(found)
+
+    def above(self, link: int) -> tuple[int, ...]:
+        """The links that a link hangs on, the nearest first."""
+        found: list[int] = []
+        here = self.links[link].above
+        while here >= 0:
+            found.append(here)
+            here = self.links[here].above
+        return tuple(found)
+
+    def others(self, number: JointNumber) -> frozenset[int]:
+        """The links of the numbers that move with a number, its own left out."""
+        return frozenset(each.link for each in self.numbers if each.group == number.group and each != number)
+
+    def with_number(self, number: JointNumber) -> tuple[int, ...]:
+        """The parts that move as one with the link of a number while it moves."""
+        links = self.below(number.link, self.others(number))
+        return tuple(part for link in links for part in self.links[link].parts)
+
+    def followers(self, number: JointNumber) -> frozenset[int]:
+        """The other parts that move while it does."""
+        links = {each for link in self.others(number) for each in self.below(link)}
+        moving = frozenset(part for link in links for part in self.links[link].parts)
+        return moving - frozenset(self.with_number(number))
 
 
 @dataclass(frozen=True)

@@ -99,6 +99,12 @@ class Hands:
         if document.replaying is not None:
             gone = (*gone, *(part for part, _ in moved if part in document.out))
             moved = tuple((part, at) for part, at in moved if part not in document.out)
+        state = document.mechanism
+        number = None if state is None or document.on_joint is None else state.number(document.on_joint)
+        if state is not None and number is not None:
+            # What follows the hand is not where it was.
+            gone = tuple(sorted({*gone, *state.followers(number)}))
+            moved = tuple((part, at) for part, at in moved if part not in gone)
         return _kept(self._worlds, (moved, gone), lambda: World(self.scene, self.meshes, dict(moved), gone))
 
     def geometry(self, version: int) -> HeldGeometry:

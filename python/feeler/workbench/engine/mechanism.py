@@ -22,7 +22,6 @@ from feeler.workbench.document import motion
 from feeler.workbench.document.document import Document, World
 from feeler.workbench.document.joints import JointLink, JointNumber, MechanismState, Point, loose
 from feeler.workbench.document.motion import HOME, Row
-from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.engine.standing import Standing
 
 Read = tuple[list[Joint], list[JointCoupling], list[Joint]]
@@ -109,8 +108,8 @@ class Standings:
     """Makes the mechanism of a document, asked of the scene as it stands; the last one is kept. For one thread at a
     time."""
 
-    def __init__(self, scene: Scene, meshes: PartTools) -> None:
-        self._scene, self._standing = scene, Standing(scene, meshes)
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._standing = scene, Standing(scene)
         self._texts: dict[str, Read] = {}
         self._whole: tuple[str, Positions] | None = None
         self._kept: tuple[object, Heard] | None = None

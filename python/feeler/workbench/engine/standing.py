@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import threading
 
-import numpy as np
-
-from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.workbench.document import motion
 from feeler.workbench.document.document import Document, World
-from feeler.workbench.engine.parts import PartTools
 
 
 class Standing:
     """Makes the scene of a document: without parts that are out or in the hand, others where they were put down.
 
-    Parts and triangles have the numbers of the mock-up, except that triangles of parts that lie elsewhere come last.
-    Thread-safe; the last scene with such parts is kept, for its index takes time.
+    Parts and triangles have the numbers of the mock-up. Thread-safe; the last scene with moved parts is kept.
     """
 
-    def __init__(self, scene: Scene, meshes: PartTools) -> None:
-        self._scene, self._meshes = scene, meshes
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
         self._lock = threading.Lock()
         self._kept: tuple[World, Scene] | None = None
 
@@ -37,29 +33,14 @@ class Standing:
         with self._lock:
             kept = self._kept
             if kept is None or kept[0] != document.world:
-                kept = (document.world, self._indexed(elsewhere, progress))
+                kept = (document.world, self._moved(elsewhere, progress))
                 self._kept = kept
             return kept[1]
 
-    def _indexed(self, elsewhere: dict[int, tuple[float, ...]], progress: Progress | None) -> Scene:
-        mockup = self._scene.mockup
-        stays = ~np.isin(mockup.part_of_face, sorted(elsewhere))
-        vertices, faces, owners = [mockup.vertices], [mockup.faces[stays]], [mockup.part_of_face[stays]]
-        count = len(mockup.vertices)
+    def _moved(self, elsewhere: dict[int, tuple[float, ...]], progress: Progress | None) -> Scene:
+        if progress is not None:
+            progress(0.0, "placing moved parts")
+        by_place: dict[tuple[float, ...], list[int]] = {}
         for part, at in elsewhere.items():
-            own_vertices, own_faces = self._meshes.at(part, at)
-            vertices.append(own_vertices)
-            faces.append(np.where(own_faces < len(own_vertices), own_faces + count, 2**32 - 1).astype(np.uint32))
-            owners.append(np.full(len(own_faces), part, dtype=np.uint32))
-            count += len(own_vertices)
-        placed = Mockup(
-            np.concatenate(vertices),
-            np.concatenate(faces),
-            np.concatenate(owners),
-            mockup.part_names,
-            part_paths=mockup.part_paths,
-        )
-        placed._keep_attributes(mockup._part_attributes)  # rules may ask for them
-        absent = np.flatnonzero(~self._scene.part_mask).tolist()
-        scene = Scene(placed, progress=progress)
-        return scene.without(absent) if absent else scene
+            by_place.setdefault(at, []).append(part)
+        return self._scene.moved({tuple(parts): motion.matrix(at) for at, parts in by_place.items()})

@@ -225,7 +225,7 @@ class _Page:
             good = sum(row.is_good is True for row in report.questions)
             tiles.append(("questions", f"{good:,} of {len(report.questions):,}", "questions answered yes", ""))
         if report.steps:
-            way = sum(row.length for row in report.steps)
+            way = sum(row.length for row in report.steps if not row.joint)
             tiles.append(("steps", plural(len(report.steps), "work step"), f"{length(way)} of ways", ""))
         if not tiles:
             return ["<p class=notice>The project has no requirements, findings, questions or work steps yet.</p>"]
@@ -477,7 +477,7 @@ class _Page:
             return []
         return [
             "<h2 id=steps>Work steps</h2>",
-            "<p>The parts in the order in which they leave.</p>",
+            f"<p>The parts in the order in which they {'move or ' if any(row.joint for row in rows) else ''}leave.</p>",
             self._step_list(rows),
             self._film_link("sequence"),
         ]
@@ -487,8 +487,9 @@ class _Page:
 
     def _step(self, row: WayRow) -> str:
         facts = [
-            ("way", f"{length(row.length)}{_turn(row.rotation)}"),
-            ("least clearance", _clearance(row)),
+            ("joint", _text(row.joint)),
+            ("way", "" if row.joint else f"{length(row.length)}{_turn(row.rotation)}"),
+            ("least clearance", "" if row.joint else _clearance(row)),
             ("tool", _named(row.tool) if row.tool else ""),
             ("touched", _names(row.touched)),
             ("checked", _text(row.checked)),

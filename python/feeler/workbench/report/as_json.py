@@ -84,6 +84,7 @@ def _way(row: WayRow) -> dict[str, Any]:
         "touched": list(row.touched),
         "tool": row.tool or None,
         "checked": row.checked or None,
+        "joint": row.joint or None,
         "stale": row.stale or None,
     }
 

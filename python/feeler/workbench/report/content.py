@@ -18,6 +18,7 @@ from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer, WayFacts
 from feeler.workbench.document.document import Card, Findings, KeptClear, Removal, is_stale
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
+from feeler.workbench.document.joints import JointStep, figure
 from feeler.workbench.report import values
 from feeler.workbench.report.source import Source
 
@@ -330,6 +331,7 @@ class _Writer:
         return rows
 
     def _step(self, line: Removal, gone: frozenset[int]) -> values.WayRow:
+        step = line.joint
         poses = np.stack([motion.matrix(pose) for pose in line.way])
         moves = poses @ np.linalg.inv(poses[0])
         return values.WayRow(
@@ -342,12 +344,13 @@ class _Writer:
             gone=gone - frozenset(line.parts),
             legs=(),
             length=way_length(poses),
-            rotation=None,
+            rotation=None if step is None or step.kind == "slide" else abs(step.end - step.begin),
             clearance=_finite(line.least_clearance),
             touched=tuple(map(cut, line.touched[:MOST_ROWS])),
             tool=cut(line.tool or ""),
             stale=self.changed(line.parts),
             checked=self._checked(line),
+            joint="" if step is None else cut(_joint_words(step)),
         )
 
     def _checked(self, line: Removal) -> str:
@@ -361,6 +364,10 @@ class _Writer:
         names = [name_of(self.path(part)) for part in parts[:3]]
         more = f" and {len(parts) - 3:,} more" if len(parts) > 3 else ""
         return ", ".join(names) + more
+
+
+def _joint_words(step: JointStep) -> str:
+    return f"{step.name} from {figure(step.kind, step.begin)} to {figure(step.kind, step.end)}"
 
 
 def _gaps(way: WayFacts) -> tuple[tuple[float, float | None], ...]:

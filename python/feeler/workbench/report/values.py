@@ -102,7 +102,8 @@ class WayRow:
     """A way of parts. poses: their motion, the first the identity; starts: their places before, if not home.
 
     gone: parts that are not there, or elsewhere. length, clearance: metres; rotation: radians. gaps: to the nearest
-    neighbour, metres, at shares of the way; None: none is near. checked: what a check of the way says.
+    neighbour, metres, at shares of the way; None: none is near. checked: what a check of the way says. joint: its move
+    in words, if a joint moves the parts; they do not leave then.
     """
 
     key: str
@@ -121,6 +122,7 @@ class WayRow:
     stale: str = ""
     gaps: tuple[tuple[float, float | None], ...] = ()
     checked: str = ""
+    joint: str = ""
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ class Cards:
             for job in self._running.values():
                 job.cancel()
             self._running, self._answers = {}, dict(kept or {})
-            self._standing = Standing(hands.scene, hands.meshes)
+            self._standing = Standing(hands.scene)
 
     def follow(self, before: Document, after: Document, hands: Hands) -> None:
         """Starts the questions that are new in a document, and gives up those that are gone or cancelled."""

@@ -93,9 +93,11 @@ def checked(line: Removal, document: Document) -> str:
 
 
 def _end(number: int, line: Removal, document: Document) -> str:
-    """Where its parts are since: a short shove is not a removal."""
+    """Where its parts are since: a short shove is not a removal, and a joint takes nothing out."""
     if any(part in later.parts for later in document.sequence[number:] for part in line.parts):
         return "moved again"
+    if line.joint is not None:
+        return "moved by a joint"
     if all(part in document.out for part in line.parts):
         return "out"
     return "not out" if any(part in document.moved for part in line.parts) else "put back"

@@ -7,6 +7,7 @@ range the joint is, so that a slider asks for it once. Live moves are shown to t
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import math
 import threading
@@ -56,11 +57,17 @@ from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
 
 LIVE = "joints"
 """The type of the message that shows a position."""
+FOLLOW_S = 1.0 / 30.0
+"""Between two places of what follows the hand, at least."""
 TELL_S = 0.2
 """Progress is told at most this often."""
+KNOWN_SHARE = 0.2
+"""Of the work: from there on it is known how far a number moves."""
 ERROR_M, MOST_BOXES = 2e-4, 4000
 """Of the curve of gaps: to which its bounds agree, and the most boxes that are tried."""
 _SLACK = 1e-9
+_ROUND = 2.0**-31  # radians, metres
+_DIP_M = 1e-7  # gaps that differ by less are the same
 _SAME = 1e-6  # numbers that followed a loop differ by less
 
 
@@ -92,6 +99,9 @@ class Joints:
         self._job: Job | None = None
         self._about: tuple[object, ...] = ()
         self._is_closed = False
+        self._hand: tuple[Document, str, float] | None = None
+        self._has_hand = threading.Event()
+        self._follower: threading.Thread | None = None
 
     def open(self, hands: Hands) -> None:
         """Another mock-up is open."""
@@ -99,11 +109,12 @@ class Joints:
             if self._job is not None:
                 self._job.cancel()
             self._ranges, self._about, self._job = {}, (), None
-            self._hands, self._live = hands, Standings(hands.scene, hands.meshes)
+            self._hands, self._live = hands, Standings(hands.scene)
 
     def close(self) -> None:
         """Gives up all work."""
         self._is_closed = True
+        self._has_hand.set()
         if self._jobs is not None:
             self._jobs.close()
 
@@ -145,9 +156,10 @@ class Joints:
                 poses = self._whole(state).links.poses(position)
             except FeelerError as error:
                 raise _told(error) from None
-        met = found.below if value < found.lower else found.above if value > found.upper else None
+        # A slider that ends at the contact is not moved beyond it.
+        met = found.below if value <= found.lower + _SLACK else found.above if value >= found.upper - _SLACK else None
         rows = tuple(motion.row(poses[link]) for link in range(len(state.links)))
-        return Reached(position, rows, at, at != value, None if met is None else _met(met))
+        return Reached(position, rows, at, at != value or met is not None, None if met is None else _met(met))
 
     def to(self, document: Document, name: str, value: float | None) -> JointPlace:
         """As `reached`, shown to all pages until the next change; None: they show where the joints stand."""
@@ -166,6 +178,37 @@ class Joints:
             "met": None if met is None else {"part": met.part, "other": met.other, "point": met.point},
             "values": dict(found.values),
         }
+
+    # ---- the hand ----
+
+    def hand(self, document: Document, guide: Guide | None, pose: motion.Floats) -> None:
+        """Hears where the hand has a joint: a thread shows its value, and all that follows it, as fast as it can."""
+        if document.on_joint is None or not isinstance(guide, JointGuide) or self._is_closed:
+            return
+        self._hand = (document, document.on_joint, guide.clipped(guide.value_of(pose)))
+        if self._follower is None:
+            self._follower = threading.Thread(target=self._follow, name="feeler joint in the hand", daemon=True)
+            self._follower.start()
+        self._has_hand.set()
+
+    def _follow(self) -> None:
+        while True:
+            self._has_hand.wait()
+            self._has_hand.clear()
+            if self._is_closed:
+                return
+            held, self._hand = self._hand, None
+            if held is not None:
+                with contextlib.suppress(FeelerError):
+                    self.follow(*held)
+            time.sleep(FOLLOW_S)
+
+    def follow(self, document: Document, name: str, value: float) -> None:
+        """Shows a joint that the hand has, and what follows it. Raises `WorkbenchError`."""
+        found = self.reached(_laid(document), name, value)
+        self._show({"type": LIVE, "poses": [list(row) for row in found.poses], "values": dict(found.values)})
+
+    # ---- lines of the sequence ----
 
     def after(self, document: Document, line: int) -> tuple[Mapping[str, float], tuple[Row, ...]]:
         """The numbers and poses where a line of the sequence leaves the joints. Raises `WorkbenchError`."""
@@ -204,8 +247,7 @@ class Joints:
                     step = STEP_RAD if number.kind == "turn" else STEP_M
                     for value in np.linspace(now[name], end, 2 + int(abs(end - now[name]) / step)):
                         others = given_values(whole, now, name)
-                        start = None if not whole.groups else given_values(whole, last)
-                        last = whole.position({**others, name: float(value)}, start)
+                        last = whole.position({**others, name: float(value)}, last if whole.groups else None)
                         poses = whole.links.poses(last)
                         rows.append([motion.row(poses[link]) for link in range(len(state.links))])
                     move = JointStep(name, number.kind, now[name], end, MappingProxyType(now))
@@ -261,9 +303,7 @@ class Joints:
                 return None
         above = state.links[number.link].above
         frame = poses[above]
-        part = next(
-            part for link in state.below(number.link) for part in state.links[link].parts if part in document.gripped
-        )
+        part = next(part for part in state.with_number(number) if part in document.gripped)
         own = next(link for link in state.links if part in link.parts)
         return Freedom(
             number.kind == "turn",
@@ -314,8 +354,7 @@ class Joints:
 
     def _work(self, hands: Hands, document: Document, names: list[str], progress: Progress) -> None:
         state = _state(document)
-        told = [time.monotonic()]
-        standings = Standings(hands.scene, hands.meshes)
+        standings = Standings(hands.scene)
         try:
             positions = standings.asked(document, progress)
             whole = standings.whole(state.text, state.name)
@@ -325,6 +364,33 @@ class Joints:
             for name in names:
                 self._tell(name, range_key(document, name), state="failed", trouble=str(error))
             return
+        # How far all of them go is known first: their gaps take longer.
+        found: dict[str, JointRange] = {}
+
+        def ended(name: str) -> JointRange:
+            found[name] = self._ended(positions, document, name)
+            return replace(found[name], state="running", share=KNOWN_SHARE)
+
+        def measured(name: str) -> JointRange:
+            return self._measured(positions, whole, document, found[name])
+
+        try:
+            self._each(names, document, positions, progress, ended, KNOWN_SHARE)
+            self._each(list(found), document, positions, progress, measured, 1.0)
+        except JobCancelledError:
+            return
+
+    def _each(
+        self,
+        names: list[str],
+        document: Document,
+        positions: Heard,
+        progress: Progress,
+        find: Callable[[str], JointRange],
+        most: float,
+    ) -> None:
+        """Tells what is found of each number. most: the share of the work that is done then."""
+        told = [time.monotonic()]
         for count, name in enumerate(names):
             key = range_key(document, name)
 
@@ -334,46 +400,52 @@ class Joints:
                 if now - told[0] >= TELL_S:
                     told[0] = now
                     # How long it takes is not known: it comes nearer to the end, and never gets there.
-                    self._tell(name, key, hurry=0.2)
+                    self._tell(name, key, towards=most)
 
             positions.heard = heard
             try:
-                progress(count / len(names), name)
-                found = self._found(positions, whole, document, name)
+                heard()
+                done = find(name)
             except JobCancelledError:
-                return
+                raise
             except (FeelerError, MemoryError) as error:
                 self._tell(name, key, state="failed", trouble=str(error) or "not enough memory")
             except Exception as error:
                 self._tell(name, key, state="failed", trouble=f"{type(error).__name__}: {error}")
             else:
-                self._tell(name, key, found=found)
+                self._tell(name, key, found=done)
 
-    def _found(self, positions: Heard, whole: Positions, document: Document, name: str) -> JointRange:
+    def _ended(self, positions: Heard, document: Document, name: str) -> JointRange:
+        """How far a number moves, and what stops it."""
         state, key = _state(document), range_key(document, name)
         if name not in positions.names:
             raise WorkbenchError("its parts are out", "mechanism", "put one back")
-        others = given_values(positions, state.values, name)
         found = _asked(positions, state, name)
         with self._lock:
             self._ranges[name] = (key, found)
-        lower, upper = found.lower, found.upper
-        done = JointRange(
+        return JointRange(
             name,
             key,
             "done",
             1.0,
-            lower,
-            upper,
+            found.lower,
+            found.upper,
             None if found.below is None else _met(found.below),
             None if found.above is None else _met(found.above),
             trouble=found.ended,
         )
-        self._tell(name, key, found=replace(done, state="running", share=0.2))
-        if not lower < upper:
+
+    def _measured(self, positions: Heard, whole: Positions, document: Document, done: JointRange) -> JointRange:
+        """A range with its gaps and its narrowest position."""
+        if not done.lower < done.upper:
             return done
-        gaps = clearance_of(positions, {**others, name: (lower, upper)}, ERROR_M, MOST_BOXES)
+        state, name = _state(document), done.name
+        others = given_values(positions, state.values, name)
+        gaps = clearance_of(positions, {**others, name: (done.lower, done.upper)}, ERROR_M, MOST_BOXES)
         curve = tuple((float(row[0]), float(row[1]) if math.isfinite(row[1]) else None) for row in gaps.curve)
+        inside = narrow_span(gaps.curve[:, :2], done.below is not None, done.above is not None)
+        if inside is not None:
+            gaps = clearance_of(positions, {**others, name: inside}, ERROR_M, MOST_BOXES)
         worst = None
         if gaps.part is not None and gaps.other is not None and gaps.points is not None and math.isfinite(gaps.upper):
             poses = whole.links.poses({**state.values, **gaps.worst})
@@ -382,13 +454,15 @@ class Joints:
         return replace(done, curve=curve, worst=worst)
 
     def _tell(
-        self, name: str, key: str, *, found: JointRange | None = None, hurry: float = 0.0, **changes: Any
+        self, name: str, key: str, *, found: JointRange | None = None, towards: float = 0.0, **changes: Any
     ) -> None:
+        """towards: a share of the work that it comes nearer to."""
+
         def revised(ranges: tuple[JointRange, ...]) -> tuple[JointRange, ...]:
             out = []
             for each in ranges:
                 if each.name == name and each.key == key:
-                    each = found or replace(each, share=each.share + hurry * (1.0 - each.share), **changes)
+                    each = found or replace(each, share=each.share + 0.2 * max(0.0, towards - each.share), **changes)
                 out.append(each)
             return tuple(out)
 
@@ -428,9 +502,29 @@ def range_key(document: Document, name: str) -> str:
     return hashlib.blake2b(told.encode(), digest_size=12).hexdigest()
 
 
+def narrow_span(curve: motion.Floats, is_below: bool, is_above: bool) -> tuple[float, float] | None:
+    """The part of a curve of gaps `(n, 2)` that does not merely lead away from the stops at its ends; None if all of it
+    does, or if there are no stops: then the least gap of all is the one to show."""
+    if not (is_below or is_above):
+        return None
+    falls = np.flatnonzero(curve[1:, 1] < curve[:-1, 1] - _DIP_M)
+    rises = np.flatnonzero(curve[1:, 1] > curve[:-1, 1] + _DIP_M)
+    first = (int(falls[0]) if len(falls) else len(curve) - 1) if is_below else 0
+    last = (int(rises[-1]) + 1 if len(rises) else 0) if is_above else len(curve) - 1
+    return (float(curve[first, 0]), float(curve[last, 0])) if first < last else None
+
+
 def _asked(positions: Positions, state: MechanismState, name: str) -> Range:
-    at = {**given_values(positions, state.values, name), name: state.values.get(name, 0.0)}
-    return range_of(positions, name, at)
+    """The range of a number from where it stands. Ends at contact are rounded inwards: from another place in the range
+    they come out the same, to the last digit, as a record has them."""
+    start = state.values.get(name, 0.0)
+    found = range_of(positions, name, {**given_values(positions, state.values, name), name: start})
+    lower, upper = found.lower, found.upper
+    if found.below is not None:
+        lower = min(math.ceil(lower / _ROUND) * _ROUND, max(lower, start))
+    if found.above is not None:
+        upper = max(math.floor(upper / _ROUND) * _ROUND, min(upper, start))
+    return replace(found, lower=lower, upper=upper)
 
 
 def _start(positions: Positions, state: MechanismState) -> dict[str, float] | None:

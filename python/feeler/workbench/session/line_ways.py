@@ -148,7 +148,7 @@ def _joint_checked(document: Document, way: LineWay, hands: Hands, progress: Pro
         raise WorkbenchError(f"there is no joint {step.name} any more", "cards", "open its mechanism")
     progress(0.1, "casting the joint")
     at = next(at for at, line in enumerate(document.sequence) if line.id == way.line.id)
-    standings = Standings(hands.scene, hands.meshes)
+    standings = Standings(hands.scene)
     try:
         whole = standings.whole(state.text, state.name)
         poses = whole.links.poses(step.start)

@@ -48,10 +48,14 @@ def is_recorded(document: Document, digest: str) -> bool:
 def document_digest(document: Document, *, has_viewpoint_cuts: bool = True) -> str:
     """Digest of everything that commands can change; hex."""
     facts = dict(document.to_json())
-    for name in ("mockup", "loading", "failed", "tools", "record", "project", "absent", "cards"):
+    for name in ("mockup", "loading", "failed", "tools", "record", "project", "absent", "cards", "joint_ranges"):
         del facts[name]
-    if facts["section_box"] is None:  # as in records of versions without it
-        del facts["section_box"]
+    # As in records of versions without them.
+    for name in ("section_box", "mechanism", "on_joint"):
+        if facts[name] is None:
+            del facts[name]
+    lines = document.to_json()["sequence"]
+    facts["sequence"] = [{k: v for k, v in line.items() if k != "joint" or v is not None} for line in lines]
     if not has_viewpoint_cuts:
         cuts = ("sections", "section_box")
         views = document.to_json()["viewpoints"]

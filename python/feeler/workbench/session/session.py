@@ -724,6 +724,8 @@ class Session:
             time.sleep(min(LEAST_TICK_S, max(0.0, LEAST_TICK_S - gone)))
 
     def _tell_snapshot(self) -> None:
+        if self._document.on_joint is not None:
+            self.joints.hand(self._document, self.engine.guide, self.engine.pose)
         for listener in list(self._snapshot_listeners):
             listener()
 
