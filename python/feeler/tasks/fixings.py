@@ -13,7 +13,7 @@ from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import Scene
 from feeler.tasks.holding import Hold, Holds
-from feeler.tasks.passing import Passed, in_bore, passed_by
+from feeler.tasks.passing import LEVELS, in_bore, passed_by
 from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]
@@ -159,7 +159,7 @@ class Fixings:
                 return max(row.size, shanks[0].size), row.length + _beyond(row, shanks[0])
             thread = [each for each in in_bore(self._bare, row) if each.part == anchor]
             if thread:
-                return 2.0 * thread[0].radius, min(_height(thread[0]), row.length)
+                return 2.0 * thread[0].radius, min(thread[0].top - thread[0].bottom + row.length / LEVELS, row.length)
             return row.size, row.length
         nuts = [self._rows[mate] for mate in hold.mates if mate in self._rows]
         if nuts:
@@ -167,8 +167,11 @@ class Fixings:
         thread = [each for each in next(iter(passed_by(self._bare, [row]))) if each.part == anchor]
         head = row.head_height if math.isfinite(row.head_height) else 0.0
         if thread and math.isfinite(row.length):
-            lowest = min(thread[0].bottom, -head - row.length) if thread[0].radius == 0.0 else thread[0].bottom
-            return row.size, min(thread[0].top, -head) - lowest
+            if thread[0].radius == 0.0:
+                return row.size, min(thread[0].top, -head) + head + row.length
+            # Its rows of rays are this far from each other.
+            engaged = min(thread[0].top, -head) - thread[0].bottom + row.length / LEVELS
+            return row.size, min(engaged, row.length)
         return row.size, row.length
 
     def _nominal(self, row: Fastener, size: float) -> float:
@@ -198,10 +201,6 @@ class Fixings:
 
 def _distance(row: Fastener | None, point: Floats) -> float:
     return math.inf if row is None else float(np.linalg.norm(row.frame[:3, 3] - point))
-
-
-def _height(passed: Passed) -> float:
-    return passed.top - passed.bottom
 
 
 def _beyond(nut: Fastener, shank: Fastener) -> float:

@@ -16,7 +16,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _AROUND = 12  # rays around the axis
-_LEVELS = 32  # heights along it
+LEVELS = 32  # heights along it
 _LAYERS = 24  # the most layers that are entered or left below a head
 _BESIDE = (0.6, 0.68)  # distances from the axis, in diameters, where layers are looked for: beside holes, under heads
 _REACH = 0.8  # in diameters: holes are narrower
@@ -61,7 +61,7 @@ def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     spans = np.array([_span(row) for row in rows]).reshape(-1, 2)
     sizes = np.array([row.size if np.isfinite(row.size) else 0.0 for row in rows])
     frames = np.array([row.frame for row in rows]).reshape(-1, 4, 4)
-    levels = spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * ((np.arange(_LEVELS) + 0.5) / _LEVELS)
+    levels = spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * ((np.arange(LEVELS) + 0.5) / LEVELS)
     levels = np.concatenate([levels, _layers(scene, frames, spans, sizes)], axis=1)
     levels = -np.sort(-levels, axis=1)
     count = levels.shape[1]
@@ -165,13 +165,11 @@ def in_bore(scene: Scene, nut: Fastener) -> list[Passed]:
     if not (np.isfinite(nut.size) and np.isfinite(nut.length) and nut.size > 0.0):
         return []
     begin = _BORE[1] * nut.across_flats if np.isfinite(nut.across_flats) else _BORE[0] * nut.size
-    levels = -nut.length * (np.arange(_LEVELS) + 0.5) / _LEVELS
+    levels = -nut.length * (np.arange(LEVELS) + 0.5) / LEVELS
     ways = _ring() @ nut.frame[:3, :3].T
     origins = nut.frame[:3, 3] + levels[:, None, None] * nut.axis + begin * ways
-    hits = scene.rays(
-        origins.reshape(-1, 3), np.broadcast_to(-ways, (_LEVELS, _AROUND, 3)).reshape(-1, 3), within=begin
-    )
-    parts, far = _flat(hits, (_LEVELS, _AROUND))
+    hits = scene.rays(origins.reshape(-1, 3), np.broadcast_to(-ways, (LEVELS, _AROUND, 3)).reshape(-1, 3), within=begin)
+    parts, far = _flat(hits, (LEVELS, _AROUND))
     return _around(parts, begin - far, levels)
 
 

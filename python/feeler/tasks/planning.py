@@ -274,7 +274,8 @@ class _Planner:
     def _try_bent(self, found: Found) -> bool:
         """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave."""
         graph, question = self.actions.graph, self.question
-        stuck = [item for item in found.stuck if not self.actions.is_turned(item) and item not in question.kept]
+        stuck = [item for item in found.stuck if not (self.actions.is_turned(item) or item in question.kept)]
+        stuck = [item for item in stuck if all(self.actions.holders(item))]
         for item in sorted(stuck, key=question.size):
             if item == TARGET and not question.wanted:
                 continue
