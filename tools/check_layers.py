@@ -328,7 +328,7 @@ ROOMS: dict[str, set[str]] = {
         *("requirements", "samples", "feeler"),
     },
     # What holds a part.
-    "task": {*BASE, "io", "parts", "plan"},
+    "task": {*BASE, "parts", "plan"},
     # Clearances that must hold.
     "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.

@@ -84,6 +84,7 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
     from feeler.plan.legs import RemovalLeg
+    from feeler.plan.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.plan.order import RemovalOrder, RemovalOrderInterrupted, RemovalStep, removal_order
     from feeler.plan.reach import Access, AccessInterrupted, Reach, TriedTool
     from feeler.plan.reaching import access
@@ -100,7 +101,6 @@ if _typing.TYPE_CHECKING:
     from feeler.source import Source
     from feeler.spreading import WorkerLost
     from feeler.task.holding import Hold, Holds, holds
-    from feeler.task.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.workbench.scripting import View, view
 
     __version__: str
@@ -340,6 +340,13 @@ _HOMES = {
     ),
     "feeler.plan.insertion": ("insertion",),
     "feeler.plan.legs": ("RemovalLeg",),
+    "feeler.plan.opening": (
+        "Opening",
+        "OpeningFit",
+        "OpeningLimit",
+        "opening",
+        "opening_limits",
+    ),
     "feeler.plan.order": (
         "RemovalOrder",
         "RemovalOrderInterrupted",
@@ -406,13 +413,6 @@ _HOMES = {
         "Hold",
         "Holds",
         "holds",
-    ),
-    "feeler.task.opening": (
-        "Opening",
-        "OpeningFit",
-        "OpeningLimit",
-        "opening",
-        "opening_limits",
     ),
     "feeler.workbench.scripting": (
         "View",
