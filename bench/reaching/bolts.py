@@ -73,7 +73,8 @@ def gearbox(triangles: int, every: int) -> Result:
 def planted(triangles: int) -> list[str]:
     """Tools that reach the bolt under the planted guard: straight ones, and any in a hand."""
     faults = ["blocked_bolt"]
-    mockup, truth = (make("gearbox", triangles, faults=faults) for make in (feeler.sample, feeler.sample_truth))
+    mockup = feeler.sample("gearbox", triangles, faults=faults)
+    truth = feeler.sample_truth("gearbox", triangles, faults=faults)
     scene, tools = feeler.Scene(mockup, threads=1), feeler.catalogue()
     targets = feeler.find_fasteners(mockup, truth.faults[0].parts[0])
     straight = tools.where("socket", "extension", "ratchet", "driver", "ring")
@@ -96,6 +97,6 @@ def holds(scene: feeler.Scene, tools: feeler.Catalogue, fastener: feeler.Fastene
     half = np.radians(0.5 * row.swing_deg)
     for angle in (-half, half):
         screw = feeler.Screw(fastener.axis, fastener.frame[:3, 3], 0.999999 * angle)
-        if scene.cast(tool, row.pose, screw=screw, ignore=ignore) is not None:
+        if scene.cast(tool, row.pose, screw=screw, tolerance=1e-9, ignore=ignore) is not None:
             return False
     return not len(scene.collide(tool, row.way[0], ignore=ignore)) and not scene.containment(tool, row.way[0])

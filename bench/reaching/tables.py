@@ -44,10 +44,11 @@ def gearbox(found: Result) -> str:
     planted = len(found["planted"])
     lines.append(["under the planted guard", "1", bold(f"{planted}", planted == 0), ""])
     note = (
-        f"{found['triangles']:,} triangles, all in {found['seconds']:.3g} s. For each fastener the parts are out that the "
-        "truth takes out before. Under the guard: sockets and rings, and all tools with a hand."
+        f"{found['triangles']:,} triangles, all in {found['seconds']:.3g} s. For each fastener the parts are out that "
+        "the truth takes out before. Under the guard: sockets and rings, and all tools with a hand."
     )
-    return f"{SECTION.origin(found)}\n\n{markdown(['tool of the truth', 'fasteners', 'found', 'refuted by casts'], 1, lines, note)}"
+    heads = ["tool of the truth", "fasteners", "found", "refuted by casts"]
+    return f"{SECTION.origin(found)}\n\n{markdown(heads, 1, lines, note)}"
 
 
 MAKERS = {"engine": engine, "gearbox": gearbox}
