@@ -13,8 +13,8 @@ from shapes import box, mockup_of
 
 import feeler
 from feeler.io import write_glb
+from feeler.plan.opening import LIMITS_TEMPLATE, write_limits_template
 from feeler.plan.tool_solids import lathed
-from feeler.tasks.opening import LIMITS_TEMPLATE, write_limits_template
 
 ERROR = 1e-4
 Z = [0.0, 0.0, 1.0]

@@ -84,6 +84,7 @@ if _typing.TYPE_CHECKING:
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
     from feeler.plan.legs import RemovalLeg
+    from feeler.plan.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.plan.order import RemovalOrder, RemovalOrderInterrupted, RemovalStep, removal_order
     from feeler.plan.reach import Access, AccessInterrupted, Reach, TriedTool
     from feeler.plan.reaching import access
@@ -101,7 +102,6 @@ if _typing.TYPE_CHECKING:
     from feeler.spreading import WorkerLost
     from feeler.tasks.answer import Task
     from feeler.tasks.holding import Hold, Holds, holds
-    from feeler.tasks.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.tasks.planning import task
     from feeler.tasks.steps import TaskBlocker, TaskStep
     from feeler.tasks.times import Times
@@ -349,6 +349,13 @@ _HOMES = {
     ),
     "feeler.plan.insertion": ("insertion",),
     "feeler.plan.legs": ("RemovalLeg",),
+    "feeler.plan.opening": (
+        "Opening",
+        "OpeningFit",
+        "OpeningLimit",
+        "opening",
+        "opening_limits",
+    ),
     "feeler.plan.order": (
         "RemovalOrder",
         "RemovalOrderInterrupted",
@@ -415,13 +422,6 @@ _HOMES = {
         "Hold",
         "Holds",
         "holds",
-    ),
-    "feeler.tasks.opening": (
-        "Opening",
-        "OpeningFit",
-        "OpeningLimit",
-        "opening",
-        "opening_limits",
     ),
     "feeler.tasks.answer": ("Task",),
     "feeler.tasks.planning": ("task",),

@@ -72,7 +72,7 @@ def opening(
     Exit status: 0 all limits go through, 1 one does not, 2 bad input.
     """
     from feeler.cli import outputs
-    from feeler.tasks.opening import write_limits_template
+    from feeler.plan.opening import write_limits_template
 
     if write_limits is not None:
         outputs.check_targets({"write-limits": write_limits}, {"write-limits": (".toml",)}, mockup or [])
