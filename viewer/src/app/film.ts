@@ -73,8 +73,8 @@ export function followFilm(wb: Workbench, loop: Loop): () => void {
       }
       const met = store.joints_shown.value && !film ? store.joint_place.value?.met : null;
       if (met) {
-        const gap = { point: [...met.point] as Vec3, value: 0, part: met.other };
-        store.way_marks.value = { path: [], gap, fan: null };
+        const point = [...met.point] as Vec3;
+        store.way_marks.value = { path: [point, point], gap: { point, value: 0, part: met.other }, fan: null };
         loop.remark();
         return;
       }

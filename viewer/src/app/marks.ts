@@ -7,6 +7,7 @@ import { distance, length, type Vec3 } from "../math/vectors";
 import { touchedParts } from "../model/contact";
 import { depthText, wayText } from "../model/findings";
 import type { Hand } from "../model/hand";
+import { isContact } from "../model/joints";
 import { colourOf, numberOf } from "../model/people";
 import type { Store } from "../model/store";
 import type { Marks } from "../scene/marks";
@@ -86,7 +87,7 @@ function wayOf(store: Store, unit: Unit): Marks["way"] {
 }
 
 const gapText = (gap: number, name: string, unit: Unit): string =>
-  gap > 0 ? `${formatLength(gap, unit)} to ${name}` : `meets ${name}`;
+  isContact(gap) ? `meets ${name}` : `${formatLength(gap, unit)} to ${name}`;
 
 type ContactMarks = Pick<Marks, "planes" | "force" | "clearances" | "distance" | "touches">;
 
