@@ -28,7 +28,7 @@ from feeler.tasks.holding import Holds, holds
 from feeler.tasks.reached import Reaching, Tooled
 from feeler.tasks.search import Found, Ordered, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
-from feeler.tasks.times import Arithmetic, Timed, Times, times_of
+from feeler.tasks.times import Arithmetic, Timed, Times, strokes_for, times_of
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
@@ -384,7 +384,7 @@ class _Planner:
         if isinstance(tooled, Tooled):
             verb = "disconnect" if actions.is_captive(item) else "undo"
             swing, tool_way = tooled.swing_deg, tooled.way
-            strokes = tooled.strokes or actions.times.strokes(actions.fixings.of(item).turns, swing)
+            strokes = strokes_for(actions.fixings.of(item).turns.count, tooled.stroke_deg)
         get = actions.times.elements["get"]
         variance = timed.spread**2 + (get.spread**2 if slot.is_changed else 0.0)
         first = item if item != TARGET else one.parts[0]
