@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reaching import access
 from feeler.scene import Scene
+from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
 
@@ -36,8 +37,8 @@ class Tooled:
     way: Floats
     """`(k, 4, 4)` world_from_tool: the way in; empty without a tool."""
     because: str
-    strokes: int | None = None
-    """If the answer counts them itself."""
+    stroke_deg: float
+    """The share of the swing that one stroke uses, degrees."""
 
 
 @dataclass(frozen=True)
@@ -69,19 +70,32 @@ class Reaching:
         self.tools = _tools(tools)
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
-        self._known: dict[tuple[int, frozenset[int]], Reached] = {}
+        self._known: dict[int, dict[frozenset[int], Reached]] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
-    def reached(self, row: Fastener, out: frozenset[int]) -> Reached:
+    def reached(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
         """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
-        among those whose boxes meet that of the tools in any turn, and on any way in."""
+        among those whose boxes meet that of the tools in any turn, and on any way in.
+
+        It is also taken from other sets: what is out never blocks, so the strokes for `turns` of a set are between
+        those of a smaller and of a larger one, and where no tool reaches, none does with less out.
+        """
         near = self.near(row)
-        key = (row.part, out & near)
-        if key not in self._known:
-            self.asked += 1
-            self._known[key] = self._ask(row, out, near)
-        return self._known[key]
+        known, key = self._known.setdefault(row.part, {}), out & near
+        if key not in known:
+            known[key] = self._between(known, key, turns) or self._ask(row, out, near)
+        return known[key]
+
+    @staticmethod
+    def _between(known: dict[frozenset[int], Reached], key: frozenset[int], turns: float) -> Reached | None:
+        """The answer for a set that follows from those for others."""
+        larger = {_strokes(answer, turns): (other, answer) for other, answer in known.items() if other >= key}
+        if () in larger:
+            other, answer = larger[()]
+            return replace(answer, blockers=tuple(dict.fromkeys([*answer.blockers, *sorted(other - key)])))
+        smaller = (answer for other, answer in known.items() if other <= key)
+        return next((answer for answer in smaller if _strokes(answer, turns) in larger), None)
 
     def near(self, row: Fastener) -> frozenset[int]:
         """The parts that its answers can depend on."""
@@ -95,25 +109,31 @@ class Reaching:
         return self._near[row.part]
 
     def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int]) -> Reached:
+        self.asked += 1
         if self.tools is None:
-            assumed = Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), "without tools: its reach is not checked")
-            return Reached((assumed,), (), near, assumed.because)
+            said = "without tools: its reach is not checked"
+            return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)
         scene = self.scene.without(sorted(out)) if out else self.scene
         found: list[Tooled] = []
         blockers: dict[int, int] = {}
-        said = []
+        reasons = []
         for held in self.tools:
             answer = access(scene, held.tool, Fasteners([row]), threads=self.threads, **held.options)[0]
             because = f"{held.name}: {answer.because}" if len(self.tools) > 1 else answer.because
             if answer.is_reachable:
-                found.append(Tooled(held.name, answer.swing_deg, answer.way, because))
+                found.append(Tooled(held.name, answer.swing_deg, answer.way, because, answer.swing_deg))
             else:
-                said.append(because)
+                reasons.append(because)
             for each in answer.blockers:
                 if each.part != row.part:
                     blockers[each.part] = blockers.get(each.part, 0) + each.count
         worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
-        return Reached(tuple(found), worst, near, "; ".join(said))
+        return Reached(tuple(found), worst, near, "; ".join(reasons))
+
+
+def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
+    """Tools with their strokes; empty if none reaches."""
+    return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
 
 
 def _room(held: _Held, row: Fastener) -> tuple[Floats, Floats]:
