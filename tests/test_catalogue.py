@@ -13,6 +13,7 @@ from shapes import box, mockup_of
 
 import feeler
 from feeler.plan.catalogue import built_in_text, core_of, shaped, tool_of
+from feeler.plan.choosing import room_of
 from feeler.plan.swings import turned
 from feeler.plan.tool_solids import disc, lathed, prism
 
@@ -191,6 +192,32 @@ def test_a_ring_does_not_come_off_along_a_pipe_but_an_open_spanner_does() -> Non
     (row,) = feeler.access(scene, BUILT_IN, head(kind="nut", length=HEAD), threads=1)
     assert row.is_reachable and row.tool == "open 13" and abs(row.comes_from[2]) < 1e-9
     assert {BUILT_IN.pieces(each.tool)[0].kind for each in row.tried} == {"socket", "ring"}
+
+
+def test_an_open_spanner_comes_off_along_the_flats_at_any_turn_of_the_head() -> None:
+    """A roof leaves no way up, and the jaw passes the corners only where it is on the flats."""
+    roof = {"roof": box((-0.3, -0.3, 0.001), (0.3, 0.3, 0.01))}
+    for degrees in np.random.default_rng(4).uniform(0.0, 60.0, 6):
+        scene = around(roof, rotated(prism(HEXAGON, -HEAD, 0.0), degrees))
+        (row,) = feeler.access(scene, BUILT_IN, head(), threads=1)
+        assert row.is_reachable and row.tool == "open 13" and abs(row.comes_from[2]) < 1e-9, degrees
+        assert scene.cast(BUILT_IN.tool(row.tool), row.way[1], row.way[0], touching="free") is None
+
+
+def test_parts_beyond_the_room_of_a_fastener_have_no_influence() -> None:
+    hand = BUILT_IN.hand
+    assert hand is not None
+    (bolt,) = head()
+    bare, held = room_of(BUILT_IN, bolt, 0.1), room_of(BUILT_IN, bolt, 0.1, (hand, np.eye(4)))
+    assert (held[0] <= bare[0]).all() and (held[1] >= bare[1]).all() and (held != bare).any()
+    (low, high), reach = bare, []
+    for parts in (
+        {},
+        {"far": box(high + 0.001, high + 1.0), "side": box((high[0] + 1e-3, -1, -1), (high[0] + 1, 1, 1))},
+    ):
+        reach += list(feeler.access(around(parts), BUILT_IN, head(), threads=1))
+    assert low[0] < -0.2 and high[2] > 0.7
+    assert (reach[0].tool, reach[0].swing_deg, reach[0].tried) == (reach[1].tool, reach[1].swing_deg, reach[1].tried)
 
 
 def test_a_plug_on_the_head_keeps_sockets_off() -> None:
