@@ -86,7 +86,8 @@ def access(
       ring does not pass through the head. The fastener of a bare frame is the part nearest to its origin, up to 20 mm
       away. A catalogue needs `Fasteners`.
     - `swing_deg`: the required degrees, above 0 up to 360; default: 60, or what each tool of the catalogue needs.
-    - `angles`: even steps around z that are tried first, and counted in `blockers`. Free swings do not depend on it.
+    - `angles`: even steps around z that are tried first, and counted in `blockers`. Free swings do not depend on it. A
+      catalogue's tools have steps of their own: of their swings all that are large enough are found.
     - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`; with a catalogue in the frame
       of the grip, whose z points along it and away from the fastener, as `Catalogue.hand`.
     - `grip`: the target's frame in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that points out of the
