@@ -97,6 +97,7 @@ bench: build ## measure feeler and its peers on the same poses, into bench/recor
 	@$(PY) bench/clash/run.py $(if $(QUICK),--quick)
 	@$(PY) bench/removal/run.py $(if $(QUICK),--quick)
 	@$(PY) bench/mechanism/run.py $(if $(QUICK),--quick)
+	@$(PY) bench/reaching/run.py $(if $(QUICK),--quick)
 
 .PHONY: clash-bench
 clash-bench: build ## clash checks alone: hard pairs and times, beside ifcclash and python-fcl (QUICK=1: a minute or two)
