@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -147,18 +146,31 @@ def room_of(
 def choose(
     scene: Scene, chosen: Chosen, target: int, fastener: Fastener, frame: Floats, shape: HeadShape, turns: float
 ) -> Reach:
-    """The first tool that reaches a fastener; if none does, the one that came nearest."""
+    """The first tool that reaches a fastener; if none does, the one that came nearest.
+
+    A chain contains its first pieces, so where these collide at every angle, it does too.
+    """
     fitting = chosen.catalogue.fitting(fastener.drive, fastener.across_flats, fastener.size)
     if not fitting:
         return _without_tool(target, fastener, frame, _no_fit(chosen.catalogue, fastener))
+    head = fastener.length if fastener.kind == "nut" else fastener.head_height
+    aligned = 360.0 / SIDES[fastener.drive] if fastener.drive in SIDES else None
     tried: list[TriedTool] = []
+    stems: dict[Pieces, bool] = {}
     best: Reach | None = None
-    for row in reaches(scene, chosen, target, fastener, frame, shape, turns, tried):
-        if row.is_reachable:
-            return replace(row, tried=tuple(tried))
-        tried.append(TriedTool(row.tool, row.because, row.blockers))
-        if best is None or (row.drawn, row.swing_deg) > (best.drawn, best.swing_deg):
-            best = row
+    for pieces in fitting:
+        for depth in depths_of(pieces[0], head):
+            seat = shifted(frame @ turned(shape.to_flats), -depth * frame[:3, 2])
+            if _is_blocked(scene, pieces, depth, shape, seat, fastener.part, stems, tried):
+                continue
+            seated = replace(chosen.seated(pieces), depth=max(0.0, depth), aligned_deg=aligned)
+            row = ReachQuestion(scene, seated, chosen.search_of(pieces)).reach(target, seat, fastener.part)
+            row = replace(row, angle_deg=(row.angle_deg + shape.to_flats) % 360.0)
+            if row.is_reachable:
+                return _stroked(row, pieces[-1].step_deg, turns, tuple(tried))
+            tried.append(TriedTool(name_of(pieces), row.because, row.blockers))
+            if best is None or (row.drawn, row.swing_deg) > (best.drawn, best.swing_deg):
+                best = row
     counts: Counter[tuple[int, str]] = Counter()
     for each in tried:
         counts.update({(block.part, block.path): block.count for block in each.blockers})
@@ -170,35 +182,6 @@ def choose(
         return replace(_without_tool(target, fastener, frame, because), blockers=blockers, tried=tuple(tried))
     because = f"{of}; nearest came {best.tool}: {best.because}"
     return replace(best, because=because, blockers=blockers, tried=tuple(tried))
-
-
-def reaches(
-    scene: Scene,
-    chosen: Chosen,
-    target: int,
-    fastener: Fastener,
-    frame: Floats,
-    shape: HeadShape,
-    turns: float,
-    tried: list[TriedTool],
-) -> Iterator[Reach]:
-    """How each tool that fits reaches a fastener, or does not, in the order of the catalogue.
-
-    A chain contains its first pieces, so where these collide at every angle, it does too: it is left out, and they are
-    added to `tried`.
-    """
-    head = fastener.length if fastener.kind == "nut" else fastener.head_height
-    aligned = 360.0 / SIDES[fastener.drive] if fastener.drive in SIDES else None
-    stems: dict[Pieces, bool] = {}
-    for pieces in chosen.catalogue.fitting(fastener.drive, fastener.across_flats, fastener.size):
-        for depth in depths_of(pieces[0], head):
-            seat = shifted(frame @ turned(shape.to_flats), -depth * frame[:3, 2])
-            if _is_blocked(scene, pieces, depth, shape, seat, fastener.part, stems, tried):
-                continue
-            seated = replace(chosen.seated(pieces), depth=max(0.0, depth), aligned_deg=aligned)
-            row = ReachQuestion(scene, seated, chosen.search_of(pieces)).reach(target, seat, fastener.part)
-            row = replace(row, angle_deg=(row.angle_deg + shape.to_flats) % 360.0)
-            yield _stroked(row, pieces[-1].step_deg, turns) if row.is_reachable else row
 
 
 def _is_blocked(
@@ -241,11 +224,11 @@ def _stem(
     return ("it collides at every angle" if found else ""), found
 
 
-def _stroked(row: Reach, step: float, turns: float) -> Reach:
+def _stroked(row: Reach, step: float, turns: float, tried: tuple[TriedTool, ...]) -> Reach:
     """With the strokes of a tool that is put on again at multiples of a step."""
     stroke = step * math.floor(row.swing_deg / step + 1e-9) if row.swing_deg < 360.0 else 360.0
     stroke = stroke or row.swing_deg
-    return replace(row, stroke_deg=stroke, strokes=strokes_for(turns, stroke))
+    return replace(row, stroke_deg=stroke, strokes=strokes_for(turns, stroke), tried=tried)
 
 
 def strokes_for(turns: float, stroke_deg: float) -> int:

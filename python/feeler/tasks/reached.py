@@ -13,16 +13,15 @@ import numpy.typing as npt
 from feeler.arguments import shown
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Tool
-from feeler.plan.catalogue import Catalogue
 from feeler.plan.fasteners import Fastener, Fasteners
-from feeler.plan.reach import Reach
 from feeler.plan.reaching import access
 from feeler.scene import Scene
-from feeler.tasks.catalogued import APPROACH_M, Catalogued
 from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
 
+APPROACH_M = 0.1
+"""How far each way in is searched, as in `access`."""
 ASSUMED_DEG = 60.0
 """The swing without tools: nothing says more."""
 NEAR_M = 1e-5
@@ -69,17 +68,11 @@ class Reaching:
     def __init__(self, scene: Scene, tools: object, threads: int | None) -> None:
         self.scene, self.threads = scene, threads
         self.tools = _tools(tools)
-        self.catalogue = _catalogue(tools)
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
         self._known: dict[int, dict[frozenset[int], Reached]] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
-
-    @property
-    def has_tools(self) -> bool:
-        """Whether reach is checked."""
-        return self.tools is not None or self.catalogue is not None
 
     def reached(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
         """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
@@ -91,7 +84,7 @@ class Reaching:
         near = self.near(row)
         known, key = self._known.setdefault(row.part, {}), out & near
         if key not in known:
-            known[key] = self._between(known, key, turns) or self._ask(row, out, near, turns)
+            known[key] = self._between(known, key, turns) or self._ask(row, out, near)
         return known[key]
 
     @staticmethod
@@ -108,20 +101,15 @@ class Reaching:
         """The parts that its answers can depend on."""
         if row.part not in self._near:
             found: set[int] = set()
-            rooms = [_room(held, row) for held in self.tools or ()]
-            rooms += [] if self.catalogue is None else [_in_world(row, *self.catalogue.rooms(row))]
-            for lower, upper in rooms:
+            for held in self.tools or ():
+                lower, upper = _room(held, row)
                 meets = ((self._bounds[:, 0] <= upper) & (self._bounds[:, 1] >= lower)).all(axis=1)
                 found.update(np.flatnonzero(meets & self.scene.part_mask).tolist())
             self._near[row.part] = frozenset(found) - {row.part}
         return self._near[row.part]
 
-    def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int], turns: float) -> Reached:
+    def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int]) -> Reached:
         self.asked += 1
-        if self.catalogue is not None:
-            scene = self.scene.without(sorted(out)) if out else self.scene
-            rows, counts, because = self.catalogue.reached(scene, row, turns)
-            return Reached(tuple(_tooled(each) for each in rows), _worst(counts, row), near, because)
         if self.tools is None:
             said = "without tools: its reach is not checked"
             return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)
@@ -137,17 +125,10 @@ class Reaching:
             else:
                 reasons.append(because)
             for each in answer.blockers:
-                blockers[each.part] = blockers.get(each.part, 0) + each.count
-        return Reached(tuple(found), _worst(blockers, row), near, "; ".join(reasons))
-
-
-def _worst(counts: Mapping[int, int], row: Fastener) -> tuple[int, ...]:
-    """The parts in the way, but the fastener itself, the worst first."""
-    return tuple(sorted(counts.keys() - {row.part}, key=lambda part: (-counts[part], part)))
-
-
-def _tooled(row: Reach) -> Tooled:
-    return Tooled(str(row.tool), row.swing_deg, row.way, f"{row.tool}: {row.because}", row.stroke_deg)
+                if each.part != row.part:
+                    blockers[each.part] = blockers.get(each.part, 0) + each.count
+        worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
+        return Reached(tuple(found), worst, near, "; ".join(reasons))
 
 
 def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
@@ -164,24 +145,14 @@ def _room(held: _Held, row: Fastener) -> tuple[Floats, Floats]:
     lift = float(held.options.get("lift", 0.0))
     radius = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()) + approach + NEAR_M
     low, high = tool.bounds[0, 2] + lift - NEAR_M, tool.bounds[1, 2] + lift + approach + NEAR_M
-    return _in_world(row, np.array([-radius, -radius, low]), np.array([radius, radius, high]))
-
-
-def _in_world(row: Fastener, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
-    """The box around a box in the frame of a fastener, with a margin for rounding."""
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    world = (lower + corners * (upper - lower)) @ row.frame[:3, :3].T + row.frame[:3, 3]
-    return world.min(axis=0) - NEAR_M, world.max(axis=0) + NEAR_M
-
-
-def _catalogue(tools: object) -> Catalogued | None:
-    """The catalogue, if the tools are one."""
-    return Catalogued(tools) if isinstance(tools, Catalogue) else None
+    corners = np.array([[x, y, z] for x in (-radius, radius) for y in (-radius, radius) for z in (low, high)])
+    world = corners @ row.frame[:3, :3].T + row.frame[:3, 3]
+    return world.min(axis=0), world.max(axis=0)
 
 
 def _tools(tools: object) -> tuple[_Held, ...] | None:
     """Tools by name: one, a list, or a dict of names; each may come with options of `access`."""
-    if tools is None or isinstance(tools, Catalogue):
+    if tools is None:
         return None
     if isinstance(tools, Mapping):
         named = [(name, each) for name, each in tools.items()]
