@@ -168,3 +168,37 @@ def test_ctrl_c_tells_what_was_found(stand: Path, bar: Path) -> None:
             assert document["partial"] is True and [row["target"] for row in document["rows"]] == [0]
         else:
             assert "1 of 1 target reachable" in done.stdout and "2 were not tried" in done.stdout
+
+
+def test_a_catalogue_chooses(stand: Path, tmp_path: Path) -> None:
+    words = ["access", stand, "--catalogue"]
+    text = run(*words, "built-in", "--eye", "0,0,1", code=1).stdout
+    assert (
+        "2 of 3 targets reachable" in text.replace("\n", " ")
+        and "socket 13 (6.3) + ratchet" in text
+        and "100 %" in text
+    )
+    own = tmp_path / "own.toml"
+    assert "catalogue written to" in run("access", "--write-catalogue", own).stdout.replace("\n", " ")
+    glb, csv_ = tmp_path / "a.glb", tmp_path / "a.csv"
+    more = ["--hand", "catalogue", "--clearance", "2mm", "--turns", "10", "--glb", glb, "--csv", csv_]
+    document = run_json(*words, own, *more, code=1)
+    rows = {row["path"]: row for row in document["rows"]}
+    free, stuck = rows["stand/open/bolt"], rows["stand/[1] roof/screw"]
+    assert (
+        free["tool"] == "socket 13 (6.3) + ratchet (6.3)" and free["strokes"] == 10 and free["comes_from"] == [0, 0, 1]
+    )
+    assert not stuck["reachable"] and stuck["tried"] and stuck["strokes"] is None
+    assert document["tools"]["socket 13 (6.3) + ratchet (6.3)"] >= 1 and document["tool"] is None
+    lines = list(csv.DictReader(csv_.read_text(encoding="utf-8-sig").splitlines()))
+    assert {line["tool"] for line in lines if line["reachable"] == "yes"} == set(document["tools"])
+    names = feeler.load_mockup(glb).part_paths
+    assert any("ratchet (6.3) at targets/" in name and name.endswith("/hand") for name in names)
+    own.write_text("version = 1\n[[open]]\n")
+    assert "[[open]] 1: sizes_mm is None" in error_of(*words, own)
+    assert "give either --tool FILE or --catalogue FILE" in error_of("access", stand)
+    assert "give either" in error_of(*words, "built-in", "--tool", "sample:hand")
+    assert "needs a --catalogue with a [hand]" in error_of(
+        "access", stand, "--tool", "sample:hand", "--hand", "catalogue"
+    )
+    assert "there is no mock-up" in error_of("access", "--catalogue", "built-in")

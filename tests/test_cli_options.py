@@ -21,6 +21,7 @@ NEEDED = {
     **{"path": ["--poses", "p.txt"], "swept": ["--poses", "p.txt"], "access": ["--tool", "t.stl"]},
     "verify": ["--requirements", "r.toml"],
     "move": ["--mechanism", "m.toml"],
+    "opening": ["--at", "0,0,0", "--axis", "0,0,1"],
 }
 NO_ARGUMENT = ("demo", "feel", "view", "bench", "study")
 
@@ -44,7 +45,7 @@ OPTIONS = [(name, option) for name in commands() for option in options_of(name).
 
 
 def test_the_table_is_whole() -> None:
-    assert len(commands()) == 24 and len(OPTIONS) > 200
+    assert len(commands()) == 25 and len(OPTIONS) > 200
 
 
 def test_every_option_with_a_number_has_a_value() -> None:
@@ -113,6 +114,8 @@ FILES: list[tuple[list[str], list[str]]] = [
     (["remove", "m.glb", "--part", "m/a/part"], ["--ignore", "--csv", "--way", "--glb", "--without"]),
     (["remove", "m.glb", "--part", "m/a/part", "--insert"], ["--from", "--goal"]),
     (["access", *MOVING], ["--targets", "--frames", "--hand", "--grip", "--csv", "--glb"]),
+    (["access", "m.glb"], ["--catalogue", "--write-catalogue"]),
+    (["opening", "m.glb", "--at", "0,0,9", "--axis", "0,0,1"], ["--limits", "--write-limits"]),
     (["swept", "t.stl"], ["--poses"]),
     (["swept", "t.stl", "--poses", "p.txt"], ["--out"]),
     (["feel", "m.glb"], ["--tool", "--record", "--pose", "--device-option"]),

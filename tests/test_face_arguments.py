@@ -41,6 +41,7 @@ MADE_BY_FEELER = {
     feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
     feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
     feeler.JointKind, feeler.MechanismClashes, feeler.MechanismClearance, feeler.MechanismContact,
+    feeler.ToolSpec, feeler.TriedTool, feeler.Opening, feeler.OpeningFit, feeler.OpeningLimit,
     feeler.Hold, feeler.Task, feeler.TaskStep, feeler.TaskBlocker, feeler.MechanismSeat, feeler.Seen, feeler.Range,
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
@@ -97,6 +98,8 @@ class World:
         self.clashes.save("clashes.json")
         self.project = feeler.open_project("project.feelproj", self.mockup)
         Path("requirements.toml").write_text('[[requirement]]\nname = "one"\na = "post"\nb = "far"\ngap = 0.1\n')
+        limit = '[[limit]]\nname = "fist"\nshape = "ball"\ndiameter_mm = 90\n'
+        Path("limits.toml").write_text("version = 1\n" + limit)
         clashes.write_bcf("topics.bcf", self.clashes, self.mockup)
         self.truth = feeler.sample_truth("gearbox", 75_000)
         self.task = feeler.task(self.scene, [1], seconds=5.0)
@@ -280,6 +283,18 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.access": lambda w: (
         feeler.access,
         {"scene": w.scene, "tool": w.tool, "targets": w.away[None], "angles": 4, "approach": 0.01},
+    ),
+    "feeler.opening": lambda w: (feeler.opening, {"scene": w.scene, "at": [5.0, 5.0, 5.0], "axis": [0.0, 0.0, 1.0]}),
+    "feeler.opening_limits": lambda w: (feeler.opening_limits, {"path": "limits.toml"}),
+    "feeler.catalogue": lambda w: (feeler.catalogue, {}),
+    "feeler.Catalogue": lambda w: (feeler.Catalogue, {"rows": []}),
+    "feeler.Catalogue.where": lambda w: (feeler.catalogue().where, {"names": "ring"}),
+    "feeler.Catalogue.tool": lambda w: (feeler.catalogue().tool, {"name": "ring 10"}),
+    "feeler.ToolSpec.length": lambda w: (feeler.catalogue()[0].length, {"name": "blade"}),
+    "feeler.Catalogue.pieces": lambda w: (feeler.catalogue().pieces, {"name": "ring 10"}),
+    "feeler.Catalogue.fitting": lambda w: (
+        feeler.catalogue().fitting,
+        {"drive": "hexagon", "across_flats": 0.01, "thread": 0.006},
     ),
     "feeler.Scene.save": lambda w: (w.scene.save, {"path": "out.feeler"}),
     "feeler.clash": lambda w: (feeler.clash, {"mockup": w.mockup}),

@@ -112,6 +112,13 @@ def clashes() -> feeler.Clashes:
     return feeler.load_clashes(path)
 
 
+def opened(scene: feeler.Scene) -> dict[str, list[Any]]:
+    """What goes through beside a wall."""
+    limit = feeler.OpeningLimit("fist", "ball", 0.09, 0.0, "mine")
+    found = feeler.opening(scene, [0.0, 0.0, 0.2], [0.0, 0.0, 1.0], limits=[limit])
+    return {"Opening": [found], "OpeningFit": list(found.fits), "OpeningLimit": [limit]}
+
+
 def reached() -> dict[str, list[Any]]:
     """A bolt, and what a tool met on its way to it."""
     bolt = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
@@ -143,6 +150,10 @@ def reached() -> dict[str, list[Any]]:
         "Times": [feeler.Times(), feeler.Times({"get": 5.0}, pitches_mm={"*": 1.0}, typed={"*bolt*": [9.0, 1.0]})],
         "Access": [reach],
         "Reach": list(reach),
+        "Catalogue": [feeler.catalogue(), feeler.Catalogue([])],
+        "ToolSpec": list(feeler.catalogue())[::40],
+        **opened(feeler.Scene(mock)),
+        "TriedTool": [feeler.TriedTool("socket 10", "it collides at every angle", reach.blockers)],
         "Blocker": list(reach.blockers),
     }
 

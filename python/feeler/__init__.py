@@ -80,14 +80,19 @@ if _typing.TYPE_CHECKING:
     from feeler.mockup import Defect, LoadReport, Mockup, Tool
     from feeler.parts import Part, Parts
     from feeler.plan.blocked import Blocker
+    from feeler.plan.catalogue import Catalogue, catalogue
     from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
     from feeler.plan.insertion import insertion
     from feeler.plan.legs import RemovalLeg
+    from feeler.plan.opening import Opening, OpeningFit, OpeningLimit, opening, opening_limits
     from feeler.plan.order import RemovalOrder, RemovalOrderInterrupted, RemovalStep, removal_order
-    from feeler.plan.reaching import Access, AccessInterrupted, Reach, access
+    from feeler.plan.reach import Access, AccessInterrupted, Reach, TriedTool
+    from feeler.plan.reaching import access
     from feeler.plan.removal import Certificate, Removal, RemovalBlocker, RemovalInterrupted, removal
     from feeler.plan.removals import PartsRemoval, Removals, RemovalsInterrupted, removals
+    from feeler.plan.sight import Seen, Sight, eyes_in, sight
     from feeler.plan.swept import swept
+    from feeler.plan.tool_spec import ToolSpec
     from feeler.poses import nearest_rigid
     from feeler.project import PartChanges, Project, open_project
     from feeler.requirements import Requirement, Verified, read_requirements, verify
@@ -98,7 +103,6 @@ if _typing.TYPE_CHECKING:
     from feeler.tasks.answer import Task
     from feeler.tasks.holding import Hold, Holds, holds
     from feeler.tasks.planning import task
-    from feeler.tasks.sight import Seen, Sight, eyes_in, sight
     from feeler.tasks.steps import TaskBlocker, TaskStep
     from feeler.tasks.times import Times
     from feeler.workbench.scripting import View, view
@@ -111,6 +115,7 @@ __all__ = [
     "Batch",
     "Blocker",
     "Cast",
+    "Catalogue",
     "Certificate",
     "Chain",
     "Clash",
@@ -151,6 +156,9 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "Mockup",
+    "Opening",
+    "OpeningFit",
+    "OpeningLimit",
     "OptionError",
     "Packed",
     "PackedPiece",
@@ -190,7 +198,9 @@ __all__ = [
     "TaskStep",
     "Times",
     "Tool",
+    "ToolSpec",
     "Tracks",
+    "TriedTool",
     "VariantsError",
     "VariantsInterrupted",
     "Verdict",
@@ -200,6 +210,7 @@ __all__ = [
     "WorkerLost",
     "WriteError",
     "access",
+    "catalogue",
     "clash",
     "clash_variants",
     "eyes_in",
@@ -219,6 +230,8 @@ __all__ = [
     "nearest_rigid",
     "open_project",
     "open_scene",
+    "opening",
+    "opening_limits",
     "optimal_voxel_size",
     "read_requirements",
     "removal",
@@ -325,6 +338,10 @@ _HOMES = {
         "Parts",
     ),
     "feeler.plan.blocked": ("Blocker",),
+    "feeler.plan.catalogue": (
+        "Catalogue",
+        "catalogue",
+    ),
     "feeler.plan.fasteners": (
         "Fastener",
         "Fasteners",
@@ -332,18 +349,26 @@ _HOMES = {
     ),
     "feeler.plan.insertion": ("insertion",),
     "feeler.plan.legs": ("RemovalLeg",),
+    "feeler.plan.opening": (
+        "Opening",
+        "OpeningFit",
+        "OpeningLimit",
+        "opening",
+        "opening_limits",
+    ),
     "feeler.plan.order": (
         "RemovalOrder",
         "RemovalOrderInterrupted",
         "RemovalStep",
         "removal_order",
     ),
-    "feeler.plan.reaching": (
+    "feeler.plan.reach": (
         "Access",
         "AccessInterrupted",
         "Reach",
-        "access",
+        "TriedTool",
     ),
+    "feeler.plan.reaching": ("access",),
     "feeler.plan.removal": (
         "Certificate",
         "Removal",
@@ -357,7 +382,14 @@ _HOMES = {
         "RemovalsInterrupted",
         "removals",
     ),
+    "feeler.plan.sight": (
+        "Seen",
+        "Sight",
+        "eyes_in",
+        "sight",
+    ),
     "feeler.plan.swept": ("swept",),
+    "feeler.plan.tool_spec": ("ToolSpec",),
     "feeler.poses": ("nearest_rigid",),
     "feeler.project": (
         "PartChanges",
@@ -393,12 +425,6 @@ _HOMES = {
     ),
     "feeler.tasks.answer": ("Task",),
     "feeler.tasks.planning": ("task",),
-    "feeler.tasks.sight": (
-        "Seen",
-        "Sight",
-        "eyes_in",
-        "sight",
-    ),
     "feeler.tasks.steps": (
         "TaskBlocker",
         "TaskStep",

@@ -5,5 +5,6 @@ from feeler.cli.app import app, main  # noqa: I001
 # Each registers itself with `app`; --help lists them in this order.
 from feeler.cli import demo, info, index, collide, clearance, path, move, clash, verify, remove, access, task  # noqa: F401
 from feeler.cli import swept, feel, view, report, mcp, replay, sample, bench, study  # noqa: F401
+from feeler.cli import opening  # noqa: F401
 
 __all__ = ["app", "main"]

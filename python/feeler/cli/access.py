@@ -19,18 +19,19 @@ from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
-    MockupFiles,
     MockupUnit,
     Only,
     Threads,
     ToolUnit,
+    Triple,
     Up,
     Without,
     read_both,
+    read_mockup,
     read_poses,
     read_tool,
 )
-from feeler.cli.values import ANY_LENGTH, POSITIVE_LENGTH, SWING, Whole, Word
+from feeler.cli.values import ANY_LENGTH, LENGTH, POSITION, POSITIVE_LENGTH, SWING, TURNS, Whole, Word
 from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -47,17 +48,34 @@ feeler access engine.step --tool socket.stl
 feeler access engine.step --tool wrench.stl --grip y --targets "*pump*bolt*" --csv bolts.csv --glb bolts.glb
 feeler access engine.glb --tool wrench.stl --hand hand.stl --targets "*bolt*" --swing 30 --json
 feeler access sample:gearbox:100000 --tool sample:hand --targets "*covers*"
+feeler access engine.step --catalogue built-in --targets "*pump*" --clearance 3mm --hand catalogue
+feeler access --write-catalogue tools.toml
 """
 )
 def access(
-    mockup: MockupFiles,
+    mockup: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="MOCKUP",
+            help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]].",
+        ),
+    ] = None,
     *,
     tool: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="FILE", help="A file, or sample:NAME or sample:NAME:fine. Its z axis points out of the joint."
         ),
-    ],
+    ] = None,
+    catalogue: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE|built-in", help="Instead of a tool: choose for each fastener the first that fits and reaches."
+        ),
+    ] = None,
+    write_catalogue: Annotated[
+        Path | None, typer.Option("--write-catalogue", help="Write the built-in catalogue, to be changed, and stop.")
+    ] = None,
     targets: Annotated[
         list[str] | None,
         typer.Option(
@@ -78,7 +96,11 @@ def access(
     ] = None,
     hand: Annotated[
         str | None,
-        typer.Option(metavar="FILE", help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame."),
+        typer.Option(
+            metavar="FILE",
+            help="A hand that holds the tool: a file, or sample:NAME, in the tool's frame; with a catalogue in that of "
+            "the grip, or catalogue for its own.",
+        ),
     ] = None,
     grip: Annotated[
         str | None,
@@ -91,11 +113,22 @@ def access(
     lift: Annotated[
         float, typer.Option(help="How far the tool sits above the top of the head; negative: below."), ANY_LENGTH
     ] = 0.0,
-    swing: Annotated[float, typer.Option(help="Required swing; plain numbers: degrees."), SWING] = 60.0,
+    swing: Annotated[
+        float | None,
+        typer.Option(help="Required swing; default 60 degrees, or what each tool of a catalogue needs."),
+        SWING,
+    ] = None,
     angles: Annotated[
         int, typer.Option(help="Even steps around the axis that are tried first, and counted."), Whole(4, 3600)
     ] = 72,
     approach: Annotated[float, typer.Option(help="Length of the way in."), POSITIVE_LENGTH] = 0.1,
+    clearance: Annotated[
+        float, typer.Option(help="Room that the hand, the grip or the tool keeps from parts, as for gloves."), LENGTH
+    ] = 0.0,
+    eye: Annotated[
+        list[Triple] | None, typer.Option(help="Where an eye may be (repeat for more): says what it sees."), POSITION
+    ] = None,
+    turns: Annotated[float, typer.Option(help="Turns of a fastener, for the strokes."), TURNS] = 1.0,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -117,18 +150,27 @@ def access(
     status: 0 all are reachable, 1 one is not, 2 bad input. Ctrl-C prints the results so far, and ends with 130.
     """
     from feeler.cli import outputs
-    from feeler.plan.reaching import AccessInterrupted
+    from feeler.plan.reach import AccessInterrupted
 
     wanted = {"csv": csv, "glb": glb}
-    outputs.check_targets(wanted, _ENDINGS, [*mockup, tool])
+    if write_catalogue is not None:
+        outputs.check_targets({"write-catalogue": write_catalogue}, {"write-catalogue": (".toml",)}, mockup or [])
+        _write_catalogue(write_catalogue)
+        return
+    if not mockup:
+        raise OptionError("there is no mock-up: give its files, or sample:gearbox")
+    if (tool is None) == (catalogue is None):
+        raise OptionError("give either --tool FILE or --catalogue FILE (or --catalogue built-in)")
+    outputs.check_targets(wanted, _ENDINGS, [*mockup, *(each for each in (tool, catalogue) if each is not None)])
     if frames is not None and (targets or kind is not None):
         raise OptionError("--frames are the targets: leave out --targets and --kind")
     places = None if frames is None else read_poses(frames)
     grasp = _grip(grip)
-    world, probe = read_both(mockup, unit, tool, tool_unit, up)
-    holding = None if hand is None else read_tool(hand, tool_unit, up)
+    world, probe = _read(mockup, unit, tool, catalogue, tool_unit, up)
+    holding = _held(hand, probe, tool_unit, up)
     with bar("indexing") as progress:
-        scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+        alone = probe if isinstance(probe, feeler.Tool) else None
+        scene = feeler.Scene(world, tool=alone, threads=threads, progress=progress)
     scene = Choice(None, without, only).scene_of(scene)
     asked: feeler.Fasteners | npt.NDArray[np.float64]
     asked = _fasteners(scene, targets, kind) if places is None else places
@@ -146,6 +188,9 @@ def access(
                 approach,
                 grip=grasp,
                 lift=lift,
+                clearance=clearance,
+                eyes=eye or None,
+                turns=turns,
                 threads=threads,
                 executor=executor,
                 progress=progress,
@@ -161,14 +206,16 @@ def access(
                 "reachable": int(found.is_reachable.sum()),
                 "targets": len(asked),
                 "partial": found.is_partial,
-                "swing_deg": swing,
+                "swing_deg": 60.0 if swing is None and catalogue is None else swing,
                 "angles": angles,
                 "approach_m": approach,
                 "seconds": seconds,
                 "rows": rows,
                 "blockers": _blockers(found.blockers),
                 "mockup": mesh_facts(world),
-                "tool": mesh_facts(probe),
+                "tool": mesh_facts(probe) if isinstance(probe, feeler.Tool) else None,
+                "catalogue": catalogue,
+                "tools": found.tools,
                 "written": written,
             }
         )
@@ -179,6 +226,38 @@ def access(
         raise typer.Exit(INTERRUPTED)
     if not found.is_reachable.all():
         raise typer.Exit(FOUND)
+
+
+def _write_catalogue(path: Path) -> None:
+    """Writes the built-in catalogue."""
+    from feeler.atomic import atomic_file
+    from feeler.cli import outputs
+    from feeler.plan.catalogue import built_in_text
+
+    with atomic_file(path, ".toml") as file:
+        file.write(built_in_text().encode())
+    outputs.say(outputs.console(), f"catalogue written to {path}")
+
+
+def _read(
+    mockup: list[str], unit: str | None, tool: str | None, catalogue: str | None, tool_unit: str | None, up: str | None
+) -> tuple[feeler.Mockup, feeler.Tool | feeler.Catalogue]:
+    """The mock-up, and the tool or tools."""
+    if catalogue is None:
+        return read_both(mockup, unit, tool, tool_unit, up)
+    tools = feeler.catalogue(None if catalogue == "built-in" else catalogue)
+    return read_mockup(mockup, unit, up), tools
+
+
+def _held(
+    hand: str | None, probe: feeler.Tool | feeler.Catalogue, tool_unit: str | None, up: str | None
+) -> feeler.Tool | None:
+    """The hand."""
+    if hand != "catalogue":
+        return None if hand is None else read_tool(hand, tool_unit, up)
+    if isinstance(probe, feeler.Tool) or probe.hand is None:
+        raise OptionError("--hand catalogue needs a --catalogue with a [hand]")
+    return probe.hand
 
 
 def _grip(text: str | None) -> GripAxis | npt.NDArray[np.float64] | None:
@@ -234,14 +313,20 @@ def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Acces
             {
                 **row,
                 "reachable": reach.is_reachable,
+                "tool": reach.tool,
                 "swing_deg": reach.swing_deg,
                 "angle_deg": reach.angle_deg,
+                "stroke_deg": reach.stroke_deg,
+                "strokes": reach.strokes,
+                "seen": reach.seen,
+                "comes_from": reach.comes_from.tolist(),
                 "because": reach.because,
                 "looked_m": reach.looked,
                 "drawn_m": reach.drawn,
                 "blockers": _blockers(reach.blockers),
                 "world_from_tool": reach.pose.tolist(),
                 "way": reach.way.tolist(),
+                "tried": [{"tool": each.tool, "because": each.because} for each in reach.tried],
             }
         )
     return rows
@@ -253,7 +338,7 @@ def _blockers(blockers: tuple[feeler.Blocker, ...]) -> list[dict[str, Any]]:
 
 def _write(
     world: feeler.Mockup,
-    tool: feeler.Tool,
+    tool: feeler.Tool | feeler.Catalogue,
     hand: feeler.Tool | None,
     found: feeler.Access,
     rows: list[dict[str, Any]],
@@ -269,9 +354,8 @@ def _write(
             file.write(_csv(rows))
         written["csv"] = str(targets["csv"])
     if targets["glb"] is not None:
-        whole = tool if hand is None else feeler.Tool.assembly({"tool": tool, "hand": hand}, name=tool.name)
         with bar(f"writing {targets['glb']}"):
-            write_access_glb(targets["glb"], world, whole, found)
+            write_access_glb(targets["glb"], world, tool, found, hand)
         written["glb"] = str(targets["glb"])
     return written
 
@@ -281,7 +365,7 @@ def _csv(rows: list[dict[str, Any]]) -> bytes:
 
     lines = []
     columns = ["target", "part", "path", "kind", "size_m", "across_flats_m", "reachable", "swing_deg", "angle_deg"]
-    columns += ["looked_m", "drawn_m"]
+    columns += ["looked_m", "drawn_m", "tool", "stroke_deg", "strokes", "seen"]
     for row in rows:
         values = [row.get(column) for column in columns]
         blockers = [each["path"] for each in row["blockers"]]
@@ -315,6 +399,8 @@ def _print(
         outputs.print_finding(out, line)
     out.print()
     has_kind = any("kind" in row for row in rows)
+    has_tools = len({row["tool"] for row in rows}) > 1 or any(row["tried"] for row in rows)
+    has_eyes = any(row["seen"] == row["seen"] for row in rows)
     # Unreachable targets come first.
     order = sorted(rows, key=lambda row: (row["reachable"], row["target"]))
     outputs.print_table(
@@ -323,7 +409,10 @@ def _print(
         [
             ("target", "left"),
             *([("kind", "left"), ("flats", "right")] if has_kind else []),
-            *(("reachable", "left"), ("swing", "right"), ("from", "right"), ("most in the way", "left")),
+            *(("reachable", "left"), ("swing", "right"), ("from", "right")),
+            *([("strokes", "right")] if has_tools else []),
+            *([("seen", "right")] if has_eyes else []),
+            ("tool, or most in the way" if has_tools else "most in the way", "left"),
         ],
         [
             (
@@ -332,7 +421,9 @@ def _print(
                 "yes" if row["reachable"] else "no",
                 f"{row['swing_deg']:.1f}°",
                 "" if row["angle_deg"] != row["angle_deg"] else f"{row['angle_deg']:.1f}°",
-                _in_the_way(row),
+                *(["" if row["strokes"] is None else f"{row['strokes']:,}"] if has_tools else []),
+                *([f"{100.0 * row['seen']:.0f} %"] if has_eyes else []),
+                row["tool"] if has_tools and row["reachable"] else _in_the_way(row),
             )
             for row in order[:_SHOWN]
         ],

@@ -6,6 +6,7 @@ one of its colliding pairs of triangles keeps colliding. The next seats are in t
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass
 
@@ -94,6 +95,26 @@ class Swings:
             middles = [low + 0.5 * span for low, span in uncovered(covered) if span > least]
             if middles:
                 waiting.append(np.array(middles))
+        return sorted(found, key=lambda swing: (-swing.span, swing.start))
+
+    def at_least(self, frame: Floats, needed: float, ignore: IgnoredPairs | None, blocked: Counter[int]) -> list[Swing]:
+        """The free swings of at least `needed` degrees, the largest first; smaller ones if they are met.
+
+        Each of these contains one of the seats that are less than `needed` apart.
+        """
+        count = math.floor(360.0 / needed) + 1
+        found: list[Swing] = []
+        for angle in (360.0 * np.arange(count) / count).tolist():
+            if any(swing.holds(angle) for swing in found):
+                continue
+            contacts = self._scene.collide(self._tool, frame @ turned(angle), ignore=ignore)
+            blocked.update(contacts.parts.tolist())
+            if not len(contacts):
+                ahead, first = self._cast(frame, angle, 360.0, ignore, blocked)
+                if first is None:
+                    return [Swing(0.0, 360.0)]
+                behind, _ = self._cast(frame, angle, ahead - 360.0, ignore, blocked)
+                found.append(Swing((angle - behind) % 360.0, ahead + behind))
         return sorted(found, key=lambda swing: (-swing.span, swing.start))
 
     def ruled_out(self, frame: Floats, angle: float, ignore: IgnoredPairs | None) -> list[tuple[float, float]]:

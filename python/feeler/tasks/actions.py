@@ -154,9 +154,9 @@ class Actions:
     def undone(self, item: int, tooled: Tooled) -> Timed:
         """The time to undo a fastener with a tool in hand."""
         fixing = self.fixings.of(item)
-        strokes = tooled.strokes or self.times.strokes(fixing.turns, tooled.swing_deg)
+        strokes = self.times.strokes(fixing.turns, tooled.stroke_deg)
         last = ["slide"] if self.is_captive(item) else ["draw", "aside"]
-        return self.times.undo(fixing.hold.path, fixing.turns, tooled.swing_deg, strokes, last)
+        return self.times.undo(fixing.hold.path, fixing.turns, tooled.stroke_deg, strokes, last)
 
     def by_hand(self, items: Iterable[int]) -> Choice:
         """As `Problem`."""
@@ -181,6 +181,9 @@ class Actions:
         if item not in self._least:
             by_hand = self.by_hand([item]).seconds
             options = [each.seconds for each in self.tooled(item, self._most_out(item))[0]]
+            if options and self.reaching.catalogue is not None:
+                # Not the quickest tool that reaches is taken, but the first: another may be quicker elsewhere.
+                options.append(self.undone(item, Tooled("", 360.0, np.empty((0, 4, 4)), "", 360.0)).mean)
             self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
         return self._least[item]
 

@@ -65,7 +65,7 @@ def task(
 
     - `parts`: as `Parts.select` takes them; they come out together, with what is fastened to them alone. Wanted
       fasteners that hold them to others are undone before.
-    - `tools`: a `Tool` as `access` takes it, a list of them, or a dict of names; each may be a pair of the tool and a
+    - `tools`: a `Catalogue`, its TOML file, or "built-in"; or a `Tool` as `access` takes it, a list of them, or a dict of names; each may be a pair of the tool and a
       dict of options of `access`, such as `{"grip": "y"}`. None: their reach is not checked.
     - `times`: `Times`, its TOML file, or a dict of its elements. None: the built-in figures, which are examples.
     - `keep`: parts that stay, as `Parts.select` takes them.
@@ -313,7 +313,7 @@ class _Planner:
         chain = [steps[n] for n in critical(slots)]
         bound = min(found.bound / max(1, self.people), max((slot.end for slot in slots), default=0.0))
         notes = []
-        if self.actions.reaching.tools is None:
+        if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
             notes.append(f"Example figures, not measured: {', '.join(self.actions.times.times.examples)}.")
@@ -384,7 +384,7 @@ class _Planner:
         if isinstance(tooled, Tooled):
             verb = "disconnect" if actions.is_captive(item) else "undo"
             swing, tool_way = tooled.swing_deg, tooled.way
-            strokes = tooled.strokes or actions.times.strokes(actions.fixings.of(item).turns, swing)
+            strokes = actions.times.strokes(actions.fixings.of(item).turns, tooled.stroke_deg)
         get = actions.times.elements["get"]
         variance = timed.spread**2 + (get.spread**2 if slot.is_changed else 0.0)
         first = item if item != TARGET else one.parts[0]

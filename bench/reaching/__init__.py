@@ -1,0 +1,1 @@
+"""The bench of the tool catalogue: `feeler.access` with all its tools."""
