@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 import math
 import zipfile
@@ -22,7 +21,7 @@ from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
 from feeler.tasks.crewed import Job, critical, scheduled
 from feeler.tasks.reached import Reaching
-from feeler.tasks.times import Arithmetic
+from feeler.tasks.times import Arithmetic, strokes_for
 
 run_bench = importlib.import_module("tasks.run")
 assemblies = importlib.import_module("tasks.assemblies")
@@ -200,13 +199,13 @@ def test_answers_of_tools_are_remembered_by_what_they_look_at(covered: feeler.Sc
     reaching = Reaching(covered, driver(), 1)
     lid, case = (int(covered.mockup.parts.select(name)[0]) for name in ("lid", "case"))
     assert reaching.near(rows[0]) >= {lid} and rows[0].part not in reaching.near(rows[0])
-    assert not reaching.reached(rows[0], frozenset()).tooled and reaching.asked == 1
-    assert reaching.reached(rows[0], frozenset([lid])).tooled and reaching.asked == 2
+    assert not reaching.reached(rows[0], frozenset(), 8.0).tooled and reaching.asked == 1
+    assert reaching.reached(rows[0], frozenset([lid]), 8.0).tooled and reaching.asked == 2
     far = scene_of(bolt=bolt(0.03), case=ring(TAPPED, -0.04, -0.01), far=box((1.0, 1.0, 1.0), (1.1, 1.1, 1.1)))
     rows = feeler.find_fasteners(far)
     reaching = Reaching(far, driver(), 1)
     away = int(far.mockup.parts.select("far")[0])
-    assert reaching.reached(rows[0], frozenset()) is reaching.reached(rows[0], frozenset([away]))
+    assert reaching.reached(rows[0], frozenset(), 8.0) is reaching.reached(rows[0], frozenset([away]), 8.0)
     assert case >= 0
 
 
@@ -244,7 +243,7 @@ def test_turns_are_length_over_pitch(size: float, engaged: float, turns: float) 
         assert found.count == pytest.approx(10.0)
     else:
         assert found.count == pytest.approx(turns)
-    assert Arithmetic(feeler.Times()).strokes(dataclasses.replace(found, count=2.5), 90.0) == 10
+    assert strokes_for(2.5, 90.0) == 10 and strokes_for(2.5, 360.0) == 3 and strokes_for(0.0, 60.0) == 1
 
 
 def test_the_page_and_the_workbook(covered: feeler.Scene, tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from feeler.tasks.holding import Holds, holds
 from feeler.tasks.reached import Reaching, Tooled
 from feeler.tasks.search import Found, Ordered, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
-from feeler.tasks.times import Arithmetic, Timed, Times, times_of
+from feeler.tasks.times import Arithmetic, Timed, Times, strokes_for, times_of
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
@@ -65,8 +65,9 @@ def task(
 
     - `parts`: as `Parts.select` takes them; they come out together, with what is fastened to them alone. Wanted
       fasteners that hold them to others are undone before.
-    - `tools`: a `Catalogue`, its TOML file, or "built-in"; or a `Tool` as `access` takes it, a list of them, or a dict of names; each may be a pair of the tool and a
-      dict of options of `access`, such as `{"grip": "y"}`. None: their reach is not checked.
+    - `tools`: a `Catalogue`, its TOML file, or "built-in"; or a `Tool` as `access` takes it, a list of them, or a dict
+      of names; each may be a pair of the tool and a dict of options of `access`, such as `{"grip": "y"}`. None: their
+      reach is not checked.
     - `times`: `Times`, its TOML file, or a dict of its elements. None: the built-in figures, which are examples.
     - `keep`: parts that stay, as `Parts.select` takes them.
     - `people`: who can work at once. Steps that look at other parts can be done at the same time.
@@ -384,7 +385,7 @@ class _Planner:
         if isinstance(tooled, Tooled):
             verb = "disconnect" if actions.is_captive(item) else "undo"
             swing, tool_way = tooled.swing_deg, tooled.way
-            strokes = actions.times.strokes(actions.fixings.of(item).turns, tooled.stroke_deg)
+            strokes = strokes_for(actions.fixings.of(item).turns.count, tooled.stroke_deg)
         get = actions.times.elements["get"]
         variance = timed.spread**2 + (get.spread**2 if slot.is_changed else 0.0)
         first = item if item != TARGET else one.parts[0]

@@ -6,7 +6,7 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,13 @@ import numpy.typing as npt
 from feeler.arguments import shown
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Tool
-from feeler.plan.catalogue import Catalogue, catalogue, tool_of
+from feeler.plan.catalogue import Catalogue, catalogue, name_of, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Reach
 from feeler.plan.reaching import access
 from feeler.plan.tool_seat import seated_tool
 from feeler.scene import Scene
+from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
 
@@ -79,19 +80,32 @@ class Reaching:
         self.tools = () if self.catalogue is not None or tools is None else _tools(tools)
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
-        self._known: dict[tuple[int, frozenset[int]], Reached] = {}
+        self._known: dict[int, dict[frozenset[int], Reached]] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
-    def reached(self, row: Fastener, out: frozenset[int]) -> Reached:
+    def reached(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
         """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
-        among those whose boxes meet that of the tools in any turn, and on any way in."""
+        among those whose boxes meet that of the tools in any turn, and on any way in.
+
+        It is also taken from other sets: what is out never blocks, so the strokes for `turns` of a set are between
+        those of a smaller and of a larger one, and where no tool reaches, none does with less out.
+        """
         near = self.near(row)
-        key = (row.part, out & near)
-        if key not in self._known:
-            self.asked += 1
-            self._known[key] = self._ask(row, out, near)
-        return self._known[key]
+        known, key = self._known.setdefault(row.part, {}), out & near
+        if key not in known:
+            known[key] = self._between(known, key, turns) or self._ask(row, out, near)
+        return known[key]
+
+    @staticmethod
+    def _between(known: dict[frozenset[int], Reached], key: frozenset[int], turns: float) -> Reached | None:
+        """The answer for a set that follows from those for others."""
+        larger = {_strokes(answer, turns): (other, answer) for other, answer in known.items() if other >= key}
+        if () in larger:
+            other, answer = larger[()]
+            return replace(answer, blockers=tuple(dict.fromkeys([*answer.blockers, *sorted(other - key)])))
+        smaller = (answer for other, answer in known.items() if other <= key)
+        return next((answer for answer in smaller if _strokes(answer, turns) in larger), None)
 
     def near(self, row: Fastener) -> frozenset[int]:
         """The parts that its answers can depend on."""
@@ -104,6 +118,7 @@ class Reaching:
         return self._near[row.part]
 
     def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int]) -> Reached:
+        self.asked += 1
         if not self.is_checked:
             said = "without tools: its reach is not checked"
             return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)
@@ -128,19 +143,41 @@ class Reaching:
         worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
         return Reached(tuple(found), worst, near, "; ".join(reasons))
 
+    def any_of(self, row: Fastener, out: frozenset[int], turns: float) -> tuple[Tooled, ...]:
+        """The tools that reach a fastener while parts are out, and may be the quickest: of a catalogue the first that
+        reaches is taken, and with less out a later one may be the first."""
+        first = self.reached(row, out, turns).tooled
+        if self.catalogue is None or not first or first[0].stroke_deg >= 360.0:
+            return first
+        fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size)
+        names = [name_of(pieces) for pieces in fitting]
+        later = fitting[names.index(first[0].tool) + 1 :] if first[0].tool in names else fitting
+        scene = self.scene.without(sorted(out)) if out else self.scene
+        found = list(first)
+        for pieces in later:
+            own = Catalogue(list(dict.fromkeys(pieces)))
+            answer = access(scene, own, Fasteners([row]), threads=self.threads)[0]
+            found += _tooled(answer, answer.tool or "", answer.because)
+            if found[-1].stroke_deg >= 360.0:
+                break
+        return tuple(found)
+
     def _rooms(self, row: Fastener) -> Iterator[tuple[Floats, Floats]]:
         """The boxes of what tools can meet at a fastener, on their way in too."""
         for held in self.tools:
             tool = seated_tool(held.tool, held.options.get("hand"), held.options.get("grip")).tool
-            approach, lift = (
-                float(held.options.get(name, usual)) for name, usual in (("approach", APPROACH_M), ("lift", 0.0))
-            )
-            yield _room(tool, row, lift, lift, approach)
+            lift = float(held.options.get("lift", 0.0))
+            yield _room(tool, row, lift, lift, float(held.options.get("approach", APPROACH_M)))
         if self.catalogue is not None:
             # The lower end of a tool is on the bearing face, in the recess, or above.
             deep = max(each for each in (row.head_height, row.length, row.size, 0.0) if math.isfinite(each))
             for pieces in self.catalogue.fitting(row.drive, row.across_flats, row.size):
                 yield _room(tool_of(pieces), row, -deep, deep, APPROACH_M)
+
+
+def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
+    """Tools with their strokes; empty if none reaches."""
+    return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
 
 
 def _tooled(answer: Reach, name: str, because: str) -> tuple[Tooled, ...]:
