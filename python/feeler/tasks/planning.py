@@ -342,16 +342,31 @@ class _Planner:
         found = []
         for n, one in enumerate(checked):
             needed = self._needed(one)
-            is_enough = self._is_free_after(one, needed)
-            looked = frozenset[int]() if is_enough else one.looked | set(one.parts)
-            found.append(
-                tuple(
+            if isinstance(one.ordered.choice.key, Tooled):
+                after = self._with_room(checked, n, needed)
+            else:
+                is_known = self.actions.is_turned(one.ordered.unit.items[0]) or self._is_along(one)
+                looked = frozenset[int]() if is_known else one.looked | set(one.parts)
+                after = [
                     m
                     for m, other in enumerate(checked[:n])
                     if set(other.ordered.unit.items) & needed or set(other.parts) & looked
-                )
-            )
+                ]
+            found.append(tuple(after))
         return found
+
+    def _with_room(self, checked: list[_Checked], n: int, needed: frozenset[int]) -> list[int]:
+        """The steps before one that gives its tool its room: without any other it is done as quickly."""
+        actions, choice, item = self.actions, checked[n].ordered.choice, checked[n].ordered.unit.items[0]
+        after = list(range(n))
+        for m in reversed(range(n)):
+            if set(checked[m].ordered.unit.items) & needed:
+                continue
+            fewer = [each for each in after if each != m]
+            out = frozenset(each for k in fewer for each in checked[k].ordered.unit.items)
+            if any((each.tool, each.seconds) == choice[:2] for each in actions.tooled(item, out)[0]):
+                after = fewer
+        return after
 
     def _needed(self, one: _Checked) -> frozenset[int]:
         """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
@@ -359,14 +374,6 @@ class _Planner:
         joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
         mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
         return joints | mates | unit.before
-
-    def _is_free_after(self, one: _Checked, needed: frozenset[int]) -> bool:
-        """Whether a step can be done as well once these alone are out. If not, it depends on all that it looked at."""
-        actions, item, tooled = self.actions, one.ordered.unit.items[0], one.ordered.choice.key
-        if isinstance(tooled, Tooled):
-            choices = actions.tooled(item, needed)[0]
-            return any((each.tool, each.seconds) == one.ordered.choice[:2] for each in choices)
-        return actions.is_turned(item) or self._is_along(one)
 
     @staticmethod
     def _is_along(one: _Checked) -> bool:
