@@ -214,7 +214,7 @@ def test_several_tools_and_their_options(covered: feeler.Scene) -> None:
     task = feeler.task(covered, "cover", {"thick": (thick, {"grip": "y"}), "thin": driver()}, keep="case")
     assert set(task.tools) <= {"thick", "thin"} and task.is_found
     for bad in ([], {"a": 3}, "catalogue", (driver(), {"grab": "y"}), [driver(), driver()], (driver(), {"lift": "x"})):
-        with pytest.raises((OptionError, MeshError)):
+        with pytest.raises((OptionError, MeshError, LoadError)):
             feeler.task(covered, "cover", bad)
 
 
@@ -297,3 +297,17 @@ def test_bad_questions_are_refused(covered: feeler.Scene) -> None:
             feeler.task(covered, **{"parts": "cover", **words})  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="is out already"):
         feeler.task(covered.without("cover"), "cover")
+
+
+def test_tools_are_chosen_from_a_catalogue(covered: feeler.Scene, tmp_path: Path) -> None:
+    task = feeler.task(covered, "cover", "built-in")
+    undo = next(step for step in task.steps if step.verb == "undo")
+    assert undo.tool.startswith(("socket 13", "ring 13", "open 13")) and undo.strokes >= 16 and len(undo.tool_way) == 2
+    same = feeler.task(covered, "cover", feeler.catalogue())
+    assert same.to_dict() == task.to_dict()
+    kept = feeler.task(covered, "cover", "built-in", keep="lid")
+    assert kept.is_found or kept.blocked[0].blockers == ("lid",)
+    write_glb(tmp_path / "a.glb", covered.mockup)
+    words: list[Any] = ["task", tmp_path / "a.glb", "--part", "cover", "--catalogue", "built-in"]
+    assert run_json(*words)["tools"] == [undo.tool]
+    assert "give one" in error_of(*words, "--tool", "sample:hand")

@@ -180,7 +180,11 @@ class Actions:
         """As `Problem`: with all out that can be out before, and a loose fastener by hand."""
         if item not in self._least:
             by_hand = self.by_hand([item]).seconds
-            options = [each.seconds for each in self.tooled(item, self._most_out(item))[0]]
+            fixing = self.fixings.of(item)
+            assert fixing.row is not None
+            out = self.gone(self._most_out(item)) - {fixing.part}
+            tools = self.reaching.any_of(fixing.row, out, fixing.turns.count)
+            options = [self.undone(item, each).mean for each in tools]
             self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
         return self._least[item]
 

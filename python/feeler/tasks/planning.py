@@ -65,8 +65,9 @@ def task(
 
     - `parts`: as `Parts.select` takes them; they come out together, with what is fastened to them alone. Wanted
       fasteners that hold them to others are undone before.
-    - `tools`: a `Tool` as `access` takes it, a list of them, or a dict of names; each may be a pair of the tool and a
-      dict of options of `access`, such as `{"grip": "y"}`. None: their reach is not checked.
+    - `tools`: a `Catalogue`, its TOML file, or "built-in"; or a `Tool` as `access` takes it, a list of them, or a dict
+      of names; each may be a pair of the tool and a dict of options of `access`, such as `{"grip": "y"}`. None: their
+      reach is not checked.
     - `times`: `Times`, its TOML file, or a dict of its elements. None: the built-in figures, which are examples.
     - `keep`: parts that stay, as `Parts.select` takes them.
     - `people`: who can work at once. Steps that look at other parts can be done at the same time.
@@ -313,7 +314,7 @@ class _Planner:
         chain = [steps[n] for n in critical(slots)]
         bound = min(found.bound / max(1, self.people), max((slot.end for slot in slots), default=0.0))
         notes = []
-        if self.actions.reaching.tools is None:
+        if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
             notes.append(f"Example figures, not measured: {', '.join(self.actions.times.times.examples)}.")
