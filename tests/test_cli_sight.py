@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 from commands import error_of, run, run_json
 from shapes import box, mockup_of
@@ -21,7 +22,7 @@ def stand(tmp_path_factory: pytest.TempPathFactory) -> Path:
     parts = {
         "plate": box((-0.1, -0.1, -0.02), (1.0, 0.1, -0.001)),
         "open/bolt": (bolt.vertices, bolt.faces),
-        "roof/bolt": (bolt.vertices + [0.6, 0.0, 0.0], bolt.faces),
+        "roof/bolt": (np.add(bolt.vertices, (0.6, 0.0, 0.0)), bolt.faces),
         "roof/box": box((0.5, -0.1, 0.006), (0.7, 0.1, 0.1)),
     }
     path = tmp_path_factory.mktemp("stand") / "stand.glb"
