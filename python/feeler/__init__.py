@@ -101,9 +101,10 @@ if _typing.TYPE_CHECKING:
     from feeler.spreading import WorkerLost
     from feeler.tasks.answer import Task
     from feeler.tasks.holding import Hold, Holds, holds
+    from feeler.tasks.night_rows import MaintainRow
     from feeler.tasks.nightly import maintain
     from feeler.tasks.planning import task
-    from feeler.tasks.run import MaintainRow, Maintenance, MaintenanceInterrupted, load_maintenance
+    from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
     from feeler.tasks.snapshots import MaintainChange
     from feeler.tasks.steps import TaskBlocker, TaskStep
     from feeler.tasks.times import Times
@@ -422,8 +423,8 @@ _HOMES = {
     "feeler.tasks.answer": ("Task",),
     "feeler.tasks.nightly": ("maintain",),
     "feeler.tasks.planning": ("task",),
+    "feeler.tasks.night_rows": ("MaintainRow",),
     "feeler.tasks.run": (
-        "MaintainRow",
         "Maintenance",
         "MaintenanceInterrupted",
         "load_maintenance",

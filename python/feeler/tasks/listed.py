@@ -44,6 +44,7 @@ class _Line:
 def wanted_of(scene: Scene, parts: object) -> list[Wanted]:
     """The rows of a list or a CSV file, with their parts. Raises `LoadError` for the file, `OptionError` for a list."""
     is_file = isinstance(parts, os.PathLike) or (isinstance(parts, str) and parts.lower().endswith(".csv"))
+    error: type[LoadError] | type[OptionError]
     if is_file:
         lines, error = _read(Path(os.fspath(parts))), LoadError  # type: ignore[call-overload]
     else:

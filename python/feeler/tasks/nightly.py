@@ -26,12 +26,12 @@ from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
 from feeler.stopping import check_stop
 from feeler.tasks.answer import Task
-from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.listed import Wanted, wanted_of
+from feeler.tasks.night_rows import Plan, Seeing
 from feeler.tasks.planning import task
 from feeler.tasks.regions import Regions, box_of
-from feeler.tasks.run import Maintenance, MaintenanceInterrupted, Plan, Seeing, load_maintenance
+from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of
 from feeler.tasks.times import Times
 from feeler.tasks.watched import WatchedScene
@@ -73,17 +73,17 @@ def maintain(
     A row is kept from the last run if its options are the same and no part bears on it that was added or removed, moved
     or changed its shape, or is held otherwise. Such a part bears on a row if its box, before or now, meets a region in
     which the search of the row asked anything, plans that it gave up included: the boxes of the moving parts and tools
-    at each pose, along each cast up to what it hit, around each swing, and around each ray. A fastener also bears on rows
-    that looked at what it newly holds; without tools, one with others on its axis, on rows that looked at what it holds
-    or held. A row depends on the whole mock-up if it searched a bent way; all rows do if a part now stands out of the
-    box of all parts, or if the order of the parts is another. Rows that `seconds` ended are never kept. What is seen of
-    a fastener is kept if no changed part meets the box around the eyes and it.
+    at each pose, along each cast up to what it hit, around each swing, and around each ray. A fastener also bears on
+    rows that looked at what it newly holds; without tools, one with others on its axis, on rows that looked at what it
+    holds or held. A row depends on the whole mock-up if it searched a bent way; all rows do if a part now stands out of
+    the box of all parts, or if the order of the parts is another. Rows that `seconds` ended are never kept. What is
+    seen of a fastener is kept if no changed part meets the box around the eyes and it.
 
     Ctrl-C raises `MaintenanceInterrupted` with the rows that are done. As `previous` of the next run they are not
     computed again, and its differences count from the run before.
 
-    Raises `LoadError` for a bad CSV file, with its line, or a file that is no run; `OptionError` for a bad list, and for
-    parts that are not there. What `task` raises for one row is its `error`.
+    Raises `LoadError` for a bad CSV file, with its line, or a file that is no run; `OptionError` for a bad list, and
+    for parts that are not there. What `task` raises for one row is its `error`.
     """
     check_kind("scene", scene, Scene)
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)

@@ -8,11 +8,11 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from html import escape
-from typing import Protocol
 
 from feeler.atomic import atomic_file
 from feeler.io.csv_table import Cell
 from feeler.io.xlsx import write_cell, xlsx_library
+from feeler.tasks.night_rows import MaintainRow
 from feeler.tasks.snapshots import MaintainChange
 from feeler.tasks.steps import clock
 
@@ -35,67 +35,14 @@ _MOST_CHANGES = 500
 _WIDE = {"part", "paths", "change", "why", "tools", "path", "causes", "hidden fasteners"}
 
 
-class Row(Protocol):
-    """A `MaintainRow`, whose module uses this one."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def paths(self) -> tuple[str, ...]: ...
-    @property
-    def state(self) -> str: ...
-    @property
-    def seconds(self) -> float: ...
-    @property
-    def low(self) -> float: ...
-    @property
-    def high(self) -> float: ...
-    @property
-    def steps(self) -> int: ...
-    @property
-    def undone(self) -> int: ...
-    @property
-    def tools(self) -> tuple[str, ...]: ...
-    @property
-    def reach_deg(self) -> float: ...
-    @property
-    def sight(self) -> float: ...
-    @property
-    def hidden(self) -> tuple[str, ...]: ...
-    @property
-    def blockers(self) -> tuple[str, ...]: ...
-    @property
-    def said(self) -> str: ...
-    @property
-    def error(self) -> str: ...
-    @property
-    def is_kept(self) -> bool: ...
-    @property
-    def delta(self) -> float: ...
-    @property
-    def is_slower(self) -> bool: ...
-    @property
-    def change(self) -> str: ...
-    @property
-    def causes(self) -> tuple[MaintainChange, ...]: ...
-
-
-class Run(Protocol):
-    """A `Maintenance`."""
-
-    @property
-    def said(self) -> str: ...
-    @property
-    def is_partial(self) -> bool: ...
-    @property
-    def by_change(self) -> Sequence[Row]: ...
-    @property
-    def changes(self) -> tuple[MaintainChange, ...]: ...
-
-
-def write_html(path: str | os.PathLike[str], run: Run) -> None:
+def write_html(
+    path: str | os.PathLike[str],
+    said: str,
+    rows: Sequence[MaintainRow],
+    changes: Sequence[MaintainChange],
+    is_partial: bool,
+) -> None:
     """Writes the page. Raises `WriteError`."""
-    rows = run.by_change
     changed = [row for row in rows if row.change or row.state == "failed"]
     rest = [row for row in rows if not (row.change or row.state == "failed")]
     page = [
@@ -103,18 +50,18 @@ def write_html(path: str | os.PathLike[str], run: Run) -> None:
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>Maintenance</title><style>{_STYLE}</style></head><body>",
-        f"<h1>Maintenance</h1><p>{escape(run.said)}</p>",
-        *(['<p class="note">The run was interrupted: rows are missing.</p>'] if run.is_partial else []),
+        f"<h1>Maintenance</h1><p>{escape(said)}</p>",
+        *(['<p class="note">The run was interrupted: rows are missing.</p>'] if is_partial else []),
         *(["<h2>Changed</h2>", *_table(changed)] if changed else []),
         *(["<h2>As before</h2>" if changed else "<h2>Parts</h2>", *_table(rest)] if rest else []),
-        *_changes(run.changes),
+        *_changes(changes),
         "</body></html>",
     ]
     with atomic_file(path, ".html") as file:
         file.write("\n".join(page).encode("utf-8", errors="replace"))
 
 
-def why(row: Row) -> str:
+def why(row: MaintainRow) -> str:
     """Why a row has no time; empty if it has one."""
     if row.error:
         return row.error
@@ -123,7 +70,7 @@ def why(row: Row) -> str:
     return row.said + (f"; in the way: {', '.join(row.blockers[:5])}" if row.blockers else "")
 
 
-def _table(rows: Iterable[Row]) -> list[str]:
+def _table(rows: Iterable[MaintainRow]) -> list[str]:
     heads = ("part", "state", "time", "low", "high", "steps", "tools", "reach", "sight", "change")
     numbers = {2, 3, 4, 5, 7, 8}
     lines = [
@@ -159,7 +106,7 @@ def _shown(value: float, form: str) -> str:
     return "" if math.isnan(value) else form.format(value)
 
 
-def _sight(row: Row) -> str:
+def _sight(row: MaintainRow) -> str:
     text = _shown(row.sight, "{:.0%}")
     return text + (f'<div class="small">{len(row.hidden)} hidden</div>' if row.hidden else "")
 
@@ -173,7 +120,7 @@ def _changes(changes: Sequence[MaintainChange]) -> list[str]:
     return ["<h2>Parts that changed</h2>", "<table><tr><th>part</th><th>what</th></tr>", *rows, "</table>", *note]
 
 
-def write_xlsx(path: str | os.PathLike[str], run: Run) -> None:
+def write_xlsx(path: str | os.PathLike[str], rows: Sequence[MaintainRow], changes: Sequence[MaintainChange]) -> None:
     """Writes sheets of the rows and of the parts that changed. Text is never a formula.
 
     Raises `WriteError`, and `OptionError` if XlsxWriter is not installed.
@@ -186,13 +133,13 @@ def write_xlsx(path: str | os.PathLike[str], run: Run) -> None:
         try:
             book.set_properties({"title": "Maintenance", "created": _CREATED})
             bold = book.add_format({"bold": True, "bottom": 1})
-            for name, heads, rows in _sheets(run):
+            for name, heads, lines in _sheets(rows, changes):
                 sheet = book.add_worksheet(name)
                 sheet.freeze_panes(1, 0)
                 for column, head in enumerate(heads):
                     sheet.set_column(column, column, 40.0 if head in _WIDE else 12.0)
                     sheet.write_string(0, column, head, bold)
-                for number, row in enumerate(rows, start=1):
+                for number, row in enumerate(lines, start=1):
                     for column, cell in enumerate(row):
                         write_cell(sheet, number, column, cell)
         finally:
@@ -200,15 +147,17 @@ def write_xlsx(path: str | os.PathLike[str], run: Run) -> None:
         file.write(data.getvalue())
 
 
-def _sheets(run: Run) -> Iterable[tuple[str, Sequence[str], list[Sequence[Cell]]]]:
+def _sheets(
+    rows: Sequence[MaintainRow], changes: Sequence[MaintainChange]
+) -> Iterable[tuple[str, Sequence[str], list[Sequence[Cell]]]]:
     heads = ("part", "paths", "state", "seconds", "low, s", "high, s", "steps", "fasteners", "tools", "reach, deg")
-    rows: list[Sequence[Cell]] = [
+    lines: list[Sequence[Cell]] = [
         (
             *(row.name, ", ".join(row.paths), row.state, row.seconds, row.low, row.high, row.steps, row.undone),
             *(", ".join(row.tools), row.reach_deg, row.sight, ", ".join(row.hidden), row.delta, row.change),
             *("; ".join(str(each) for each in row.causes), why(row), "yes" if row.is_kept else "no"),
         )
-        for row in run.by_change
+        for row in rows
     ]
-    yield "rows", (*heads, "sight", "hidden fasteners", "more, s", "change", "causes", "why", "kept"), rows
-    yield "changes", ("path", "what"), [(each.path, each.what) for each in run.changes]
+    yield "rows", (*heads, "sight", "hidden fasteners", "more, s", "change", "causes", "why", "kept"), lines
+    yield "changes", ("path", "what"), [(each.path, each.what) for each in changes]

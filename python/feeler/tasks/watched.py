@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -172,7 +173,7 @@ class WatchedScene(Scene):
         """As `Scene`."""
         if isinstance(poses, np.ndarray) and poses.ndim == 3:
             self._note(tool, poses[0])
-            for start, end in zip(poses[:-1], poses[1:], strict=True):
+            for start, end in pairwise(poses):
                 self._note_way(tool, start, end, 1e-6)
         elif isinstance(poses, Sequence) and all(isinstance(each, np.ndarray) for each in poses):
             return self.check_path(tool, np.array(poses), *args, **options)
