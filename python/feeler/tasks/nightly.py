@@ -30,6 +30,7 @@ from feeler.tasks.holding import Holds, holds
 from feeler.tasks.listed import Wanted, wanted_of
 from feeler.tasks.night_rows import Plan, Seeing
 from feeler.tasks.planning import task
+from feeler.tasks.reached import Reaching
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of
@@ -94,6 +95,7 @@ def maintain(
     places = None if eyes is None else check_array("eyes", eyes, (None, 3))
     table = _table(times)
     wanted = wanted_of(scene, parts)
+    Reaching(scene, tools, 1)  # it raises what is wrong with them
     before = _previous(previous)
     say = progress or (lambda _share, _stage: None)
     say(0.0, "looking for fasteners")

@@ -15,8 +15,8 @@ Bools = npt.NDArray[np.bool_]
 GROWN_M = 2e-6
 """What regions are grown by, metres: more than casts, and the decimals of a file, are off by."""
 _DECIMALS = 7
-_LOOSE = 1.3
-"""Boxes are joined if their common box is at most this much larger than the larger one."""
+_LOOSE = 1.2
+"""A box takes in others, the largest first, until it is this much larger."""
 _MOST_LOOSE = 400
 """Boxes that are joined at a time."""
 
@@ -131,14 +131,16 @@ class Noted:
         """Boxes that are nearly one become one."""
         boxes = np.concatenate([self._kept, np.array(self._boxes).reshape(-1, 2, 3)])
         self._boxes = []
-        kept = np.empty((0, 2, 3))
+        kept, most = np.empty((0, 2, 3)), np.empty(0)
         for box in boxes[np.argsort(-_size(boxes), kind="stable")]:
             joined = np.stack([np.minimum(kept[:, 0], box[0]), np.maximum(kept[:, 1], box[1])], axis=1)
-            is_near = np.flatnonzero(_size(joined) <= _LOOSE * np.maximum(_size(kept), _size(box[None])))
-            if len(is_near):
-                kept[is_near[0]] = joined[is_near[0]]
+            size = _size(joined)
+            near = np.flatnonzero(size <= np.maximum(most, _size(kept)))
+            if len(near):
+                best = near[int(np.argmin(size[near] - _size(kept[near])))]
+                kept[best] = joined[best]
             else:
-                kept = np.concatenate([kept, box[None]])
+                kept, most = np.concatenate([kept, box[None]]), np.append(most, _LOOSE * _size(box[None]))
         self._kept = kept
 
 
