@@ -329,7 +329,7 @@ class _Night:
     def _is_seen_so(self, run: Maintenance, seeing: Seeing, changes: Changes) -> bool:
         """Whether what is seen of a fastener is the same."""
         lower, upper = np.maximum(seeing.box[:3], self._lower), np.minimum(seeing.box[3:], self._upper)
-        return run.options.get("eyes") == self._options["eyes"] and not changes.meet(lower, upper)
+        return run.options.get("eyes") == self._options["eyes"] and not changes.within(lower, upper)
 
     def _is_kept(self, run: Maintenance, plan: Plan) -> bool:
         is_same = all(run.options.get(name) == self._options[name] for name in ("version", "tools", "times", "search"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,18 +28,28 @@ class Regions:
     is_all: bool
     """Whether they depend on the whole mock-up."""
     boxes: Floats
-    """`(n, 2, 3)`: lower and upper corners, metres, world."""
+    """`(n, 2, 3)`: lower and upper corners, metres, world. There they looked for surfaces."""
     sweeps: Floats
-    """`(m, 3, 3)`: lower and upper corners of boxes, and how far each of them moved."""
+    """`(m, 3, 3)`: lower and upper corners of boxes, and how far each of them moved. Surfaces as well."""
+    solids: Floats
+    """`(k, 2, 3)`: where they also asked what is around."""
     asked: frozenset[str]
 
     @classmethod
     def everything(cls) -> Regions:
         """The whole mock-up."""
-        return cls(True, np.empty((0, 2, 3)), np.empty((0, 3, 3)), frozenset())
+        return cls(True, np.empty((0, 2, 3)), np.empty((0, 3, 3)), np.empty((0, 2, 3)), frozenset())
+
+    def bear(self, bounds: Floats, surface: Floats) -> bool:
+        """Whether they looked at a part. bounds: its box `(2, 3)`; surface: boxes `(n, 2, 3)` around its triangles."""
+        if self.is_all or not np.isfinite(bounds).all():
+            return True
+        if ((self.solids[:, 0] <= bounds[1] + GROWN_M) & (self.solids[:, 1] >= bounds[0] - GROWN_M)).all(axis=1).any():
+            return True
+        return self.meets(*bounds) and any(self.meets(*each) for each in surface)
 
     def meets(self, lower: Floats, upper: Floats) -> bool:
-        """Whether a box `(3,)`, `(3,)` meets one of the regions. A box that is not finite does."""
+        """Whether a box `(3,)`, `(3,)` meets where they looked for surfaces. A box that is not finite does."""
         if self.is_all or not (np.isfinite(lower).all() and np.isfinite(upper).all()):
             return True
         if ((self.boxes[:, 0] <= upper + GROWN_M) & (self.boxes[:, 1] >= lower - GROWN_M)).all(axis=1).any():
@@ -61,6 +71,7 @@ class Regions:
             "is_all": self.is_all,
             "boxes": np.round(self.boxes.reshape(-1, 6), _DECIMALS).tolist(),
             "sweeps": np.round(self.sweeps.reshape(-1, 9), _DECIMALS).tolist(),
+            "solids": np.round(self.solids.reshape(-1, 6), _DECIMALS).tolist(),
             "asked": sorted(self.asked),
         }
 
@@ -69,7 +80,8 @@ class Regions:
         """What `to_dict` gave. Raises `KeyError`, `TypeError`, `ValueError` for other data."""
         boxes = np.array(data["boxes"], dtype=np.float64).reshape(-1, 2, 3)
         sweeps = np.array(data["sweeps"], dtype=np.float64).reshape(-1, 3, 3)
-        return cls(bool(data["is_all"]), boxes, sweeps, frozenset(str(each) for each in data["asked"]))
+        solids = np.array(data["solids"], dtype=np.float64).reshape(-1, 2, 3)
+        return cls(bool(data["is_all"]), boxes, sweeps, solids, frozenset(str(each) for each in data["asked"]))
 
 
 class Noted:
@@ -81,8 +93,7 @@ class Noted:
         self.is_all = False
         self.is_on = True
         self.asked: set[str] = set()
-        self._boxes: list[Floats] = []
-        self._kept = np.empty((0, 2, 3))
+        self._boxes, self._solids = _Boxes(), _Boxes()
         self._sweeps: dict[bytes, list[float]] = {}
         self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
 
@@ -90,15 +101,15 @@ class Noted:
         """Notes the whole mock-up."""
         self.is_all = self.is_all or self.is_on
 
-    def box(self, lower: Floats, upper: Floats) -> None:
-        """Notes a box."""
+    def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
+        """Notes a box. is_solid: also what is around it."""
         if not self.is_on or self.is_all:
             return
         low, high = np.maximum(lower, self.lower), np.minimum(upper, self.upper)
         if (low <= high).all():
-            self._boxes.append(np.stack([low, high]))
-            if len(self._boxes) >= _MOST_LOOSE:
-                self._join()
+            self._boxes.add(np.stack([low, high]))
+            if is_solid:
+                self._solids.add(np.stack([low, high]))
 
     def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
         """Notes a box that moves straight."""
@@ -117,20 +128,34 @@ class Noted:
 
     def regions(self) -> Regions:
         """All that was noted."""
+        asked = frozenset(self.asked)
         if self.is_all:
-            return Regions(True, np.empty((0, 2, 3)), np.empty((0, 3, 3)), frozenset(self.asked))
-        self._join()
+            return replace(Regions.everything(), asked=asked)
         sweeps = [
             np.stack([across + begin * along - half, across + begin * along + half, (end - begin) * along])
             for key, (begin, end) in self._sweeps.items()
             for half, along, across in [self._shapes[key]]
         ]
-        return Regions(False, self._kept, np.array(sweeps).reshape(-1, 3, 3), frozenset(self.asked))
+        return Regions(False, self._boxes.joined(), np.array(sweeps).reshape(-1, 3, 3), self._solids.joined(), asked)
 
-    def _join(self) -> None:
-        """Boxes that are nearly one become one."""
-        boxes = np.concatenate([self._kept, np.array(self._boxes).reshape(-1, 2, 3)])
-        self._boxes = []
+
+class _Boxes:
+    """Boxes, of which those that are nearly one become one."""
+
+    def __init__(self) -> None:
+        self._new: list[Floats] = []
+        self._kept = np.empty((0, 2, 3))
+
+    def add(self, box: Floats) -> None:
+        """Adds a box `(2, 3)`."""
+        self._new.append(box)
+        if len(self._new) >= _MOST_LOOSE:
+            self.joined()
+
+    def joined(self) -> Floats:
+        """All of them, `(n, 2, 3)`."""
+        boxes = np.concatenate([self._kept, np.array(self._new).reshape(-1, 2, 3)])
+        self._new = []
         kept, most = np.empty((0, 2, 3)), np.empty(0)
         for box in boxes[np.argsort(-_size(boxes), kind="stable")]:
             joined = np.stack([np.minimum(kept[:, 0], box[0]), np.maximum(kept[:, 1], box[1])], axis=1)
@@ -142,6 +167,7 @@ class Noted:
             else:
                 kept, most = np.concatenate([kept, box[None]]), np.append(most, _LOOSE * _size(box[None]))
         self._kept = kept
+        return kept
 
 
 def _size(boxes: Floats) -> Floats:
@@ -155,3 +181,26 @@ def box_of(bounds: Iterable[Floats]) -> tuple[Floats, Floats]:
     if not len(known):
         return np.zeros(3), np.zeros(3)
     return known[:, 0].min(axis=0), known[:, 1].max(axis=0)
+
+
+def leaves(corners: Floats, most: int = 16) -> Floats:
+    """Boxes `(n, 2, 3)` around triangles `(k, 3, 3)`, at most so many, split at the middle along their longest sides."""
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    groups = [np.arange(len(corners))] if len(corners) else []
+    boxes = [_around(lower, upper, each) for each in groups]
+    while 0 < len(groups) < most:
+        sizes = [(box[1] - box[0]).sum() if len(group) > 1 else -1.0 for box, group in zip(boxes, groups, strict=True)]
+        n = int(np.argmax(sizes))
+        group = groups[n]
+        if len(group) < 2:
+            break
+        axis = int(np.argmax(boxes[n][1] - boxes[n][0]))
+        order = group[np.argsort(lower[group, axis] + upper[group, axis], kind="stable")]
+        halves = [order[: len(order) // 2], order[len(order) // 2 :]]
+        groups[n : n + 1] = halves
+        boxes[n : n + 1] = [_around(lower, upper, each) for each in halves]
+    return np.array(boxes).reshape(-1, 2, 3)
+
+
+def _around(lower: Floats, upper: Floats, group: npt.NDArray[np.intp]) -> Floats:
+    return np.stack([lower[group].min(axis=0), upper[group].max(axis=0)])

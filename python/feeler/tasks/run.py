@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, overload
 
+import numpy as np
+
 from feeler.arguments import near
 from feeler.atomic import atomic_file
 from feeler.errors import LoadError, MissingFileError, OptionError
@@ -203,6 +205,10 @@ class Maintenance(Sequence[MaintainRow]):
         if not said:
             return delta, is_slower, "", ()
         causes = _causes(old, now, changes)
+        if not causes and delta == 0.0:  # what is seen
+            around = [np.array(each.box).reshape(2, 3) for each in (*seen, *self.plans[key][1])]
+            there = {change.path for box in around for change in changes.within(box[0], box[1])}
+            causes = tuple(each for each in changes if each.path in there)
         text = ", ".join(said)
         if causes:
             named = [f"{each.path.split('/')[-1]} {str(each)[len(each.path) + 1 :]}" for each in causes[:_NAMED]]

@@ -6,7 +6,7 @@ import hashlib
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -18,12 +18,16 @@ from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import Scene
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Hold, Holds
-from feeler.tasks.regions import Regions
+from feeler.tasks.regions import Regions, leaves
 from feeler.tasks.times import Times
 
 Floats = npt.NDArray[np.float64]
 What = Literal["added", "removed", "moved", "changed shape", "is held otherwise"]
 
+STEP_M = 1e-6
+"""Boxes around triangles are rounded outwards to this, metres."""
+_DECIMALS = 9
+_OTHERWISE: What = "is held otherwise"
 SAME_SHARE = 1e-6
 """How much area and length of edges may differ where a part only moved."""
 
@@ -55,11 +59,18 @@ class Seen:
     """Number of triangles, area, square metres, and length of all edges, metres: motions keep them."""
     box: tuple[float, ...]
     """Lower and upper corner, metres."""
+    surface: tuple[float, ...]
+    """Boxes around its triangles, six numbers each."""
 
     @property
     def bounds(self) -> Floats:
         """`(2, 3)`."""
         return np.array(self.box).reshape(2, 3)
+
+    @property
+    def boxes(self) -> Floats:
+        """`(n, 2, 3)`, around its triangles."""
+        return np.array(self.surface).reshape(-1, 2, 3)
 
 
 @dataclass(frozen=True)
@@ -110,7 +121,7 @@ class Snapshot:
         """As JSON."""
         return {
             "parts": {
-                key: [each.digest, list(each.measure), [_number(value) for value in each.box]]
+                key: [each.digest, list(each.measure), _numbers(each.box), _numbers(each.surface)]
                 for key, each in self.parts.items()
             },
             "held": {key: [each.facts, sorted(each.joins), list(each.mates)] for key, each in self.held.items()},
@@ -120,12 +131,12 @@ class Snapshot:
     def from_dict(cls, data: Mapping[str, Any]) -> Snapshot:
         """What `to_dict` gave. Raises `KeyError`, `TypeError`, `ValueError` for other data."""
         parts = {}
-        for key, (digest, measure, box) in data["parts"].items():
+        for key, (digest, measure, *boxes) in data["parts"].items():
             count, area, edges = measure
-            corners = tuple(math.nan if value is None else float(value) for value in box)
-            if len(corners) != 6:
+            box, surface = (tuple(math.nan if value is None else float(value) for value in each) for each in boxes)
+            if len(box) != 6 or len(surface) % 6:
                 raise ValueError("a box has six numbers")
-            parts[str(key)] = Seen(str(digest), (float(count), float(area), float(edges)), corners)
+            parts[str(key)] = Seen(str(digest), (float(count), float(area), float(edges)), box, surface)
         held = {
             str(key): Held(str(facts), frozenset(map(str, joins)), tuple(map(str, mates)))
             for key, (facts, joins, mates) in data["held"].items()
@@ -138,7 +149,7 @@ class Changes(Sequence[MaintainChange]):
 
     def __init__(self, old: Snapshot, new: Snapshot, is_bare: bool = False) -> None:
         """is_bare: without tools, rows do not look at each fastener that they count on."""
-        self._boxes: dict[str, list[Floats]] = {}
+        self._seen: dict[str, list[Seen]] = {}
         self._joined: dict[str, frozenset[str]] = {}
         rows: list[MaintainChange] = []
         for key in sorted(old.parts.keys() | new.parts.keys()):
@@ -148,8 +159,8 @@ class Changes(Sequence[MaintainChange]):
             is_other = lost != gained or any(old.held.get(each) != new.held.get(each) for each in _mates(lost, gained))
             if what is None and not is_other:
                 continue
-            rows.append(MaintainChange(key, what or "is held otherwise"))
-            self._boxes[key] = [each.bounds for each in (before, now) if each is not None]
+            rows.append(MaintainChange(key, what or _OTHERWISE))
+            self._seen[key] = [each for each in (before, now) if each is not None]
             if is_other:
                 joins = [frozenset[str]() if each is None else each.joins for each in (lost, gained)]
                 is_wide = is_bare and bool(_mates(lost, gained))
@@ -160,7 +171,7 @@ class Changes(Sequence[MaintainChange]):
         (low, high), (lower, upper) = old.bounds, new.bounds
         self.is_beyond = is_mixed or not bool((low <= lower).all() and (upper <= high).all())
         """Whether it bears on all rows: parts come in another order, or stand out of the box that all were in."""
-        self._beside = {key: each.bounds for key, each in [*old.parts.items(), *new.parts.items()]}
+        self._beside = {**old.parts, **new.parts}
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -179,25 +190,23 @@ class Changes(Sequence[MaintainChange]):
             return list(self._rows)
         return [change for change in self._rows if self._bears(change.path, looked)]
 
-    def meet(self, lower: Floats, upper: Floats) -> bool:
-        """Whether a changed part was or is in a box."""
-        if self.is_beyond and self._rows:
-            return True
-        boxes = [
-            each for change in self._rows if change.what != "is held otherwise" for each in self._boxes[change.path]
-        ]
-        return any(
-            not np.isfinite(each).all() or bool((each[0] <= upper).all() and (each[1] >= lower).all()) for each in boxes
-        )
+    def within(self, lower: Floats, upper: Floats) -> list[MaintainChange]:
+        """The changed parts that were or are in a box."""
+        if self.is_beyond:
+            return list(self._rows)
+        looked = replace(Regions.everything(), is_all=False, boxes=np.stack([lower, upper])[None])
+        return [change for change in self._rows if change.what != _OTHERWISE and self._is_seen(change.path, looked)]
+
+    def _is_seen(self, key: str, looked: Regions) -> bool:
+        return any(looked.bear(each.bounds, each.boxes) for each in self._seen[key])
 
     def _bears(self, key: str, looked: Regions) -> bool:
-        if key in looked.asked or any(looked.meets(*box) for box in self._boxes[key]):
+        if key in looked.asked or self._is_seen(key, looked):
             return True
         # What it newly holds has to wait for it, wherever it is. What it held was asked where it was.
         gained = self._joined.get(key, frozenset[str]())
-        return bool(gained & looked.asked) or any(
-            looked.meets(*self._beside[each]) for each in sorted(gained) if each in self._beside
-        )
+        beside = [self._beside[each] for each in sorted(gained) if each in self._beside]
+        return bool(gained & looked.asked) or any(looked.bear(each.bounds, each.boxes) for each in beside)
 
 
 def keys_of(mockup: Mockup) -> list[str]:
@@ -235,7 +244,10 @@ def _seen(mockup: Mockup, parts: Iterable[int]) -> Iterator[Seen]:
             edges = np.linalg.norm(sides, axis=2).sum()
         digest = hashlib.blake2b(np.ascontiguousarray(corners).tobytes(), digest_size=12).hexdigest()
         box = tuple(float(value) for value in bounds[part].ravel())
-        yield Seen(digest, (float(len(corners)), _finite(area), _finite(edges)), box)
+        around = leaves(corners)
+        surface = np.stack([np.floor(around[:, 0] / STEP_M), np.ceil(around[:, 1] / STEP_M)], axis=1) * STEP_M
+        rounded = tuple(np.round(surface, _DECIMALS).ravel().tolist())
+        yield Seen(digest, (float(len(corners)), _finite(area), _finite(edges)), box, rounded)
 
 
 def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Sequence[str]) -> Held:
@@ -262,5 +274,5 @@ def _finite(value: float) -> float:
     return float(value) if math.isfinite(value) else -1.0
 
 
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+def _numbers(values: Iterable[float]) -> list[float | None]:
+    return [value if math.isfinite(value) else None for value in values]

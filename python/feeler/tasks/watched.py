@@ -56,10 +56,10 @@ class WatchedScene(Scene):
         made._noted = self._noted
         return made
 
-    def _note(self, tool: _core.Tool, pose: Any, grown: float = 0.0) -> None:
+    def _note(self, tool: _core.Tool, pose: Any, grown: float = 0.0, is_solid: bool = False) -> None:
         if math.isfinite(grown):
             lower, upper = _placed(tool, one_pose(pose))
-            self._noted.box(lower - grown, upper + grown)
+            self._noted.box(lower - grown, upper + grown, is_solid)
         else:
             self._noted.all()
 
@@ -102,6 +102,7 @@ class WatchedScene(Scene):
             self._noted.all()
             return
         size = float(np.linalg.norm(tool.bounds[1] - tool.bounds[0]))
+        self._note(tool, found.poses[0], TOUCH_M + NEAR_SHARE * size, is_solid=True)
         self._note_way(tool, found.poses[0], found.poses[1], TOUCH_M + NEAR_SHARE * size)
 
     def collide(self, tool: Any, world_from_tool: Any, *args: Any, **options: Any) -> Any:
@@ -116,22 +117,22 @@ class WatchedScene(Scene):
 
     def is_free(self, tool: Any, world_from_tool: Any, *args: Any, **options: Any) -> Any:
         """As `Scene`."""
-        self._note(tool, world_from_tool)
+        self._note(tool, world_from_tool, is_solid=True)
         return super().is_free(tool, world_from_tool, *args, **options)
 
     def containment(self, tool: Any, world_from_tool: Any, *args: Any, **options: Any) -> Any:
         """As `Scene`."""
-        self._note(tool, world_from_tool)
+        self._note(tool, world_from_tool, is_solid=True)
         return super().containment(tool, world_from_tool, *args, **options)
 
     def depth(self, tool: Any, world_from_tool: Any, *args: Any, **options: Any) -> Any:
         """As `Scene`."""
-        self._note(tool, world_from_tool)
+        self._note(tool, world_from_tool, is_solid=True)
         return super().depth(tool, world_from_tool, *args, **options)
 
     def contacts(self, tool: Any, world_from_tool: Any, within: float = 0.002, *args: Any, **options: Any) -> Any:
         """As `Scene`."""
-        self._note(tool, world_from_tool, float(within))
+        self._note(tool, world_from_tool, float(within), is_solid=True)
         return super().contacts(tool, world_from_tool, within, *args, **options)
 
     def clearance(self, tool: Any, world_from_tool: Any, within: float = 0.005, *args: Any, **options: Any) -> Any:
@@ -172,7 +173,7 @@ class WatchedScene(Scene):
     def check_path(self, tool: Any, poses: Any, *args: Any, **options: Any) -> Any:
         """As `Scene`."""
         if isinstance(poses, np.ndarray) and poses.ndim == 3:
-            self._note(tool, poses[0])
+            self._note(tool, poses[0], is_solid=True)
             for start, end in pairwise(poses):
                 self._note_way(tool, start, end, 1e-6)
         elif isinstance(poses, Sequence) and all(isinstance(each, np.ndarray) for each in poses):
