@@ -135,6 +135,9 @@ def reached() -> dict[str, list[Any]]:
         "Seen": list(feeler.sight(feeler.Scene(mock), found, [[0.0, 0.0, 1.0]])),
         "Hold": list(feeler.holds(mock, found)),
         "Access": [reach],
+        "Maintenance": [night],
+        "MaintainRow": list(night),
+        "MaintainChange": list(night.changes),
         "Reach": list(reach),
         "Catalogue": [feeler.catalogue(), feeler.Catalogue([])],
         "ToolSpec": list(feeler.catalogue())[::40],
@@ -406,6 +409,7 @@ def test_errors_of_variants_travel_with_what_was_found() -> None:
         (feeler.RemovalsInterrupted, ("removals", "Removals")),
         (feeler.RemovalOrderInterrupted, ("order", "RemovalOrder")),
         (feeler.AccessInterrupted, ("access", "Access")),
+        (feeler.MaintenanceInterrupted, ("maintenance", "Maintenance")),
     ],
 )
 def test_interruptions_travel_with_what_was_found(cls: Any, holds: tuple[str, str]) -> None:

@@ -96,7 +96,10 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("RemovalInterrupted", "RemovalOrderInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
         ],
     ),
-    "task": ("Maintenance tasks", ["holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"]),
+    "task": ("Maintenance tasks", [
+            *("holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"),
+            *("maintain", "Maintenance", "MaintainRow", "MaintainChange", "MaintenanceInterrupted", "load_maintenance"),
+        ]),
     "haptics": (
         "Haptics",
         [

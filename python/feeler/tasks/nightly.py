@@ -10,7 +10,7 @@ import pickle
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_array, check_kind, check_number, check_progress, check_threads, check_whole, shown
 from feeler.errors import FeelerError, OptionError
+from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.removal import LARGEST_SEED
 from feeler.plan.sight import sight
@@ -268,16 +269,32 @@ def _eyes(row: Fastener) -> Floats:
 def _digest(tools: Any, times: Times, seconds: float, seed: int, eyes: Floats | None) -> dict[str, str]:
     """What rows depend on beside the parts."""
 
-    def of(*values: Any) -> str:
-        return hashlib.blake2b(pickle.dumps(values, protocol=4), digest_size=12).hexdigest()
-
     return {
         "version": str(_VERSION),
-        "tools": of(tools),
-        "times": hashlib.blake2b(times.to_toml().encode(), digest_size=12).hexdigest(),
+        "tools": _short(_content(tools)),
+        "times": _short(times.to_toml().encode()),
         "search": repr((seconds, seed)),
-        "eyes": "" if eyes is None else hashlib.blake2b(eyes.tobytes(), digest_size=12).hexdigest(),
+        "eyes": "" if eyes is None else _short(eyes.tobytes()),
     }
+
+
+def _short(data: bytes) -> str:
+    return hashlib.blake2b(data, digest_size=12).hexdigest()
+
+
+def _content(value: Any) -> bytes:
+    """What tools are, in bytes: the same for the same shapes and options."""
+    if isinstance(value, Tool):
+        return _content([value.name, value.vertices, value.faces, value.part_of_face])
+    if isinstance(value, np.ndarray):
+        return repr((value.shape, value.dtype.str)).encode() + np.ascontiguousarray(value).tobytes()
+    if isinstance(value, Mapping):
+        return b"{" + b",".join(_content(each) for item in value.items() for each in item) + b"}"
+    if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
+        return b"[" + b",".join(_content(each) for each in value) + b"]"
+    if value is None or isinstance(value, (str, int, float, bool)) or is_dataclass(value):
+        return repr(value).encode()
+    return pickle.dumps(value, protocol=4)
 
 
 class _Night:

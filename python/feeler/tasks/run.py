@@ -50,7 +50,7 @@ class Maintenance(Sequence[MaintainRow]):
         """As `maintain` makes it. Keys of plans: the paths, kept parts and people of each row."""
         self.names, self.own_paths, self.plans, self.kept = dict(names), dict(paths), plans, kept
         self.options, self.snapshot, self.is_partial = dict(options), snapshot, is_partial
-        self.base = None if base is None else base.alone()
+        self.base = None if base is None else base._alone()
         """The run that it is compared with."""
         self.changes: tuple[MaintainChange, ...] = ()
         """What changed of the parts since then."""
@@ -59,7 +59,7 @@ class Maintenance(Sequence[MaintainRow]):
             self.changes = tuple(changes)
         self._rows = tuple(self._row(key, changes) for key in plans)
 
-    def alone(self) -> Maintenance:
+    def _alone(self) -> Maintenance:
         """The run without what it is compared with."""
         if self.base is None:
             return self
@@ -133,7 +133,7 @@ class Maintenance(Sequence[MaintainRow]):
         return data if self.base is None or not self.is_partial else {**data, "base": self.base.to_dict()}
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Maintenance:
+    def _from_dict(cls, data: Mapping[str, Any]) -> Maintenance:
         """What `to_dict` gave. Raises `KeyError`, `TypeError`, `ValueError`, `AttributeError` for other data."""
         if data["format"] != FORMAT:
             raise ValueError(f"its format is {data['format']!r}, not {FORMAT!r}")
@@ -148,7 +148,7 @@ class Maintenance(Sequence[MaintainRow]):
             frozenset(),
             {str(name): str(value) for name, value in data["options"].items()},
             Snapshot.from_dict(data["snapshot"]),
-            None if base is None else cls.from_dict(base),
+            None if base is None else cls._from_dict(base),
             bool(data["is_partial"]),
         )
 
@@ -242,7 +242,7 @@ def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
         data = json.loads(text)
         if not isinstance(data, dict):
             raise ValueError("it is a list or a single value")
-        return Maintenance.from_dict(data)
+        return Maintenance._from_dict(data)
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         said = f"{error} is missing" if isinstance(error, KeyError) else str(error)
         raise LoadError(f"{file} is no run of feeler maintain: {said}; give a file that --json wrote") from None
