@@ -112,6 +112,15 @@ def clashes() -> feeler.Clashes:
     return feeler.load_clashes(path)
 
 
+def nightly() -> dict[str, list[Any]]:
+    """A box that comes out, and did beside another."""
+    rows = [box((0, 0, 0), 0.5), box((2, 0, 0), 0.5), box((0.75, 0, 0), 0.5)]
+    mocks = [feeler.Mockup({str(n): mesh for n, mesh in enumerate(some)}) for some in (rows, rows[:2])]
+    first = feeler.maintain(feeler.Scene(mocks[0]), ["0"])
+    night = feeler.maintain(feeler.Scene(mocks[1]), ["0"], previous=first)
+    return {"Maintenance": [first, night], "MaintainRow": list(night), "MaintainChange": list(night.changes)}
+
+
 def reached() -> dict[str, list[Any]]:
     """A bolt, and what a tool met on its way to it."""
     bolt = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
@@ -135,9 +144,7 @@ def reached() -> dict[str, list[Any]]:
         "Seen": list(feeler.sight(feeler.Scene(mock), found, [[0.0, 0.0, 1.0]])),
         "Hold": list(feeler.holds(mock, found)),
         "Access": [reach],
-        "Maintenance": [night],
-        "MaintainRow": list(night),
-        "MaintainChange": list(night.changes),
+        **nightly(),
         "Reach": list(reach),
         "Catalogue": [feeler.catalogue(), feeler.Catalogue([])],
         "ToolSpec": list(feeler.catalogue())[::40],

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from feeler.arguments import check_whole, near, shown
+from feeler.arguments import check_path, check_whole, near, shown
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.text import text_of
 from feeler.parts import PartsLike
@@ -46,7 +46,7 @@ def wanted_of(scene: Scene, parts: object) -> list[Wanted]:
     is_file = isinstance(parts, os.PathLike) or (isinstance(parts, str) and parts.lower().endswith(".csv"))
     error: type[LoadError] | type[OptionError]
     if is_file:
-        lines, error = _read(Path(os.fspath(parts))), LoadError  # type: ignore[call-overload]
+        lines, error = _read(check_path("parts", parts, LoadError)), LoadError
     else:
         lines, error = _listed(parts), OptionError
     return [_wanted(scene, line, error) for line in lines]

@@ -16,8 +16,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_array, check_kind, check_number, check_progress, check_threads, check_whole, shown
-from feeler.errors import FeelerError, OptionError
+from feeler.arguments import (
+    check_array,
+    check_kind,
+    check_number,
+    check_path,
+    check_progress,
+    check_threads,
+    check_whole,
+    shown,
+)
+from feeler.errors import FeelerError, LoadError, OptionError
 from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.removal import LARGEST_SEED
@@ -128,7 +137,7 @@ def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> 
     if times is None or isinstance(times, Mapping):
         return Times(times)
     if isinstance(times, (str, os.PathLike)):
-        return Times.load(times)
+        return Times.load(check_path("times", times, LoadError))
     raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
 
 

@@ -6,14 +6,13 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 
-from feeler.arguments import near
+from feeler.arguments import check_path, check_word
 from feeler.atomic import atomic_file
-from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import text_of
 from feeler.tasks.night_rows import MaintainRow, Plan, Seeing
 from feeler.tasks.run_files import write_html, write_xlsx
@@ -106,9 +105,8 @@ class Maintenance(Sequence[MaintainRow]):
             "hidden": lambda row: bool(row.hidden),
             "failed": lambda row: row.state == "failed",
         }
-        if word not in tests:
-            raise OptionError(f"{word!r} is unknown: {near(word, FAILS)}")
-        return [row for row in self if tests[word](row)]
+        test = tests[check_word("word", word, FAILS)]
+        return [row for row in self if test(row)]
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the run as JSON, for `previous` of the next one. Raises `WriteError`."""
@@ -233,7 +231,7 @@ class MaintenanceInterrupted(KeyboardInterrupt):
 
 def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
     """Reads what `Maintenance.save` wrote. Raises `LoadError`."""
-    file = Path(path)
+    file = check_path("path", path, LoadError)
     try:
         text = text_of(file)
     except FileNotFoundError:
