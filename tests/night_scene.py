@@ -14,7 +14,7 @@ from feeler.samples.tessellation import Tolerance
 
 COARSE = Tolerance(1e-3)
 CLEAR, TAPPED = 0.0045, 0.0034
-COUNT = 5
+COUNT = 4
 
 
 def driver() -> feeler.Tool:

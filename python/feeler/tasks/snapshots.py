@@ -253,8 +253,11 @@ def _seen(mockup: Mockup, parts: Iterable[int]) -> Iterator[Seen]:
 def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Sequence[str]) -> Held:
     facts: list[Any] = []
     if row is not None:
-        facts += [row.kind, row.drive, row.size, row.length, row.across_flats, row.head_height]
-        facts.append(hashlib.blake2b(np.ascontiguousarray(row.frame).tobytes(), digest_size=8).hexdigest())
+        # Fasteners of one shape are aligned to one of them: another one changes their last bits.
+        sizes = (row.size, row.length, row.across_flats, row.head_height)
+        frame = np.round(row.frame, _DECIMALS) + 0.0
+        facts += [row.kind, row.drive, *(f"{each:.9g}" for each in sizes)]
+        facts.append(hashlib.blake2b(np.ascontiguousarray(frame).tobytes(), digest_size=8).hexdigest())
     if hold is None:
         return Held(repr(facts), frozenset(), ())
     captive = fixings.captive_on(hold.fastener) if hold.fastener in fixings else None
