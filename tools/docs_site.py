@@ -96,10 +96,13 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("RemovalInterrupted", "RemovalOrderInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
         ],
     ),
-    "task": ("Maintenance tasks", [
+    "task": (
+        "Maintenance tasks",
+        [
             *("holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"),
             *("maintain", "Maintenance", "MaintainRow", "MaintainChange", "MaintenanceInterrupted", "load_maintenance"),
-        ]),
+        ],
+    ),
     "haptics": (
         "Haptics",
         [
