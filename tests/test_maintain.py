@@ -117,6 +117,15 @@ def test_kept_rows_are_those_of_a_full_run(
     assert all(not each.change for each in run if each is not row)
 
 
+def test_most_rows_are_kept_where_one_part_in_a_hundred_moved() -> None:
+    meshes = parts() | {f"rest/{n}": box((0.04 * n, -0.9, -0.9), (0.04 * n + 0.02, -0.8, -0.8)) for n in range(82)}
+    assert len(meshes) == 100
+    base = maintained(meshes, None)
+    meshes["s2/lid"] = lid(2.0)
+    run = maintained(meshes, base)
+    assert facts(run) == facts(maintained(meshes, None)) and [row.is_kept for row in run] == [True, True, False, True]
+
+
 def test_what_blocks_is_named_with_its_change(before: feeler.Maintenance) -> None:
     """A kept lid over the bolt: no tool reaches it."""
     entries = [{"part": "s2/cover", "keep": "s2/lid"}, "s1/cover"]
