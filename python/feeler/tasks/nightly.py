@@ -149,7 +149,7 @@ def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance
     raise OptionError(f"previous is {shown(given)}: give a feeler.Maintenance, or the file that it wrote")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # it may hold an array
 class _Asked:
     """What all rows share."""
 
