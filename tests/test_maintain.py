@@ -329,7 +329,9 @@ def test_lists_are_checked(tmp_path: Path) -> None:
         with pytest.raises(OptionError, match=said):
             feeler.maintain(scene, given)
     with pytest.raises(MeshError, match="tools has"):
-        feeler.maintain(scene, ["s0/cover"], tools="none.stl")
+        feeler.maintain(scene, ["s0/cover"], tools=[3])
+    with pytest.raises(feeler.MissingFileError):
+        feeler.maintain(scene, ["s0/cover"], tools="none.toml")
     with pytest.raises(OptionError, match="previous is 3"):
         feeler.maintain(scene, ["s0/cover"], previous=3)  # type: ignore[arg-type]
 

@@ -28,6 +28,7 @@ from feeler.arguments import (
 )
 from feeler.errors import FeelerError, LoadError, OptionError
 from feeler.mockup import Tool
+from feeler.plan.catalogue import catalogue
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.removal import LARGEST_SEED
 from feeler.plan.sight import sight
@@ -49,6 +50,8 @@ from feeler.tasks.watched import WatchedScene
 
 Floats = npt.NDArray[np.float64]
 
+BUILT_IN_TOOLS = "built-in"
+"""Instead of a file: the built-in catalogue."""
 EYES = 32
 EYE_M = 0.35
 """Without `eyes`: as many places of the eyes around each head, and how far from it they are, metres."""
@@ -105,6 +108,7 @@ def maintain(
     places = None if eyes is None else check_array("eyes", eyes, (None, 3))
     table = _table(times)
     wanted = wanted_of(scene, parts)
+    tools = _tools(tools)
     Reaching(scene, tools, 1)  # it raises what is wrong with them
     before = _previous(previous)
     say = progress or (lambda _share, _stage: None)
@@ -139,6 +143,13 @@ def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> 
     if isinstance(times, (str, os.PathLike)):
         return Times.load(check_path("times", times, LoadError))
     raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
+
+
+def _tools(tools: Any) -> Any:
+    """A file is read once, here: workers may be elsewhere, and rows depend on its content."""
+    if not isinstance(tools, (str, os.PathLike)):
+        return tools
+    return catalogue() if tools == BUILT_IN_TOOLS else catalogue(tools)
 
 
 def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance | None:
