@@ -22,8 +22,8 @@ from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 COMMANDS = ["demo", "info", "index", "collide", "clearance", "path", "move", "clash", "verify", "remove"]
-COMMANDS += ["access", "sight", "opening", "task", "swept", "feel", "view", "report", "mcp", "replay"]
-COMMANDS += ["sample", "bench"]
+COMMANDS += ["access", "sight", "opening", "task", "maintain", "swept", "feel", "view", "report", "mcp"]
+COMMANDS += ["replay", "sample", "bench"]
 
 
 def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -43,6 +43,7 @@ MADE_BY_FEELER = {
     feeler.JointKind, feeler.MechanismClashes, feeler.MechanismClearance, feeler.MechanismContact,
     feeler.ToolSpec, feeler.TriedTool, feeler.Opening, feeler.OpeningFit, feeler.OpeningLimit,
     feeler.Hold, feeler.Task, feeler.TaskStep, feeler.TaskBlocker, feeler.MechanismSeat, feeler.Seen, feeler.Range,
+    feeler.Maintenance, feeler.MaintainRow, feeler.MaintainChange,
     feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
@@ -104,6 +105,8 @@ class World:
         self.truth = feeler.sample_truth("gearbox", 75_000)
         self.task = feeler.task(self.scene, [1], seconds=5.0)
         feeler.Times().save("times.toml")
+        self.night = feeler.maintain(self.scene, [1], seconds=5.0)
+        self.night.save("last.json")
         haptics_record(self)
 
     def mechanism(self) -> feeler.Mechanism:
@@ -303,6 +306,12 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.sight": lambda w: (feeler.sight, {"scene": w.scene, "targets": [0], "eyes": [[5.0, 5.0, 5.0]]}),
     "feeler.eyes_in": lambda w: (feeler.eyes_in, {"lower": [0, 0, 0], "upper": [1, 1, 1]}),
     "feeler.Sight": lambda w: (feeler.Sight, {"rows": []}),
+    "feeler.maintain": lambda w: (feeler.maintain, {"scene": w.scene, "parts": [1], "seconds": 5.0}),
+    "feeler.load_maintenance": lambda w: (feeler.load_maintenance, {"path": "last.json"}),
+    "feeler.Maintenance.failing": lambda w: (w.night.failing, {"word": "slower"}),
+    "feeler.Maintenance.save": lambda w: (w.night.save, {"path": "night.json"}),
+    "feeler.Maintenance.to_html": lambda w: (w.night.to_html, {"path": "night.html"}),
+    "feeler.Maintenance.to_xlsx": lambda w: (w.night.to_xlsx, {"path": "night.xlsx"}),
     "feeler.holds": lambda w: (feeler.holds, {"mockup": w.mockup}),
     "feeler.Holds": lambda w: (feeler.Holds, {"rows": []}),
     "feeler.Holds.of": lambda w: (feeler.Holds([]).of, {"fastener": 0}),

@@ -119,6 +119,15 @@ def opened(scene: feeler.Scene) -> dict[str, list[Any]]:
     return {"Opening": [found], "OpeningFit": list(found.fits), "OpeningLimit": [limit]}
 
 
+def nightly() -> dict[str, list[Any]]:
+    """A box that comes out, and did beside another."""
+    rows = [box((0, 0, 0), 0.5), box((2, 0, 0), 0.5), box((0.75, 0, 0), 0.5)]
+    mocks = [feeler.Mockup({str(n): mesh for n, mesh in enumerate(some)}) for some in (rows, rows[:2])]
+    first = feeler.maintain(feeler.Scene(mocks[0]), ["0"])
+    night = feeler.maintain(feeler.Scene(mocks[1]), ["0"], previous=first)
+    return {"Maintenance": [first, night], "MaintainRow": list(night), "MaintainChange": list(night.changes)}
+
+
 def reached() -> dict[str, list[Any]]:
     """A bolt, and what a tool met on its way to it."""
     bolt = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
@@ -149,6 +158,7 @@ def reached() -> dict[str, list[Any]]:
         "TaskBlocker": list(stuck.blocked),
         "Times": [feeler.Times(), feeler.Times({"get": 5.0}, pitches_mm={"*": 1.0}, typed={"*bolt*": [9.0, 1.0]})],
         "Access": [reach],
+        **nightly(),
         "Reach": list(reach),
         "Catalogue": [feeler.catalogue(), feeler.Catalogue([])],
         "ToolSpec": list(feeler.catalogue())[::40],
@@ -421,6 +431,7 @@ def test_errors_of_variants_travel_with_what_was_found() -> None:
         (feeler.RemovalsInterrupted, ("removals", "Removals")),
         (feeler.RemovalOrderInterrupted, ("order", "RemovalOrder")),
         (feeler.AccessInterrupted, ("access", "Access")),
+        (feeler.MaintenanceInterrupted, ("maintenance", "Maintenance")),
     ],
 )
 def test_interruptions_travel_with_what_was_found(cls: Any, holds: tuple[str, str]) -> None:

@@ -328,7 +328,7 @@ ROOMS: dict[str, set[str]] = {
         *("requirements", "samples", "feeler"),
     },
     # What holds a part, and how it is taken out.
-    "tasks": {*BASE, "io", "parts", "plan"},
+    "tasks": {*BASE, "io", "parts", "plan", "spreading", "stopping"},
     # Clearances that must hold.
     "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.

@@ -103,6 +103,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
         [
             *("task", "Task", "TaskStep", "TaskBlocker", "Times"),
             *("holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"),
+            *("maintain", "Maintenance", "MaintainRow", "MaintainChange", "MaintenanceInterrupted", "load_maintenance"),
         ],
     ),
     "haptics": (

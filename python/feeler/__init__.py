@@ -102,7 +102,11 @@ if _typing.TYPE_CHECKING:
     from feeler.spreading import WorkerLost
     from feeler.tasks.answer import Task
     from feeler.tasks.holding import Hold, Holds, holds
+    from feeler.tasks.night_rows import MaintainRow
+    from feeler.tasks.nightly import maintain
     from feeler.tasks.planning import task
+    from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
+    from feeler.tasks.snapshots import MaintainChange
     from feeler.tasks.steps import TaskBlocker, TaskStep
     from feeler.tasks.times import Times
     from feeler.workbench.scripting import View, view
@@ -147,6 +151,10 @@ __all__ = [
     "LimitError",
     "LoadError",
     "LoadReport",
+    "MaintainChange",
+    "MaintainRow",
+    "Maintenance",
+    "MaintenanceInterrupted",
     "Mechanism",
     "MechanismClashes",
     "MechanismClearance",
@@ -224,9 +232,11 @@ __all__ = [
     "holds",
     "insertion",
     "load_clashes",
+    "load_maintenance",
     "load_mockup",
     "load_tool",
     "load_tracks",
+    "maintain",
     "nearest_rigid",
     "open_project",
     "open_scene",
@@ -424,7 +434,15 @@ _HOMES = {
         "holds",
     ),
     "feeler.tasks.answer": ("Task",),
+    "feeler.tasks.nightly": ("maintain",),
     "feeler.tasks.planning": ("task",),
+    "feeler.tasks.night_rows": ("MaintainRow",),
+    "feeler.tasks.run": (
+        "Maintenance",
+        "MaintenanceInterrupted",
+        "load_maintenance",
+    ),
+    "feeler.tasks.snapshots": ("MaintainChange",),
     "feeler.tasks.steps": (
         "TaskBlocker",
         "TaskStep",

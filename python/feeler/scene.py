@@ -270,6 +270,9 @@ class Scene(_core.Scene):
         scene.build_seconds, scene._given = 0.0, self._given
         return scene
 
+    def _saw_removal(self, tool: _core.Tool, directions: npt.NDArray[np.float64], found: Any) -> None:
+        """Told by `removal` of parts, `tool`, that it answered in this scene: for scenes that note where it looked."""
+
     def collide_batch(
         self,
         tool: _core.Tool,

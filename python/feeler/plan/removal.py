@@ -278,6 +278,7 @@ def way_from(
     )
     if answer.is_interrupted:
         raise RemovalInterrupted(answered)
+    scene._saw_removal(moving, options["directions"], answered)
     return answered
 
 

@@ -1,0 +1,411 @@
+"""`maintain`: how long it takes to take out each of a list of parts, and what changed since the last run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import pickle
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, is_dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.arguments import (
+    check_array,
+    check_kind,
+    check_number,
+    check_path,
+    check_progress,
+    check_threads,
+    check_whole,
+    shown,
+)
+from feeler.errors import FeelerError, LoadError, OptionError
+from feeler.mockup import Tool
+from feeler.plan.catalogue import catalogue
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.plan.removal import LARGEST_SEED
+from feeler.plan.sight import sight
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.spreading import Interrupted, check_executor, spread
+from feeler.stopping import check_stop
+from feeler.tasks.answer import Task
+from feeler.tasks.holding import Holds, holds
+from feeler.tasks.listed import Wanted, wanted_of
+from feeler.tasks.night_rows import Plan, Seeing
+from feeler.tasks.planning import task
+from feeler.tasks.reached import Reaching
+from feeler.tasks.regions import Regions, box_of
+from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
+from feeler.tasks.snapshots import Changes, Snapshot, keys_of
+from feeler.tasks.times import Times
+from feeler.tasks.watched import WatchedScene
+
+Floats = npt.NDArray[np.float64]
+
+BUILT_IN_TOOLS = "built-in"
+"""Instead of a file: the built-in catalogue."""
+EYES = 32
+EYE_M = 0.35
+"""Without `eyes`: as many places of the eyes around each head, and how far from it they are, metres."""
+_UNREACHED = "no tool reaches it"
+_VERSION = 1
+"""Of what rows mean: a row of another version is not kept."""
+
+
+def maintain(
+    scene: Scene,
+    parts: object,
+    *,
+    tools: Any = None,
+    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    previous: Maintenance | str | os.PathLike[str] | None = None,
+    eyes: npt.ArrayLike | None = None,
+    seconds: float = 600.0,
+    seed: int = 0,
+    threads: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Maintenance:
+    """`task` for each of a list of parts: a row each, compared with the last run.
+
+    - `parts`: a list, each entry as `Parts.select` takes it or a dict of `part`, `keep` and `people`; or the name of a
+      CSV file with these columns.
+    - `tools`, `times`, `seconds`, `seed`: as of `task`, for each row.
+    - `previous`: the last run, or the file that `Maintenance.save` wrote.
+    - `eyes`: places of the eyes, `(k, 3)`, metres, world; without them 32 around each head, 0.35 m from it.
+    - `threads`: rows worked on at a time without an executor; default: all cores.
+    - `executor`: where they are worked on, as of `removals`.
+
+    A row is kept from the last run if its options are the same and no part bears on it that was added or removed, moved
+    or changed its shape, or is held otherwise. Such a part bears on a row if its box, before or now, meets a region in
+    which the search of the row asked anything, plans that it gave up included: the boxes of the moving parts and tools
+    at each pose, along each cast up to what it hit, around each swing, and around each ray. A fastener also bears on
+    rows that looked at what it newly holds; without tools, one with others on its axis, on rows that looked at what it
+    holds or held. A row depends on the whole mock-up if it searched a bent way; all rows do if a part now stands out of
+    the box of all parts, or if the order of the parts is another. Rows that `seconds` ended are never kept. What is
+    seen of a fastener is kept if no changed part meets the box around the eyes and it.
+
+    Ctrl-C raises `MaintenanceInterrupted` with the rows that are done. As `previous` of the next run they are not
+    computed again, and its differences count from the run before.
+
+    Raises `LoadError` for a bad CSV file, with its line, or a file that is no run; `OptionError` for a bad list, and
+    for parts that are not there. What `task` raises for one row is its `error`.
+    """
+    check_kind("scene", scene, Scene)
+    limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
+    check_whole("seed", seed, 0, LARGEST_SEED)
+    count = check_threads(threads) or os.cpu_count() or 1
+    pool = check_executor(executor)
+    check_progress(progress)
+    places = None if eyes is None else check_array("eyes", eyes, (None, 3))
+    table = _table(times)
+    wanted = wanted_of(scene, parts)
+    tools = _tools(tools)
+    Reaching(scene, tools, 1)  # it raises what is wrong with them
+    before = _previous(previous)
+    say = progress or (lambda _share, _stage: None)
+    say(0.0, "looking for fasteners")
+    fasteners = find_fasteners(scene)
+    say(0.0, "looking at what they hold")
+    held = holds(scene, fasteners)
+    snapshot = Snapshot.of(scene, fasteners, held)
+    options = _digest(tools, table, limit, seed, places)
+    asked = _Asked(tools, table, limit, seed, fasteners, held, places)
+    night = _Night(scene, wanted, options, snapshot, before, asked)
+
+    def heard(done: int, stage: str) -> None:
+        say(done / max(1, len(night.jobs)), stage or f"planning: {done:,} of {len(night.jobs):,}")
+
+    own = None if pool is not None else ThreadPoolExecutor(count, thread_name_prefix="feeler-maintain")
+    try:
+        answers = dict(enumerate(spread(_answered, scene, asked, night.jobs, pool or own, heard)))
+    except Interrupted as interrupted:
+        raise MaintenanceInterrupted(night.run(interrupted.results)) from None
+    finally:
+        if own is not None:
+            own.shutdown(wait=True, cancel_futures=True)
+    return night.run(answers)
+
+
+def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
+    if isinstance(times, Times):
+        return times
+    if times is None or isinstance(times, Mapping):
+        return Times(times)
+    if isinstance(times, (str, os.PathLike)):
+        return Times.load(check_path("times", times, LoadError))
+    raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
+
+
+def _tools(tools: Any) -> Any:
+    """A file is read once, here: workers may be elsewhere, and rows depend on its content."""
+    if not isinstance(tools, (str, os.PathLike)):
+        return tools
+    return catalogue() if tools == BUILT_IN_TOOLS else catalogue(tools)
+
+
+def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance | None:
+    if given is None or isinstance(given, Maintenance):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load_maintenance(given)
+    raise OptionError(f"previous is {shown(given)}: give a feeler.Maintenance, or the file that it wrote")
+
+
+@dataclass(frozen=True, eq=False)  # it may hold an array
+class _Asked:
+    """What all rows share."""
+
+    tools: Any
+    times: Times
+    seconds: float
+    seed: int
+    fasteners: Fasteners
+    held: Holds
+    eyes: Floats | None
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One row: its whole plan, or what is seen of some fasteners of a plan that is kept."""
+
+    number: int
+    wanted: Wanted
+    seeing: tuple[tuple[int, tuple[int, ...]], ...] | None
+    """Fasteners, and the parts that are out before each."""
+
+
+def _answered(scene: Scene, asked: _Asked, job: _Job) -> tuple[Plan | None, list[Seeing]]:
+    """The task of one row, in a worker."""
+    keys = keys_of(scene.mockup)
+    if job.seeing is not None:
+        return None, _seen(scene, asked, keys, job.seeing)
+    watched = WatchedScene.of(scene)
+    noted = watched.noted
+
+    def heard(share: float, stage: str) -> None:
+        watched.heard(share, stage)
+        check_stop(share, stage)
+
+    begin = time.monotonic()
+    try:
+        found = task(
+            watched,
+            list(job.wanted.parts),
+            asked.tools,
+            asked.times,
+            list(job.wanted.keep) or None,
+            job.wanted.people,
+            fasteners=asked.fasteners,
+            held=asked.held,
+            seconds=asked.seconds,
+            seed=asked.seed,
+            threads=1,
+            progress=heard,
+        )
+    except FeelerError as error:
+        return Plan.failed(str(error)), []
+    noted.asked.update(keys[part] for part in job.wanted.parts)
+    is_cut = time.monotonic() - begin >= asked.seconds
+    out = _out_before(found, asked.fasteners)
+    return _plan(found, keys, noted.regions(), is_cut), _seen(scene, asked, keys, out)
+
+
+def _out_before(found: Task, fasteners: Fasteners) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """The fasteners that are undone, each with the parts that are out before."""
+    known = {row.part for row in fasteners}
+    gone: list[int] = []
+    rows = []
+    for step in found.steps:
+        if step.verb in ("undo", "disconnect"):
+            rows += [(part, tuple(gone)) for part in step.parts if part in known and step.part == _path(step, part)]
+        if step.verb != "disconnect":
+            gone += step.parts
+    return tuple(rows)
+
+
+def _path(step: Any, part: int) -> str:
+    return str(dict(zip(step.parts, step.paths, strict=True))[part])
+
+
+def _plan(found: Task, keys: Sequence[str], regions: Regions, is_cut: bool) -> Plan:
+    swings = [step.swing_deg for step in found.steps if not math.isnan(step.swing_deg) and step.tool]
+    looked = {keys[part] for step in found.steps for part in (*step.looked, *step.parts)}
+    blocked = [each for each in found.blocked if each.because]
+    return Plan(
+        is_out=found.is_found,
+        said=found.said,
+        seconds=found.seconds,
+        low=found.low,
+        high=found.high,
+        steps=len(found.steps),
+        undone=sum(step.verb in ("undo", "disconnect") for step in found.steps),
+        tools=found.tools,
+        reach_deg=min(swings, default=math.nan),
+        is_unreachable=any(each.because.startswith(_UNREACHED) for each in blocked),
+        blockers=tuple(dict.fromkeys(path for each in blocked for path in each.blockers)),
+        looked=tuple(sorted(looked)),
+        regions=regions,
+        is_cut=is_cut,
+        error="",
+    )
+
+
+def _seen(scene: Scene, asked: _Asked, keys: Sequence[str], out: Sequence[tuple[int, tuple[int, ...]]]) -> list[Seeing]:
+    """What is seen of fasteners."""
+    rows = {row.part: row for row in asked.fasteners}
+    found = []
+    for part, gone in out:
+        check_stop()
+        row = rows[part]
+        places = _eyes(row) if asked.eyes is None else asked.eyes
+        there = scene.without(list(gone)) if gone else scene
+        share = sight(there, Fasteners([row]), places)[0].share
+        own = scene.mockup.part_bounds[2 * part : 2 * part + 2]
+        lower, upper = np.minimum(places.min(axis=0), own[0]), np.maximum(places.max(axis=0), own[1])
+        box = tuple(float(value) for value in (*lower, *upper))
+        found.append(Seeing(keys[part], share, tuple(keys[each] for each in gone), box))
+    return found
+
+
+def _eyes(row: Fastener) -> Floats:
+    """Places `(EYES, 3)` on the half sphere over a head, evenly (a Fibonacci lattice)."""
+    number = np.arange(EYES) + 0.5
+    height = number / EYES
+    turn = np.pi * (1.0 + math.sqrt(5.0)) * number
+    flat = np.sqrt(1.0 - height * height)
+    ways = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=1)
+    return np.asarray(row.frame[:3, 3] + EYE_M * ways @ row.frame[:3, :3].T)
+
+
+def _digest(tools: Any, times: Times, seconds: float, seed: int, eyes: Floats | None) -> dict[str, str]:
+    """What rows depend on beside the parts."""
+
+    return {
+        "version": str(_VERSION),
+        "tools": _short(_content(tools)),
+        "times": _short(times.to_toml().encode()),
+        "search": repr((seconds, seed)),
+        "eyes": "" if eyes is None else _short(eyes.tobytes()),
+    }
+
+
+def _short(data: bytes) -> str:
+    return hashlib.blake2b(data, digest_size=12).hexdigest()
+
+
+def _content(value: Any) -> bytes:
+    """What tools are, in bytes: the same for the same shapes and options."""
+    if isinstance(value, Tool):
+        return _content([value.name, value.vertices, value.faces, value.part_of_face])
+    if isinstance(value, np.ndarray):
+        return repr((value.shape, value.dtype.str)).encode() + np.ascontiguousarray(value).tobytes()
+    if isinstance(value, Mapping):
+        return b"{" + b",".join(_content(each) for item in value.items() for each in item) + b"}"
+    if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
+        return b"[" + b",".join(_content(each) for each in value) + b"]"
+    if value is None or isinstance(value, (str, int, float, bool)) or is_dataclass(value):
+        return repr(value).encode()
+    return pickle.dumps(value, protocol=4)
+
+
+class _Night:
+    """Which rows are computed, and the run that becomes of them."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        wanted: Sequence[Wanted],
+        options: Mapping[str, str],
+        snapshot: Snapshot,
+        before: Maintenance | None,
+        asked: _Asked,
+    ) -> None:
+        self._wanted, self._options, self._snapshot, self._before = wanted, dict(options), snapshot, before
+        self._keys = keys_of(scene.mockup)
+        self._index = {key: part for part, key in enumerate(self._keys)}
+        self._ids = _numbered([self._id(each) for each in wanted])
+        goes_on = before is not None and before.is_partial
+        self._base = before.base if before is not None and goes_on else before
+        runs = [run for run in (before, self._base) if run is not None]
+        is_bare = asked.tools is None
+        self._changes = {id(run): Changes(run.snapshot, snapshot, is_bare) for run in runs}
+        self._kept: dict[int, tuple[Plan, list[Seeing]]] = {}
+        self.jobs: list[_Job] = []
+        self._lower, self._upper = box_of(scene.mockup.part_bounds.reshape(-1, 2, 3))
+        for number, each in enumerate(wanted):
+            self._decide(number, each, runs)
+
+    def _id(self, each: Wanted) -> str:
+        return json.dumps(
+            [sorted(self._keys[p] for p in each.parts), sorted(self._keys[p] for p in each.keep), each.people]
+        )
+
+    def _decide(self, number: int, each: Wanted, runs: Sequence[Maintenance]) -> None:
+        for run in runs:
+            known = run.plans.get(self._ids[number])
+            if known is None or not self._is_kept(run, known[0]):
+                continue
+            changes = self._changes[id(run)]
+            again = [seeing for seeing in known[1] if not self._is_seen_so(run, seeing, changes)]
+            self._kept[number] = known
+            if again:
+                out = tuple((self._index[s.path], tuple(self._index[key] for key in s.out)) for s in again)
+                self.jobs.append(_Job(number, each, out))
+            return
+        self.jobs.append(_Job(number, each, None))
+
+    def _is_seen_so(self, run: Maintenance, seeing: Seeing, changes: Changes) -> bool:
+        """Whether what is seen of a fastener is the same."""
+        lower, upper = np.maximum(seeing.box[:3], self._lower), np.minimum(seeing.box[3:], self._upper)
+        return run.options.get("eyes") == self._options["eyes"] and not changes.within(lower, upper)
+
+    def _is_kept(self, run: Maintenance, plan: Plan) -> bool:
+        is_same = all(run.options.get(name) == self._options[name] for name in ("version", "tools", "times", "search"))
+        return is_same and not plan.is_cut and not plan.error and not self._changes[id(run)].bearing_on(plan.regions)
+
+    def run(self, answers: Mapping[int, tuple[Plan | None, list[Seeing]]]) -> Maintenance:
+        """The run, with the answers to some jobs."""
+        found = {self.jobs[number].number: answer for number, answer in answers.items()}
+        missing = {job.number for job in self.jobs} - found.keys()
+        plans: dict[str, tuple[Plan, list[Seeing]]] = {}
+        kept: set[str] = set()
+        for number, name in enumerate(self._ids):
+            if number in missing:
+                continue
+            plan, seen = found.get(number, (None, []))
+            if plan is not None:
+                plans[name] = plan, seen
+            else:
+                own, old = self._kept[number]
+                again = {each.path: each for each in seen}
+                plans[name] = own, [again.get(each.path, each) for each in old]
+                kept.add(name)
+        return Maintenance(
+            names={self._ids[number]: each.name for number, each in enumerate(self._wanted)},
+            paths={self._ids[n]: tuple(self._keys[p] for p in each.parts) for n, each in enumerate(self._wanted)},
+            plans=plans,
+            kept=frozenset(kept),
+            options=self._options,
+            snapshot=self._snapshot,
+            base=self._base,
+            is_partial=bool(missing),
+        )
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """Equal names, of rows that are listed twice, with their number."""
+    count: dict[str, int] = {}
+    found = []
+    for name in names:
+        count[name] = count.get(name, 0) + 1
+        found.append(name if count[name] == 1 else f"{name} #{count[name]}")
+    return found

@@ -1,0 +1,206 @@
+"""Where a row of the nightly run looked: boxes, and boxes that move straight. It tells which changes bear on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+GROWN_M = 2e-6
+"""What regions are grown by, metres: more than casts, and the decimals of a file, are off by."""
+_DECIMALS = 7
+_LOOSE = 1.2
+"""A box takes in others, the largest first, until it is this much larger."""
+_MOST_LOOSE = 400
+"""Boxes that are joined at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """Where questions looked. `asked` names parts that they depend on wherever these are."""
+
+    is_all: bool
+    """Whether they depend on the whole mock-up."""
+    boxes: Floats
+    """`(n, 2, 3)`: lower and upper corners, metres, world. There they looked for surfaces."""
+    sweeps: Floats
+    """`(m, 3, 3)`: lower and upper corners of boxes, and how far each of them moved. Surfaces as well."""
+    solids: Floats
+    """`(k, 2, 3)`: where they also asked what is around."""
+    asked: frozenset[str]
+
+    @classmethod
+    def everything(cls) -> Regions:
+        """The whole mock-up."""
+        return cls(True, np.empty((0, 2, 3)), np.empty((0, 3, 3)), np.empty((0, 2, 3)), frozenset())
+
+    def bear(self, bounds: Floats, surface: Floats) -> bool:
+        """Whether they looked at a part. bounds: its box `(2, 3)`; surface: boxes `(n, 2, 3)` around its triangles."""
+        if self.is_all or not np.isfinite(bounds).all():
+            return True
+        if ((self.solids[:, 0] <= bounds[1] + GROWN_M) & (self.solids[:, 1] >= bounds[0] - GROWN_M)).all(axis=1).any():
+            return True
+        return self.meets(*bounds) and any(self.meets(*each) for each in surface)
+
+    def meets(self, lower: Floats, upper: Floats) -> bool:
+        """Whether a box `(3,)`, `(3,)` meets where they looked for surfaces. A box that is not finite does."""
+        if self.is_all or not (np.isfinite(lower).all() and np.isfinite(upper).all()):
+            return True
+        if ((self.boxes[:, 0] <= upper + GROWN_M) & (self.boxes[:, 1] >= lower - GROWN_M)).all(axis=1).any():
+            return True
+        # A box that moves meets another where its corner meets that one, grown by its sides.
+        low = lower - GROWN_M - (self.sweeps[:, 1] - self.sweeps[:, 0])
+        begin, way = self.sweeps[:, 0], self.sweeps[:, 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ends = np.stack([(low - begin) / way, (upper + GROWN_M - begin) / way])
+        stays = way == 0.0
+        is_in = (begin >= low) & (begin <= upper + GROWN_M)
+        first = np.where(stays, np.where(is_in, -np.inf, np.inf), ends.min(axis=0))
+        last = np.where(stays, np.where(is_in, np.inf, -np.inf), ends.max(axis=0))
+        return bool((np.maximum(first.max(axis=1), 0.0) <= np.minimum(last.min(axis=1), 1.0)).any())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON."""
+        return {
+            "is_all": self.is_all,
+            "boxes": np.round(self.boxes.reshape(-1, 6), _DECIMALS).tolist(),
+            "sweeps": np.round(self.sweeps.reshape(-1, 9), _DECIMALS).tolist(),
+            "solids": np.round(self.solids.reshape(-1, 6), _DECIMALS).tolist(),
+            "asked": sorted(self.asked),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Regions:
+        """What `to_dict` gave. Raises `KeyError`, `TypeError`, `ValueError` for other data."""
+        boxes = np.array(data["boxes"], dtype=np.float64).reshape(-1, 2, 3)
+        sweeps = np.array(data["sweeps"], dtype=np.float64).reshape(-1, 3, 3)
+        solids = np.array(data["solids"], dtype=np.float64).reshape(-1, 2, 3)
+        return cls(bool(data["is_all"]), boxes, sweeps, solids, frozenset(str(each) for each in data["asked"]))
+
+
+class Noted:
+    """Collects regions."""
+
+    def __init__(self, lower: Floats, upper: Floats) -> None:
+        """lower, upper: the box of the mock-up. Regions end there."""
+        self.lower, self.upper = lower, upper
+        self.is_all = False
+        self.is_on = True
+        self.asked: set[str] = set()
+        self._boxes, self._solids = _Boxes(), _Boxes()
+        self._sweeps: dict[bytes, list[float]] = {}
+        self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+
+    def all(self) -> None:
+        """Notes the whole mock-up."""
+        self.is_all = self.is_all or self.is_on
+
+    def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
+        """Notes a box. is_solid: also what is around it."""
+        if not self.is_on or self.is_all:
+            return
+        low, high = np.maximum(lower, self.lower), np.minimum(upper, self.upper)
+        if (low <= high).all():
+            self._boxes.add(np.stack([low, high]))
+            if is_solid:
+                self._solids.add(np.stack([low, high]))
+
+    def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
+        """Notes a box that moves straight."""
+        length = float(np.linalg.norm(way))
+        if not self.is_on or self.is_all:
+            return
+        if length < 1e-12:
+            return self.box(lower, upper)
+        along, half, middle = way / length, 0.5 * (upper - lower), 0.5 * (upper + lower)
+        start = float(middle @ along)
+        across = middle - start * along
+        key = np.round(np.concatenate([half, along, across]), 8).tobytes()
+        self._shapes.setdefault(key, (half, along, across))
+        known = self._sweeps.setdefault(key, [start, start])
+        known[0], known[1] = min(known[0], start), max(known[1], start + length)
+
+    def regions(self) -> Regions:
+        """All that was noted."""
+        asked = frozenset(self.asked)
+        if self.is_all:
+            return replace(Regions.everything(), asked=asked)
+        sweeps = [
+            np.stack([across + begin * along - half, across + begin * along + half, (end - begin) * along])
+            for key, (begin, end) in self._sweeps.items()
+            for half, along, across in [self._shapes[key]]
+        ]
+        return Regions(False, self._boxes.joined(), np.array(sweeps).reshape(-1, 3, 3), self._solids.joined(), asked)
+
+
+class _Boxes:
+    """Boxes, of which those that are nearly one become one."""
+
+    def __init__(self) -> None:
+        self._new: list[Floats] = []
+        self._kept = np.empty((0, 2, 3))
+        self._most = np.empty(0)
+
+    def add(self, box: Floats) -> None:
+        """Adds a box `(2, 3)`."""
+        self._new.append(box)
+        if len(self._new) >= _MOST_LOOSE:
+            self.joined()
+
+    def joined(self) -> Floats:
+        """All of them, `(n, 2, 3)`."""
+        new = np.array(self._new).reshape(-1, 2, 3)
+        self._new = []
+        for box in new[np.argsort(-_size(new), kind="stable")]:
+            joined = np.stack([np.minimum(self._kept[:, 0], box[0]), np.maximum(self._kept[:, 1], box[1])], axis=1)
+            size = _size(joined)
+            near = np.flatnonzero(size <= self._most)
+            if len(near):
+                best = near[int(np.argmin(size[near] - _size(self._kept[near])))]
+                self._kept[best] = joined[best]
+            else:
+                self._kept = np.concatenate([self._kept, box[None]])
+                self._most = np.append(self._most, _LOOSE * _size(box[None]))
+        return self._kept
+
+
+def _size(boxes: Floats) -> Floats:
+    """The sums of the sides of boxes, which flat boxes have too."""
+    return np.asarray((boxes[:, 1] - boxes[:, 0]).sum(axis=1))
+
+
+def box_of(bounds: Iterable[Floats]) -> tuple[Floats, Floats]:
+    """The box of boxes `(2, 3)`, of the finite ones alone; empty at the origin if there are none."""
+    known = np.array([each for each in bounds if np.isfinite(each).all()]).reshape(-1, 2, 3)
+    if not len(known):
+        return np.zeros(3), np.zeros(3)
+    return known[:, 0].min(axis=0), known[:, 1].max(axis=0)
+
+
+def leaves(corners: Floats, most: int = 16) -> Floats:
+    """At most so many boxes `(n, 2, 3)` around triangles `(k, 3, 3)`, halved along their longest sides."""
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    groups = [np.arange(len(corners))] if len(corners) else []
+    boxes = [_around(lower, upper, each) for each in groups]
+    while 0 < len(groups) < most:
+        sizes = [(box[1] - box[0]).sum() if len(group) > 1 else -1.0 for box, group in zip(boxes, groups, strict=True)]
+        n = int(np.argmax(sizes))
+        group = groups[n]
+        if len(group) < 2:
+            break
+        axis = int(np.argmax(boxes[n][1] - boxes[n][0]))
+        order = group[np.argsort(lower[group, axis] + upper[group, axis], kind="stable")]
+        halves = [order[: len(order) // 2], order[len(order) // 2 :]]
+        groups[n : n + 1] = halves
+        boxes[n : n + 1] = [_around(lower, upper, each) for each in halves]
+    return np.array(boxes).reshape(-1, 2, 3)
+
+
+def _around(lower: Floats, upper: Floats, group: npt.NDArray[np.intp]) -> Floats:
+    return np.stack([lower[group].min(axis=0), upper[group].max(axis=0)])
