@@ -441,7 +441,7 @@ class _Planner:
 
     def _blocked(self, found: Found) -> Task:
         rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
-        notes = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
+        notes: tuple[str, ...] = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
         if self.forced:
             notes += ("An order was forced: there may be a plan without it.",)
         nan = math.nan

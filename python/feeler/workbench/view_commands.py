@@ -21,6 +21,7 @@ from feeler.workbench.document.protocol import (
     Mode,
     Pose,
     RequirementResult,
+    TaskEditKind,
     Unit,
     Vec3,
 )
@@ -279,6 +280,7 @@ class ViewCommands:
         tools: list[str] | None = None,
         grip: str | None = None,
         swing_deg: float | None = None,
+        people: int | None = None,
         clearance: float | None = None,
         seconds: float | None = None,
     ) -> CommandAnswer:
@@ -292,6 +294,7 @@ class ViewCommands:
             tools=tools,
             grip=grip,
             swing_deg=swing_deg,
+            people=people,
             clearance=clearance,
             seconds=seconds,
         )
@@ -307,6 +310,14 @@ class ViewCommands:
     def card_remove(self, id: int) -> CommandAnswer:
         """Removes a card, with its answer, and the guide along its way."""
         return self.command("card_remove", id=id)
+
+    def task_edit(
+        self, id: int, edit: TaskEditKind, parts: PartsLike, seconds: float | None = None, then: PartsLike | None = None
+    ) -> CommandAnswer:
+        """Edits the task of a card, which is planned again."""
+        return self._command(
+            "task_edit", id=id, edit=edit, parts=plain_parts(parts), seconds=seconds, then=plain_parts(then)
+        )
 
     def way_take(
         self, id: int | None = None, steps: int | None = None, ways: list[GivenWay] | None = None
