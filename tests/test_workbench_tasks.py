@@ -103,7 +103,7 @@ def test_edits_change_the_plan_and_undo_takes_them_back(world: feeler.Mockup) ->
     number = asked(bench)
     first, second = order(bench, number)[1:]
     whole = card_of(bench, number).sentence
-    assert bench.command("task_edit", id=number, edit="before", parts=second, then=first)["undo_depth"] == 1
+    assert bench.command("task_edit", id=number, edit="before", parts=second, later=first)["undo_depth"] == 1
     assert order(bench, number) == ["lid", second, first]
     bench.command("task_edit", id=number, edit="time", parts=second, seconds=100.0)
     assert order(bench, number) == ["lid", second, first]
@@ -122,9 +122,9 @@ def test_edits_change_the_plan_and_undo_takes_them_back(world: feeler.Mockup) ->
     bench.command("redo")
     assert order(bench, number) == ["lid", second, first]
     # The other way round takes the first one's place, and what is given back is as before.
-    bench.command("task_edit", id=number, edit="before", parts=first, then=second)
+    bench.command("task_edit", id=number, edit="before", parts=first, later=second)
     assert bench.document["cards"][0]["edits"]["before"] == [[first, second]]
-    bench.command("task_edit", id=number, edit="free", parts=first, then=second)
+    bench.command("task_edit", id=number, edit="free", parts=first, later=second)
     bench.command("task_edit", id=number, edit="time", parts=first, seconds=1.0)
     bench.command("task_edit", id=number, edit="time", parts=first)
     bench.command("task_edit", id=number, edit="off", parts="lid")
@@ -142,7 +142,7 @@ def test_what_is_not_an_edit_is_refused(world: feeler.Mockup) -> None:
         ({"id": number, "edit": "off", "parts": "nothing"}, "nothing"),
         ({"id": number, "edit": "time", "parts": "lid", "seconds": -1.0}, "-1"),
         ({"id": number, "edit": "before", "parts": "lid"}, "go after"),
-        ({"id": number, "edit": "before", "parts": "lid", "then": "lid"}, "before itself"),
+        ({"id": number, "edit": "before", "parts": "lid", "later": "lid"}, "before itself"),
     ):
         with pytest.raises(WorkbenchError, match=match):
             bench.command("task_edit", **given)
@@ -157,7 +157,7 @@ def test_what_is_not_an_edit_is_refused(world: feeler.Mockup) -> None:
 def test_what_nothing_frees_is_named(world: feeler.Mockup) -> None:
     bench = bench_of(world)
     number = asked(bench)
-    bench.command("task_edit", id=number, edit="before", parts="left", then="lid")
+    bench.command("task_edit", id=number, edit="before", parts="left", later="lid")
     card = answered(bench, number)
     answer = bench.session.ask("card", {"id": number}) or {}
     assert card.is_good is False and card.sentence.startswith("Blocked")
@@ -223,7 +223,7 @@ def test_a_project_keeps_plan_and_edits(world: feeler.Mockup, tmp_path: Path) ->
     bench = opened()
     number = asked(bench)
     first, second = order(bench, number)[1:]
-    bench.command("task_edit", id=number, edit="before", parts=second, then=first)
+    bench.command("task_edit", id=number, edit="before", parts=second, later=first)
     bench.command("task_edit", id=number, edit="time", parts="lid", seconds=7.0)
     plan = order(bench, number), card_of(bench, number).sentence, steps(bench, number)
     assert bench.session._saver is not None and bench.session._saver.wait(LONGEST_S)
@@ -233,7 +233,7 @@ def test_a_project_keeps_plan_and_edits(world: feeler.Mockup, tmp_path: Path) ->
     assert bench.document["cards"][0]["edits"]["times"] == [["lid", 7.0]]
     bench.command("hide", parts="post")
     assert card_of(bench, number).state == "done", "nothing is asked again"
-    bench.command("task_edit", id=number, edit="free", parts=second, then=first)
+    bench.command("task_edit", id=number, edit="free", parts=second, later=first)
     assert order(bench, number) == ["lid", first, second]
     bench.session.close()
 

@@ -312,11 +312,16 @@ class ViewCommands:
         return self.command("card_remove", id=id)
 
     def task_edit(
-        self, id: int, edit: TaskEditKind, parts: PartsLike, seconds: float | None = None, then: PartsLike | None = None
+        self,
+        id: int,
+        edit: TaskEditKind,
+        parts: PartsLike,
+        seconds: float | None = None,
+        later: PartsLike | None = None,
     ) -> CommandAnswer:
         """Edits the task of a card, which is planned again."""
         return self._command(
-            "task_edit", id=id, edit=edit, parts=plain_parts(parts), seconds=seconds, then=plain_parts(then)
+            "task_edit", id=id, edit=edit, parts=plain_parts(parts), seconds=seconds, later=plain_parts(later)
         )
 
     def way_take(

@@ -23,18 +23,20 @@ export async function ask(
   parts: readonly number[] = wb.targets(),
   without: readonly number[] = [],
   tools: readonly string[] = [],
+  people = 1,
 ): Promise<void> {
   const { store } = wb;
   if (parts.length === 0 && question !== "access") {
     store.notify("info", "Select the parts to ask about first");
     return;
   }
-  store.panel.value = "ask";
+  store.panel.value = question === "task" ? "task" : "ask";
   store.set({ are_panels_open: true });
   const given = {
     question,
     ...(parts.length > 0 ? { parts: [...parts] } : {}),
     ...(without.length > 0 ? { without: [...without] } : {}),
+    ...(people > 1 ? { people } : {}),
     ...(tools.length > 0 ? { tools: [...tools] } : {}),
   };
   // A double click asks once.

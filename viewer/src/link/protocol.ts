@@ -1419,7 +1419,7 @@ export interface Commands {
     readonly edit: TaskEditKind;
     readonly parts: Selection;
     readonly seconds?: number;
-    readonly then?: Selection;
+    readonly later?: Selection;
   };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };

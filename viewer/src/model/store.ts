@@ -130,6 +130,10 @@ export class Store {
   readonly card = signal<number | null>(null);
   /** The answers that were fetched, by card. */
   readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
+  /** Whether the reach of the tools of the workbench is checked in a task. */
+  readonly are_tools_checked = signal(false);
+  /** How many people a task is planned for. */
+  readonly people_count = signal(1);
   readonly film = signal<Film | null>(null);
   /** The sequence as a film; null before it was fetched. */
   readonly sequence_film = signal<SequenceFilm["ways"] | null>(null);

@@ -18,6 +18,7 @@ from feeler.choices import GRIP_AXES
 from feeler.errors import WorkbenchError
 from feeler.words import plural
 from feeler.workbench.document import motion
+from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.arguments import Arguments, replaced, without
 from feeler.workbench.document.document import NO_EDIT, Card, Document, Removal, line_world
 from feeler.workbench.document.known import Known, Way
@@ -64,6 +65,18 @@ def ask(document: Document, given: Arguments, known: Known) -> Document:
         world=document.world,
     )
     return replace(document, cards=(*document.cards, card), next_card=card.id + 1)
+
+
+def task_parts(answer: CardAnswer) -> list[int]:
+    """The parts that the task of an answer names; -1 among them if its steps are not those of its ways."""
+    task = answer.get("task")
+    if task is None:
+        return []
+    named = [step["part"] for step in task["steps"]]
+    named += [part for each in task["blocked"] for part in (each["part"], *each["blockers"]) if part is not None]
+    before = [number for step in task["steps"] for number in step["after"]]
+    is_whole = len(named) >= len(answer["ways"]) == len(task["steps"])
+    return named if is_whole and all(0 <= each < len(answer["ways"]) for each in before) else [*named, -1]
 
 
 def tasks_of(document: Document) -> list[Card]:

@@ -537,7 +537,7 @@ COMMANDS: dict[str, Command] = {
     "card_remove": Command(cards.card_remove, {"id": int}, is_of_cards=True),
     "task_edit": Command(
         task_edit,
-        {"id": int, "edit": TaskEditKind, "parts": Selection, "seconds": Maybe(float), "then": Maybe(Selection)},
+        {"id": int, "edit": TaskEditKind, "parts": Selection, "seconds": Maybe(float), "later": Maybe(Selection)},
     ),
     "way_take": Command(
         cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True

@@ -20,7 +20,7 @@ def task_edit(document: Document, given: Arguments, known: Known) -> Document:
     """Edits the task of a card, which is planned again.
 
     "off", "on": the parts are off already, or not. "time": their step takes `seconds`; without, as counted. "before",
-    "free": the parts go before those of `then`, or need not.
+    "free": the parts go before those of `later`, or need not.
     """
     number = given.whole("id", 1)
     edits = document.task_edits.get(number, NO_EDIT)
@@ -73,9 +73,9 @@ def _paths(given: Arguments, known: Known, name: str = "parts") -> list[str]:
 
 
 def _pairs(given: Arguments, known: Known) -> set[tuple[str, str]]:
-    if not given.has("then"):
-        raise given.fail("then", "the parts that go after are not named", "name one at least")
-    firsts, lasts = _paths(given, known), _paths(given, known, "then")
+    if not given.has("later"):
+        raise given.fail("later", "the parts that go after are not named", "name one at least")
+    firsts, lasts = _paths(given, known), _paths(given, known, "later")
     if {*firsts} & {*lasts}:
-        raise given.fail("then", "a part cannot go before itself", "name two parts")
+        raise given.fail("later", "a part cannot go before itself", "name two parts")
     return {(first, last) for first in firsts for last in lasts}

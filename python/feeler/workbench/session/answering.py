@@ -26,6 +26,7 @@ from feeler.scene import Scene
 from feeler.words import length, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, TaskAnswer, WayFacts
+from feeler.workbench.document.cards import task_parts
 from feeler.workbench.document.document import NO_EDIT, Card, TaskEdits
 from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
@@ -295,12 +296,7 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
     named += [each["part"] for way in answer["ways"] for each in way["gaps"] if each["part"] is not None]
     named += [way["hit"]["part"] for way in answer["ways"] if "hit" in way]
-    task = answer.get("task")
-    if task is not None:
-        named += [step["part"] for step in task["steps"]]
-        named += [part for each in task["blocked"] for part in (each["part"], *each["blockers"]) if part is not None]
-        if len(task["steps"]) != len(answer["ways"]):
-            return None
+    named += task_parts(answer)
     elsewhere = [part for way in answer["ways"] for part in way.get("places", {})]
     if not all(part.isascii() and part.isdigit() and len(part) < 12 for part in elsewhere):
         return None
