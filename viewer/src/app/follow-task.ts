@@ -42,8 +42,28 @@ export function followTask(wb: Workbench, loop: Loop): () => void {
       },
     );
   });
+  const forgetting = forgetOld(wb);
   return () => {
     end();
+    forgetting();
     fetched = new WeakMap();
   };
+}
+
+/** Drops answers of cards that are asked again, by an edit, by undo or by another person: they are fetched anew. */
+function forgetOld({ store }: Workbench): () => void {
+  const edits = new WeakMap<object, string>();
+  return effect(() => {
+    const answers = store.answers.value;
+    const cards = new Map(store.document.value?.cards.map((card) => [card.id, card]));
+    const kept = [...answers].filter(([id, answer]) => {
+      const card = cards.get(id);
+      if (card?.state !== "done") return false;
+      const now = JSON.stringify(card.edits);
+      const then = edits.get(answer) ?? now;
+      edits.set(answer, then);
+      return then === now;
+    });
+    if (kept.length < answers.size) store.answers.value = new Map(kept);
+  });
 }

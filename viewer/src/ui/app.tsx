@@ -118,7 +118,7 @@ const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
   sections: { icon: "section", text: "Sections" },
   measures: { icon: "measure", text: "Measures" },
   mechanism: { icon: "turn", text: "Joints" },
-  task: { icon: "settings", text: "Task" },
+  task: { icon: "spanner", text: "Task" },
   sequence: { icon: "list", text: "Sequence" },
   findings: { icon: "alert", text: "Findings" },
 };

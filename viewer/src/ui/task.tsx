@@ -69,7 +69,7 @@ export function TaskPanel() {
           </label>
         </div>
         <div class="button-column">
-          <CommandButton id="ask-task" icon="list" text="How is it taken out?" />
+          <CommandButton id="ask-task" icon="spanner" text="How is it taken out?" />
         </div>
       </section>
       <section>
@@ -93,13 +93,7 @@ export function TaskPlan({ card, answer, task }: { card: Card; answer: CardAnswe
   const step = task.steps[number];
   return (
     <div class="task">
-      {task.seconds !== null && task.bound !== null && (
-        <p class="task-total">
-          <strong>{`Best found ${clockText(task.seconds)}`}</strong>
-          {` · ± ${clockText(task.spread ?? 0)} · not below ${clockText(task.bound)}`}
-          {!task.is_complete && " · the search ended at its limit"}
-        </p>
-      )}
+      {!task.is_complete && <p class="note">The search ended at its limit: there may be a quicker plan.</p>}
       {step && (
         <>
           <Gantt card={card} answer={answer} task={task} current={number} />

@@ -66,7 +66,7 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
     }
     ways = tuple(Way(step.parts, tuple(motion.row(pose) for pose in step.way), None) for step in found.steps)
     rows = tuple(_way_facts(asked.mockup, way, step) for way, step in zip(ways, found.steps, strict=True))
-    said = found.said[:1].upper() + found.said[1:]
+    said = found.said[:1].upper() + found.said[1:].replace("+-", "±")
     return Answered(f"{said}.", found.is_found, ways, rows, facts=_totals(found), task=facts)
 
 
