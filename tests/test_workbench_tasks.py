@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
@@ -18,9 +19,15 @@ from workbench_scene import Bench, at
 import feeler
 from feeler.errors import WorkbenchError
 from feeler.project.book import open_or_make
+from feeler.workbench.report import as_html
+from feeler.workbench.report.as_json import report_json
+from feeler.workbench.report.as_xlsx import _sheets
+from feeler.workbench.report.content import report_of
+from feeler.workbench.report.source import of_book
+from feeler.workbench.report.values import Media
 from feeler.workbench.session import cards as session_cards
 from feeler.workbench.session.answering import Answered, Asked
-from feeler.workbench.session.record import read_record
+from feeler.workbench.session.record import digest, read_record
 from feeler.workbench.session.replaying import replay
 from feeler.workbench.session.session import Session
 
@@ -231,6 +238,20 @@ def test_a_project_keeps_plan_and_edits(world: feeler.Mockup, tmp_path: Path) ->
     bench = opened()
     assert (order(bench, number), card_of(bench, number).sentence, steps(bench, number)) == plan
     assert bench.document["cards"][0]["edits"]["times"] == [["lid", 7.0]]
+    with contextlib.closing(open_or_make(path, read_only=True)) as book:
+        report = report_of(of_book(book, world, content=digest(world)))
+    (question,) = report.questions
+    assert [(row.verb, row.path, row.edited) for row in question.task] == [
+        ("take out", "lid", "time typed"),
+        ("undo", second, "order forced"),
+        ("undo", first, "order forced"),
+    ]
+    assert f"Forced: {second} before {first}." in question.notes and len(question.ways) == 3
+    page = as_html.html_page(report, Media()).decode()
+    assert page.count("<rect") == 3 and "7 +- 0 s, typed" in page and "0.5 min" in page
+    assert report_json(report)["questions"][0]["task"][0]["edited"] == "time typed"
+    (rows,) = (rows for name, _, rows in _sheets(report) if name == "tasks")
+    assert next(iter(rows))[1:4] == [1, "take out", "lid"]
     bench.command("hide", parts="post")
     assert card_of(bench, number).state == "done", "nothing is asked again"
     bench.command("task_edit", id=number, edit="free", parts=second, later=first)

@@ -63,6 +63,7 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
         assert differing(picture(page), at_first) > 0.01
         assert "strokes" in panel.inner_text() and "turns; at" in panel.inner_text()
         keep(page.screenshot(), "task.png")
+        panel.get_by_label("Speed").select_option("4")
         panel.get_by_role("button", name="Play").click()
         wait(page, "() => document.querySelectorAll('.gantt-row')[2].ariaCurrent === 'step'")
 

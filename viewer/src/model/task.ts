@@ -1,6 +1,7 @@
 // The steps of a task over time: lanes by person, the marks of the axis, and the words of times. Pure.
 
-import type { CardAnswer, TaskAnswer, TaskStepFacts } from "../link/protocol";
+import type { Card, CardAnswer, TaskAnswer, TaskStepFacts } from "../link/protocol";
+import type { Film } from "./film";
 
 /** A step with its number in the answer. */
 export interface Bar {
@@ -72,3 +73,18 @@ export function seatedStep(answer: CardAnswer | undefined, step: number, share: 
 
 /** So far along its way the part has not left its tool. */
 const SEATED_SHARE = 0.3;
+
+/** The parts that are out at a step of the film of a task: those of steps before it, and those that are off already. */
+export function goneParts(
+  film: Film | null,
+  cards: readonly Pick<Card, "id" | "question" | "edits">[],
+  answers: ReadonlyMap<number, Pick<CardAnswer, "ways">>,
+  paths: readonly string[],
+): number[] {
+  const card = cards.find((each) => each.id === film?.card && each.question === "task");
+  if (!film || !card) return [];
+  const off = new Set(card.edits.off);
+  const before = answers.get(card.id)?.ways.slice(0, film.step) ?? [];
+  const away = off.size > 0 ? paths.flatMap((path, part) => (off.has(path) ? [part] : [])) : [];
+  return [...away, ...before.flatMap((way) => way.parts)];
+}
