@@ -280,9 +280,9 @@ class ViewCommands:
         tools: list[str] | None = None,
         grip: str | None = None,
         swing_deg: float | None = None,
-        people: int | None = None,
         clearance: float | None = None,
         seconds: float | None = None,
+        people: int | None = None,
     ) -> CommandAnswer:
         """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need."""
         return self._command(
@@ -294,9 +294,9 @@ class ViewCommands:
             tools=tools,
             grip=grip,
             swing_deg=swing_deg,
-            people=people,
             clearance=clearance,
             seconds=seconds,
+            people=people,
         )
 
     def card_again(self, id: int) -> CommandAnswer:

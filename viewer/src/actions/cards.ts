@@ -80,8 +80,12 @@ export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
     // Another card may have been opened meanwhile.
     if (store.card.peek() !== id) return;
     // A film of a removal in the sequence has the parts where they were: it begins when it is asked for.
-    if (answer.ways.length > 0 && store.film.peek()?.card !== id && cardOf(wb, id)?.line === null)
+    const film = store.film.peek();
+    if (answer.ways.length > 0 && film?.card !== id && cardOf(wb, id)?.line === null)
       store.film.value = { card: id, step: 0, share: 0, is_playing: false };
+    // Asked again, it may have fewer steps.
+    else if (film?.card === id && film.step >= answer.ways.length)
+      store.film.value = { card: id, step: Math.max(0, answer.ways.length - 1), share: 0, is_playing: false };
     wb.stage.setRoom(piece && answer.room ? { piece, manifest: answer.room } : null);
     wb.redraw();
   } catch (error) {

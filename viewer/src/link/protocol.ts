@@ -1403,9 +1403,9 @@ export interface Commands {
     readonly tools?: readonly string[];
     readonly grip?: string;
     readonly swing_deg?: number;
-    readonly people?: number;
     readonly clearance?: number;
     readonly seconds?: number;
+    readonly people?: number;
   };
   /** Asks the question of a card again, of the mock-up as it is now. */
   readonly card_again: { readonly id: number };

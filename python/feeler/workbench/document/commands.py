@@ -465,9 +465,9 @@ ASKED: Shape = {
     "tools": Maybe(list[str]),
     "grip": Maybe(str),
     "swing_deg": Maybe(float),
-    "people": Maybe(int),
     "clearance": Maybe(float),
     "seconds": Maybe(float),
+    "people": Maybe(int),
 }
 """A question of a card: which, of what, and how."""
 
