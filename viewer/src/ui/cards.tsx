@@ -7,7 +7,7 @@ import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
 import { ReachList } from "./reaches";
-import { TaskPlan } from "./task";
+import { TaskPlan } from "./task-plan";
 import { WayPlayer } from "./way";
 import { partsText } from "./words";
 
