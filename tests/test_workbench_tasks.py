@@ -26,7 +26,7 @@ from feeler.workbench.report.content import report_of
 from feeler.workbench.report.source import of_book
 from feeler.workbench.report.values import Media
 from feeler.workbench.session import cards as session_cards
-from feeler.workbench.session.answering import Answered, Asked
+from feeler.workbench.session.answering import Answered, Asked, kept_answer
 from feeler.workbench.session.record import digest, read_record
 from feeler.workbench.session.replaying import replay
 from feeler.workbench.session.session import Session
@@ -257,6 +257,24 @@ def test_a_project_keeps_plan_and_edits(world: feeler.Mockup, tmp_path: Path) ->
     bench.command("task_edit", id=number, edit="free", parts=second, later=first)
     assert order(bench, number) == ["lid", first, second]
     bench.session.close()
+
+
+def test_an_answer_of_a_project_that_names_no_part_is_not_taken(world: feeler.Mockup) -> None:
+    bench = bench_of(world)
+    number = asked(bench)
+    card, answer = card_of(bench, number), bench.session.ask("card", {"id": number}) or {}
+
+    def kept(**changes: Any) -> Answered | None:
+        task = {**answer["task"], **changes}
+        return kept_answer(card, {"kind": "card", **answer, "task": task}, None, world.part_count)
+
+    whole, (first, *rest) = kept(), answer["task"]["steps"]
+    assert whole is not None and whole.task == answer["task"]
+    assert kept(steps=[{**first, "part": 99}, *rest]) is None
+    assert kept(steps=[{**first, "after": [7]}, *rest]) is None
+    assert kept(steps=rest) is None, "a way without its step"
+    assert kept(blocked=[{"part": None, "because": "", "blockers": [-1]}]) is None
+    assert kept(seconds="long") is None
 
 
 def test_a_record_repeats_edits_without_the_card(world: feeler.Mockup, tmp_path: Path) -> None:
