@@ -249,6 +249,7 @@ def test_a_project_keeps_plan_and_edits(world: feeler.Mockup, tmp_path: Path) ->
     assert f"Forced: {second} before {first}." in question.notes and len(question.ways) == 3
     page = as_html.html_page(report, Media()).decode()
     assert page.count("<rect") == 3 and "7 +- 0 s, typed" in page and "0.5 min" in page
+    assert "least clearance" not in page, "it was not measured"
     assert report_json(report)["questions"][0]["task"][0]["edited"] == "time typed"
     (rows,) = (rows for name, _, rows in _sheets(report) if name == "tasks")
     assert next(iter(rows))[1:4] == [1, "take out", "lid"]

@@ -465,7 +465,9 @@ class _Page:
             parts.append(_gantt(row.task) + self._task(row))
         if row.notes:
             parts.append(_listed([_text(note) for note in row.notes]))
-        if row.is_order and row.ways:
+        if row.task:
+            parts += [self._film(way) for way in row.ways]
+        elif row.is_order and row.ways:
             parts.append(self._step_list(row.ways))
         else:
             parts += [self._way(way) for way in row.ways]
@@ -484,10 +486,10 @@ class _Page:
 
     def _task(self, row: QuestionRow) -> str:
         lines = "".join(
-            f"<tr><td class=number>{step.number}<td>{_text(step.verb)} {_part(step.path)}<td>{_named(step.tool)}"
+            f"<tr><td class=number>{step.number}<td>{_text(step.verb)} {_part(step.path)}<td>{_text(step.tool)}"
             f"<td class=number>{step.person}<td class=number>{_text(clock(step.start))}"
             f"<td class=number>{step.seconds:.1f} ± {step.spread:.1f}"
-            f"<td>{_chip(step.edited, 'warn') if step.edited else ''}{_text(step.arithmetic)}"
+            f"<td>{_chip(step.edited, 'warn') + ' ' if step.edited else ''}{_text(step.arithmetic)}"
             f"<td>{_text(step.because)}</tr>"
             for step in row.task
         )
