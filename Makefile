@@ -97,6 +97,7 @@ bench: build ## measure feeler and its peers on the same poses, into bench/recor
 	@$(PY) bench/clash/run.py $(if $(QUICK),--quick)
 	@$(PY) bench/removal/run.py $(if $(QUICK),--quick)
 	@$(PY) bench/mechanism/run.py $(if $(QUICK),--quick)
+	@$(PY) bench/reaching/run.py $(if $(QUICK),--quick)
 
 .PHONY: clash-bench
 clash-bench: build ## clash checks alone: hard pairs and times, beside ifcclash and python-fcl (QUICK=1: a minute or two)
@@ -109,6 +110,10 @@ removal-bench: build ## ways out and access alone: puzzles, the engine, beside O
 .PHONY: mechanism-bench
 mechanism-bench: build ## mechanisms alone: a door of the engine, what steps miss, bounds; beside python-fcl and MuJoCo (QUICK=1: a minute)
 	@$(PY) bench/mechanism/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
+.PHONY: task-bench
+task-bench: build ## plans of 300 random assemblies against exhaustive search (QUICK=1: 40; a few seconds)
+	@$(PY) bench/tasks/run.py $(if $(QUICK),40) $(BENCH_ARGS)
 
 .PHONY: feel-bench
 feel-bench: build ## feel without hardware: passing, tessellation, energy, fits, the engine (QUICK=1: minutes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -77,3 +78,22 @@ def at(x: float = 0.0, y: float = 0.0, z: float = 0.0, degrees: float = 0.0, axi
     pose[i, i], pose[i, j], pose[j, i], pose[j, j] = c, -s, s, c
     pose[:3, 3] = x, y, z
     return pose
+
+
+def prism_ring(outer: float, inner: float, sides: int, low: float, high: float, turned: float = 0.0) -> Mesh:
+    """A plate with a hole of some sides about z; without a hole a pin."""
+    angles = turned + np.arange(sides) * 2.0 * math.pi / sides
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    levels = [(outer, low), (outer, high), (inner, high), (inner, low)]
+    vertices = np.concatenate([np.column_stack([r * circle, np.full(sides, z)]) for r, z in levels])
+    faces = []
+    for level in range(4):
+        for i in range(sides):
+            a, b = level * sides + i, level * sides + (i + 1) % sides
+            c, d = (level + 1) % 4 * sides + i, (level + 1) % 4 * sides + (i + 1) % sides
+            faces += [[a, b, d], [a, d, c]]
+    if inner == 0.0:
+        vertices = np.concatenate([vertices[: 2 * sides], [[0, 0, high], [0, 0, low]]])
+        faces = [[min(v, 2 * sides) if v < 3 * sides else 2 * sides + 1 for v in face] for face in faces]
+        faces = [face for face in faces if len(set(face)) == 3]
+    return vertices, np.array(faces)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from commands import run
-from shapes import box
+from shapes import box, prism_ring
 
 import feeler
 from feeler import Joint, JointCoupling, Mechanism
@@ -37,25 +37,6 @@ def parts(**meshes: Mesh | list[Mesh]) -> feeler.Mockup:
 def cube(x: float, y: float, z: float, half: float = 0.01) -> Mesh:
     """A small box about a point."""
     return box((x - half, y - half, z - half), (x + half, y + half, z + half))
-
-
-def ring(outer: float, inner: float, sides: int, low: float, high: float, turned: float = 0.0) -> Mesh:
-    """A plate with a hole of some sides about z; without a hole a pin."""
-    angles = turned + np.arange(sides) * 2.0 * math.pi / sides
-    circle = np.column_stack([np.cos(angles), np.sin(angles)])
-    levels = [(outer, low), (outer, high), (inner, high), (inner, low)]
-    vertices = np.concatenate([np.column_stack([r * circle, np.full(sides, z)]) for r, z in levels])
-    faces = []
-    for level in range(4):
-        for i in range(sides):
-            a, b = level * sides + i, level * sides + (i + 1) % sides
-            c, d = (level + 1) % 4 * sides + i, (level + 1) % 4 * sides + (i + 1) % sides
-            faces += [[a, b, d], [a, d, c]]
-    if inner == 0.0:
-        vertices = np.concatenate([vertices[: 2 * sides], [[0, 0, high], [0, 0, low]]])
-        faces = [[min(v, 2 * sides) if v < 3 * sides else 2 * sides + 1 for v in face] for face in faces]
-        faces = [face for face in faces if len(set(face)) == 3]
-    return vertices, np.array(faces)
 
 
 def reach_of_edge(x: float, y: float, off: float) -> float:
@@ -369,8 +350,8 @@ def test_a_pin_turns_in_a_hole_of_facets(
     pin: float, hole: float, sides: int, turned: float, is_pin_moved: bool
 ) -> None:
     mock = parts(
-        pin=[ring(pin, 0.0, sides, -0.02, 0.03, turned), ring(0.03, 0.0, sides, 0.02, 0.03)],
-        plate=ring(0.05, hole, 24, 0.0, 0.02),
+        pin=[prism_ring(pin, 0.0, sides, -0.02, 0.03, turned), prism_ring(0.03, 0.0, sides, 0.02, 0.03)],
+        plate=prism_ring(0.05, hole, 24, 0.0, 0.02),
     )
     child, parent = ("pin", "plate") if is_pin_moved else ("plate", "pin")
     moved = Mechanism(mock, [Joint("hinge", "revolute", parent, child, Z)])
@@ -386,7 +367,7 @@ def test_a_pin_turns_in_a_hole_of_facets(
 
 @pytest.mark.parametrize("sides", [4, 6])
 def test_a_pin_with_edges_jams_in_its_hole(sides: int) -> None:
-    mock = parts(pin=ring(0.01, 0.0, sides, -0.02, 0.03), plate=ring(0.05, 0.01, sides, 0.0, 0.02))
+    mock = parts(pin=prism_ring(0.01, 0.0, sides, -0.02, 0.03), plate=prism_ring(0.05, 0.01, sides, 0.0, 0.02))
     found = Mechanism(mock, [Joint("hinge", "revolute", "plate", "pin", Z)]).range("hinge")
     assert found.upper < 0.01 and found.lower > -0.01
     assert found.above is not None and found.above.other_path == "plate"

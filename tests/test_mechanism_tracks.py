@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from shapes import box
+from shapes import box, prism_ring
 
 import feeler
 from feeler import Chain, Tracks, load_tracks
@@ -55,6 +55,12 @@ class Gltf:
         else:
             self.root["nodes"][above].setdefault("children", []).append(number)
         return number
+
+    def mesh(self, node: int, vertices: Floats, faces: npt.NDArray[np.int64]) -> None:
+        attributes = {"POSITION": self.accessor(vertices, "VEC3")}
+        self.root["nodes"][node]["mesh"] = len(self.root["meshes"])
+        indices = self.accessor(np.ravel(faces), "SCALAR", 5125)
+        self.root["meshes"].append({"primitives": [{"attributes": attributes, "indices": indices}]})
 
     def channel(self, node: int, path: str, times: list[float], values: Any, kind: str = "LINEAR") -> None:
         entry = self.root["animations"][-1]
@@ -321,6 +327,50 @@ def test_contacts_at_the_start_are_seats(tmp_path: Path) -> None:
     assert found.upper == math.inf and found.part is None
     assert tracks.clearance(ignore_touching=False).upper < 1e-6
     assert tracks.clash().contacts == ()
+
+
+def test_a_seat_that_goes_deeper_jams(tmp_path: Path) -> None:
+    """A block slides along its bed, off it, back, and is pressed into it from 3.5 s on."""
+    made = Gltf()
+    slide = made.node("slide", translation=[0.0, 0.0, 0.2])
+    made.node("bed")
+    ways = [[0, 0, 0.2], [0.15, 0, 0.2], [0.5, 0, 0.3], [0, 0, 0.2], [0, 0, 0.2], [0.01, 0, 0.19]]
+    made.channel(slide, "translation", [0.0, 1.0, 2.0, 3.0, 3.5, 4.5], ways)
+    tracks = load_tracks(made.write(tmp_path / "slide.gltf"))
+    (met,) = tracks.clash().contacts
+    assert (met.path, met.other_path) == ("slide/slide", "slide/bed") and 3.5 - 1e-9 <= met.value <= 3.5002
+    assert tracks.clash(end=3.5).contacts == ()
+    found = tracks.clearance()
+    assert found.upper == found.lower == 0.0 and found.jams == (met,) and found.worst == {"time": met.value}
+    assert (found.path, found.other_path) == ("slide/slide", "slide/bed")
+    late = found.curve[:, 0] >= met.value
+    assert (found.curve[late, 1] == 0.0).all() and (found.curve[~late, 1] > 0.0).all()
+    assert tracks.clearance(end=3.5).jams == ()
+
+
+def test_a_seat_jumps_back_but_not_into_its_bed(tmp_path: Path) -> None:
+    made = Gltf()
+    slide = made.node("slide", translation=[0.0, 0.0, 0.2])
+    made.node("bed")
+    ways = [[0, 0, 0.2], [0.0, 0, 0.5], [0, 0, 0.2], [0, 0, 0.19]]
+    made.channel(slide, "translation", [0.0, 1.0, 2.0, 3.0], ways, "STEP")
+    tracks = load_tracks(made.write(tmp_path / "slide.gltf"))
+    assert [met.value for met in tracks.clash().contacts] == [3.0]
+
+
+def test_facets_of_a_pin_that_turns_in_its_hole_do_not_clash(tmp_path: Path) -> None:
+    """A pin of 12 sides in a hole of 12; and one with a square end in a square hole, which does."""
+    for is_square, count in ((False, 0), (True, 1)):
+        made, sides = Gltf(), 4 if is_square else 12
+        turn = made.node("pin", size=None)
+        made.mesh(turn, *prism_ring(0.02, 0.0, sides, -0.05, 0.05))
+        made.mesh(made.node("plate", size=None), *prism_ring(0.04, 0.02, sides, -0.01, 0.01))
+        turned = [[0.0, 0.0, math.sin(a / 2), math.cos(a / 2)] for a in (0.0, 0.8)]
+        made.channel(turn, "rotation", [0.0, 1.0], turned)
+        tracks = load_tracks(made.write(tmp_path / f"pin{count}.gltf"))
+        found = tracks.clash()
+        assert len(found.seats) == 1 and len(found.contacts) == count, is_square
+        assert found.seats[0].kind != "round" or not is_square
 
 
 def test_steps_jump(tmp_path: Path) -> None:

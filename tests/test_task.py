@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 import math
 import zipfile
@@ -22,7 +21,7 @@ from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
 from feeler.tasks.crewed import Job, critical, scheduled
 from feeler.tasks.reached import Reaching
-from feeler.tasks.times import Arithmetic
+from feeler.tasks.times import Arithmetic, strokes_for
 
 run_bench = importlib.import_module("tasks.run")
 assemblies = importlib.import_module("tasks.assemblies")
@@ -216,13 +215,13 @@ def test_answers_of_tools_are_remembered_by_what_they_look_at(covered: feeler.Sc
     reaching = Reaching(covered, driver(), 1)
     lid, case = (int(covered.mockup.parts.select(name)[0]) for name in ("lid", "case"))
     assert reaching.near(rows[0]) >= {lid} and rows[0].part not in reaching.near(rows[0])
-    assert not reaching.reached(rows[0], frozenset()).tooled and reaching.asked == 1
-    assert reaching.reached(rows[0], frozenset([lid])).tooled and reaching.asked == 2
+    assert not reaching.reached(rows[0], frozenset(), 8.0).tooled and reaching.asked == 1
+    assert reaching.reached(rows[0], frozenset([lid]), 8.0).tooled and reaching.asked == 2
     far = scene_of(bolt=bolt(0.03), case=ring(TAPPED, -0.04, -0.01), far=box((1.0, 1.0, 1.0), (1.1, 1.1, 1.1)))
     rows = feeler.find_fasteners(far)
     reaching = Reaching(far, driver(), 1)
     away = int(far.mockup.parts.select("far")[0])
-    assert reaching.reached(rows[0], frozenset()) is reaching.reached(rows[0], frozenset([away]))
+    assert reaching.reached(rows[0], frozenset(), 8.0) is reaching.reached(rows[0], frozenset([away]), 8.0)
     assert case >= 0
 
 
@@ -231,7 +230,7 @@ def test_several_tools_and_their_options(covered: feeler.Scene) -> None:
     task = feeler.task(covered, "cover", {"thick": (thick, {"grip": "y"}), "thin": driver()}, keep="case")
     assert set(task.tools) <= {"thick", "thin"} and task.is_found
     for bad in ([], {"a": 3}, "catalogue", (driver(), {"grab": "y"}), [driver(), driver()], (driver(), {"lift": "x"})):
-        with pytest.raises((OptionError, MeshError)):
+        with pytest.raises((OptionError, MeshError, LoadError)):
             feeler.task(covered, "cover", bad)
 
 
@@ -260,7 +259,7 @@ def test_turns_are_length_over_pitch(size: float, engaged: float, turns: float) 
         assert found.count == pytest.approx(10.0)
     else:
         assert found.count == pytest.approx(turns)
-    assert Arithmetic(feeler.Times()).strokes(dataclasses.replace(found, count=2.5), 90.0) == 10
+    assert strokes_for(2.5, 90.0) == 10 and strokes_for(2.5, 360.0) == 3 and strokes_for(0.0, 60.0) == 1
 
 
 def test_the_page_and_the_workbook(covered: feeler.Scene, tmp_path: Path) -> None:
@@ -314,3 +313,17 @@ def test_bad_questions_are_refused(covered: feeler.Scene) -> None:
             feeler.task(covered, **{"parts": "cover", **words})  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="is out already"):
         feeler.task(covered.without("cover"), "cover")
+
+
+def test_tools_are_chosen_from_a_catalogue(covered: feeler.Scene, tmp_path: Path) -> None:
+    task = feeler.task(covered, "cover", "built-in")
+    undo = next(step for step in task.steps if step.verb == "undo")
+    assert undo.tool.startswith(("socket 13", "ring 13", "open 13")) and undo.strokes >= 16 and len(undo.tool_way) == 2
+    same = feeler.task(covered, "cover", feeler.catalogue())
+    assert same.to_dict() == task.to_dict()
+    kept = feeler.task(covered, "cover", "built-in", keep="lid")
+    assert kept.is_found or kept.blocked[0].blockers == ("lid",)
+    write_glb(tmp_path / "a.glb", covered.mockup)
+    words: list[Any] = ["task", tmp_path / "a.glb", "--part", "cover", "--catalogue", "built-in"]
+    assert run_json(*words)["tools"] == [undo.tool]
+    assert "give one" in error_of(*words, "--tool", "sample:hand")

@@ -34,6 +34,7 @@ def test_the_wheel_carries_the_page_and_serves_it(root: Path, tmp_path: Path) ->
         inside = {name.removeprefix(PAGE) for name in archive.namelist() if name.startswith(PAGE)}
         assert inside == {path.relative_to(static).as_posix() for path in static.rglob("*") if path.is_file()}
         assert {"index.html", "main.js", "style.css"} <= inside
+        assert "feeler/plan/catalogue.toml" in archive.namelist()
         archive.extractall(tmp_path / "installed")
     process = subprocess.Popen(
         [sys.executable, "-c", "from feeler.cli import main; main()", "view", "sample:engine:1000", "--no-browser"],

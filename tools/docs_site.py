@@ -93,6 +93,8 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             *("removal", "removal_order", "removals", "insertion", "access", "find_fasteners", "swept"),
             *("Removal", "RemovalLeg", "RemovalBlocker", "Certificate", "Blocker", "RemovalOrder", "RemovalStep"),
             *("Removals", "PartsRemoval", "Access", "Reach", "Fasteners", "Fastener"),
+            *("catalogue", "Catalogue", "ToolSpec", "TriedTool"),
+            *("opening", "Opening", "OpeningFit", "OpeningLimit", "opening_limits"),
             *("RemovalInterrupted", "RemovalOrderInterrupted", "RemovalsInterrupted", "AccessInterrupted"),
         ],
     ),

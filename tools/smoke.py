@@ -71,6 +71,7 @@ def use(installed: Installed, version: str) -> None:
     expect("version", installed.run("feeler", "--version").split()[-1], version)
     installed.run("feeler", "sample", "gearbox", "--out", "gearbox.glb")
     installed.run("feeler", "sample", "wrench", "--out", "wrench.stl")
+    installed.run("feeler", "access", "--write-catalogue", "tools.toml")
     words = ("collide", "gearbox.glb", "--tool", "wrench.stl", "--at", AT, "--pairs", "--json")
     pairs = json.loads(installed.run("feeler", *words, statuses=(1,)))["poses"][0]["pair_list"]
     expect("colliding pairs", len(pairs), PAIRS)

@@ -48,7 +48,7 @@ def gearbox(triangles: int, every: int) -> Result:
     rows: dict[str, Counter[str]] = {}
     start = time.perf_counter()
     for fastener in truth.fasteners[::every]:
-        step = truth.way(fastener.path)[-1]
+        step = next(step for step in truth.steps if fastener.path in step.parts)  # where the tool loosens it
         out = [path for earlier in truth.needed(step) if earlier.removes for path in earlier.parts]
         there = scene.without([*out, *(door if step.door_open else ())])
         targets = feeler.Fasteners([found[fastener.path]])
@@ -72,9 +72,8 @@ def gearbox(triangles: int, every: int) -> Result:
 
 def planted(triangles: int) -> list[str]:
     """Tools that reach the bolt under the planted guard: straight ones, and any in a hand."""
-    faults = ["blocked_bolt"]
-    mockup = feeler.sample("gearbox", triangles, faults=faults)
-    truth = feeler.sample_truth("gearbox", triangles, faults=faults)
+    mockup = feeler.sample("gearbox", triangles, faults=["blocked_bolt"])
+    truth = feeler.sample_truth("gearbox", triangles, faults=["blocked_bolt"])
     scene, tools = feeler.Scene(mockup, threads=1), feeler.catalogue()
     targets = feeler.find_fasteners(mockup, truth.faults[0].parts[0])
     straight = tools.where("socket", "extension", "ratchet", "driver", "ring")

@@ -90,6 +90,8 @@ def random_assembly(seed: int) -> Assembly:
     if len(made.parts) < MOST_PARTS and rng.random() < 0.3:
         free = [place for place in range(len(PLACES)) if place not in bolts]
         _add_bolt(made, free[0], [], "plug")
+        if _overlaps(made.parts[-1], made.parts[1:-1]):
+            made.parts.pop()
     others = [n for n, part in enumerate(made.parts) if n and not part.name.startswith(("hood", "bar", "fence"))]
     made.wanted = 1 if rng.random() < 0.6 else int(rng.choice(others))
     movable = [n for n, part in enumerate(made.parts) if n and n != made.wanted and not part.is_bolt]

@@ -32,6 +32,7 @@ from feeler.errors import OptionError
 from feeler.io.xlsx import xlsx_library
 from feeler.progress import bar
 from feeler.tasks.planning import MOST_PEOPLE
+from feeler.tasks.reached import BUILT_IN
 from feeler.tasks.steps import clock
 from feeler.tasks.times import times_of
 
@@ -42,7 +43,8 @@ _SHOWN_BLOCKERS = 3
 @command(
     examples="""
 feeler task engine.step --part "*fuel pump*"
-feeler task engine.step --part "*fuel pump*" --tool socket.stl --tool key.stl --times times.toml --html task.html
+feeler task engine.step --part "*fuel pump*" --catalogue built-in --times times.toml --html task.html
+feeler task engine.step --part "*fuel pump*" --tool socket.stl --tool key.stl
 feeler task engine.step --part "*generator*" --keep "*casing*" --people 2 --xlsx task.xlsx
 feeler task engine.step --write-times times.toml
 feeler task sample:gearbox:100000 --part gearbox/covers/idler_front/cover --json
@@ -65,6 +67,13 @@ def task(
             metavar="FILE",
             help="A tool, as of feeler access: a file, or sample:NAME (repeat for more). The quickest that reaches is "
             "used. Default: reach is not checked.",
+        ),
+    ] = None,
+    catalogue: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Choose the tools from a catalogue (TOML), or built-in, as of feeler access --catalogue.",
         ),
     ] = None,
     grip: Annotated[
@@ -119,7 +128,11 @@ def task(
         raise OptionError("nothing says what comes out: give --part, such as --part '*fuel pump*'")
     if xlsx is not None:
         xlsx_library()
-    tools = _tools(tool, grip, tool_unit, up)
+    tools: Any = _tools(tool, grip, tool_unit, up)
+    if catalogue is not None:
+        if tools is not None:
+            raise OptionError("--tool and --catalogue are both tools: give one")
+        tools = feeler.catalogue(None if catalogue == BUILT_IN else catalogue)
     world = read_checked(mockup, unit, up)
     scene = Choice(None, without, only).scene_of(indexed(world, None, None, threads))
     with bar("planning") as progress:

@@ -15,6 +15,7 @@ from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.links import Links
 from feeler.mechanism.seating import Seated, seated
 from feeler.mockup import Mockup, Tool
+from feeler.part_meshes import PartMeshes
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -100,17 +101,11 @@ class Bodies:
 
     def mesh(self, part: int) -> tuple[Floats, Ints]:
         """The vertices and faces of a part, without faces that are none."""
-        order, first = self._by_part
-        faces = np.asarray(self.mockup.faces)[order[first[part] : first[part + 1]]].astype(np.int64)
-        faces = faces[(faces < len(self.mockup.vertices)).all(axis=1)]
-        used, index = np.unique(faces, return_inverse=True)
-        return np.asarray(self.mockup.vertices, dtype=np.float64)[used], index.reshape(-1, 3).astype(np.int64)
+        return self._meshes.mesh(part)
 
     @cached_property
-    def _by_part(self) -> tuple[Ints, Ints]:
-        of = np.asarray(self.mockup.part_of_face)
-        order = np.argsort(of, kind="stable")
-        return order, np.searchsorted(of[order], np.arange(self.mockup.part_count + 1))
+    def _meshes(self) -> PartMeshes:
+        return PartMeshes(self.mockup)
 
     def levers(self, one: int, other: int, reach: dict[str, float]) -> dict[str, float]:
         """By name of a number: the most by which points of one link move against the other, for a unit of it.

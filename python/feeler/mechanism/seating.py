@@ -18,7 +18,7 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 _BESIDE_M = 1e-3  # parts whose boxes are farther apart have no pin in a hole of the other
-_TOLERANCE_M = 2e-8
+TOLERANCE_M = 2e-8
 TOUCH_M = 1e-6
 """Parts that are nearer are seated in each other."""
 
@@ -67,7 +67,7 @@ class Seated:
     def meets(self, pose: Floats, way: Chain) -> tuple[float, Floats, Floats] | None:
         """Where on a way, in the frame of the other link, it goes deeper than where it is modelled, or meets the other
         elsewhere: the share of the way, point and normal."""
-        ended, share = self.guard.along(self.tool, pose, way, _TOLERANCE_M)
+        ended, share = self.guard.along(self.tool, pose, way, TOLERANCE_M)
         if ended.impact is None:
             return None
         return share, ended.impact.point, ended.impact.normal

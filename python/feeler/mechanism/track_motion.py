@@ -21,6 +21,8 @@ from feeler.poses import nearest_rigid
 
 Floats = npt.NDArray[np.float64]
 
+SAME = 1e-9
+"""Poses that differ by more are not the same: metres, and shares of one."""
 _STILL = 1e-12  # radians or metres: rounding
 _UNEVEN = 1e-6  # a share: the scales above a node that turns differ by less
 
@@ -30,6 +32,18 @@ class Piece(NamedTuple):
 
     joints: tuple[Screw | Slide, ...]
     error: float
+
+
+class Step(NamedTuple):
+    """A motion of one body against another between two times, in the frame of the other at rest. Without joints the one
+    jumps to the pose."""
+
+    begin: float
+    end: float
+    pose: Floats
+    joints: tuple[Screw | Slide, ...]
+    error: float
+    """How far points leave it at most, metres."""
 
 
 class Moves:
@@ -247,3 +261,11 @@ def _off_turn(track: Sampler | None, begin: float, end: float, angle: float) -> 
     time = end - begin
     bent = (2.0 * second / least + 5.0 * (fastest / least) ** 2) * time**2 + (0.5 * angle) ** 2
     return min(math.pi, 4.0 * math.asin(min(1.0, bent / 16.0)))
+
+
+def seen_from(joint: Screw | Slide, back: Floats) -> Screw | Slide:
+    """A joint as seen from another frame."""
+    if isinstance(joint, Slide):
+        return Slide(back[:3, :3] @ np.array(joint.way))
+    point = back[:3, :3] @ np.array(joint.point) + back[:3, 3]
+    return Screw(back[:3, :3] @ np.array(joint.axis), point, joint.angle, joint.pitch)

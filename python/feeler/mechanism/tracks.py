@@ -6,12 +6,11 @@ import itertools
 import math
 import os
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler._core import Chain, Distance, Screw, Slide
+from feeler._core import Chain, Distance
 from feeler.arguments import check_flag, check_number, check_path, check_progress, shown
 from feeler.choices import TOUCHINGS, UpAxis
 from feeler.errors import OptionError
@@ -20,9 +19,11 @@ from feeler.io import axes
 from feeler.io.gltf_animation import read_animation
 from feeler.io.load import load_with_nodes
 from feeler.mechanism.answers import MechanismClashes, MechanismClearance, MechanismContact, MechanismSeat, Vector
-from feeler.mechanism.seating import TOUCH_M
-from feeler.mechanism.track_motion import Moves, Piece
+from feeler.mechanism.seating import TOLERANCE_M
+from feeler.mechanism.track_motion import SAME, Moves, Piece, Step, seen_from
+from feeler.mechanism.track_seats import Met, TrackSeat, seats_at, turn_of
 from feeler.mockup import Mockup, Tool
+from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.poses import inverse
 from feeler.progress import Progress
@@ -35,11 +36,10 @@ CURVE = 61
 """Times at which the curve of a clearance has a row."""
 SPLINE_M = 1e-4
 """By how much points may leave the motion of a spline, unless it is given, metres."""
-_TOLERANCE_M = 2e-8
 _MOST_CUTS = 24
 """Times that a piece of a spline is halved."""
-_JUMP = 1e-9
-"""Poses that differ by more are not the same: metres, and shares of one."""
+_CLOSE_M = 1e-7
+"""By how much points may leave the motion of a spline where a seat seems to go deeper, metres."""
 _WHOLE = -2
 
 
@@ -69,16 +69,6 @@ def load_tracks(
 _Near = tuple[int, int, Distance]
 
 
-class _Step(NamedTuple):
-    """A motion of one body against another between two times, in the frame of the other at rest."""
-
-    begin: float
-    end: float
-    pose: Floats
-    joints: tuple[Screw | Slide, ...]
-    error: float
-
-
 class Tracks:
     """Motions of parts over time, as `load_tracks` reads them. Times are seconds.
 
@@ -94,6 +84,7 @@ class Tracks:
         self._tools: dict[int, Tool] = {}
         self._reaches: dict[int, float] = {}
         self._scenes: dict[int, Scene] = {}
+        self._meshes = PartMeshes(mockup)
 
     def __repr__(self) -> str:
         return f"Tracks({self._name!r}, {self.start:g} to {self.end:g} s, {len(self.moving)} moving parts)"
@@ -161,7 +152,7 @@ class Tracks:
         for step in self._steps(bodies.pop(), -1, self.start, self.end, error):
             if last is None:
                 found.append(step.pose)
-            elif np.abs(step.pose - last).max() > _JUMP:
+            elif np.abs(step.pose - last).max() > SAME:
                 raise OptionError(f"{shown(parts)} jump at {step.begin:g} s (STEP): ask clearance() or clash()")
             last = step.pose
             if step.joints:
@@ -184,7 +175,9 @@ class Tracks:
         gap there, and `lower`. Pieces between keys of LINEAR and STEP are exact chains; splines are cut until they
         leave a chain by less than a quarter of the error, which the bounds contain.
 
-        ignore_touching: pairs in contact at `start`, such as a pin in its hole, are not asked; `seats` names them.
+        ignore_touching: pairs in contact at `start`, such as a pin in its hole, have no gap; `seats` names them. They
+        may slide and separate, but where one goes deeper than there, or meets elsewhere, both bounds are 0 and `jams`
+        names it. False: all pairs are asked.
         """
         error = check_number("error", error, "metres, more than 0", above=0.0)
         begin, stop = self._span(start, end)
@@ -193,11 +186,14 @@ class Tracks:
         worst, asked = begin, 0
         near: _Near | None = None
         seats: list[MechanismSeat] = []
+        jams: list[MechanismContact] = []
         ignored: list[IgnoredPairs | None] = []
         for one, other in self._pairs():
-            ignore, own = self._seats(one, other, begin, ignore_touching)
+            held = self._seats(one, other, begin, stop) if ignore_touching else []
+            ignore = self._ignored(one, [(each.seat.number, each.seat.other) for each in held])
             ignored.append(ignore)
-            seats += own
+            seats += [self._seat(each) for each in held]
+            jams += [met for each in held if (met := self._jam(one, other, each, begin, stop)) is not None]
             tool, around = self._tool(one), self._alone(other)
             for step in self._steps(one, other, begin, stop, error / 4.0):
                 asked += 1
@@ -215,11 +211,16 @@ class Tracks:
                 found = around.distance(tool, self._relative(one, other, at), best, ignore=ignore)
                 if found.value < best:
                     best, worst, near = found.value, at, (one, other, found)
-        lower = max(0.0, min(lower, best))
-        rows = [(t, self._gap(t, ignored), lower) for t in np.linspace(begin, stop, CURVE).tolist()]
         part = other_part = points = None
         if near is not None:
             part, other_part, points = self._told(near, worst)
+        if jams:
+            jams.sort(key=lambda each: (each.value, each.part, each.other))
+            first = jams[0]
+            best, worst, part, other_part, points = 0.0, first.value, first.part, first.other, (first.point,) * 2
+        lower = max(0.0, min(lower, best))
+        rows = [(t, self._gap(t, ignored), lower) for t in np.linspace(begin, stop, CURVE).tolist()]
+        rows = [(t, 0.0 if jams and t >= worst else gap, lower) for t, gap, lower in rows]
         paths = self._mockup.part_paths
         return MechanismClearance(
             lower,
@@ -234,6 +235,7 @@ class Tracks:
             0.0,
             tuple(seats),
             np.array(rows),
+            jams=tuple(jams),
         )
 
     def clash(
@@ -246,7 +248,8 @@ class Tracks:
     ) -> MechanismClashes:
         """The pairs of parts that clash at some time, each with its first one in `value`, seconds.
 
-        Never late for LINEAR and STEP; splines are followed to within `error`, metres. Pairs as in `clearance`.
+        Never late for LINEAR and STEP; splines are followed to within `error`, metres. Pairs in contact at `start`
+        clash where they go deeper than there, as in `clearance`.
         """
         error = check_number("error", error, "metres, more than 0", above=0.0)
         begin, stop = self._span(start, end)
@@ -254,8 +257,10 @@ class Tracks:
         contacts: list[MechanismContact] = []
         seats: list[MechanismSeat] = []
         for one, other in self._pairs():
-            skipped = {(row[0], row[1]) for row in self._touching(one, other, begin)} if ignore_touching else set()
-            seats += self._seats(one, other, begin, ignore_touching)[1]
+            held = self._seats(one, other, begin, stop) if ignore_touching else []
+            skipped = {(each.seat.number, each.seat.other) for each in held}
+            seats += [self._seat(each) for each in held]
+            contacts += [jam for each in held if (jam := self._jam(one, other, each, begin, stop)) is not None]
             for step in self._steps(one, other, begin, stop, error):
                 while (met := self._first(one, other, step, skipped)) is not None:
                     contacts.append(met[0])
@@ -264,7 +269,7 @@ class Tracks:
         return MechanismClashes("time", begin, stop, tuple(contacts), tuple(seats))
 
     def _first(
-        self, one: int, other: int, step: _Step, skipped: set[tuple[int, int]]
+        self, one: int, other: int, step: Step, skipped: set[tuple[int, int]]
     ) -> tuple[MechanismContact, tuple[int, int]] | None:
         """The first contact of two bodies in a step, of pairs that are not skipped."""
         tool, around = self._tool(one), self._alone(other)
@@ -273,22 +278,24 @@ class Tracks:
         last = step.pose if way is None else None
         hit = None
         for touching in TOUCHINGS:
-            hit = around.cast(
-                tool, step.pose, last, screw=way, tolerance=_TOLERANCE_M, touching=touching, ignore=ignore
-            )
+            hit = around.cast(tool, step.pose, last, screw=way, tolerance=TOLERANCE_M, touching=touching, ignore=ignore)
             if hit is None:
                 return None
             if hit.fraction > 0.0:
                 break
         assert hit is not None
         when = step.begin + hit.fraction * (step.end - step.begin)
-        own = self._parts(one)[hit.tool_part]
+        pair = (self._parts(one)[hit.tool_part], hit.part)
+        return self._contact(pair, other, (when, hit.point, hit.normal)), (hit.tool_part, hit.part)
+
+    def _contact(self, pair: tuple[int, int], other: int, met: Met) -> MechanismContact:
+        """A meeting with a body, in the world."""
+        when, point, normal = met
         there = self._moves.poses(when)[other] if other >= 0 else np.eye(4)
-        x, y, z = (float(v) for v in there[:3, :3] @ hit.point + there[:3, 3])
-        i, j, k = (float(v) for v in there[:3, :3] @ hit.normal)
+        x, y, z = (float(v) for v in there[:3, :3] @ point + there[:3, 3])
+        i, j, k = (float(v) for v in there[:3, :3] @ normal)
         paths = self._mockup.part_paths
-        contact = MechanismContact(when, own, hit.part, paths[own], paths[hit.part], (x, y, z), (i, j, k))
-        return contact, (hit.tool_part, hit.part)
+        return MechanismContact(when, *pair, paths[pair[0]], paths[pair[1]], (x, y, z), (i, j, k))
 
     def _gap(self, time: float, ignored: Sequence[IgnoredPairs | None]) -> float:
         """The least gap at a time, metres."""
@@ -338,7 +345,7 @@ class Tracks:
         found = self._moves.poses(time)
         return found[one] if other < 0 else np.asarray(inverse(found[other]) @ found[one], dtype=np.float64)
 
-    def _steps(self, one: int, other: int, begin: float, stop: float, error: float) -> Iterator[_Step]:
+    def _steps(self, one: int, other: int, begin: float, stop: float, error: float) -> Iterator[Step]:
         """How a body moves against another; steps at which they stand as before are left out."""
         up, down = self._moves.above(one), self._moves.above(other)
         shared = 0
@@ -353,17 +360,17 @@ class Tracks:
                 mine, theirs = pieces
                 found = self._moves.poses(early, list(dict.fromkeys([*up, *down])), still)
                 back = inverse(found[other]) if other >= 0 else np.eye(4)
-                chains = [Chain([_seen(joint, back) for joint in each.joints]) for each in (mine, theirs)]
+                chains = [Chain([seen_from(joint, back) for joint in each.joints]) for each in (mine, theirs)]
                 joints = chains[0].relative_to(chains[1]).joints if theirs.joints else chains[0].joints
-                step = _Step(early, late, back @ found[one], joints, mine.error + theirs.error)
-                if step.joints or last is None or np.abs(step.pose - last).max() > _JUMP:
+                step = Step(early, late, back @ found[one], joints, mine.error + theirs.error)
+                if step.joints or last is None or np.abs(step.pose - last).max() > SAME:
                     yield step
                     last = step.pose
                     if step.joints:
                         last = np.asarray(Chain(step.joints).at(step.pose), dtype=np.float64)
         final = self._relative(one, other, stop)
-        if last is None or np.abs(final - last).max() > _JUMP:
-            yield _Step(stop, stop, final, (), 0.0)
+        if last is None or np.abs(final - last).max() > SAME:
+            yield Step(stop, stop, final, (), 0.0)
 
     def _cut(
         self, up: list[int], down: list[int], still: list[int], span: tuple[float, float], error: float
@@ -392,20 +399,29 @@ class Tracks:
             self._reaches[body] = float(np.linalg.norm(points, axis=1).max())
         return self._reaches[body]
 
-    def _touching(self, one: int, other: int, time: float) -> list[tuple[int, int]]:
-        """The pairs of a part of the tool and one of the mock-up that are in contact at a time."""
-        near = self._alone(other).clearance(self._tool(one), self._relative(one, other, time), TOUCH_M)
-        return sorted(zip(near.tool_parts.tolist(), near.parts.tolist(), strict=True))
-
     def _ignored(self, one: int, pairs: Sequence[tuple[int, int]]) -> IgnoredPairs | None:
         return IgnoredPairs(self._tool(one), self._mockup, np.array(pairs, dtype=np.int64)) if pairs else None
 
-    def _seats(
-        self, one: int, other: int, time: float, ignore_touching: bool
-    ) -> tuple[IgnoredPairs | None, list[MechanismSeat]]:
-        rows = self._touching(one, other, time) if ignore_touching else []
-        paths, own = self._mockup.part_paths, self._parts(one)
-        return self._ignored(one, rows), [MechanismSeat(own[a], b, paths[own[a]], paths[b]) for a, b in rows]
+    def _seats(self, one: int, other: int, begin: float, stop: float) -> list[TrackSeat]:
+        """The pairs of parts of two bodies that are in contact at a time."""
+        turn = turn_of(self._steps(one, other, begin, stop, SPLINE_M))
+        pose = self._relative(one, other, begin)
+        return seats_at(self._meshes, self._whole(), self._parts(one), self._parts(other), pose, turn)
+
+    def _seat(self, held: TrackSeat) -> MechanismSeat:
+        seat, paths = held.seat, self._mockup.part_paths
+        return MechanismSeat(seat.part, seat.other, paths[seat.part], paths[seat.other], seat.kind)
+
+    def _jam(self, one: int, other: int, held: TrackSeat, begin: float, stop: float) -> MechanismContact | None:
+        """Where a seat first goes deeper; splines are followed closely where they seem to meet."""
+        for step in self._steps(one, other, begin, stop, SPLINE_M):
+            if held.meets(step) is None:
+                continue
+            close = [step] if step.error <= _CLOSE_M else self._steps(one, other, step.begin, step.end, _CLOSE_M)
+            for each in close:
+                if (met := held.meets(each)) is not None:
+                    return self._contact((held.seat.part, held.seat.other), other, met)
+        return None
 
     def _told(self, near: _Near, time: float) -> tuple[int, int, tuple[Vector, Vector]]:
         """The parts and points, in the world, of a distance."""
@@ -417,11 +433,3 @@ class Tracks:
             ends.append((float(x), float(y), float(z)))
         assert found.part is not None and found.tool_part is not None
         return self._parts(one)[found.tool_part], found.part, (ends[0], ends[1])
-
-
-def _seen(joint: Screw | Slide, back: Floats) -> Screw | Slide:
-    """A joint as seen from another frame."""
-    if isinstance(joint, Slide):
-        return Slide(back[:3, :3] @ np.array(joint.way))
-    point = back[:3, :3] @ np.array(joint.point) + back[:3, 3]
-    return Screw(back[:3, :3] @ np.array(joint.axis), point, joint.angle, joint.pitch)

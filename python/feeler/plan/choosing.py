@@ -28,6 +28,8 @@ SIDES = {"hexagon": 6, "square": 4, "12-point": 12}
 """Flats of the drives on the outside."""
 UPRIGHT = 0.1
 """Faces whose normals are this near to across the axis are flats."""
+LIFTED_M = 2e-3
+"""More than the lower end of a tool is lifted above a head before it goes sideways, metres."""
 OVER_M = 2e-4
 """A fastener that stands out of its head by less is flat, metres."""
 
@@ -117,6 +119,28 @@ def _turn_to_flats(corners: Floats, row: Fastener) -> float:
     around = np.arctan2(normals[is_flat, 1], normals[is_flat, 0])
     phase = float(np.angle((area[is_flat] * np.exp(1j * count * around)).sum())) / count
     return (math.degrees(phase) - 90.0) % (360.0 / count)
+
+
+def room_of(
+    catalogue: Catalogue, fastener: Fastener, approach: float, hand: tuple[Tool, Floats] | None = None
+) -> Floats:
+    """`(2, 3)`: the corners of a world box of all that `access` can look at for a fastener: each tool that fits, at any
+    angle, and on any way in of `approach` metres. Parts beyond it have no influence on the answer.
+
+    `hand`: with grip_from_hand. Only the fastener's own place if no tool fits.
+    """
+    chosen = Chosen(catalogue, SeatSearch(60.0, 4, approach, 0.0), None, hand)
+    head = fastener.length if fastener.kind == "nut" else fastener.head_height
+    radius, low, high = 0.0, 0.0, 0.0
+    for pieces in catalogue.fitting(fastener.drive, fastener.across_flats, fastener.size):
+        tool = chosen.seated(pieces).tool
+        deepest = max(depths_of(pieces[0], head))
+        radius = max(radius, float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()))
+        low, high = min(low, tool.bounds[0, 2] - deepest), max(high, tool.bounds[1, 2] + LIFTED_M)
+    side, top = radius + approach, high + approach
+    corners = np.array([[x, y, z] for x in (-side, side) for y in (-side, side) for z in (low, top)])
+    world = corners @ fastener.frame[:3, :3].T + fastener.frame[:3, 3]
+    return np.stack([world.min(axis=0), world.max(axis=0)])
 
 
 def choose(

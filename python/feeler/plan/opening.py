@@ -278,16 +278,17 @@ def _inside_of(scene: Scene, place: Floats, along: Floats, reach: float) -> int 
 
 
 def _centred(scene: Scene, place: Floats, along: Floats, reach: float, error: float, most: float) -> Floats:
-    """Goes across the axis to where the ball is larger, with shorter and shorter steps."""
+    """Goes across the axis to where the ball is larger, with shorter and shorter steps, at most `most` far."""
     x = _any_across(along)
     y = np.cross(along, x)
+    start = place
     best = _ball(scene, place, along, reach, most)[0]
     step = 0.5 * (best if 0.0 < best < math.inf else 0.1 * most)
     while step > 0.1 * error and best < math.inf:
         turns = 2.0 * np.pi * np.arange(CENTRING) / CENTRING
         tried = [place + step * (math.cos(turn) * x + math.sin(turn) * y) for turn in turns]
         sizes = [_ball(scene, each, along, reach, most)[0] for each in tried]
-        if max(sizes) > best:
+        if max(sizes) > best and np.linalg.norm(place - start) <= most:
             best = max(sizes)
             place = tried[sizes.index(best)]
         else:

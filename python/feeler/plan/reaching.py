@@ -15,7 +15,7 @@ from feeler.arguments import check_kind, check_number, check_progress, check_thr
 from feeler.choices import GripAxis
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
-from feeler.plan.catalogue import Catalogue
+from feeler.plan.catalogue import Catalogue, catalogue
 from feeler.plan.choosing import Chosen, HeadShape, choose, head_shapes, strokes_for
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Access as Access
@@ -38,6 +38,8 @@ LEAST_ANGLES, MOST_ANGLES = 4, 3600
 """Seats around the axis."""
 SWING_DEG = 60.0
 """The swing that a tool needs unless told otherwise."""
+BUILT_IN_NAME = "catalogue"
+"""What names the built-in catalogue."""
 MOST_TURNS = 1e6
 """Of a fastener."""
 FARTHEST_M = 1000.0
@@ -53,7 +55,7 @@ _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a to
 @keywords({"swing": "swing_deg"})
 def access(
     scene: Scene,
-    tool: Tool | Catalogue,
+    tool: Tool | Catalogue | str | os.PathLike[str],
     targets: Fasteners | PoseLike | PosesLike,
     swing_deg: float | None = None,
     angles: int = 72,
@@ -78,12 +80,14 @@ def access(
 
     - `tool`: a tool, or a `Catalogue`, of which the first tool is taken that fits by drive and size and reaches: kinds
       in its order, of chains the shortest extension first. `Reach.tried` says why those before do not reach.
+      "catalogue" is the built-in one, other texts are paths of TOML files.
     - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The tool may touch
       the fastener at the seat, while swinging, and on a straight way; not when it is pulled off sideways, so that a
       ring does not pass through the head. The fastener of a bare frame is the part nearest to its origin, up to 20 mm
       away. A catalogue needs `Fasteners`.
     - `swing_deg`: the required degrees, above 0 up to 360; default: 60, or what each tool of the catalogue needs.
-    - `angles`: even steps around z that are tried first, and counted in `blockers`. Free swings do not depend on it.
+    - `angles`: even steps around z that are tried first, and counted in `blockers`. Free swings do not depend on it. A
+      catalogue's tools have steps of their own: of their swings all that are large enough are found.
     - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`; with a catalogue in the frame
       of the grip, whose z points along it and away from the fastener, as `Catalogue.hand`.
     - `grip`: the target's frame in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that points out of the
@@ -114,6 +118,8 @@ def access(
     check_progress(progress)
     search = SeatSearch(SWING_DEG if needed is None else needed, steps, way, gap)
     asked: _Asked
+    if isinstance(tool, (str, os.PathLike)):
+        tool = catalogue(None if tool == BUILT_IN_NAME else tool)
     if isinstance(tool, Catalogue):
         asked = _chosen(tool, targets, needed, search, hand, grip, lift)
     else:
@@ -169,7 +175,7 @@ def _reach(scene: Scene, asked: _Asked, targeted: _Targeted) -> Reach:
 
 
 def _chosen(
-    catalogue: Catalogue,
+    tools: Catalogue,
     targets: object,
     needed: float | None,
     search: SeatSearch,
@@ -188,7 +194,7 @@ def _chosen(
         what = "a feeler.Tool in the frame of the grip, or (hand, grip_from_hand)"
         held = (check_kind("hand", pair[0], Tool, what), one_pose(pair[1], "hand"))
         placed(np.zeros((1, 3)), held[1], "the hand")
-    return Chosen(catalogue, search, needed, held)
+    return Chosen(tools, search, needed, held)
 
 
 def _turns(turns: float | npt.ArrayLike, count: int) -> list[float]:

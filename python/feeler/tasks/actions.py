@@ -16,7 +16,7 @@ from feeler.scene import Scene
 from feeler.tasks.fixings import Fixing, Fixings
 from feeler.tasks.reached import Reached, Reaching, Tooled
 from feeler.tasks.search import Choice, Way
-from feeler.tasks.times import Arithmetic, Timed
+from feeler.tasks.times import Arithmetic, Timed, strokes_for
 
 Floats = npt.NDArray[np.float64]
 
@@ -139,7 +139,7 @@ class Actions:
         self.clock.look()
         fixing = self.fixings.of(item)
         assert fixing.row is not None
-        return self.reaching.reached(fixing.row, self.gone(out) - {fixing.part})
+        return self.reaching.reached(fixing.row, self.gone(out) - {fixing.part}, fixing.turns.count)
 
     def gone(self, out: Iterable[int]) -> frozenset[int]:
         """The parts that are away while items are out: union nuts stay on their pipes."""
@@ -154,9 +154,9 @@ class Actions:
     def undone(self, item: int, tooled: Tooled) -> Timed:
         """The time to undo a fastener with a tool in hand."""
         fixing = self.fixings.of(item)
-        strokes = tooled.strokes or self.times.strokes(fixing.turns, tooled.swing_deg)
+        strokes = strokes_for(fixing.turns.count, tooled.stroke_deg)
         last = ["slide"] if self.is_captive(item) else ["draw", "aside"]
-        return self.times.undo(fixing.hold.path, fixing.turns, tooled.swing_deg, strokes, last)
+        return self.times.undo(fixing.hold.path, fixing.turns, tooled.stroke_deg, strokes, last)
 
     def by_hand(self, items: Iterable[int]) -> Choice:
         """As `Problem`."""
@@ -180,7 +180,11 @@ class Actions:
         """As `Problem`: with all out that can be out before, and a loose fastener by hand."""
         if item not in self._least:
             by_hand = self.by_hand([item]).seconds
-            options = [each.seconds for each in self.tooled(item, self._most_out(item))[0]]
+            fixing = self.fixings.of(item)
+            assert fixing.row is not None
+            out = self.gone(self._most_out(item)) - {fixing.part}
+            tools = self.reaching.any_of(fixing.row, out, fixing.turns.count)
+            options = [self.undone(item, each).mean for each in tools]
             self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
         return self._least[item]
 

@@ -28,7 +28,7 @@ from feeler.tasks.holding import Holds, holds
 from feeler.tasks.reached import Reaching, Tooled
 from feeler.tasks.search import Found, Ordered, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
-from feeler.tasks.times import Arithmetic, Timed, Times, times_of
+from feeler.tasks.times import Arithmetic, Timed, Times, strokes_for, times_of
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
@@ -66,8 +66,9 @@ def task(
 
     - `parts`: as `Parts.select` takes them; they come out together, with what is fastened to them alone. Wanted
       fasteners that hold them to others are undone before.
-    - `tools`: a `Tool` as `access` takes it, a list of them, or a dict of names; each may be a pair of the tool and a
-      dict of options of `access`, such as `{"grip": "y"}`. None: their reach is not checked.
+    - `tools`: a `Catalogue`, its TOML file, or "built-in"; or a `Tool` as `access` takes it, a list of them, or a dict
+      of names; each may be a pair of the tool and a dict of options of `access`, such as `{"grip": "y"}`. None: their
+      reach is not checked.
     - `times`: `Times`, its TOML file, or a dict of its elements. None: the built-in figures, which are examples.
     - `keep`: parts that stay, as `Parts.select` takes them.
     - `people`: who can work at once. Steps that look at other parts can be done at the same time.
@@ -342,7 +343,7 @@ class _Planner:
         chain = [steps[n] for n in critical(slots)]
         bound = min(found.bound / max(1, self.people), max((slot.end for slot in slots), default=0.0))
         notes = []
-        if self.actions.reaching.tools is None:
+        if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
             notes.append(f"Example figures, not measured: {', '.join(self.actions.times.times.examples)}.")
@@ -370,16 +371,31 @@ class _Planner:
         found = []
         for n, one in enumerate(checked):
             needed = self._needed(one)
-            is_enough = self._is_free_after(one, needed)
-            looked = frozenset[int]() if is_enough else one.looked | set(one.parts)
-            found.append(
-                tuple(
+            if isinstance(one.ordered.choice.key, Tooled):
+                after = self._with_room(checked, n, needed)
+            else:
+                is_known = self.actions.is_turned(one.ordered.unit.items[0]) or self._is_along(one)
+                looked = frozenset[int]() if is_known else one.looked | set(one.parts)
+                after = [
                     m
                     for m, other in enumerate(checked[:n])
                     if set(other.ordered.unit.items) & needed or set(other.parts) & looked
-                )
-            )
+                ]
+            found.append(tuple(after))
         return found
+
+    def _with_room(self, checked: list[_Checked], n: int, needed: frozenset[int]) -> list[int]:
+        """The steps before one that gives its tool its room: without any other it is done as quickly."""
+        actions, choice, item = self.actions, checked[n].ordered.choice, checked[n].ordered.unit.items[0]
+        after = list(range(n))
+        for m in reversed(range(n)):
+            if set(checked[m].ordered.unit.items) & needed:
+                continue
+            fewer = [each for each in after if each != m]
+            out = frozenset(each for k in fewer for each in checked[k].ordered.unit.items)
+            if any((each.tool, each.seconds) == choice[:2] for each in actions.tooled(item, out)[0]):
+                after = fewer
+        return after
 
     def _needed(self, one: _Checked) -> frozenset[int]:
         """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
@@ -387,14 +403,6 @@ class _Planner:
         joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
         mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
         return joints | mates | unit.before
-
-    def _is_free_after(self, one: _Checked, needed: frozenset[int]) -> bool:
-        """Whether a step can be done as well once these alone are out. If not, it depends on all that it looked at."""
-        actions, item, tooled = self.actions, one.ordered.unit.items[0], one.ordered.choice.key
-        if isinstance(tooled, Tooled):
-            choices = actions.tooled(item, needed)[0]
-            return any((each.tool, each.seconds) == one.ordered.choice[:2] for each in choices)
-        return actions.is_turned(item) or self._is_along(one)
 
     @staticmethod
     def _is_along(one: _Checked) -> bool:
@@ -413,7 +421,7 @@ class _Planner:
         if isinstance(tooled, Tooled):
             verb = "disconnect" if actions.is_captive(item) else "undo"
             swing, tool_way = tooled.swing_deg, tooled.way
-            strokes = tooled.strokes or actions.times.strokes(actions.fixings.of(item).turns, swing)
+            strokes = strokes_for(actions.fixings.of(item).turns.count, tooled.stroke_deg)
         get = actions.times.elements["get"]
         variance = timed.spread**2 + (get.spread**2 if slot.is_changed else 0.0)
         first = item if item != TARGET else one.parts[0]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,12 +15,18 @@ import numpy.typing as npt
 from feeler.arguments import shown
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Tool
+from feeler.plan.catalogue import Catalogue, catalogue, name_of, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners
+from feeler.plan.reach import Reach
 from feeler.plan.reaching import access
+from feeler.plan.tool_seat import seated_tool
 from feeler.scene import Scene
+from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
 
+BUILT_IN = "built-in"
+"""Instead of a file: the built-in catalogue."""
 APPROACH_M = 0.1
 """How far each way in is searched, as in `access`."""
 ASSUMED_DEG = 60.0
@@ -36,8 +44,8 @@ class Tooled:
     way: Floats
     """`(k, 4, 4)` world_from_tool: the way in; empty without a tool."""
     because: str
-    strokes: int | None = None
-    """If the answer counts them itself."""
+    stroke_deg: float
+    """The share of the swing that one stroke uses, degrees."""
 
 
 @dataclass(frozen=True)
@@ -66,74 +74,146 @@ class Reaching:
 
     def __init__(self, scene: Scene, tools: object, threads: int | None) -> None:
         self.scene, self.threads = scene, threads
-        self.tools = _tools(tools)
+        self.is_checked = tools is not None
+        """Whether there are tools."""
+        self.catalogue = _catalogue(tools)
+        self.tools = () if self.catalogue is not None or tools is None else _tools(tools)
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
-        self._known: dict[tuple[int, frozenset[int]], Reached] = {}
+        self._known: dict[int, dict[frozenset[int], Reached]] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
-    def reached(self, row: Fastener, out: frozenset[int]) -> Reached:
+    def reached(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
         """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
-        among those whose boxes meet that of the tools in any turn, and on any way in."""
+        among those whose boxes meet that of the tools in any turn, and on any way in.
+
+        It is also taken from other sets: what is out never blocks, so the strokes for `turns` of a set are between
+        those of a smaller and of a larger one, and where no tool reaches, none does with less out.
+        """
         near = self.near(row)
-        key = (row.part, out & near)
-        if key not in self._known:
-            self.asked += 1
-            self._known[key] = self._ask(row, out, near)
-        return self._known[key]
+        known, key = self._known.setdefault(row.part, {}), out & near
+        if key not in known:
+            known[key] = self._between(known, key, turns) or self._ask(row, out, near)
+        return known[key]
+
+    @staticmethod
+    def _between(known: dict[frozenset[int], Reached], key: frozenset[int], turns: float) -> Reached | None:
+        """The answer for a set that follows from those for others."""
+        larger = {_strokes(answer, turns): (other, answer) for other, answer in known.items() if other >= key}
+        if () in larger:
+            other, answer = larger[()]
+            return replace(answer, blockers=tuple(dict.fromkeys([*answer.blockers, *sorted(other - key)])))
+        smaller = (answer for other, answer in known.items() if other <= key)
+        return next((answer for answer in smaller if _strokes(answer, turns) in larger), None)
 
     def near(self, row: Fastener) -> frozenset[int]:
         """The parts that its answers can depend on."""
         if row.part not in self._near:
             found: set[int] = set()
-            for held in self.tools or ():
-                lower, upper = _room(held, row)
+            for lower, upper in self._rooms(row):
                 meets = ((self._bounds[:, 0] <= upper) & (self._bounds[:, 1] >= lower)).all(axis=1)
                 found.update(np.flatnonzero(meets & self.scene.part_mask).tolist())
             self._near[row.part] = frozenset(found) - {row.part}
         return self._near[row.part]
 
     def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int]) -> Reached:
-        if self.tools is None:
-            assumed = Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), "without tools: its reach is not checked")
-            return Reached((assumed,), (), near, assumed.because)
+        self.asked += 1
+        if not self.is_checked:
+            said = "without tools: its reach is not checked"
+            return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)
         scene = self.scene.without(sorted(out)) if out else self.scene
+        if self.catalogue is not None:
+            answer = access(scene, self.catalogue, Fasteners([row]), threads=self.threads)[0]
+            return Reached(
+                _tooled(answer, answer.tool or "", answer.because), _in_the_way(answer), near, answer.because
+            )
         found: list[Tooled] = []
         blockers: dict[int, int] = {}
-        said = []
+        reasons = []
         for held in self.tools:
             answer = access(scene, held.tool, Fasteners([row]), threads=self.threads, **held.options)[0]
             because = f"{held.name}: {answer.because}" if len(self.tools) > 1 else answer.because
-            if answer.is_reachable:
-                found.append(Tooled(held.name, answer.swing_deg, answer.way, because))
-            else:
-                said.append(because)
+            found += _tooled(answer, held.name, because)
+            if not answer.is_reachable:
+                reasons.append(because)
             for each in answer.blockers:
                 if each.part != row.part:
                     blockers[each.part] = blockers.get(each.part, 0) + each.count
         worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
-        return Reached(tuple(found), worst, near, "; ".join(said))
+        return Reached(tuple(found), worst, near, "; ".join(reasons))
+
+    def any_of(self, row: Fastener, out: frozenset[int], turns: float) -> tuple[Tooled, ...]:
+        """The tools that reach a fastener while parts are out, and may be the quickest: of a catalogue the first that
+        reaches is taken, and with less out a later one may be the first."""
+        first = self.reached(row, out, turns).tooled
+        if self.catalogue is None or not first or first[0].stroke_deg >= 360.0:
+            return first
+        fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size)
+        names = [name_of(pieces) for pieces in fitting]
+        later = fitting[names.index(first[0].tool) + 1 :] if first[0].tool in names else fitting
+        scene = self.scene.without(sorted(out)) if out else self.scene
+        found = list(first)
+        for pieces in later:
+            own = Catalogue(list(dict.fromkeys(pieces)))
+            answer = access(scene, own, Fasteners([row]), threads=self.threads)[0]
+            found += _tooled(answer, answer.tool or "", answer.because)
+            if found[-1].stroke_deg >= 360.0:
+                break
+        return tuple(found)
+
+    def _rooms(self, row: Fastener) -> Iterator[tuple[Floats, Floats]]:
+        """The boxes of what tools can meet at a fastener, on their way in too."""
+        for held in self.tools:
+            tool = seated_tool(held.tool, held.options.get("hand"), held.options.get("grip")).tool
+            lift = float(held.options.get("lift", 0.0))
+            yield _room(tool, row, lift, lift, float(held.options.get("approach", APPROACH_M)))
+        if self.catalogue is not None:
+            # The lower end of a tool is on the bearing face, in the recess, or above.
+            deep = max(each for each in (row.head_height, row.length, row.size, 0.0) if math.isfinite(each))
+            for pieces in self.catalogue.fitting(row.drive, row.across_flats, row.size):
+                yield _room(tool_of(pieces), row, -deep, deep, APPROACH_M)
 
 
-def _room(held: _Held, row: Fastener) -> tuple[Floats, Floats]:
+def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
+    """Tools with their strokes; empty if none reaches."""
+    return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
+
+
+def _tooled(answer: Reach, name: str, because: str) -> tuple[Tooled, ...]:
+    if not answer.is_reachable:
+        return ()
+    return (Tooled(name, answer.swing_deg, answer.way, because, answer.stroke_deg or answer.swing_deg),)
+
+
+def _in_the_way(answer: Reach) -> tuple[int, ...]:
+    """The parts in the way of the tool, and of all that were tried before it, the worst first."""
+    counts = Counter({each.part: each.count for each in answer.blockers})
+    for tried in answer.tried:
+        counts.update({each.part: each.count for each in tried.blockers})
+    return tuple(sorted(counts.keys() - {answer.part}, key=lambda part: (-counts[part], part)))
+
+
+def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:
     """The box of all that a tool can meet at a fastener: turned about its axis, and on its way in."""
-    from feeler.plan.tool_seat import seated_tool
-
-    tool = seated_tool(held.tool, held.options.get("hand"), held.options.get("grip")).tool
-    approach = float(held.options.get("approach", APPROACH_M))
-    lift = float(held.options.get("lift", 0.0))
     radius = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()) + approach + NEAR_M
-    low, high = tool.bounds[0, 2] + lift - NEAR_M, tool.bounds[1, 2] + lift + approach + NEAR_M
+    low, high = tool.bounds[0, 2] + lowest - NEAR_M, tool.bounds[1, 2] + highest + approach + NEAR_M
     corners = np.array([[x, y, z] for x in (-radius, radius) for y in (-radius, radius) for z in (low, high)])
     world = corners @ row.frame[:3, :3].T + row.frame[:3, 3]
     return world.min(axis=0), world.max(axis=0)
 
 
-def _tools(tools: object) -> tuple[_Held, ...] | None:
+def _catalogue(tools: object) -> Catalogue | None:
+    """A catalogue, its file, or the built-in one; None for other tools."""
+    if isinstance(tools, str) and tools == BUILT_IN:
+        return catalogue()
+    if isinstance(tools, (str, os.PathLike)):
+        return catalogue(tools)
+    return tools if isinstance(tools, Catalogue) else None
+
+
+def _tools(tools: object) -> tuple[_Held, ...]:
     """Tools by name: one, a list, or a dict of names; each may come with options of `access`."""
-    if tools is None:
-        return None
     if isinstance(tools, Mapping):
         named = [(name, each) for name, each in tools.items()]
     elif isinstance(tools, Sequence) and not isinstance(tools, (str, bytes)) and not _is_pair(tools):

@@ -142,6 +142,11 @@ class Times:
         return f"Times({count} of {len(self.elements)} elements given)"
 
 
+def strokes_for(turns: float, stroke_deg: float) -> int:
+    """Strokes of a tool for some turns, of at most a full turn each."""
+    return max(1, math.ceil(turns * 360.0 / min(stroke_deg, 360.0) - 1e-9))
+
+
 def times_of(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
     """A table as `task` takes it: one, a file, a dict of elements, or None for the examples."""
     if isinstance(times, Times):
@@ -177,10 +182,6 @@ class Arithmetic:
         count = 1e3 * engaged / pitch
         said = f"M{nominal:g}, ISO 261 coarse" if own is None else "pitch given"
         return Turns(count, f"{1e3 * engaged:.3g} mm / {pitch:g} mm ({said}) = {count:.3g} turns")
-
-    def strokes(self, turns: Turns, swing_deg: float) -> int:
-        """Strokes of a tool, of at most a full turn each."""
-        return max(1, math.ceil(turns.count * 360.0 / min(swing_deg, 360.0) - 1e-9))
 
     def undo(self, path: str, turns: Turns, swing_deg: float, strokes: int, last: Sequence[str]) -> Timed:
         """A fastener by a tool in hand. last: the elements after the strokes."""
