@@ -172,6 +172,22 @@ def test_what_nothing_frees_is_named(world: feeler.Mockup) -> None:
     assert any("order was forced" in note for note in answer["task"]["notes"])
 
 
+def test_tools_are_of_the_catalogue_unless_they_are_named(world: feeler.Mockup) -> None:
+    bench = bench_of(world)
+    number = int(bench.command("ask", question="task", parts=LEFT)["id"])
+    answered(bench, number)
+    undo = next(k for k, step in enumerate(steps(bench, number)) if step["verb"] == "undo")
+    step = steps(bench, number)[undo]
+    assert step["tool"].startswith(("socket 13", "ring 13", "open 13"))
+    ghost = bench.session.ask("task_tool", {"id": number, "step": undo}) or {}
+    lower, upper = ghost["manifest"]["lower"], ghost["manifest"]["upper"]
+    # About the head of the bolt, and not below its bearing face.
+    assert lower[0] < 0.0 < upper[0] and lower[1] < 0.0 < upper[1] and -1e-6 < lower[2] < 0.006 < upper[2]
+    number = int(bench.command("ask", question="task", parts=LEFT, tools=[])["id"])
+    answered(bench, number)
+    assert {step["tool"] for step in steps(bench, number)} == {""}
+
+
 def test_several_people_work_at_once(world: feeler.Mockup) -> None:
     bench = bench_of(world)
     alone, two = asked(bench), asked(bench, people=2)

@@ -46,7 +46,7 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
         assert "Select what is taken out" in panel.inner_text()
         for name, keys in (("left", []), ("right", ["Control"])):
             page.locator("[role=treeitem]", has_text=name).last.click(modifiers=keys)
-        panel.get_by_label("Tools").select_option("those of the workbench")
+        panel.get_by_label("Tools").select_option("of the workbench")
         panel.get_by_role("button", name="How is it taken out?").click()
         assert [step[2:] for step in order(page)] == ["take out lid", "undo left", "undo right"]
         assert "Best found" in panel.inner_text() and "not below" in panel.inner_text()

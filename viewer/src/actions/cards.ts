@@ -22,7 +22,7 @@ export async function ask(
   question: CardQuestion,
   parts: readonly number[] = wb.targets(),
   without: readonly number[] = [],
-  tools: readonly string[] = [],
+  tools: readonly string[] | null = null,
   people = 1,
 ): Promise<void> {
   const { store } = wb;
@@ -37,7 +37,7 @@ export async function ask(
     ...(parts.length > 0 ? { parts: [...parts] } : {}),
     ...(without.length > 0 ? { without: [...without] } : {}),
     ...(people > 1 ? { people } : {}),
-    ...(tools.length > 0 ? { tools: [...tools] } : {}),
+    ...(tools !== null ? { tools: [...tools] } : {}),
   };
   // A double click asks once.
   if (isSame(given, asking)) return;
@@ -55,7 +55,8 @@ export async function ask(
 
 /** Asks which of all tools reach the fasteners among the selected parts; without a selection, all fasteners. */
 export function askTools(wb: Workbench): Promise<void> {
-  return ask(wb, "access", wb.targets(), [], wb.store.document.peek()?.tools ?? []);
+  const tools = wb.store.document.peek()?.tools ?? [];
+  return ask(wb, "access", wb.targets(), [], tools.length > 0 ? tools : null);
 }
 
 /** Shows a card with its whole answer; a film of parts that are still there stands at its start. */

@@ -7,7 +7,8 @@ import type { Workbench } from "./workbench";
 /** Asks how the selected parts are taken out. */
 export function askTask(wb: Workbench): Promise<void> {
   const { store } = wb;
-  const tools = store.are_tools_checked.peek() ? (store.document.peek()?.tools ?? []) : [];
+  const kind = store.task_tools.peek();
+  const tools = kind === "catalogue" ? null : kind === "own" ? (store.document.peek()?.tools ?? []) : [];
   return ask(wb, "task", wb.targets(), [], tools, store.people_count.peek());
 }
 

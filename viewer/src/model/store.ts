@@ -130,8 +130,8 @@ export class Store {
   readonly card = signal<number | null>(null);
   /** The answers that were fetched, by card. */
   readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
-  /** Whether the reach of the tools of the workbench is checked in a task. */
-  readonly are_tools_checked = signal(false);
+  /** Which tools a task is planned with; none: their reach is not checked. */
+  readonly task_tools = signal<"catalogue" | "own" | "none">("catalogue");
   /** How many people a task is planned for. */
   readonly people_count = signal(1);
   readonly film = signal<Film | null>(null);

@@ -26,13 +26,14 @@ export function TaskPanel() {
           <label>
             <span>Tools</span>
             <select
-              value={store.are_tools_checked.value ? "all" : "none"}
+              value={store.task_tools.value}
               onChange={(event) => {
-                store.are_tools_checked.value = event.currentTarget.value === "all";
+                store.task_tools.value = event.currentTarget.value as typeof store.task_tools.value;
               }}
             >
+              <option value="catalogue">of the catalogue</option>
+              <option value="own">of the workbench</option>
               <option value="none">reach not checked</option>
-              <option value="all">those of the workbench</option>
             </select>
           </label>
           <label>

@@ -230,7 +230,8 @@ def _options(document: Document, given: Arguments, known: Known, question: str) 
         found["seconds"] = given.number("seconds", 0.1, LONGEST_S)
     if question == "task":
         if given.has("tools"):
-            found["tools"] = _tools(given, known)
+            # An empty list: their reach is not checked.
+            found["tools"] = _tools(given, known) if len(given.raw("tools", list[str])) else []
         if given.has("people"):
             found["people"] = given.whole("people", 1, MOST_PEOPLE)
     if question != "access":

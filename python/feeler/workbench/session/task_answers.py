@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from feeler.mockup import Mockup, Tool
-from feeler.plan.catalogue import catalogue
+from feeler.plan.catalogue import Catalogue, catalogue
 from feeler.progress import Progress
 from feeler.tasks.answer import Task
 from feeler.tasks.planning import task
@@ -70,8 +70,11 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
     return Answered(f"{said}.", found.is_found, ways, rows, facts=_totals(found), task=facts)
 
 
-def _tools(asked: Asked) -> dict[str, Any] | None:
-    """The tools by name, each as it is held; None: their reach is not checked."""
+def _tools(asked: Asked) -> Catalogue | dict[str, Any] | None:
+    """The built-in catalogue unless tools were named; else these by name, each as it is held; None: their reach is not
+    checked."""
+    if "tools" not in asked.options:
+        return catalogue()
     if not asked.tools:
         return None
     is_wrench = {name: name == "wrench" and name in asked.built_in for name in asked.tools}
