@@ -562,6 +562,7 @@ VIEW_ARGUMENTS: dict[str, object] = {
     "rows": [0],
     "version": "00ff",
     "camera": {"pose": np.eye(4).ravel().tolist(), "distance": 1.0, "fov_deg": 40.0, "is_ortho": False},
+    "edit": "off",
     "findings": [],
     "hit": np.eye(4),
     "id": 1,

@@ -236,7 +236,7 @@ def test_texts_of_strangers_are_shown_as_text(tmp_path: Path, text: str) -> None
     assert html.unescape(name)[:6] in shown
     with zipfile.ZipFile(io.BytesIO(xlsx_bytes(report))) as book:
         sheets = [book.read(each).decode() for each in book.namelist() if each.startswith("xl/worksheets/sheet")]
-    assert len(sheets) == 6 and not any("<f>" in sheet for sheet in sheets), "no cell is a formula"
+    assert len(sheets) == 7 and not any("<f>" in sheet for sheet in sheets), "no cell is a formula"
 
 
 def test_a_newer_revision_makes_results_out_of_date(there: Path, tmp_path: Path) -> None:

@@ -115,6 +115,22 @@ def test_times_of_steps_add_up(covered: feeler.Scene) -> None:
     assert coarse.steps[-2].strokes == 48 and "not checked" in coarse.notes[0]
 
 
+def test_a_forced_order_is_kept_and_one_that_cannot_be_is_said(covered: feeler.Scene) -> None:
+    place = np.eye(4)
+    place[0, 3] = 0.1
+    two = scene_of(a=bolt(0.03), b=bolt(0.03, place), under=ring(CLEAR, -0.01, 0.0), case=ring(TAPPED, -0.04, -0.01))
+    free = feeler.task(two, ["a", "b"])
+    first, second = (step.part for step in free.steps if step.verb == "undo")
+    back = feeler.task(two, ["a", "b"], before=[(second, first)])
+    assert [step.part for step in back.steps if step.verb == "undo"] == [second, first]
+    assert back.seconds == free.seconds and back.bound <= free.bound
+    blocked = feeler.task(covered, "cover", driver(), before=[("bolt", "lid")])
+    assert not blocked.is_found and "order was forced" in blocked.notes[-1]
+    for wrong in ([("a", "a")], [("a",)], ["ab"], {"a": "b"}, 3):
+        with pytest.raises(OptionError):
+            feeler.task(two, "a", before=wrong)  # type: ignore[arg-type]
+
+
 def test_what_nothing_frees_is_named(covered: feeler.Scene) -> None:
     kept = feeler.task(covered, "cover", driver(), keep="lid")
     assert not kept.is_found and kept.steps == () and math.isnan(kept.seconds)

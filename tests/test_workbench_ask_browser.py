@@ -51,7 +51,7 @@ def test_a_part_is_asked_for_watched_taken_out_and_put_back(context: Any, stand:
         assert troubles(page) == [], "a double click is one click"
         assert len(document(page)["out"]) == 1
         # What was asked is about the mock-up with the part: the card says that it is of before.
-        page.get_by_role("tab", name="Ask").click()
+        page.get_by_role("tab", name="Ask", exact=True).click()
         assert "parts were moved since" in panel.inner_text()
         page.locator("#picture").focus()
         page.keyboard.press("Control+z")
@@ -69,7 +69,7 @@ def test_the_room_that_a_part_needs_is_seen(context: Any, stand: Path) -> None:
         select(page, "pump", "pump")
         settled(page)
         before = picture(page)
-        page.get_by_role("tab", name="Ask").click()
+        page.get_by_role("tab", name="Ask", exact=True).click()
         page.get_by_role("button", name="What room does it need").first.click()
         wait(page, DONE)
         page.locator("#panel dl").wait_for()

@@ -358,6 +358,9 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "findings": st.just(GIVEN),
     "text": st.sampled_from([MECHANISM, MECHANISM.replace("prismatic", "revolute"), "not toml", "[[joint]]"]),
     "value": st.floats(-0.3, 0.3),
+    "edit": st.sampled_from(["off", "on", "time", "before", "free", "never"]),
+    "seconds": st.floats(-1.0, 100.0),
+    "later": st.integers(0, 5),
 }
 # Undo leaves cards as they are.
 STEPS = st.sampled_from(sorted(name for name, command in COMMANDS.items() if not command.is_of_cards)).flatmap(

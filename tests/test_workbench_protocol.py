@@ -133,6 +133,7 @@ DOCUMENT: protocol.DocumentFields = {
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
             **{"is_good": None, "is_stale": False, "line": None, "is_earlier": False},
+            "edits": {"off": ["lid"], "times": [("bolt", 9.5)], "before": [("a", "b")]},
         }
     ],
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},

@@ -325,7 +325,7 @@ ROOMS: dict[str, set[str]] = {
     # `feeler` for its version alone.
     "workbench": {
         *(*BASE, "clashes", "haptics", "ignored", "io", "mechanism", "parts", "picture", "plan", "project"),
-        *("requirements", "samples", "feeler"),
+        *("requirements", "samples", "tasks", "feeler"),
     },
     # What holds a part, and how it is taken out.
     "tasks": {*BASE, "io", "parts", "plan", "spreading", "stopping"},

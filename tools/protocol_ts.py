@@ -40,7 +40,7 @@ ARRAYS = {"F8": "Float64Array", "F4": "Float32Array", "U4": "Uint32Array", "U1":
 SHARES = {
     "document/protocol": (
         *("document/protocol_values", "document/protocol_people"),
-        *("document/protocol_findings", "document/protocol_joints", "document/answers"),
+        *("document/protocol_findings", "document/protocol_joints", "document/protocol_task", "document/answers"),
     ),
     "document/commands": tuple(
         f"document/{name}"
@@ -51,6 +51,7 @@ SHARES = {
             "line_cards",
             "guide_commands",
             "joint_commands",
+            "task_commands",
         )
     ),
     "session/asking": ("session/finding_jobs", "session/report_jobs", "session/requirement_jobs"),

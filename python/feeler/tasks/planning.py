@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_number, check_progress, check_threads, check_whole
+from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole, shown
 from feeler.errors import OptionError
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fasteners, find_fasteners
@@ -52,6 +52,7 @@ def task(
     *,
     fasteners: Fasteners | None = None,
     held: Holds | None = None,
+    before: Sequence[tuple[PartsLike, PartsLike]] | None = None,
     seconds: float = 600.0,
     seed: int = 0,
     threads: int | None = None,
@@ -72,6 +73,8 @@ def task(
     - `keep`: parts that stay, as `Parts.select` takes them.
     - `people`: who can work at once. Steps that look at other parts can be done at the same time.
     - `fasteners`, `held`: what `find_fasteners` and `holds` found, if you have it or know better.
+    - `before`: pairs of parts: of a plan that takes both out, the first goes before the second. `bound` does not count
+      these.
     - `seconds`: the search ends then. The plan depends neither on it, unless it ended it (`is_complete`), nor on
       `threads`.
     - `progress`: called with the share of the time, 0 to 1, and what is done.
@@ -105,7 +108,26 @@ def task(
     clock.tell("looking at what leaves together")
     question = _question(scene, wanted, kept, fixings, seed, workers)
     actions = Actions(question, clock, fixings, reaching, table)
-    return _Planner(actions, clock, crew, tuple(scene.mockup.part_paths[part] for part in wanted)).task()
+    forced = _forced(scene, before, question)
+    return _Planner(actions, clock, crew, tuple(scene.mockup.part_paths[part] for part in wanted), forced).task()
+
+
+def _forced(
+    scene: Scene, before: Sequence[tuple[PartsLike, PartsLike]] | None, question: Together
+) -> dict[int, frozenset[int]]:
+    """Of items those that have to go before them."""
+    found: dict[int, frozenset[int]] = {}
+    for pair in check_list("before", [] if before is None else before, "a list of pairs of parts"):
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+            raise OptionError(f"before has {shown(pair)}: give pairs of parts: what goes first, and what after it")
+        first, second = (scene.mockup.parts.select(each).tolist() for each in pair)
+        if set(first) & set(second):
+            path = scene.mockup.part_paths[min(set(first) & set(second))]
+            raise OptionError(f"before has {path!r} before itself: name two parts")
+        ahead = frozenset(question.node_of(part) for part in first)
+        for item in {question.node_of(part) for part in second}:
+            found[item] = found.get(item, frozenset()) | ahead
+    return found
 
 
 def _wanted(scene: Scene, parts: PartsLike) -> tuple[int, ...]:
@@ -180,8 +202,15 @@ class _Checked:
 class _Planner:
     """Searches plans, and checks the ways of their steps."""
 
-    def __init__(self, actions: Actions, clock: Clock, people: int, wanted: tuple[str, ...]) -> None:
-        self.actions, self.clock, self.people, self.wanted = actions, clock, people, wanted
+    def __init__(
+        self,
+        actions: Actions,
+        clock: Clock,
+        people: int,
+        wanted: tuple[str, ...],
+        forced: Mapping[int, frozenset[int]],
+    ) -> None:
+        self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
         self.tries = 0
@@ -205,7 +234,7 @@ class _Planner:
 
     def _found(self) -> Found:
         self.clock.tell("searching the quickest order")
-        return Search(self.actions, TARGET, self.clock.goes_on).best()
+        return Search(self.actions, TARGET, self.clock.goes_on, self.forced).best()
 
     def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
         """The steps with their ways; None if one does not hold, and then its blockers are known."""
@@ -420,7 +449,9 @@ class _Planner:
 
     def _blocked(self, found: Found) -> Task:
         rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
-        notes = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
+        notes: tuple[str, ...] = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
+        if self.forced:
+            notes += ("An order was forced: there may be a plan without it.",)
         nan = math.nan
         elements, examples = dict(self.actions.times.elements), self.actions.times.times.examples
         return Task(

@@ -140,7 +140,15 @@ class _Set:
 class Search:
     """Searches the plans of a problem that take out `target`."""
 
-    def __init__(self, problem: Problem, target: int, goes_on: Callable[[], bool] = lambda: True) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        target: int,
+        goes_on: Callable[[], bool] = lambda: True,
+        forced: Mapping[int, frozenset[int]] | None = None,
+    ) -> None:
+        """forced: of items those that go before them, if they go at all."""
+        self._forced = forced or {}
         self.problem, self.target, self._goes_on = problem, target, goes_on
         self.sets = 0
         """Sets that were looked at."""
@@ -332,12 +340,17 @@ class Search:
             if motion is None:
                 self._note(group[0], frozenset(group[1:]))
                 return None
-            before = frozenset[int]().union(*(parts[item].blockers for item in group)) - set(group)
+            before = frozenset[int]().union(*(parts[item].blockers | self._first(item, one) for item in group))
+            before -= set(group)
             units.append(Unit(tuple(group), motion, before))
         for item in sorted(one.items - parts.keys()):
             way = one.chosen[item]
-            units.append(Unit((item,), way.motions[0], way.blockers))
+            units.append(Unit((item,), way.motions[0], way.blockers | self._first(item, one)))
         return units
+
+    def _first(self, item: int, one: _Set) -> frozenset[int]:
+        """The items of a set that are forced to go before one of them."""
+        return self._forced.get(item, frozenset()) & one.items - {item}
 
     def _seconds(self, steps: Sequence[Ordered]) -> float:
         return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)

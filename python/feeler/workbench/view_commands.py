@@ -21,6 +21,7 @@ from feeler.workbench.document.protocol import (
     Mode,
     Pose,
     RequirementResult,
+    TaskEditKind,
     Unit,
     Vec3,
 )
@@ -281,6 +282,7 @@ class ViewCommands:
         swing_deg: float | None = None,
         clearance: float | None = None,
         seconds: float | None = None,
+        people: int | None = None,
     ) -> CommandAnswer:
         """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need."""
         return self._command(
@@ -294,6 +296,7 @@ class ViewCommands:
             swing_deg=swing_deg,
             clearance=clearance,
             seconds=seconds,
+            people=people,
         )
 
     def card_again(self, id: int) -> CommandAnswer:
@@ -307,6 +310,19 @@ class ViewCommands:
     def card_remove(self, id: int) -> CommandAnswer:
         """Removes a card, with its answer, and the guide along its way."""
         return self.command("card_remove", id=id)
+
+    def task_edit(
+        self,
+        id: int,
+        edit: TaskEditKind,
+        parts: PartsLike,
+        seconds: float | None = None,
+        later: PartsLike | None = None,
+    ) -> CommandAnswer:
+        """Edits the task of a card, which is planned again."""
+        return self._command(
+            "task_edit", id=id, edit=edit, parts=plain_parts(parts), seconds=seconds, later=plain_parts(later)
+        )
 
     def way_take(
         self, id: int | None = None, steps: int | None = None, ways: list[GivenWay] | None = None

@@ -22,20 +22,22 @@ export async function ask(
   question: CardQuestion,
   parts: readonly number[] = wb.targets(),
   without: readonly number[] = [],
-  tools: readonly string[] = [],
+  tools: readonly string[] | null = null,
+  people = 1,
 ): Promise<void> {
   const { store } = wb;
   if (parts.length === 0 && question !== "access") {
     store.notify("info", "Select the parts to ask about first");
     return;
   }
-  store.panel.value = "ask";
+  store.panel.value = question === "task" ? "task" : "ask";
   store.set({ are_panels_open: true });
   const given = {
     question,
     ...(parts.length > 0 ? { parts: [...parts] } : {}),
     ...(without.length > 0 ? { without: [...without] } : {}),
-    ...(tools.length > 0 ? { tools: [...tools] } : {}),
+    ...(people > 1 ? { people } : {}),
+    ...(tools !== null ? { tools: [...tools] } : {}),
   };
   // A double click asks once.
   if (isSame(given, asking)) return;
@@ -53,7 +55,8 @@ export async function ask(
 
 /** Asks which of all tools reach the fasteners among the selected parts; without a selection, all fasteners. */
 export function askTools(wb: Workbench): Promise<void> {
-  return ask(wb, "access", wb.targets(), [], wb.store.document.peek()?.tools ?? []);
+  const tools = wb.store.document.peek()?.tools ?? [];
+  return ask(wb, "access", wb.targets(), [], tools.length > 0 ? tools : null);
 }
 
 /** Shows a card with its whole answer; a film of parts that are still there stands at its start. */
@@ -78,8 +81,12 @@ export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
     // Another card may have been opened meanwhile.
     if (store.card.peek() !== id) return;
     // A film of a removal in the sequence has the parts where they were: it begins when it is asked for.
-    if (answer.ways.length > 0 && store.film.peek()?.card !== id && cardOf(wb, id)?.line === null)
+    const film = store.film.peek();
+    if (answer.ways.length > 0 && film?.card !== id && cardOf(wb, id)?.line === null)
       store.film.value = { card: id, step: 0, share: 0, is_playing: false };
+    // Asked again, it may have fewer steps.
+    else if (film?.card === id && film.step >= answer.ways.length)
+      store.film.value = { card: id, step: Math.max(0, answer.ways.length - 1), share: 0, is_playing: false };
     wb.stage.setRoom(piece && answer.room ? { piece, manifest: answer.room } : null);
     wb.redraw();
   } catch (error) {

@@ -29,6 +29,7 @@ import { isStale, project, saveProject, selectStale } from "./project";
 import { playRecord } from "./record";
 import { addRequirement, checkRequirements } from "./requirements";
 import { addSection, fitBox, flipped, pickFace, toggleBox, toggleSections } from "./sections";
+import { askTask } from "./tasks";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "./typed-move";
 import type { Workbench } from "./workbench";
 
@@ -254,6 +255,7 @@ const panelTitles: Readonly<Record<Panel, string>> = {
   sections: "Sections",
   measures: "Measures",
   mechanism: "Mechanism",
+  task: "Task",
   sequence: "Sequence",
   findings: "Findings",
 };
@@ -373,6 +375,7 @@ export const COMMANDS: readonly PageCommand[] = [
 
   command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), hasTargets),
   command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), hasTargets),
+  command("Ask", "ask-task", "How is it taken out, with which tools, in how long?", "", askTask, hasTargets),
   command("Ask", "ask-tools", "Which tool reaches its bolts?", "", askTools, canChange),
   command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
   command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),

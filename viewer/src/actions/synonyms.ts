@@ -95,6 +95,8 @@ export const SYNONYMS: Readonly<Record<string, readonly string[]>> = {
   "clashes-of": ["clash", "interfere", "interference", "overlap"],
   "ask-removal": ["way out", "remove", "take out", "removal", "disassemble", "come out", "extract", "out"],
   "ask-order": ["order", "what first", "removal order", "disassembly order"],
+  "ask-task": ["task", "maintenance", "plan", "how long", "time", "steps", "gantt", "mechanic", "take out"],
+  "panel-task": ["maintenance", "plan", "gantt", "how long"],
   "ask-tools": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],
   "ask-access": ["access", "tools", "reach", "wrench", "undo a bolt", "undo", "fasteners", "bolts", "screws"],
   "ask-swept": ["swept", "swept volume", "room", "envelope", "space"],

@@ -1,21 +1,27 @@
 // From the store to the stage: each change of the store is drawn once.
 
-import { effect } from "@preact/signals";
+import { computed, effect } from "@preact/signals";
 import type { Workbench } from "../actions/workbench";
 import { saveSettings } from "../model/settings";
+import { goneParts } from "../model/task";
 import type { Loop } from "./loop";
 import { findingTints, partStates, reachTints } from "./part-states";
 
 /** Follows the store from now on; the function returned ends it. */
 export function followStore(wb: Workbench, loop: Loop): () => void {
   const { store, stage, hand } = wb;
+  // A film goes on in each frame, and what is out in it at each step.
+  const step = computed(() => (store.film.value ? `${store.film.value.card} ${store.film.value.step}` : ""));
   const ends = [
     effect(() => {
       const document = store.document.value;
       const count = store.paths.value.length;
       const focus = store.findings.focus.value;
       const others = store.people.selections.value;
-      if (document) loop.setPartStates(partStates(count, document, store.selection.value, focus, others));
+      void step.value;
+      const gone = goneParts(store.film.peek(), document?.cards ?? [], store.answers.value, store.paths.value);
+      const shown = document && gone.length > 0 ? { ...document, ghost: [...document.ghost, ...gone] } : document;
+      if (shown) loop.setPartStates(partStates(count, shown, store.selection.value, focus, others));
     }),
     effect(() => {
       // Another mock-up in the stage has its own colours.

@@ -38,6 +38,7 @@ import { followFilm } from "./film";
 import { followFindings, takeRows } from "./follow-findings";
 import { followJoints } from "./follow-joints";
 import { followRecord } from "./follow-record";
+import { followTask } from "./follow-task";
 import { Loop } from "./loop";
 import { followOutlines } from "./outlines";
 import { followPeople } from "./people";
@@ -131,6 +132,7 @@ export class Page {
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
     followJoints(this.wb, this.loop);
+    followTask(this.wb, this.loop);
     followRecord(this.wb);
     followPeople(this.wb, this.loop);
     followFindings(this.wb, token ? (version) => fetchBytes(base, token, `findings/${version}`) : null);

@@ -345,6 +345,18 @@ export interface Joints {
   readonly values: Readonly<Record<string, number>>;
 }
 
+export type TaskEditKind = "off" | "on" | "time" | "before" | "free";
+
+/** What the user changed of a task. */
+export interface TaskEdits {
+  /** Paths of parts that are off already. */
+  readonly off: readonly string[];
+  /** Paths of parts, and the seconds that were typed for their steps. */
+  readonly times: readonly [string, number][];
+  /** Pairs of paths: the first goes before the second. */
+  readonly before: readonly [string, string][];
+}
+
 /** The parts that a joint moves, at its worst position. */
 export interface JointGhost {
   /** In the world's frame. */
@@ -557,8 +569,66 @@ export interface Fact {
   readonly figure: string;
 }
 
-/** The whole answer of a card. */
-export interface CardAnswer {
+/** A step of a task; its way is that of the answer with the same number. */
+export interface TaskStepFacts {
+  /** "undo", "disconnect" or "take out". */
+  readonly verb: string;
+  /** The fastener, or the first part. */
+  readonly part: number;
+  /** Empty: by hand, or without tools. */
+  readonly tool: string;
+  readonly swing_deg: number | null;
+  readonly strokes: number;
+  /** world_from_tool: the tool's way in, the last one in its seat; empty without one. */
+  readonly tool_way: readonly Pose[];
+  /** From 0. */
+  readonly person: number;
+  /** Seconds from the beginning. */
+  readonly start: number;
+  readonly seconds: number;
+  /** The standard deviation, seconds. */
+  readonly spread: number;
+  /** Steps that have to be done before, by number. */
+  readonly after: readonly number[];
+  readonly because: string;
+  readonly arithmetic: string;
+  /** The user typed its time. */
+  readonly is_typed: boolean;
+}
+
+/** Something that nothing frees. */
+export interface TaskBlockerFacts {
+  /** Null: all parts asked for, together. */
+  readonly part: number | null;
+  readonly because: string;
+  readonly blockers: readonly number[];
+}
+
+/** How parts are taken out; without steps if no plan was found. */
+export interface TaskAnswer {
+  readonly steps: readonly TaskStepFacts[];
+  /** Of the best plan that was found; null: none was. */
+  readonly seconds: number | null;
+  readonly spread: number | null;
+  /** No plan takes fewer seconds. */
+  readonly bound: number | null;
+  readonly people: number;
+  /** The search ended by itself, not at a limit. */
+  readonly is_complete: boolean;
+  readonly blocked: readonly TaskBlockerFacts[];
+  readonly notes: readonly string[];
+}
+
+/** The tool of a step in its seat. */
+export interface ToolGhost {
+  /** In the world's frame. */
+  readonly manifest: HeldManifest;
+  /** Base64 of its pieces, one after the other. */
+  readonly data: string;
+}
+
+/** The answer of a card, without a task. */
+export interface AnswerFacts {
   readonly id: number;
   /** One after the other; for an order, the last one is of the parts asked for. */
   readonly ways: readonly WayFacts[];
@@ -568,6 +638,12 @@ export interface CardAnswer {
   readonly room: HeldManifest | null;
   /** What else is to be said. */
   readonly facts: readonly Fact[];
+}
+
+/** The whole answer of a card. */
+export interface CardAnswer extends AnswerFacts {
+  /** Of a task. */
+  readonly task?: TaskAnswer;
 }
 
 /** Closes a socket without the token, or past a limit. */
@@ -612,11 +688,11 @@ export type MeasureType = "point" | "edge" | "angle" | "parts";
 
 export type Material = "steel" | "aluminium" | "plastic" | "rubber";
 
-export type CardQuestion = "removal" | "order" | "access" | "swept";
+export type CardQuestion = "removal" | "order" | "access" | "swept" | "task";
 
 export type LineQuestion = "way" | "shorten";
 
-export type CardKind = "removal" | "order" | "access" | "swept" | "way" | "shorten";
+export type CardKind = "removal" | "order" | "access" | "swept" | "task" | "way" | "shorten";
 
 export type CardState = "waiting" | "running" | "done" | "failed" | "cancelled";
 
@@ -740,7 +816,7 @@ export interface Card {
   readonly parts: readonly number[];
   /** Parts left out for this question. */
   readonly without: readonly number[];
-  /** Tool, grip, swing_deg, clearance, seconds, as far as given. */
+  /** Tool, tools, people, grip, swing_deg, clearance, seconds, as far as given. */
   readonly options: Readonly<Record<string, unknown>>;
   readonly title: string;
   /** The mock-up that it is about: what is out of it, or moved. */
@@ -759,6 +835,8 @@ export interface Card {
   readonly line: number | null;
   /** It is about an earlier revision of the mock-up, and so stale. */
   readonly is_earlier: boolean;
+  /** Of a task: what the user changed. */
+  readonly edits: TaskEdits;
 }
 
 /** A way of parts: poses of their motion in the world, the first the identity. */
@@ -1327,6 +1405,7 @@ export interface Commands {
     readonly swing_deg?: number;
     readonly clearance?: number;
     readonly seconds?: number;
+    readonly people?: number;
   };
   /** Asks the question of a card again, of the mock-up as it is now. */
   readonly card_again: { readonly id: number };
@@ -1334,6 +1413,14 @@ export interface Commands {
   readonly card_cancel: { readonly id: number };
   /** Removes a card, with its answer, and the guide along its way. */
   readonly card_remove: { readonly id: number };
+  /** Edits the task of a card, which is planned again. */
+  readonly task_edit: {
+    readonly id: number;
+    readonly edit: TaskEditKind;
+    readonly parts: Selection;
+    readonly seconds?: number;
+    readonly later?: Selection;
+  };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
   /** Asks whether the way of a line of the sequence holds: at every pose, and between them. */
@@ -1400,6 +1487,11 @@ export interface Questions {
   readonly find: { readonly args: { readonly query: string }; readonly answer: FoundParts };
   /** The whole answer of a card. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
+  /** The tool of a step of a task in its seat; None: the step has none. */
+  readonly task_tool: {
+    readonly args: { readonly id: number; readonly step: number };
+    readonly answer: ToolGhost | null;
+  };
   /** The parts that a joint moves, at its worst position. */
   readonly joint_ghost: { readonly args: { readonly name: string }; readonly answer: JointGhost };
   /** Shows a joint at a value to all pages, as far as contact lets it, until the next change; null: as it stands. */

@@ -12,8 +12,17 @@ export interface Notice {
 }
 
 /** The panels on the right. */
-export type Panel = "pose" | "ask" | "sections" | "measures" | "sequence" | "findings" | "mechanism";
-export const PANELS: readonly Panel[] = ["pose", "ask", "sections", "measures", "sequence", "findings", "mechanism"];
+export type Panel = "pose" | "ask" | "sections" | "measures" | "sequence" | "findings" | "mechanism" | "task";
+export const PANELS: readonly Panel[] = [
+  "pose",
+  "ask",
+  "sections",
+  "measures",
+  "sequence",
+  "findings",
+  "mechanism",
+  "task",
+];
 
 /** A panel by its name; the first for a name of another version. */
 export const knownPanel = (name: string): Panel => PANELS.find((panel) => panel === name) ?? "pose";

@@ -130,6 +130,10 @@ export class Store {
   readonly card = signal<number | null>(null);
   /** The answers that were fetched, by card. */
   readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
+  /** Which tools a task is planned with; none: their reach is not checked. */
+  readonly task_tools = signal<"catalogue" | "own" | "none">("catalogue");
+  /** How many people a task is planned for. */
+  readonly people_count = signal(1);
   readonly film = signal<Film | null>(null);
   /** The sequence as a film; null before it was fetched. */
   readonly sequence_film = signal<SequenceFilm["ways"] | null>(null);

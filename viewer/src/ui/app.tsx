@@ -25,6 +25,7 @@ import { Preferences } from "./preferences";
 import { SectionPanel } from "./sections";
 import { SequencePanel } from "./sequence";
 import { StatusLine } from "./status";
+import { TaskPanel } from "./task";
 import { Tour } from "./tour";
 import { Tree } from "./tree";
 
@@ -117,6 +118,7 @@ const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
   sections: { icon: "section", text: "Sections" },
   measures: { icon: "measure", text: "Measures" },
   mechanism: { icon: "turn", text: "Joints" },
+  task: { icon: "spanner", text: "Task" },
   sequence: { icon: "list", text: "Sequence" },
   findings: { icon: "alert", text: "Findings" },
 };
@@ -127,6 +129,7 @@ const BODIES = {
   sections: SectionPanel,
   measures: MeasurePanel,
   mechanism: MechanismPanel,
+  task: TaskPanel,
   sequence: SequencePanel,
   findings: FindingPanel,
 } as const;

@@ -7,11 +7,12 @@ import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
 import { ReachList } from "./reaches";
+import { TaskPlan } from "./task-plan";
 import { WayPlayer } from "./way";
 import { partsText } from "./words";
 
 /** The questions, in the words of somebody who has them. */
-export const QUESTIONS: Readonly<Record<CardQuestion, string>> = {
+export const QUESTIONS: Readonly<Record<Exclude<CardQuestion, "task">, string>> = {
   removal: "Can it come out?",
   order: "What has to go first?",
   access: "Which tool reaches its bolts?",
@@ -23,7 +24,7 @@ const MOST_BLOCKERS = 5;
 
 export function AskPanel() {
   const { store } = useWorkbench();
-  const cards = store.document.value?.cards ?? [];
+  const cards = (store.document.value?.cards ?? []).filter((card) => card.question !== "task");
   const selection = store.selection.value;
   const only = selection.size === 1 ? [...selection][0] : undefined;
   const what = only !== undefined ? store.nameOf(only) : partsText(selection.size, String);
@@ -37,7 +38,7 @@ export function AskPanel() {
             : "Select one part or several, then ask. Hidden parts count, parts that are out do not."}
         </p>
         <div class="button-column">
-          {(Object.keys(QUESTIONS) as CardQuestion[]).map((question) => (
+          {(Object.keys(QUESTIONS) as (keyof typeof QUESTIONS)[]).map((question) => (
             <CommandButton
               key={question}
               id={`ask-${question === "access" ? "tools" : question}`}
@@ -141,6 +142,7 @@ const tone = (card: Card): string =>
         : "";
 
 function Answer({ card, answer }: { card: Card; answer: CardAnswer }) {
+  if (answer.task) return <TaskPlan card={card} answer={answer} task={answer.task} />;
   return (
     <>
       {answer.facts.length > 0 && (

@@ -50,6 +50,7 @@ const PATHS = {
   sound: "M4 9h4l5-4v14l-5-4H4zM17 8a6 6 0 0 1 0 8",
   soundOff: "M4 9h4l5-4v14l-5-4H4zM17 9l5 6M22 9l-5 6",
   command: "M4 6h16M4 12h10M4 18h7",
+  spanner: "M15 5.5a5 5 0 0 0-6.5 6.2L3 17.2V21h3.8l5.5-5.5A5 5 0 0 0 18.5 9L15 12l-3-3z",
   back: "M4 12h12a4 4 0 0 1 0 8h-2M4 12l5-5M4 12l5 5",
 } as const;
 

@@ -242,8 +242,70 @@ class Fact(TypedDict):
     figure: str
 
 
-class CardAnswer(TypedDict):
-    """The whole answer of a card."""
+class TaskStepFacts(TypedDict):
+    """A step of a task; its way is that of the answer with the same number."""
+
+    verb: str
+    """"undo", "disconnect" or "take out"."""
+    part: int
+    """The fastener, or the first part."""
+    tool: str
+    """Empty: by hand, or without tools."""
+    swing_deg: float | None
+    strokes: int
+    tool_way: list[Pose]
+    """world_from_tool: the tool's way in, the last one in its seat; empty without one."""
+    person: int
+    """From 0."""
+    start: float
+    """Seconds from the beginning."""
+    seconds: float
+    spread: float
+    """The standard deviation, seconds."""
+    after: list[int]
+    """Steps that have to be done before, by number."""
+    because: str
+    arithmetic: str
+    is_typed: bool
+    """The user typed its time."""
+
+
+class TaskBlockerFacts(TypedDict):
+    """Something that nothing frees."""
+
+    part: int | None
+    """Null: all parts asked for, together."""
+    because: str
+    blockers: list[int]
+
+
+class TaskAnswer(TypedDict):
+    """How parts are taken out; without steps if no plan was found."""
+
+    steps: list[TaskStepFacts]
+    seconds: float | None
+    """Of the best plan that was found; null: none was."""
+    spread: float | None
+    bound: float | None
+    """No plan takes fewer seconds."""
+    people: int
+    is_complete: bool
+    """The search ended by itself, not at a limit."""
+    blocked: list[TaskBlockerFacts]
+    notes: list[str]
+
+
+class ToolGhost(TypedDict):
+    """The tool of a step in its seat."""
+
+    manifest: HeldManifest
+    """In the world's frame."""
+    data: str
+    """Base64 of its pieces, one after the other."""
+
+
+class AnswerFacts(TypedDict):
+    """The answer of a card, without a task."""
 
     id: int
     ways: list[WayFacts]
@@ -254,3 +316,10 @@ class CardAnswer(TypedDict):
     """The swept volume, in the world's frame: its pieces are `GET /cards/ID`."""
     facts: list[Fact]
     """What else is to be said."""
+
+
+class CardAnswer(AnswerFacts, total=False):
+    """The whole answer of a card."""
+
+    task: TaskAnswer
+    """Of a task."""

@@ -6,6 +6,8 @@ taken out along a way of a card come back.
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, get_args
@@ -16,8 +18,9 @@ from feeler.choices import GRIP_AXES
 from feeler.errors import WorkbenchError
 from feeler.words import plural
 from feeler.workbench.document import motion
+from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.arguments import Arguments, replaced, without
-from feeler.workbench.document.document import Card, Document, Removal, line_world
+from feeler.workbench.document.document import NO_EDIT, Card, Document, Removal, line_world
 from feeler.workbench.document.known import Known, Way
 from feeler.workbench.document.protocol import CardQuestion, GivenWay, Pose, Selection
 from feeler.workbench.document.values import is_sequence
@@ -25,6 +28,12 @@ from feeler.workbench.document.values import is_sequence
 QUESTIONS: tuple[CardQuestion, ...] = get_args(CardQuestion)
 MOST_CARDS = 100
 LONGEST_S = 3600.0
+MOST_PEOPLE = 20
+_NOT_OF = {
+    "access": ("clearance", "seconds", "people"),
+    "task": ("tool", "grip", "swing_deg", "clearance"),
+}
+"""Options that a question does not have; others have none of the tools."""
 _MOST_POSES = 20_000
 _GRID_M = 2.0**-10
 
@@ -58,6 +67,37 @@ def ask(document: Document, given: Arguments, known: Known) -> Document:
     return replace(document, cards=(*document.cards, card), next_card=card.id + 1)
 
 
+def task_parts(answer: CardAnswer) -> list[int]:
+    """The parts that the task of an answer names; -1 among them if its steps are not those of its ways."""
+    task = answer.get("task")
+    if task is None:
+        return []
+    named = [step["part"] for step in task["steps"]]
+    named += [part for each in task["blocked"] for part in (each["part"], *each["blockers"]) if part is not None]
+    before = [number for step in task["steps"] for number in step["after"]]
+    is_whole = len(named) >= len(answer["ways"]) == len(task["steps"])
+    return named if is_whole and all(0 <= each < len(answer["ways"]) for each in before) else [*named, -1]
+
+
+def tasks_of(document: Document) -> list[Card]:
+    """The cards that ask how parts are taken out."""
+    return [card for card in document.cards if card.question == "task"]
+
+
+def tasks_again(document: Document, known: Callable[[], Known]) -> Document:
+    """The document with the questions of tasks asked again whose edits changed, as by undo."""
+    waiting = []
+    for card in document.cards:
+        edits = document.task_edits.get(card.id, NO_EDIT)
+        if card.question == "task" and card.edits != edits:
+            here = known()
+            gone = {*here.absent, *document.out, *document.gripped}
+            if any(part not in gone for part in card.parts):
+                card = replace(_waiting(document, card, here), edits=edits)
+        waiting.append(card)
+    return document if all(map(operator.is_, waiting, document.cards)) else replace(document, cards=tuple(waiting))
+
+
 def card_again(document: Document, given: Arguments, known: Known) -> Document:
     """Asks the question of a card again, of the mock-up as it is now."""
     at = given.place_of(document.cards)
@@ -69,7 +109,14 @@ def card_again(document: Document, given: Arguments, known: Known) -> Document:
         gone = set()
     if card.parts and not any(part not in gone for part in card.parts):
         raise given.fail("id", "none of its parts is in the mock-up now", "put them back")
-    asked = replace(
+    asked = _waiting(document, card, known)
+    if card.line is not None:
+        asked = _line_again(document, asked, given)
+    return replace(document, cards=replaced(document.cards, at, asked))
+
+
+def _waiting(document: Document, card: Card, known: Known) -> Card:
+    return replace(
         card,
         state="waiting",
         share=0.0,
@@ -80,9 +127,6 @@ def card_again(document: Document, given: Arguments, known: Known) -> Document:
         world=document.world,
         is_earlier=False,
     )
-    if card.line is not None:
-        asked = _line_again(document, asked, given)
-    return replace(document, cards=replaced(document.cards, at, asked))
 
 
 def _line_again(document: Document, card: Card, given: Arguments) -> Card:
@@ -177,14 +221,19 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
 
 def _options(document: Document, given: Arguments, known: Known, question: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    other = ("clearance", "seconds") if question == "access" else ("tool", "tools", "grip", "swing_deg")
-    for each in other:
+    for each in _NOT_OF.get(question, ("tool", "tools", "grip", "swing_deg", "people")):
         if given.has(each):
             raise given.fail(each, f"this question has no {each}", "leave it out")
     if given.has("clearance"):
         found["clearance"] = given.number("clearance", 0.0, 1e3)
     if given.has("seconds"):
         found["seconds"] = given.number("seconds", 0.1, LONGEST_S)
+    if question == "task":
+        if given.has("tools"):
+            # An empty list: their reach is not checked.
+            found["tools"] = _tools(given, known) if len(given.raw("tools", list[str])) else []
+        if given.has("people"):
+            found["people"] = given.whole("people", 1, MOST_PEOPLE)
     if question != "access":
         return found
     if given.has("tools"):
@@ -239,6 +288,8 @@ def _title(question: str, parts: tuple[int, ...], options: dict[str, Any], known
         return f"Which tool reaches {what or 'which fasteners'}?"
     if question == "access":
         return f"Does the {options['tool']} reach {what or 'all fasteners'}?"
+    if question == "task":
+        return f"How is {what} taken out?" if len(parts) == 1 else f"How are {what} taken out?"
     if question == "order":
         return f"What has to go before {what} {'comes' if len(parts) == 1 else 'come'} out?"
     return f"Can {what} come out?" if question == "removal" else f"What room does {what} need to come out?"

@@ -73,12 +73,14 @@ from feeler.workbench.document.protocol import (
     Vec3,
 )
 from feeler.workbench.document.protocol_findings import FindingStatus, RequirementResult
+from feeler.workbench.document.protocol_task import TaskEditKind
 from feeler.workbench.document.requirement_commands import (
     requirement_add,
     requirement_edit,
     requirement_remove,
     requirements_checked,
 )
+from feeler.workbench.document.task_commands import task_edit
 
 LEAST_MOVED_M = 1e-3
 """Parts that a release left nearer than this to where they were gripped add no line to the sequence."""
@@ -465,6 +467,7 @@ ASKED: Shape = {
     "swing_deg": Maybe(float),
     "clearance": Maybe(float),
     "seconds": Maybe(float),
+    "people": Maybe(int),
 }
 """A question of a card: which, of what, and how."""
 
@@ -532,6 +535,10 @@ COMMANDS: dict[str, Command] = {
     "card_again": Command(cards.card_again, {"id": int}, is_of_cards=True),
     "card_cancel": Command(cards.card_cancel, {"id": int}, is_of_cards=True),
     "card_remove": Command(cards.card_remove, {"id": int}, is_of_cards=True),
+    "task_edit": Command(
+        task_edit,
+        {"id": int, "edit": TaskEditKind, "parts": Selection, "seconds": Maybe(float), "later": Maybe(Selection)},
+    ),
     "way_take": Command(
         cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True
     ),

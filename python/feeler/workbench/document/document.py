@@ -309,6 +309,22 @@ class ClashSettings:
 
 
 @dataclass(frozen=True)
+class TaskEdits:
+    """What the user changed of a task, by paths.
+
+    off: parts that are off already. times: of parts, the seconds of their steps. before: pairs of parts of which the
+    first goes before the second.
+    """
+
+    off: tuple[str, ...] = ()
+    times: tuple[tuple[str, float], ...] = ()
+    before: tuple[tuple[str, str], ...] = ()
+
+
+NO_EDIT = TaskEdits()
+
+
+@dataclass(frozen=True)
 class Card:
     """A question about parts, and its answer in a sentence.
 
@@ -316,7 +332,7 @@ class Card:
     setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
     is_good: whether the answer is what one hopes for; None before it, and if it is neither. line: the line of the
     sequence that it is about, and way its `way_key`; world is that of `line_world` then. is_earlier: it is about an
-    earlier revision of the mock-up.
+    earlier revision of the mock-up. edits: of a task, those that its answer is about.
     """
 
     id: int
@@ -335,6 +351,10 @@ class Card:
     line: int | None = None
     way: str = ""
     is_earlier: bool = False
+    edits: TaskEdits = NO_EDIT
+
+
+NO_EDITS: Mapping[int, TaskEdits] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -378,7 +398,7 @@ class Document:
     out: those of them outside the box of the scene. tools: names for `take_tool`. pose: the last pose of the hand that
     a command set (`world_from_tool`). doubts: of the loaders of mock-up and tool. mechanism: its links are among the
     moved parts. joint_ranges: of its numbers, as far as they are known. on_joint: the number of the joint on which the
-    hand holds its parts.
+    hand holds its parts. task_edits: by the number of the card.
     """
 
     mockup: MockupFacts | None = None
@@ -410,6 +430,7 @@ class Document:
     viewpoints: tuple[Viewpoint, ...] = ()
     findings: Findings | None = None
     cards: tuple[Card, ...] = ()
+    task_edits: Mapping[int, TaskEdits] = field(default_factory=lambda: NO_EDITS)
     clash: ClashSettings = field(default_factory=ClashSettings)
     requirements: tuple[KeptClear, ...] = ()
     material: str | None = None
@@ -435,7 +456,7 @@ class Document:
 
 
 # The fields that the page gets. Only commands need the others.
-_KEPT_BACK = {"isolation", "next_card", "next_id", "trip"}
+_KEPT_BACK = {"isolation", "next_card", "next_id", "task_edits", "trip"}
 _KEPT_BACK_OF = {
     Card: {"way", "world"},
     Removal: {"out", "starts"},

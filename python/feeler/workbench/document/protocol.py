@@ -33,6 +33,7 @@ from feeler.workbench.document.protocol_findings import (
 )
 from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
+from feeler.workbench.document.protocol_task import TaskEditKind, TaskEdits
 from feeler.workbench.document.protocol_values import Camera, CameraPlace, Vec3
 
 __all__ = [
@@ -55,6 +56,7 @@ __all__ = [
     "ProtocolError",
     "RequirementResult",
     "Seen",
+    "TaskEditKind",
     "Turning",
     "Vec3",
     "decode_from_page",
@@ -108,9 +110,9 @@ Mode = Literal["stop", "glide", "pass"]
 UpAxis = Literal["x", "y", "z"]
 MeasureType = Literal["point", "edge", "angle", "parts"]
 Material = Literal["steel", "aluminium", "plastic", "rubber"]
-CardQuestion = Literal["removal", "order", "access", "swept"]
+CardQuestion = Literal["removal", "order", "access", "swept", "task"]
 LineQuestion = Literal["way", "shorten"]
-CardKind = Literal["removal", "order", "access", "swept", "way", "shorten"]
+CardKind = Literal["removal", "order", "access", "swept", "task", "way", "shorten"]
 CardState = Literal["waiting", "running", "done", "failed", "cancelled"]
 DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
@@ -247,7 +249,7 @@ class Card(TypedDict):
     without: list[int]
     """Parts left out for this question."""
     options: dict[str, Any]
-    """Tool, grip, swing_deg, clearance, seconds, as far as given."""
+    """Tool, tools, people, grip, swing_deg, clearance, seconds, as far as given."""
     title: str
     setting: str
     """The mock-up that it is about: what is out of it, or moved."""
@@ -265,6 +267,8 @@ class Card(TypedDict):
     """The line of the sequence that it is about; null for questions about parts."""
     is_earlier: bool
     """It is about an earlier revision of the mock-up, and so stale."""
+    edits: TaskEdits
+    """Of a task: what the user changed."""
 
 
 class GivenWay(TypedDict):

@@ -11,10 +11,11 @@ from html import escape
 from urllib.parse import quote
 
 from feeler.choices import STATUSES
+from feeler.tasks.steps import clock
 from feeler.words import length, plural
 from feeler.workbench.report.content import name_of
 from feeler.workbench.report.html_style import SCRIPT, STYLE
-from feeler.workbench.report.values import FindingRow, Media, QuestionRow, Report, RequirementRow, WayRow
+from feeler.workbench.report.values import FindingRow, Media, QuestionRow, Report, RequirementRow, TaskStepRow, WayRow
 
 MOST_EMBEDDED = 24 << 20
 """Bytes of all films in one page, the first ones first; the others are left out of it."""
@@ -33,6 +34,11 @@ _SCROLL = "<div class=scroll tabindex=0>"
 _CHUNK = 200
 """Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
 _OPEN = ("new", "active")
+_VERBS = {"undo": "#3b82c4", "disconnect": "#b97a1a", "take out": "#3f9163"}
+"""Colours of the bars of a task."""
+_TICKS = (6, 15, 30, 60, 120, 300, 600, 1800, 3600, 7200, 14400, 28800)
+"""Seconds between two lines of its chart."""
+_MOST_TICKS = 10
 _CHIPS = {
     **{"holds": "good", "violated": "bad", "unknown": "warn", "not checked": "warn"},
     **{"clash": "bad", "contained": "bad", "duplicate": "bad"},
@@ -122,6 +128,32 @@ def _part(path: str, kind: str = "") -> str:
 
 def _chip(word: str, kind: str | None = None) -> str:
     return f'<span class="chip {_CHIPS.get(word, "") if kind is None else kind}">{_text(word)}</span>'
+
+
+def _gantt(steps: Sequence[TaskStepRow]) -> str:
+    """The steps of a task over minutes: a row for each, numbered by its person."""
+    end = max(max(step.start + step.seconds for step in steps), 1e-3)
+    width, names, row = 900.0, 240.0, 18.0
+    height = row * (len(steps) + 1)
+    scale = (width - names - 60.0) / end
+    lines = [f"<svg viewBox='0 0 {width:g} {height:g}' role=img aria-label='Gantt chart of the steps'>"]
+    ticks = next((each for each in _TICKS if end / each <= _MOST_TICKS), end / _MOST_TICKS)
+    for count in range(int(end / ticks) + 1):
+        x = names + count * ticks * scale
+        lines.append(f"<line x1={x:.1f} x2={x:.1f} y1=0 y2={height - row:g} stroke='var(--line)' />")
+        said = f"{count * ticks / 60.0:.3g} min"
+        lines.append(f"<text x={x:.1f} y={height - 5:g} font-size=11 fill='var(--soft)'>{said}</text>")
+    for number, step in enumerate(steps):
+        y, x = number * row, names + step.start * scale
+        said = f"{step.number} {step.verb} {name_of(step.path)}"
+        title = f"{said}: {clock(step.seconds)}, person {step.person}"
+        lines += [
+            f"<text x=0 y={y + 13:g} font-size=11 fill='var(--ink)'>{_text(said[:40])}</text>",
+            f"<text x={names - 16:g} y={y + 13:g} font-size=11 fill='var(--soft)'>{step.person}</text>",
+            f"<rect x={x:.1f} y={y + 3:g} width={max(1.0, step.seconds * scale):.1f} height={row - 6:g} "
+            f"fill='{_VERBS.get(step.verb, '#888')}'><title>{_text(title)}</title></rect>",
+        ]
+    return "".join([*lines, "</svg>"])
 
 
 def _facts(facts: Iterable[tuple[str, str]]) -> str:
@@ -429,7 +461,13 @@ class _Page:
         ]
         if row.facts:
             parts.append(_facts((name, _text(figure)) for name, figure in row.facts))
-        if row.is_order and row.ways:
+        if row.task:
+            parts.append(_gantt(row.task) + self._task(row))
+        if row.notes:
+            parts.append(_listed([_text(note) for note in row.notes]))
+        if row.task:
+            parts += [self._film(way) for way in row.ways]
+        elif row.is_order and row.ways:
             parts.append(self._step_list(row.ways))
         else:
             parts += [self._way(way) for way in row.ways]
@@ -445,6 +483,21 @@ class _Page:
         if row.reaches:
             parts.append(self._reaches(row))
         return "".join([*parts, "</article>"])
+
+    def _task(self, row: QuestionRow) -> str:
+        lines = "".join(
+            f"<tr><td class=number>{step.number}<td>{_text(step.verb)} {_part(step.path)}<td>{_text(step.tool)}"
+            f"<td class=number>{step.person}<td class=number>{_text(clock(step.start))}"
+            f"<td class=number>{step.seconds:.1f} ± {step.spread:.1f}"
+            f"<td>{_chip(step.edited, 'warn') + ' ' if step.edited else ''}{_text(step.arithmetic)}"
+            f"<td>{_text(step.because)}</tr>"
+            for step in row.task
+        )
+        return (
+            _SCROLL + "<table><thead><tr><th class=number>No.<th>Step<th>Tool<th class=number>Person"
+            "<th class=number>From<th class=number>Seconds<th>Arithmetic<th>Because"
+            f"</tr></thead><tbody>{lines}</tbody></table></div>"
+        )
 
     def _way(self, way: WayRow) -> str:
         legs = "; ".join(way.legs[:12]) + (f"; and {len(way.legs) - 12:,} more" if len(way.legs) > 12 else "")

@@ -68,6 +68,8 @@ def _question(row: QuestionRow) -> dict[str, Any]:
         "access": [
             {**asdict(each), "tools": list(each.tools), "blockers": list(each.blockers)} for each in row.reaches
         ],
+        "task": [{**asdict(step), "edited": step.edited or None} for step in row.task],
+        "notes": list(row.notes),
         "facts": [{"name": name, "figure": figure} for name, figure in row.facts],
     }
 

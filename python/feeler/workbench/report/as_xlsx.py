@@ -13,7 +13,7 @@ import numpy as np
 
 from feeler.io.csv_table import Cell
 from feeler.io.xlsx import xlsx_library
-from feeler.workbench.report.values import FindingRow, Media, ReachRow, Report, RequirementRow, WayRow
+from feeler.workbench.report.values import FindingRow, Media, ReachRow, Report, RequirementRow, TaskStepRow, WayRow
 
 MOST_ROWS = 100_000
 """Rows of a sheet; JSON has all."""
@@ -109,6 +109,7 @@ def _sheets(report: Report) -> list[tuple[str, Sequence[str], Rows]]:
         ("findings", _FINDING, (_finding(number, row) for number, row in enumerate(report.findings, start=1))),
         ("ways", ("question", "sentence", "number", *_WAY), ([q.title, q.sentence, n, *_way(w)] for q, n, w in ways)),
         ("steps", ("number", *_WAY), ([number, *_way(way)] for number, way in enumerate(report.steps, start=1))),
+        ("tasks", _TASK, ([question.title, *_task(row)] for question in report.questions for row in question.task)),
         ("access", _ACCESS, ([question.title, *_reach(row)] for question, row in reaches)),
     ]
 
@@ -153,6 +154,17 @@ def _reach(row: ReachRow) -> list[Cell]:
     is_reachable = "yes" if row.is_reachable else "no"
     tools, blockers = "; ".join(row.tools), "; ".join(row.blockers)
     return [row.path, row.kind, row.tool, tools, is_reachable, row.swing_deg, row.because, blockers]
+
+
+_TASK = (
+    *("question", "number", "step", "part", "tool", "person", "start, s", "time, s", "spread, s", "edited"),
+    *("arithmetic", "because"),
+)
+
+
+def _task(row: TaskStepRow) -> list[Cell]:
+    facts: list[Cell] = [row.number, row.verb, row.path, row.tool, row.person, row.start, row.seconds, row.spread]
+    return [*facts, row.edited, row.arithmetic, row.because]
 
 
 _WAY = (

@@ -271,7 +271,49 @@ class _Writer:
             blockers=() if answer is None else self._blockers(answer),
             reaches=() if answer is None else self._reaches(answer),
             facts=() if answer is None else tuple((cut(f["name"]), cut(f["figure"])) for f in answer["facts"]),
+            task=() if answer is None else self._task(card, answer),
+            notes=() if answer is None else self._task_notes(card, answer),
         )
+
+    def _task(self, card: Card, answer: CardAnswer) -> tuple[values.TaskStepRow, ...]:
+        task = answer.get("task")
+        firsts = {path for pair in card.edits.before for path in pair}
+        return tuple(
+            values.TaskStepRow(
+                number=number,
+                verb=cut(step["verb"]),
+                path=self.path(step["part"]),
+                tool=cut(step["tool"]),
+                person=step["person"] + 1,
+                start=step["start"],
+                seconds=step["seconds"],
+                spread=step["spread"],
+                arithmetic=cut(step["arithmetic"], LONGEST_TEXT),
+                because=cut(step["because"], LONGEST_TEXT),
+                edited=", ".join(
+                    word
+                    for word, is_so in (
+                        ("time typed", step["is_typed"]),
+                        ("order forced", self.path(step["part"]) in firsts),
+                    )
+                    if is_so
+                ),
+            )
+            for number, step in enumerate(() if task is None else task["steps"][:MOST_ROWS], start=1)
+        )
+
+    def _task_notes(self, card: Card, answer: CardAnswer) -> tuple[str, ...]:
+        """What is to be known of a task: its notes, what blocks it, and the edits of the user."""
+        task = answer.get("task")
+        if task is None:
+            return ()
+        blocked = (
+            f"{'all together' if each['part'] is None else self.path(each['part'])}: {each['because']}"
+            for each in task["blocked"]
+        )
+        off = (f"Already off: {path}." for path in card.edits.off)
+        forced = (f"Forced: {first} before {then}." for first, then in card.edits.before)
+        return tuple(cut(note, LONGEST_TEXT) for note in (*task["notes"], *blocked, *off, *forced))[:MOST_ROWS]
 
     def _ways(
         self, card: Card, answer: CardAnswer, places: Mapping[int, motion.Row], gone: frozenset[int]

@@ -16,6 +16,7 @@ from feeler.project.book import CHECK, Book, loads
 from feeler.project.parts import PartChanges, PartContent, Revision, revised
 from feeler.workbench.document import keeping, motion
 from feeler.workbench.document.answers import CardAnswer
+from feeler.workbench.document.cards import task_parts
 from feeler.workbench.document.document import Document, MockupFacts, with_revision
 from feeler.workbench.document.frames import check
 
@@ -153,6 +154,7 @@ def checked_answer(facts: Any, parts: int) -> CardAnswer | None:
     named += [int(part) if part.isascii() and part.isdecimal() and len(part) < 12 else -1 for part in elsewhere]
     named += [each["part"] for each in answer["blockers"]]
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
+    named += task_parts(answer)
     is_whole = all(0 <= part < parts for part in named)
     return answer if is_whole and all(way["poses"] and way["parts"] for way in answer["ways"]) else None
 

@@ -149,6 +149,23 @@ class ReachRow:
 
 
 @dataclass(frozen=True)
+class TaskStepRow:
+    """A step of a task. person: from 1. start, seconds, spread: seconds. edited: what the user changed of it."""
+
+    number: int
+    verb: str
+    path: str
+    tool: str
+    person: int
+    start: float
+    seconds: float
+    spread: float
+    arithmetic: str
+    because: str
+    edited: str
+
+
+@dataclass(frozen=True)
 class QuestionRow:
     """A card: its question, the answer in words, and the ways.
 
@@ -168,11 +185,13 @@ class QuestionRow:
     blockers: tuple[BlockerRow, ...] = ()
     reaches: tuple[ReachRow, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
+    task: tuple[TaskStepRow, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def is_order(self) -> bool:
         """Whether its ways are steps, one after the other."""
-        return self.kind == "order"
+        return self.kind in ("order", "task")
 
 
 @dataclass(frozen=True)

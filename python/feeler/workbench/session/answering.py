@@ -25,8 +25,9 @@ from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.words import length, plural
 from feeler.workbench.document import motion
-from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, WayFacts
-from feeler.workbench.document.document import Card
+from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, TaskAnswer, WayFacts
+from feeler.workbench.document.cards import task_parts
+from feeler.workbench.document.document import NO_EDIT, Card, TaskEdits
 from feeler.workbench.document.frames import check
 from feeler.workbench.document.known import Way
 from feeler.workbench.document.motion import Floats
@@ -64,6 +65,7 @@ class Asked:
     tools: Mapping[str, Tool]
     built_in: frozenset[str]
     threads: int
+    edits: TaskEdits = NO_EDIT
 
     @property
     def mockup(self) -> Mockup:
@@ -95,10 +97,11 @@ class Answered:
     reaches: tuple[ReachFacts, ...] = ()
     room: Room | None = None
     facts: tuple[tuple[str, str], ...] = field(default=())
+    task: TaskAnswer | None = None
 
     def to_json(self, number: int) -> CardAnswer:
         """All of it, for the page."""
-        return {
+        answer: CardAnswer = {
             "id": number,
             "ways": list(self.way_facts),
             "blockers": list(self.blockers),
@@ -106,6 +109,9 @@ class Answered:
             "room": None if self.room is None else self.room.manifest,
             "facts": [{"name": name, "figure": figure} for name, figure in self.facts],
         }
+        if self.task is not None:
+            answer["task"] = self.task
+        return answer
 
 
 def way_out(asked: Asked, progress: Progress) -> Answered:
@@ -290,6 +296,7 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
     named += [part for each in answer["reaches"] for part in (each["part"], *each["blockers"]) if part is not None]
     named += [each["part"] for way in answer["ways"] for each in way["gaps"] if each["part"] is not None]
     named += [way["hit"]["part"] for way in answer["ways"] if "hit" in way]
+    named += task_parts(answer)
     elsewhere = [part for way in answer["ways"] for part in way.get("places", {})]
     if not all(part.isascii() and part.isdigit() and len(part) < 12 for part in elsewhere):
         return None
@@ -308,6 +315,7 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
         tuple(answer["reaches"]),
         None if room is None or data is None else Room(room, data),
         tuple((each["name"], each["figure"]) for each in answer["facts"]),
+        answer.get("task"),
     )
 
 

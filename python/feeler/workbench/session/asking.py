@@ -15,6 +15,7 @@ from feeler.mockup import Tool
 from feeler.progress import Progress
 from feeler.project.layout import SUFFIX
 from feeler.scene import Scene
+from feeler.words import plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import (
     CardAnswer,
@@ -29,6 +30,7 @@ from feeler.workbench.document.answers import (
     Replayed,
     SequenceFilm,
     Snapped,
+    ToolGhost,
     Written,
     WrittenPage,
 )
@@ -57,6 +59,7 @@ from feeler.workbench.session.finding_jobs import (
 from feeler.workbench.session.report_jobs import report_file
 from feeler.workbench.session.requirement_jobs import export_requirements, verified
 from feeler.workbench.session.sent_files import SentFiles
+from feeler.workbench.session.task_answers import tool_at
 
 PAGE = "mock-up.html"
 MOST_QUERY = 1_000
@@ -89,8 +92,8 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
-    card. joint_to: shows a joint at a value. recorded: the record to replay, if there is one. history: of statuses, of
-    a project.
+    card. recorded: the record to replay, if there is one. history: of statuses, of a project. joint_to: shows a joint
+    at a value. tool: by its name, of those that may be held or of the catalogue.
     """
 
     document: Document
@@ -105,6 +108,7 @@ class Place:
     recorded: Recorded | None = None
     history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
     joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
+    tool: Callable[[str], Tool] | None = None
 
 
 @dataclass(frozen=True)
@@ -159,6 +163,20 @@ def find(place: Place, given: Arguments) -> FoundParts:
 def card(place: Place, given: Arguments) -> CardAnswer:
     """The whole answer of a card."""
     return place.cards(given.whole("id"))
+
+
+def task_tool(place: Place, given: Arguments) -> ToolGhost | None:
+    """The tool of a step of a task in its seat; None: the step has none."""
+    found = place.cards(given.whole("id")).get("task")
+    steps = [] if found is None else found["steps"]
+    number = given.whole("step")
+    if number >= len(steps):
+        raise given.fail("step", f"there is no step {number}", f"it has {plural(len(steps), 'step')}")
+    way = steps[number]["tool_way"]
+    if not way or place.tool is None:
+        return None
+    geometry = HeldGeometry(tool_at(place.tool(steps[number]["tool"]), way[-1]), 0)
+    return {"manifest": geometry.manifest(), "data": base64.b64encode(geometry.data()).decode("ascii")}
 
 
 def joint_to(place: Place, given: Arguments) -> JointPlace:
@@ -288,6 +306,7 @@ ASKS: dict[str, Question[Any]] = {
     "part": Question(part, {"part": Selection}),
     "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
+    "task_tool": Question(task_tool, {"id": int, "step": int}),
     "joint_ghost": Question(joint_ghost, {"name": str}),
     "joint_to": Question(joint_to, {"name": str, "value": float | None}),
     "record": Question(record, {}),

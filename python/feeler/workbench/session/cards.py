@@ -18,6 +18,7 @@ from feeler.workbench.engine.standing import Standing
 from feeler.workbench.session.answering import ANSWERS, Answered, Asked
 from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
 from feeler.workbench.session.line_ways import LINE_ANSWERS
+from feeler.workbench.session.task_answers import parts_at, task_answer
 
 TELL_S = 0.2
 """Progress is told at most this often."""
@@ -57,7 +58,9 @@ class Cards:
         new = {card.id: card for card in after.cards}
         for number, card in new.items():
             known = old.get(number)
-            if card.state == "waiting" and (known is None or known.state != "waiting"):
+            is_new = known is None or known.state != "waiting" or known.edits != card.edits
+            if card.state == "waiting" and is_new:
+                self._give_up(number, is_gone=False)
                 self._start(card, after, hands)
         for number, card in old.items():
             now = new.get(number)
@@ -149,13 +152,15 @@ class Cards:
     def _found(self, card: Card, document: Document, hands: Hands, standing: Standing, progress: Progress) -> Answered:
         if card.line is not None:
             return LINE_ANSWERS[card.question](document, card, hands, progress)
-        scene = standing.scene(document, card.without, lambda share, stage: progress(0.0, stage))
+        off = parts_at(hands.scene.mockup, card.edits.off)
+        scene = standing.scene(document, (*card.without, *off), lambda share, stage: progress(0.0, stage))
         there = tuple(part for part in card.parts if scene.part_mask[part])
         names = card.options.get("tools") or [each for each in [card.options.get("tool")] if each is not None]
         tools = {str(name): hands.tool(str(name)) for name in names}
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
-        return ANSWERS[card.question](Asked(scene, there, card.options, tools, hands.built_in(), threads), progress)
+        asked = Asked(scene, there, card.options, tools, hands.built_in(), threads, card.edits)
+        return task_answer(asked, progress) if card.question == "task" else ANSWERS[card.question](asked, progress)
 
     def _give_up(self, number: int, is_gone: bool) -> None:
         with self._lock:

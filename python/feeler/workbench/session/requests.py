@@ -19,6 +19,7 @@ from feeler.workbench.session.asking import ASKS, JOBS, Place, Recorded
 from feeler.workbench.session.finding_jobs import TakenFindings
 from feeler.workbench.session.jobs import Job, Jobs
 from feeler.workbench.session.sent_files import SentFiles
+from feeler.workbench.session.task_answers import tool_called
 
 Places = Callable[[], Place]
 """The present subject. Raises `WorkbenchError` before a mock-up is open."""
@@ -70,6 +71,7 @@ class Requests:
                 self.recorded,
                 self.history,
                 self.joint_to,
+                lambda name: tool_called(hands, name),
             )
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:

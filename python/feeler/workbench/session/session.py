@@ -28,7 +28,7 @@ from feeler.project.book import Book
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.cards import told
+from feeler.workbench.document.cards import tasks_again, tasks_of, told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
 from feeler.workbench.document.findings import findings_of, read_findings, saved
@@ -381,16 +381,19 @@ class Session:
                 self.engine.flush()
             try:
                 before = self._document
+                if name == "task_edit" and not is_recorded:
+                    Arguments(name, args, COMMANDS[name].arguments).place_of(tasks_of(before))
                 step = Step(str(name), SCRIPT if by is None else by)
                 after = self._stepped(name, args, step) if name in STEPS else self._changed(name, args, step)
             except FeelerError as error:
                 if self._recorder is not None and not is_of_cards:
                     self._recorder.command(now, str(name), args, None, str(error))
                 raise
+            after = tasks_again(after, lambda: self._known(self._opened()))
             self._show(after, name)
             if after.guiding is not before.guiding:
                 self._guide(after)
-            if is_of_cards:
+            if after.cards is not before.cards:
                 self._cards.follow(before, after, self._opened())
             if after.held_version != before.held_version:
                 self._tell_held(after)

@@ -1,0 +1,18 @@
+"""The messages about tasks: a part of `protocol.py`."""
+
+from __future__ import annotations
+
+from typing import Literal, TypedDict
+
+TaskEditKind = Literal["off", "on", "time", "before", "free"]
+
+
+class TaskEdits(TypedDict):
+    """What the user changed of a task."""
+
+    off: list[str]
+    """Paths of parts that are off already."""
+    times: list[tuple[str, float]]
+    """Paths of parts, and the seconds that were typed for their steps."""
+    before: list[tuple[str, str]]
+    """Pairs of paths: the first goes before the second."""
