@@ -107,6 +107,25 @@ def test_a_robot_brings_its_joints_and_stands_among_the_other_files(door: Path, 
     assert shown["mockup"]["parts"] == 2 and shown["mockup"]["triangles"] == 12
 
 
+def test_a_joint_that_is_held_in_a_wall_does_not_hold(door: Path, tmp_path: Path) -> None:
+    """Links that do not move against each other count too, with a range of another joint or without."""
+    (tmp_path / "r.urdf").write_text(
+        ROBOT.replace("0.3 0 0.1", "0.5 0 0.1").replace(
+            "</robot>",
+            '<link name="hand"><collision><origin xyz="0 0 0.5"/><geometry><box size="0.1 0.1 0.1"/></geometry>'
+            '</collision></link><joint name="grip" type="revolute"><parent link="arm"/><child link="hand"/>'
+            '<axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint></robot>',
+        )
+    )
+    write_glb(tmp_path / "post.glb", mockup(("post", (0.4, 0.3, 0), (0.5, 0.4, 0.2))))
+    words = ["move", str(tmp_path / "r.urdf"), str(tmp_path / "post.glb"), "--joint", "turn=40"]
+    for more in ([], ["--joint", "grip=-9:9"]):
+        said = run(*words, *more, "--require", "1mm", code=1).stdout
+        assert "does not hold: parts meet" in said and "arm/box to post/post" in said
+    words[-1] = "turn=10"
+    assert run(*words, "--require", "1mm").stdout.startswith("holds: ")
+
+
 def hinge_files(tmp_path: Path) -> Path:
     """The door of the sample gearbox and what it hangs on."""
     whole = feeler.sample("gearbox", 75_000)
@@ -161,7 +180,7 @@ def test_joints_that_are_not_found_are_told_with_what_is_free(tmp_path: Path) ->
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:3mm"], "angle"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:120"], "limits are 0 rad (0 degrees) to"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=9:1"], "least and the greatest"),
-        (["--mechanism", "cowl.toml", "--joint", "hinge=10"], "no joint has a range"),
+        (["--mechanism", "cowl.toml", "--joint", "hinge=10", "--csv", "g.csv"], "none does: give a range"),
         (["--mechanism", "none.toml"], "does not exist"),
         (["--animation", "0", "--joint", "hinge=0:1"], "leave them out"),
         (["--write-mechanism", "x.toml", "--parent", "*"], "--parent is of a --child"),

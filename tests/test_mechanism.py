@@ -433,3 +433,42 @@ def test_random_mechanisms_are_never_late_and_their_bounds_never_above_samples()
             own = first.distance(two, np.linalg.inv(poses["p"]) @ poses["q"]).value
             assert found.lower <= min(own, rest.distance(one, poses["p"]).value, rest.distance(two, poses["q"]).value)
     assert asked > 15
+
+
+def two_slides(offset: float = 0.0) -> Mechanism:
+    """Block a slides along x to wall b, 0.2 m away; c slides far from both. offset: that c carries a by."""
+    mock = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.3, 0.0, 0.0), (0.4, 0.1, 0.1)), c=((5.0, 0.0, 0.0), (5.1, 0.1, 0.1))
+    )
+    joints = [Joint("s", "prismatic", None, "a", (1, 0, 0)), Joint("h", "prismatic", None, "c", Z)]
+    joints += [Joint("t", "prismatic", None, "b", (0, 1, 0))] if offset else []
+    return Mechanism(mock, joints, [JointCoupling("s", "t", 1.0, offset)] if offset else [])
+
+
+def test_what_stands_in_a_wall_counts_though_another_joint_moves() -> None:
+    moved = two_slides()
+    for values in ({"s": 0.25, "h": (0.0, 1.0)}, {"s": 0.25, "h": 0.3}, {"s": 0.25}):
+        found = moved.clearance(values)
+        assert (found.lower, found.upper, found.path, found.other_path) == (0.0, 0.0, "a", "b")
+        assert [each.path for each in moved.clash(values).contacts] == ["a"]
+    for values, gap in (({"s": 0.15, "h": (0.0, 1.0)}, 0.05), ({"h": (0.0, 1.0)}, 0.2), ({}, 0.2)):
+        found = moved.clearance(values)
+        assert (found.lower, found.upper) == pytest.approx((gap, gap)) and len(moved.clash(values)) == 0
+    assert moved.clearance({"s": 0.15, "h": (0.0, 1.0)}).curve[:, 1].max() == pytest.approx(0.05)
+    # The offset of a coupling brings a to b, where t stands.
+    assert two_slides(0.25).clearance({"t": 0.0, "h": (0.0, 1.0)}).upper == 0.0
+    assert len(two_slides(0.25).clash({"t": 0.0, "h": (0.0, 1.0)})) == 1
+
+
+def test_parts_that_stand_as_they_are_modelled_may_touch_and_seats_may_not_go_deeper() -> None:
+    mock = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.1, 0.0, 0.0), (0.2, 0.1, 0.1)), c=((5.0, 0.0, 0.0), (5.1, 0.1, 0.1))
+    )
+    joints = [Joint("s", "prismatic", None, "a", (1, 0, 0)), Joint("h", "prismatic", None, "c", Z)]
+    moved = Mechanism(mock, joints)
+    found = moved.clearance({"h": (0.0, 1.0)})
+    assert found.lower > 4.0 and [(seat.path, seat.other_path) for seat in found.seats] == [("a", "b")]
+    found = moved.clearance({"s": 0.05, "h": (0.0, 1.0)})
+    assert found.upper == 0.0 and [(jam.path, jam.other_path) for jam in found.jams] == [("a", "b")]
+    assert [each.path for each in moved.clash({"s": 0.05, "h": (0.0, 1.0)}).contacts] == ["a"]
+    assert moved.clearance({"s": -0.05, "h": (0.0, 1.0)}).jams == ()

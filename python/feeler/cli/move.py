@@ -210,6 +210,8 @@ def _check_one(ranges: dict[str, float | tuple[float, float]], csv: Path | None,
     for option, target in (("--csv", csv), ("--film", film)):
         if target is not None and len(moving) > 1:
             raise OptionError(f"{option} shows one joint that moves, and {', '.join(moving)} do: keep all but one")
+        if target is not None and not moving:
+            raise OptionError(f"{option} shows one joint that moves, and none does: give a range, such as NAME=FROM:TO")
 
 
 def _write_csv(path: Path, column: str, found: feeler.MechanismClearance) -> str:

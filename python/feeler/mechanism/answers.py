@@ -125,6 +125,7 @@ class MechanismClashes:
     """The pairs of parts that clash at some position of a joint, by its value."""
 
     joint: str
+    """Empty where none has a range: then all values are 0."""
     lower: float
     upper: float
     contacts: tuple[MechanismContact, ...]

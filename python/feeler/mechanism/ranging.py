@@ -13,14 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.choices import TOUCHINGS
-from feeler.errors import OptionError
-from feeler.mechanism.answers import MechanismClashes, MechanismContact, MechanismSeat, Range
+from feeler.mechanism.answers import MechanismContact, MechanismSeat, Range
 from feeler.mechanism.legs import STRAIGHT_M, Leg, Legs, halves, relative
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.seating import Seated
 from feeler.poses import inverse
 
 Floats = npt.NDArray[np.float64]
+Near = tuple[float, int, int, Floats, Floats]
+"""A distance, both parts, and both points in the world."""
 
 TOLERANCE_M = 2e-8
 """By how much a contact may be early."""
@@ -78,18 +79,28 @@ def roots_of(mechanism: Positions, names: Iterable[str]) -> set[str]:
     return roots
 
 
+def solid_pairs(mechanism: Positions) -> list[tuple[int, int]]:
+    """The pairs of links with triangles that joints can move against each other; the frame is the second of its
+    pairs."""
+    links = [link for link in [*range(len(mechanism.links)), -1] if mechanism.bodies.is_solid(link)]
+    pairs = ((one, other) for place, one in enumerate(links) for other in links[place + 1 :])
+    return [pair for pair in pairs if names_between(mechanism, pair)]
+
+
+def names_between(mechanism: Positions, pair: tuple[int, int]) -> list[str]:
+    """The numbers that say how two links are to each other."""
+    up, down = mechanism.links.between(*pair)
+    return [name for n in up + down for name in mechanism.links.links[n].joint.names]
+
+
+def is_moved(mechanism: Positions, pair: tuple[int, int], roots: set[str]) -> bool:
+    """Whether some roots move two links against each other."""
+    return any(mechanism.driven[name].root in roots for name in names_between(mechanism, pair))
+
+
 def moving_pairs(mechanism: Positions, roots: set[str]) -> list[tuple[int, int]]:
-    """The pairs of links that some roots move against each other; the frame is the second of its pairs."""
-    links = [*range(len(mechanism.links)), -1]
-    found = []
-    for place, one in enumerate(links):
-        for other in links[place + 1 :]:
-            up, down = mechanism.links.between(one, other)
-            names = [name for n in up + down for name in mechanism.links.links[n].joint.names]
-            is_moved = any(mechanism.driven[name].root in roots for name in names)
-            if is_moved and mechanism.bodies.is_solid(one) and mechanism.bodies.is_solid(other):
-                found.append((one, other))
-    return found
+    """The pairs of links that some roots move against each other."""
+    return [pair for pair in solid_pairs(mechanism) if is_moved(mechanism, pair, roots)]
 
 
 def seats_of(mechanism: Positions, pairs: Iterable[tuple[int, int]]) -> tuple[MechanismSeat, ...]:
@@ -191,8 +202,7 @@ def seat_meeting(mechanism: Positions, pair: tuple[int, int], seat: Seated, leg:
 
 def _rest_share(mechanism: Positions, pair: tuple[int, int], leg: Leg) -> float | None:
     """Where on a leg two links are to each other as they are modelled."""
-    up, down = mechanism.links.between(*pair)
-    names = [name for n in up + down for name in mechanism.links.links[n].joint.names]
+    names = names_between(mechanism, pair)
     moves = [name for name in names if leg.start[name] != leg.end[name]]
     if not moves or any(leg.start[name] != 0.0 for name in names if name not in moves):
         return None
@@ -235,30 +245,6 @@ def contact(mechanism: Positions, leg: Leg, pair: tuple[int, int], met: Meeting)
     )
 
 
-def clashes_of(mechanism: Positions, values: Mapping[str, float | tuple[float, float]]) -> MechanismClashes:
-    """See `Mechanism.clash`."""
-    stand, move = mechanism.check_ranges(values)
-    if len(move) != 1:
-        raise OptionError(f"clash is asked of {len(move)} joints that move: give the range of one, numbers of others")
-    ((name, (lower, upper)),) = move.items()
-    pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
-    legs = list(Legs(mechanism, name, stand, lower, upper))
-    found: list[MechanismContact] = []
-    for pair in pairs:
-        skipped: set[tuple[int, int]] = set()
-        waiting = list(mechanism.bodies.seats(*pair))
-        for leg in legs:
-            while (met := exactly(mechanism, pair, leg, skipped)) is not None:
-                found.append(contact(mechanism, leg, pair, met))
-                skipped.add((met.number, met.other))
-            for seat in list(waiting):
-                if (met := seat_meeting(mechanism, pair, seat, leg)) is not None:
-                    found.append(contact(mechanism, leg, pair, met))
-                    waiting.remove(seat)
-    ordered = tuple(sorted(found, key=lambda each: each.value))
-    return MechanismClashes(name, lower, upper, ordered, seats_of(mechanism, pairs), not mechanism.loops_of(name))
-
-
 def reaches(mechanism: Positions, *places: Mapping[str, float]) -> dict[str, float]:
     """The largest absolute values of all numbers at some positions, which are the ends of ranges."""
     found: dict[str, float] = {}
@@ -275,12 +261,17 @@ def gap(
     position: dict[str, float],
     within: float,
     poses: list[Floats] | None = None,
-) -> tuple[float, int, int, Floats, Floats] | None:
-    """The distance of two links at a position: metres, both parts, both points in the world; None beyond `within`."""
+    skipped: Iterable[tuple[int, int]] | None = None,
+) -> Near | None:
+    """The distance of two links at a position: metres, both parts, both points in the world; None beyond `within`.
+
+    skipped: pairs of a part of the one's tool and one of the mock-up that have no gap; None: the seats.
+    """
     poses = mechanism.links.poses(position) if poses is None else poses
     bodies = mechanism.bodies
     pose = inverse(poses[other]) @ poses[one]
-    near = bodies.alone(other).distance(bodies.tool(one), pose, within, ignore=bodies.ignored(one, other))
+    ignore = bodies.ignored(one, other) if skipped is None else bodies.without(one, list(skipped))
+    near = bodies.alone(other).distance(bodies.tool(one), pose, within, ignore=ignore)
     if not np.isfinite(near.value):
         return None
     assert near.part is not None and near.tool_part is not None
