@@ -126,6 +126,15 @@ def test_a_joint_that_is_held_in_a_wall_does_not_hold(door: Path, tmp_path: Path
     assert run(*words, "--require", "1mm").stdout.startswith("holds: ")
 
 
+def test_only_the_lower_bound_says_that_it_holds(door: Path, tmp_path: Path) -> None:
+    words = ["move", str(door), "--mechanism", str(tmp_path / "cowl.toml"), "--joint", "hinge=0:58"]
+    said = run(*words, "--error", "100mm", code=1).stdout
+    assert said.startswith("not proven to hold: the least gap is 0 m to") and "smaller --error" in said
+    assert not run_json(*words, "--error", "100mm", code=1)["holds"]
+    assert run(*words, "--error", "10um").stdout.startswith("holds: the least gap is ")
+    assert run(*words, "--require", "1cm", code=1).stdout.startswith("does not hold: the least gap is ")
+
+
 def hinge_files(tmp_path: Path) -> Path:
     """The door of the sample gearbox and what it hangs on."""
     whole = feeler.sample("gearbox", 75_000)

@@ -87,7 +87,7 @@ def move(
     """Moves parts by their joints, and bounds the least gap over all positions.
 
     Without --joint: the free range of each joint, and what it meets first.
-    Exit status: 0 it holds, 1 parts meet, or come nearer than --require, or nothing is certified, 2 bad input.
+    Exit status: 0 the lower bound of the gap is at least --require, or more than 0; 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -265,13 +265,17 @@ def _tell(
     """Prints a clearance, and ends with its exit status. moved: None for an animation."""
     from feeler.cli import outputs
 
-    holds = found.upper > 0.0 if require is None else found.lower >= require
+    holds = found.lower > 0.0 if require is None else found.lower >= require
+    is_open = found.upper > 0.0 and found.upper >= (require or 0.0)
     if as_json:
         facts = {"holds": holds, "require_m": require, **found.to_dict(), "written": written}
         outputs.print_json({"mockup": mesh_facts(world), **facts})
     else:
         out = outputs.console()
-        outputs.say(out, f"{'holds' if holds else 'does not hold'}: {_gap(found)}")
+        said = "holds" if holds else "not proven to hold" if is_open else "does not hold"
+        outputs.say(out, f"{said}: {_gap(found)}")
+        if not holds and is_open and found.is_certified:
+            outputs.say(out, "  give a smaller --error")
         if found.path:
             outputs.say(out, f"worst at {_position(moved, found.worst)}: {found.path} to {found.other_path}")
         for jam in found.jams:
