@@ -105,9 +105,13 @@ class _Best:
 
 
 def clearance_of(
-    mechanism: Positions, values: Mapping[str, float | tuple[float, float]], error: float, most: int
+    mechanism: Positions,
+    values: Mapping[str, float | tuple[float, float]],
+    error: float,
+    most: int,
+    with_standing: bool = True,
 ) -> MechanismClearance:
-    """See `Mechanism.clearance`."""
+    """See `Mechanism.clearance`. with_standing: links that do not move against each other count too."""
     check_whole("most", most, 1)
     stand, move = mechanism.check_ranges(values)
     if not move:
@@ -116,13 +120,15 @@ def clearance_of(
         return best.answer([], math.inf, 1, 0.0, np.empty((0, 3)), True)
     mechanism.position({**stand, **{name: ends[0] for name, ends in move.items()}})  # what is coupled is refused
     if len(move) == 1:
-        return _along(mechanism, stand, move, error)
+        return _along(mechanism, stand, move, error, with_standing)
     if any(mechanism.loops_of(name) for name in move):
         raise OptionError("a mechanism with loops is asked along one joint: give one range, and numbers of the others")
     return _Search(mechanism, stand, move, error, most).answer()
 
 
-def _along(mechanism: Positions, stand: dict[str, float], move: Ranges, error: float) -> MechanismClearance:
+def _along(
+    mechanism: Positions, stand: dict[str, float], move: Ranges, error: float, with_standing: bool
+) -> MechanismClearance:
     """Along one joint, and all that follows it."""
     ((name, (begin, end)),) = move.items()
     roots = roots_of(mechanism, [name])
@@ -139,7 +145,8 @@ def _along(mechanism: Positions, stand: dict[str, float], move: Ranges, error: f
     )
     is_proven = all(math.isfinite(spread) for _, spreads in legs for spread in spreads)
     best = _Best(mechanism, legs[0][0].at(0.5))
-    best.stand(roots, legs[0][0].start, begin)
+    if with_standing:
+        best.stand(roots, legs[0][0].start, begin)
     curve = _Curve(begin, end, best.upper)
     _follow_seats(best, pairs, [leg for leg, _ in legs])
     lower, boxes, open_ = math.inf, 0, 0.0
