@@ -316,6 +316,21 @@ def test_a_slide_and_a_screw_stop_where_they_must() -> None:
     assert both.range("rod.slide").upper == 0.2
 
 
+def test_a_joint_is_followed_to_its_limits_or_says_how_far_it_was_followed() -> None:
+    mock = mockup(jack=((0, 0, 0), (0.1, 0.1, 0.1)), plate=((0, 0, 0.13), (0.1, 0.1, 0.15)))
+    jack = Joint("jack", "screw", None, "jack", Z, (0.05, 0.05, 0), limits=(-70.0, 63.0), pitch=0.01)
+    found = Mechanism(mock, [jack]).range("jack")
+    assert found.lower == -70.0 and found.upper == pytest.approx(6 * math.pi, abs=1e-5)
+    assert found.above is not None and found.above.other_path == "plate" and found.ended == ""
+    slide = Joint("slide", "prismatic", None, "jack", (1, 0, 0), limits=(0.0, 10.0))
+    assert Mechanism(mock, [slide]).range("slide").upper == 10.0
+    turn = Joint("turn", "revolute", None, "jack", Z, limits=(-20.0, 1e5))
+    assert (Mechanism(mock, [turn]).range("turn").lower, Mechanism(mock, [turn]).range("turn").upper) == (-20.0, 1e5)
+    free = Mechanism(mock, [Joint("slide", "prismatic", None, "jack", (1, 0, 0))]).range("slide")
+    assert "'slide' has no limit: it was followed to " in free.ended
+    assert Mechanism(mock, [Joint("turn", "revolute", None, "jack", Z)]).range("turn").ended == ""
+
+
 def test_clash_tells_each_pair_with_its_first_position() -> None:
     found = hinge().clash({"hinge": (0.0, 1.5)})
     assert [(each.path, each.other_path) for each in found.contacts] == [("door", "wall")]

@@ -64,7 +64,8 @@ class Range:
     is_certified: bool = True
     """False for joints of loops, which are followed in small steps."""
     ended: str = ""
-    """Why it ends early where nothing was met: a dead point of a loop."""
+    """Why it ends early where nothing was met: a dead point of a loop, or a joint without limits, which is followed for
+    one turn, or twice the size of the mock-up."""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""

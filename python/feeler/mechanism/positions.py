@@ -304,6 +304,10 @@ class Positions:
         """The number of the link that a number of a position moves."""
         return self._link(self._of_name[name][0].name)
 
+    def joint_of(self, name: str) -> Joint:
+        """The joint of a number of a position."""
+        return self._of_name[name][0]
+
     def turns(self, name: str) -> bool:
         """Whether a number of a position is an angle."""
         joint, number = self._of_name[name]

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from feeler.choices import TOUCHINGS
 from feeler.mechanism.answers import MechanismContact, MechanismSeat, Range
+from feeler.mechanism.joint import JointKind
 from feeler.mechanism.legs import STRAIGHT_M, Leg, Legs, halves, relative
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.seating import Seated
@@ -54,20 +55,39 @@ def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None)
     pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
     found: list[tuple[float, MechanismContact | None]] = []
     why = ""
-    for end in span(mechanism, name, start):
+    for end, limit in zip(span(mechanism, name, start), mechanism.limits(name) or (-np.inf, np.inf), strict=True):
         value, met, ended = _end(mechanism, name, at, (start, end), pairs)
+        if met is None and not ended and end != limit:
+            if np.isfinite(limit):
+                value = limit  # a turn is all
+            elif not _repeats(mechanism, name):
+                ended = f"{name!r} has no limit: it was followed to {mechanism.said(name, end)}"
         found.append((value, met))
-        why = why or ended
+        why = "; ".join(dict.fromkeys(each for each in (why, ended) if each))
     (lower, below), (upper, above) = found
     seats = seats_of(mechanism, pairs)
     return Range(name, start, lower, upper, below, above, seats, not mechanism.loops_of(name), why)
 
 
 def span(mechanism: Positions, name: str, start: float) -> tuple[float, float]:
-    """The limits of a joint; without limits a turn both ways, or a slide that leaves the mock-up."""
+    """How far a joint is followed: to its limits; without limits a turn both ways, or a slide that leaves the mock-up.
+
+    What only turns is not followed for more than a turn.
+    """
     far = _TURN if mechanism.turns(name) else _SIZES * mechanism.size
-    own = mechanism.limits(name) or (-np.inf, np.inf)
-    return max(own[0], start - far), min(own[1], start + far)
+    lower, upper = mechanism.limits(name) or (-np.inf, np.inf)
+    if _repeats(mechanism, name) or not np.isfinite(lower):
+        lower = max(lower, start - far)
+    if _repeats(mechanism, name) or not np.isfinite(upper):
+        upper = min(upper, start + far)
+    return float(lower), float(upper)
+
+
+def _repeats(mechanism: Positions, name: str) -> bool:
+    """Whether a turn of a joint leads back to where it begins: it alone turns, without pitch."""
+    mine = mechanism.driven[name].root
+    is_alone = sum(by.root == mine for by in mechanism.driven.values()) == 1 and not mechanism.loops_of(name)
+    return is_alone and mechanism.turns(name) and mechanism.joint_of(name).kind is not JointKind.SCREW
 
 
 def roots_of(mechanism: Positions, names: Iterable[str]) -> set[str]:
