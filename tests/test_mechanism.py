@@ -235,6 +235,24 @@ def test_a_slider_ends_at_the_dead_point_of_its_crank() -> None:
     assert 0.4 - along == pytest.approx(0.117157, abs=1e-6)
 
 
+def test_a_position_of_a_loop_can_be_given_back() -> None:
+    moved = off_centre()
+    position = moved.position({"crank": -0.2})
+    assert moved.position(position) == pytest.approx(position, abs=1e-9)
+    two = {"crank": -0.2, "slider": position["slider"]}
+    assert moved.position(two) == pytest.approx(position, abs=1e-9)
+    free = moved.range("crank", {"crank": -0.2})
+    for at in (position, two):
+        found = moved.range("crank", at)
+        assert (found.lower, found.upper) == pytest.approx((free.lower, free.upper), abs=1e-9)
+    driven = moved.range("slider", {"crank": -0.2})
+    assert driven.start == position["slider"] and driven.lower < driven.start < driven.upper
+    apart = {"crank": -0.2, "slider": position["slider"] + 1e-3}
+    for ask in (moved.position, lambda values: moved.range("rod", values)):
+        with pytest.raises(MechanismError, match=r"the loop does not close at crank = .*: give fewer of its joints"):
+            ask(apart)
+
+
 def test_a_four_bar_follows_and_ends_at_its_dead_point() -> None:
     # Frame 0.4, crank 0.1, coupler 0.35, rocker 0.3; the crank stands at 90 degrees.
     frame, crank, coupler, rocker = 0.4, 0.1, 0.35, 0.3

@@ -52,11 +52,12 @@ def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None)
     mechanism.check_name(name)
     at = mechanism.checked(given)
     start = mechanism.position(at)[name]
+    at, origin = mechanism.freed(at, name)
     pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
     found: list[tuple[float, MechanismContact | None]] = []
     why = ""
     for end, limit in zip(span(mechanism, name, start), mechanism.limits(name) or (-np.inf, np.inf), strict=True):
-        value, met, ended = _end(mechanism, name, at, (start, end), pairs)
+        value, met, ended = _end(mechanism, name, at, (start, end), pairs, origin)
         if met is None and not ended and end != limit:
             if np.isfinite(limit):
                 value = limit  # a turn is all
@@ -134,13 +135,18 @@ def seats_of(mechanism: Positions, pairs: Iterable[tuple[int, int]]) -> tuple[Me
 
 
 def _end(
-    mechanism: Positions, name: str, at: Mapping[str, float], ends: tuple[float, float], pairs: list[tuple[int, int]]
+    mechanism: Positions,
+    name: str,
+    at: Mapping[str, float],
+    ends: tuple[float, float],
+    pairs: list[tuple[int, int]],
+    origin: dict[str, float] | None,
 ) -> tuple[float, MechanismContact | None, str]:
     """The value of a joint where its way to another ends, what it meets there, and why else it ends."""
     begin, end = ends
     if begin == end:
         return end, None, ""
-    legs, value = Legs(mechanism, name, at, begin, end), begin
+    legs, value = Legs(mechanism, name, at, begin, end, origin), begin
     for leg in legs:
         value = leg.values[1]
         found = _meeting(mechanism, name, at, leg, pairs, _MOST_HALVES)
