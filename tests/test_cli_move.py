@@ -78,6 +78,17 @@ def test_the_film_moves_the_parts_of_the_joint(door: Path, tmp_path: Path) -> No
     assert np.degrees(np.arctan2(turned[1, 0], turned[0, 0])) == pytest.approx(15.0, abs=1e-3)
 
 
+def test_the_film_of_many_turns_turns_the_way_of_the_joint(door: Path, tmp_path: Path) -> None:
+    """Between two keys nothing turns by half a turn, where players would turn it back."""
+    (tmp_path / "cowl.toml").write_text(HINGE.replace("limits_deg = [0, 90]\n", ""))
+    words = ["move", str(door), "--mechanism", str(tmp_path / "cowl.toml"), "--joint", "hinge=0:36000"]
+    run(*words, "--film", str(tmp_path / "f.glb"), code=1)
+    tracks = feeler.load_tracks(tmp_path / "f.glb")
+    turned = tracks.poses(float(tracks.times[1]))["f/m/door"]
+    angle = np.degrees(np.arctan2(turned[1, 0], turned[0, 0]))
+    assert angle == pytest.approx(36000 * tracks.times[1] / 4.0, abs=1e-2) and 0 < angle <= 30
+
+
 def test_an_animation_is_bounded_over_its_time(door: Path, tmp_path: Path) -> None:
     mock = feeler.load_mockup(door)
     turns = np.array([feeler.Joint("j", "revolute", None, 0).pose(angle) for angle in (0.0, 0.5, 1.5)])
@@ -190,6 +201,7 @@ def test_joints_that_are_not_found_are_told_with_what_is_free(tmp_path: Path) ->
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:120"], "limits are 0 rad (0 degrees) to"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=9:1"], "least and the greatest"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=10", "--csv", "g.csv"], "none does: give a range"),
+        (["--mechanism", "cowl.toml", "--joint", "hinge=0:9", "--glb", "x.glb", "--film", "./x.glb"], "both write"),
         (["--mechanism", "none.toml"], "does not exist"),
         (["--animation", "0", "--joint", "hinge=0:1"], "leave them out"),
         (["--write-mechanism", "x.toml", "--parent", "*"], "--parent is of a --child"),

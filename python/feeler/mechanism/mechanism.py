@@ -164,8 +164,9 @@ class Mechanism:
         """Bounds of the least gap over a range of positions, certified, and the worst position.
 
         values: a number, or the least and greatest, of each joint; without any range, it is of that one position.
-        error: the gap of the two bounds at which it ends, metres. most: boxes of positions that are tried, of several
-        joints; what is left then is undecided. Pairs of a joint that are in contact where they are modelled are seats,
+        error: the gap of the two bounds at which it ends, metres. most: of several joints, it ends after about
+        this many boxes of positions, of which each pair of links takes some at least; what is left then is undecided.
+        Pairs of a joint that are in contact where they are modelled are seats,
         and have no gap; where one goes deeper, both bounds are 0, and `jams` names it. Links that do not move against
         each other count too, where they stand; of those that stand as they are modelled, parts that are in contact are
         seats.
