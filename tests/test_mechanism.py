@@ -340,6 +340,8 @@ def test_a_joint_is_followed_to_its_limits_or_says_how_far_it_was_followed() -> 
     found = Mechanism(mock, [jack]).range("jack")
     assert found.lower == -70.0 and found.upper == pytest.approx(6 * math.pi, abs=1e-5)
     assert found.above is not None and found.above.other_path == "plate" and found.ended == ""
+    long = Joint("jack", "screw", None, "jack", Z, (0.05, 0.05, 0), limits=(-1e4, 0.0), pitch=0.01)
+    assert "not to its limit: it has too many turns" in Mechanism(mock, [long]).range("jack").ended
     slide = Joint("slide", "prismatic", None, "jack", (1, 0, 0), limits=(0.0, 10.0))
     assert Mechanism(mock, [slide]).range("slide").upper == 10.0
     turn = Joint("turn", "revolute", None, "jack", Z, limits=(-20.0, 1e5))

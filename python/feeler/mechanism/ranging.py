@@ -27,6 +27,7 @@ Near = tuple[float, int, int, Floats, Floats]
 TOLERANCE_M = 2e-8
 """By how much a contact may be early."""
 _TURN = 2.0 * np.pi  # how far a joint without limits is followed, both ways
+_MOST_TURN = 999.0 * _TURN
 _SIZES = 2.0  # the same of a slide, in sizes of the mock-up
 _MOST_HALVES = 40
 _SAME_SHARE = 1e-9
@@ -59,8 +60,10 @@ def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None)
     for end, limit in zip(span(mechanism, name, start), mechanism.limits(name) or (-np.inf, np.inf), strict=True):
         value, met, ended = _end(mechanism, name, at, (start, end), pairs, origin)
         if met is None and not ended and end != limit:
-            if np.isfinite(limit):
+            if np.isfinite(limit) and _repeats(mechanism, name):
                 value = limit  # a turn is all
+            elif np.isfinite(limit):
+                ended = f"{name!r} was followed to {mechanism.said(name, end)}, not to its limit: it has too many turns"
             elif not _repeats(mechanism, name):
                 ended = f"{name!r} has no limit: it was followed to {mechanism.said(name, end)}"
         found.append((value, met))
@@ -81,7 +84,19 @@ def span(mechanism: Positions, name: str, start: float) -> tuple[float, float]:
         lower = max(lower, start - far)
     if _repeats(mechanism, name) or not np.isfinite(upper):
         upper = min(upper, start + far)
-    return float(lower), float(upper)
+    most = _most(mechanism, name)
+    return float(max(lower, start - most)), float(min(upper, start + most))
+
+
+def _most(mechanism: Positions, name: str) -> float:
+    """How far a number may move in one question: nothing turns by more than a thousand turns."""
+    mine = mechanism.driven[name]
+    rates = [
+        abs(by.ratio / mine.ratio)
+        for other, by in mechanism.driven.items()
+        if by.root == mine.root and mechanism.turns(other)
+    ]
+    return _MOST_TURN / max(rates, default=1e-300)
 
 
 def _repeats(mechanism: Positions, name: str) -> bool:
