@@ -173,7 +173,8 @@ class Positions:
             if isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2:
                 lower, upper = (check_number(f"{name!r}", each, "radians or metres") for each in value)
                 if lower > upper:
-                    raise OptionError(f"the range of {name!r} is {shown(value)}: give the least and the greatest value")
+                    ends = f"{self.said(name, lower)} to {self.said(name, upper)}"
+                    raise OptionError(f"the range of {name!r} is {ends}: give the least and the greatest value")
                 for end in (lower, upper):
                     self._check_limits(name, end)
                 move[name] = (lower, upper)
