@@ -507,3 +507,29 @@ def test_parts_that_stand_as_they_are_modelled_may_touch_and_seats_may_not_go_de
     assert found.upper == 0.0 and [(jam.path, jam.other_path) for jam in found.jams] == [("a", "b")]
     assert [each.path for each in moved.clash({"s": 0.05, "h": (0.0, 1.0)}).contacts] == ["a"]
     assert moved.clearance({"s": -0.05, "h": (0.0, 1.0)}).jams == ()
+
+
+def test_flush_faces_of_links_that_nothing_joins_have_one_answer() -> None:
+    """Two drawers side by side: they slide along each other, from wherever, and may go no deeper."""
+    mock = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.1, 0.0, 0.0), (0.2, 0.1, 0.1)), c=((5.0, 5.0, 5.0), (6.0, 6.0, 6.0))
+    )
+    drawers = [Joint("a", "prismatic", None, "a", Z), Joint("b", "prismatic", None, "b", Z)]
+    moved = Mechanism(mock, drawers)
+    for at in (0.0, -0.2):
+        found = moved.range("a", {"a": at})
+        assert (found.below, found.above) == (None, None)
+        assert [(seat.path, seat.other_path) for seat in found.seats] == [("a", "b")]
+        assert len(moved.clash({"a": (at, 0.05)})) == 0
+        assert moved.clearance({"a": (at, 0.05)}).lower > 4.0
+    across = Mechanism(mock, [Joint("a", "prismatic", None, "a", (1, 0, 0)), drawers[1]])
+    assert across.range("a").upper == pytest.approx(0.0, abs=2e-6)
+    assert [each.path for each in across.clash({"a": (0.0, 0.05)}).contacts] == ["a"]
+    assert across.clearance({"a": (0.0, 0.05)}).upper == 0.0
+    # What crosses where it is modelled clashes.
+    sunk = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)),
+        b=((0.09, 0.0, 0.0), (0.2, 0.1, 0.1)),
+        c=((5.0, 5.0, 5.0), (6.0, 6.0, 6.0)),
+    )
+    assert len(Mechanism(sunk, drawers).clash({"a": (0.0, 0.05)})) == 1

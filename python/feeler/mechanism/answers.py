@@ -13,7 +13,8 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MechanismSeat:
-    """A pair of parts of a joint, coupling or loop that are in contact where they are modelled.
+    """A pair of parts of a joint, coupling or loop that are in contact where they are modelled, or of other links that
+    touch there.
 
     It is followed by the rule of seats: it may slide and separate, but go no deeper than there.
     """

@@ -86,12 +86,18 @@ class Bodies:
         return self._loops.get(frozenset((one, other)))
 
     def seats(self, one: int, other: int) -> tuple[Seated, ...]:
-        """The pairs of parts that are seated in each other where they are modelled, of two links that a joint, coupling
-        or loop joins."""
+        """The pairs of parts of two links that are seated in each other where they are modelled.
+
+        Of links that no joint, coupling or loop joins those that only touch: what crosses there is exact.
+        """
         key = (one, other)
         if key not in self._seats:
-            is_asked = self.is_joined(one, other) and self.is_solid(one) and self.is_solid(other)
-            self._seats[key] = seated(self, one, other) if is_asked else ()
+            is_asked = self.is_solid(one) and self.is_solid(other)
+            is_joined = self.is_joined(one, other)
+            if is_asked and not is_joined:
+                is_asked = math.isfinite(self.alone(other).distance(self.tool(one), np.eye(4), TOUCH_M).value)
+            found = seated(self, one, other) if is_asked else ()
+            self._seats[key] = tuple(seat for seat in found if is_joined or seat.kind == "touching")
         return self._seats[key]
 
     def touching(self, one: int, other: int) -> list[tuple[int, int]]:

@@ -152,9 +152,9 @@ class Mechanism:
     def range(self, joint: str, at: Values | None = None) -> Range:
         """How far a joint moves freely both ways, and what it meets first, with the other joints at `at`.
 
-        Parts of joints, couplings and loops that are in contact where they are modelled are seats, as in `removal`:
-        they may go no deeper. All others are exact. Joints of loops are followed in small steps (`is_certified` is
-        false).
+        Parts of joints, couplings and loops that are in contact where they are modelled are seats, as in `removal`, and
+        others that only touch there: they may go no deeper. All others are exact. Joints of loops are followed in small
+        steps (`is_certified` is false).
         """
         return range_of(self._positions, joint, at)
 
