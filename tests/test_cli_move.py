@@ -78,12 +78,23 @@ def test_the_film_moves_the_parts_of_the_joint(door: Path, tmp_path: Path) -> No
     assert np.degrees(np.arctan2(turned[1, 0], turned[0, 0])) == pytest.approx(15.0, abs=1e-3)
 
 
+def test_the_film_of_many_turns_turns_the_way_of_the_joint(door: Path, tmp_path: Path) -> None:
+    """Between two keys nothing turns by half a turn, where players would turn it back."""
+    (tmp_path / "cowl.toml").write_text(HINGE.replace("limits_deg = [0, 90]\n", ""))
+    words = ["move", str(door), "--mechanism", str(tmp_path / "cowl.toml"), "--joint", "hinge=0:36000"]
+    run(*words, "--film", str(tmp_path / "f.glb"), code=1)
+    tracks = feeler.load_tracks(tmp_path / "f.glb")
+    turned = tracks.poses(float(tracks.times[1]))["f/m/door"]
+    angle = np.degrees(np.arctan2(turned[1, 0], turned[0, 0]))
+    assert angle == pytest.approx(36000 * tracks.times[1] / 4.0, abs=1e-2) and 0 < angle <= 30
+
+
 def test_an_animation_is_bounded_over_its_time(door: Path, tmp_path: Path) -> None:
     mock = feeler.load_mockup(door)
     turns = np.array([feeler.Joint("j", "revolute", None, 0).pose(angle) for angle in (0.0, 0.5, 1.5)])
     (tmp_path / "a.glb").write_bytes(animated_glb(mock, [Motion(0, np.arange(3.0), turns)]))
     words = ["move", str(tmp_path / "a.glb"), "--animation", "0"]
-    assert run(*words, code=1).stdout.startswith("does not hold: parts meet\nworst at time = ")
+    assert run(*words, code=1).stdout.startswith("does not hold: parts meet\nthey first meet at time = ")
     mild = np.array([np.eye(4), turns[1]])
     (tmp_path / "a.glb").write_bytes(animated_glb(mock, [Motion(0, np.arange(2.0), mild)]))
     facts = run_json(*words, "--require", "1cm", "--csv", str(tmp_path / "a.csv"), "--glb", str(tmp_path / "aw.glb"))
@@ -101,10 +112,44 @@ def test_a_robot_brings_its_joints_and_stands_among_the_other_files(door: Path, 
     assert [(each["joint"], each["lower"], each["upper"]) for each in ranges] == [("turn", -1.0, 1.0)]
     write_glb(tmp_path / "post.glb", mockup(("post", (0.4, 0.3, 0), (0.5, 0.4, 1))))
     found = run("move", str(robot), str(tmp_path / "post.glb"), "--joint", "turn=0:57", code=1)
-    assert "arm/box to post/post" in found.stdout
+    assert "arm/box and post/post" in found.stdout
     assert run_json("move", str(robot), str(tmp_path / "post.glb"), "--joint", "turn=-50:0")["holds"]
     shown = run_json("move", str(robot), "--geometry", "visual")
     assert shown["mockup"]["parts"] == 2 and shown["mockup"]["triangles"] == 12
+
+
+def test_a_joint_that_is_held_in_a_wall_does_not_hold(door: Path, tmp_path: Path) -> None:
+    """Links that do not move against each other count too, with a range of another joint or without."""
+    (tmp_path / "r.urdf").write_text(
+        ROBOT.replace("0.3 0 0.1", "0.5 0 0.1").replace(
+            "</robot>",
+            '<link name="hand"><collision><origin xyz="0 0 0.5"/><geometry><box size="0.1 0.1 0.1"/></geometry>'
+            '</collision></link><joint name="grip" type="revolute"><parent link="arm"/><child link="hand"/>'
+            '<axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint></robot>',
+        )
+    )
+    write_glb(tmp_path / "post.glb", mockup(("post", (0.4, 0.3, 0), (0.5, 0.4, 0.2))))
+    words = ["move", str(tmp_path / "r.urdf"), str(tmp_path / "post.glb"), "--joint", "turn=40"]
+    for more in ([], ["--joint", "grip=-9:9"]):
+        said = run(*words, *more, "--require", "1mm", code=1).stdout
+        assert "does not hold: parts meet" in said and "turn = 40 degrees" in said and "arm/box" in said
+    words[-1] = "turn=10"
+    assert run(*words, "--require", "1mm").stdout.startswith("holds: ")
+
+
+def test_parts_that_meet_are_told_where_they_first_do(door: Path, tmp_path: Path) -> None:
+    words = ["move", str(door), "--mechanism", str(tmp_path / "cowl.toml"), "--joint", "hinge=0:90"]
+    assert "they first meet at hinge = 58.0536 degrees: m/door and m/wall" in run(*words, code=1).stdout
+    assert run_json(*words, code=1)["first"]["value"] == pytest.approx(np.radians(58.0537), abs=1e-5)
+
+
+def test_only_the_lower_bound_says_that_it_holds(door: Path, tmp_path: Path) -> None:
+    words = ["move", str(door), "--mechanism", str(tmp_path / "cowl.toml"), "--joint", "hinge=0:58"]
+    said = run(*words, "--error", "100mm", code=1).stdout
+    assert said.startswith("not proven to hold: the least gap is 0 m to") and "smaller --error" in said
+    assert not run_json(*words, "--error", "100mm", code=1)["holds"]
+    assert run(*words, "--error", "10um").stdout.startswith("holds: the least gap is ")
+    assert run(*words, "--require", "1cm", code=1).stdout.startswith("does not hold: the least gap is ")
 
 
 def hinge_files(tmp_path: Path) -> Path:
@@ -160,8 +205,9 @@ def test_joints_that_are_not_found_are_told_with_what_is_free(tmp_path: Path) ->
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:1:2"], "NAME=FROM:TO, or NAME=VALUE"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:3mm"], "angle"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:120"], "limits are 0 rad (0 degrees) to"),
-        (["--mechanism", "cowl.toml", "--joint", "hinge=9:1"], "least and the greatest"),
-        (["--mechanism", "cowl.toml", "--joint", "hinge=10"], "no joint has a range"),
+        (["--mechanism", "cowl.toml", "--joint", "hinge=90:0"], "(90 degrees) to 0 rad (0 degrees): give the least"),
+        (["--mechanism", "cowl.toml", "--joint", "hinge=10", "--csv", "g.csv"], "none does: give a range"),
+        (["--mechanism", "cowl.toml", "--joint", "hinge=0:9", "--glb", "x.glb", "--film", "./x.glb"], "both write"),
         (["--mechanism", "none.toml"], "does not exist"),
         (["--animation", "0", "--joint", "hinge=0:1"], "leave them out"),
         (["--write-mechanism", "x.toml", "--parent", "*"], "--parent is of a --child"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -235,6 +236,26 @@ def test_a_slider_ends_at_the_dead_point_of_its_crank() -> None:
     assert 0.4 - along == pytest.approx(0.117157, abs=1e-6)
 
 
+def test_a_position_of_a_loop_can_be_given_back() -> None:
+    whole = off_centre()
+    crank = replace(whole.joints[0], limits=(-0.22, -0.15))
+    moved = Mechanism(whole.mockup, [crank, *whole.joints[1:]], loops=whole.loops)
+    position = moved.position({"crank": -0.2})
+    assert moved.position(position) == pytest.approx(position, abs=1e-9)
+    two = {"crank": -0.2, "slider": position["slider"]}
+    assert moved.position(two) == pytest.approx(position, abs=1e-9)
+    free = moved.range("crank", {"crank": -0.2})
+    for at in (position, two):
+        found = moved.range("crank", at)
+        assert (found.lower, found.upper) == pytest.approx((free.lower, free.upper), abs=1e-9)
+    driven = moved.range("slider", {"crank": -0.2})
+    assert driven.start == position["slider"] and driven.lower < driven.start < driven.upper
+    apart = {"crank": -0.2, "slider": position["slider"] + 1e-3}
+    for ask in (moved.position, lambda values: moved.range("rod", values)):
+        with pytest.raises(MechanismError, match=r"the loop does not close at crank = .*: give fewer of its joints"):
+            ask(apart)
+
+
 def test_a_four_bar_follows_and_ends_at_its_dead_point() -> None:
     # Frame 0.4, crank 0.1, coupler 0.35, rocker 0.3; the crank stands at 90 degrees.
     frame, crank, coupler, rocker = 0.4, 0.1, 0.35, 0.3
@@ -314,6 +335,23 @@ def test_a_slide_and_a_screw_stop_where_they_must() -> None:
     both = Mechanism(mock, [Joint("rod", "cylindrical", None, "block", Z, (0.05, 0.05, 0), slide_limits=(0.0, 0.2))])
     assert both.names == ("rod.turn", "rod.slide")
     assert both.range("rod.slide").upper == 0.2
+
+
+def test_a_joint_is_followed_to_its_limits_or_says_how_far_it_was_followed() -> None:
+    mock = mockup(jack=((0, 0, 0), (0.1, 0.1, 0.1)), plate=((0, 0, 0.13), (0.1, 0.1, 0.15)))
+    jack = Joint("jack", "screw", None, "jack", Z, (0.05, 0.05, 0), limits=(-70.0, 63.0), pitch=0.01)
+    found = Mechanism(mock, [jack]).range("jack")
+    assert found.lower == -70.0 and found.upper == pytest.approx(6 * math.pi, abs=1e-5)
+    assert found.above is not None and found.above.other_path == "plate" and found.ended == ""
+    long = Joint("jack", "screw", None, "jack", Z, (0.05, 0.05, 0), limits=(-1e4, 0.0), pitch=0.01)
+    assert "not to its limit: it has too many turns" in Mechanism(mock, [long]).range("jack").ended
+    slide = Joint("slide", "prismatic", None, "jack", (1, 0, 0), limits=(0.0, 10.0))
+    assert Mechanism(mock, [slide]).range("slide").upper == 10.0
+    turn = Joint("turn", "revolute", None, "jack", Z, limits=(-20.0, 1e5))
+    assert (Mechanism(mock, [turn]).range("turn").lower, Mechanism(mock, [turn]).range("turn").upper) == (-20.0, 1e5)
+    free = Mechanism(mock, [Joint("slide", "prismatic", None, "jack", (1, 0, 0))]).range("slide")
+    assert "'slide' has no limit: it was followed to " in free.ended
+    assert Mechanism(mock, [Joint("turn", "revolute", None, "jack", Z)]).range("turn").ended == ""
 
 
 def test_clash_tells_each_pair_with_its_first_position() -> None:
@@ -433,3 +471,68 @@ def test_random_mechanisms_are_never_late_and_their_bounds_never_above_samples()
             own = first.distance(two, np.linalg.inv(poses["p"]) @ poses["q"]).value
             assert found.lower <= min(own, rest.distance(one, poses["p"]).value, rest.distance(two, poses["q"]).value)
     assert asked > 15
+
+
+def two_slides(offset: float = 0.0) -> Mechanism:
+    """Block a slides along x to wall b, 0.2 m away; c slides far from both. offset: that c carries a by."""
+    mock = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.3, 0.0, 0.0), (0.4, 0.1, 0.1)), c=((5.0, 0.0, 0.0), (5.1, 0.1, 0.1))
+    )
+    joints = [Joint("s", "prismatic", None, "a", (1, 0, 0)), Joint("h", "prismatic", None, "c", Z)]
+    joints += [Joint("t", "prismatic", None, "b", (0, 1, 0))] if offset else []
+    return Mechanism(mock, joints, [JointCoupling("s", "t", 1.0, offset)] if offset else [])
+
+
+def test_what_stands_in_a_wall_counts_though_another_joint_moves() -> None:
+    moved = two_slides()
+    for values in ({"s": 0.25, "h": (0.0, 1.0)}, {"s": 0.25, "h": 0.3}, {"s": 0.25}):
+        found = moved.clearance(values)
+        assert (found.lower, found.upper, found.path, found.other_path) == (0.0, 0.0, "a", "b")
+        assert [each.path for each in moved.clash(values).contacts] == ["a"]
+    for values, gap in (({"s": 0.15, "h": (0.0, 1.0)}, 0.05), ({"h": (0.0, 1.0)}, 0.2), ({}, 0.2)):
+        found = moved.clearance(values)
+        assert (found.lower, found.upper) == pytest.approx((gap, gap)) and len(moved.clash(values)) == 0
+    assert moved.clearance({"s": 0.15, "h": (0.0, 1.0)}).curve[:, 1].max() == pytest.approx(0.05)
+    # The offset of a coupling brings a to b, where t stands.
+    assert two_slides(0.25).clearance({"t": 0.0, "h": (0.0, 1.0)}).upper == 0.0
+    assert len(two_slides(0.25).clash({"t": 0.0, "h": (0.0, 1.0)})) == 1
+
+
+def test_parts_that_stand_as_they_are_modelled_may_touch_and_seats_may_not_go_deeper() -> None:
+    mock = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.1, 0.0, 0.0), (0.2, 0.1, 0.1)), c=((5.0, 0.0, 0.0), (5.1, 0.1, 0.1))
+    )
+    joints = [Joint("s", "prismatic", None, "a", (1, 0, 0)), Joint("h", "prismatic", None, "c", Z)]
+    moved = Mechanism(mock, joints)
+    found = moved.clearance({"h": (0.0, 1.0)})
+    assert found.lower > 4.0 and [(seat.path, seat.other_path) for seat in found.seats] == [("a", "b")]
+    found = moved.clearance({"s": 0.05, "h": (0.0, 1.0)})
+    assert found.upper == 0.0 and [(jam.path, jam.other_path) for jam in found.jams] == [("a", "b")]
+    assert [each.path for each in moved.clash({"s": 0.05, "h": (0.0, 1.0)}).contacts] == ["a"]
+    assert moved.clearance({"s": -0.05, "h": (0.0, 1.0)}).jams == ()
+
+
+def test_flush_faces_of_links_that_nothing_joins_have_one_answer() -> None:
+    """Two drawers side by side: they slide along each other, from wherever, and may go no deeper."""
+    mock = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.1, 0.0, 0.0), (0.2, 0.1, 0.1)), c=((5.0, 5.0, 5.0), (6.0, 6.0, 6.0))
+    )
+    drawers = [Joint("a", "prismatic", None, "a", Z), Joint("b", "prismatic", None, "b", Z)]
+    moved = Mechanism(mock, drawers)
+    for at in (0.0, -0.2):
+        found = moved.range("a", {"a": at})
+        assert (found.below, found.above) == (None, None)
+        assert [(seat.path, seat.other_path) for seat in found.seats] == [("a", "b")]
+        assert len(moved.clash({"a": (at, 0.05)})) == 0
+        assert moved.clearance({"a": (at, 0.05)}).lower > 4.0
+    across = Mechanism(mock, [Joint("a", "prismatic", None, "a", (1, 0, 0)), drawers[1]])
+    assert across.range("a").upper == pytest.approx(0.0, abs=2e-6)
+    assert [each.path for each in across.clash({"a": (0.0, 0.05)}).contacts] == ["a"]
+    assert across.clearance({"a": (0.0, 0.05)}).upper == 0.0
+    # What crosses where it is modelled clashes.
+    sunk = mockup(
+        a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)),
+        b=((0.09, 0.0, 0.0), (0.2, 0.1, 0.1)),
+        c=((5.0, 5.0, 5.0), (6.0, 6.0, 6.0)),
+    )
+    assert len(Mechanism(sunk, drawers).clash({"a": (0.0, 0.05)})) == 1

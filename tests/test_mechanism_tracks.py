@@ -387,6 +387,24 @@ def test_steps_jump(tmp_path: Path) -> None:
     assert tracks.clearance(end=1.9).upper == pytest.approx(0.3)
 
 
+@pytest.mark.parametrize("end", [1.5, 2.0])
+def test_what_is_met_just_before_a_jump_is_met(tmp_path: Path, end: float) -> None:
+    """A block slides to another one, from 0.7 on into it, and is lifted away in a jump."""
+    made = Gltf()
+    lift = made.node("lift", size=None)
+    slide = made.node("slide", lift)
+    made.node("block", translation=[0.9, 0.0, 0.0])
+    made.channel(slide, "translation", [0.0, 2.0], [[0, 0, 0], [1, 0, 0]])
+    made.channel(lift, "translation", [0.0, 1.5, 2.0], [[0, 0, 0], [0, 0, 5], [0, 0, 5]], "STEP")
+    tracks = load_tracks(made.write(tmp_path / "jump.gltf"))
+    found = tracks.clearance(end=end)
+    assert (found.lower, found.upper) == (0.0, 0.0) and 1.4 <= found.worst["time"] < 1.5
+    (pose,) = tracks.poses(found.worst["time"]).values()
+    assert pose[2, 3] == 0.0 and pose[0, 3] > 0.7
+    far = tracks.clearance(1e-3, start=1.0, end=1.2)
+    assert far.upper == pytest.approx(0.1, abs=1e-6) and far.worst["time"] == 1.2
+
+
 def test_axes_are_turned_with_the_parts(tmp_path: Path) -> None:
     made = Gltf()
     made.root["asset"]["generator"] = "another"

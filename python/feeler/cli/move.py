@@ -26,6 +26,9 @@ Files = Annotated[
     ),
 ]
 
+_First = tuple[dict[str, float], "feeler.MechanismContact"]
+"""The given numbers of a position, and what meets there."""
+
 
 @command(
     examples="""
@@ -87,7 +90,7 @@ def move(
     """Moves parts by their joints, and bounds the least gap over all positions.
 
     Without --joint: the free range of each joint, and what it meets first.
-    Exit status: 0 it holds, 1 parts meet, or come nearer than --require, or nothing is certified, 2 bad input.
+    Exit status: 0 the lower bound of the gap is at least --require, or more than 0; 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -148,7 +151,7 @@ def move(
         if csv is not None:
             name = next(name for name, value in ranges.items() if isinstance(value, tuple))
             written["csv"] = _write_csv(csv, f"{name}_{'rad' if _turns(moved)[name] else 'm'}", found)
-        _tell(moved, found, require, written, world, as_json)
+        _tell(moved, found, require, written, world, as_json, _first(moved, ranges, found))
         return
     rows = []
     with bar("moving") as progress:
@@ -210,6 +213,19 @@ def _check_one(ranges: dict[str, float | tuple[float, float]], csv: Path | None,
     for option, target in (("--csv", csv), ("--film", film)):
         if target is not None and len(moving) > 1:
             raise OptionError(f"{option} shows one joint that moves, and {', '.join(moving)} do: keep all but one")
+        if target is not None and not moving:
+            raise OptionError(f"{option} shows one joint that moves, and none does: give a range, such as NAME=FROM:TO")
+
+
+def _first(
+    moved: feeler.Mechanism, ranges: dict[str, float | tuple[float, float]], found: feeler.MechanismClearance
+) -> _First | None:
+    """Where the one joint that moves first meets something."""
+    moving = [name for name, value in ranges.items() if isinstance(value, tuple)]
+    met = moved.clash(ranges).contacts[:1] if len(moving) == 1 and found.upper == 0.0 else ()
+    if not met:
+        return None
+    return {name: met[0].value if isinstance(value, tuple) else value for name, value in ranges.items()}, met[0]
 
 
 def _write_csv(path: Path, column: str, found: feeler.MechanismClearance) -> str:
@@ -249,7 +265,9 @@ def _over_time(
         written["glb"] = write_worst(glb, tracks.scene(found.worst["time"]).mockup, found)
     if csv is not None:
         written["csv"] = _write_csv(csv, "time_s", found)
-    _tell(None, found, require, written, tracks.mockup, as_json)
+    met = tracks.clash().contacts[:1] if found.upper == 0.0 else ()
+    first = ({"time": met[0].value}, met[0]) if met else None
+    _tell(None, found, require, written, tracks.mockup, as_json, first)
 
 
 def _tell(
@@ -259,24 +277,34 @@ def _tell(
     written: dict[str, str],
     world: feeler.Mockup,
     as_json: bool,
+    first: _First | None,
 ) -> None:
-    """Prints a clearance, and ends with its exit status. moved: None for an animation."""
+    """Prints a clearance, and ends with its exit status. moved: None for an animation. first: where parts meet first,
+    if they do."""
     from feeler.cli import outputs
 
-    holds = found.upper > 0.0 if require is None else found.lower >= require
+    holds = found.lower > 0.0 if require is None else found.lower >= require
+    is_open = found.upper > 0.0 and found.upper >= (require or 0.0)
     if as_json:
         facts = {"holds": holds, "require_m": require, **found.to_dict(), "written": written}
+        facts["first"] = first[1].to_dict() if first else None
         outputs.print_json({"mockup": mesh_facts(world), **facts})
     else:
         out = outputs.console()
-        outputs.say(out, f"{'holds' if holds else 'does not hold'}: {_gap(found)}")
-        if found.path:
+        said = "holds" if holds else "not proven to hold" if is_open else "does not hold"
+        outputs.say(out, f"{said}: {_gap(found)}")
+        if not holds and is_open and found.is_certified:
+            outputs.say(out, "  give a smaller --error")
+        if first:
+            at, met = first
+            outputs.say(out, f"they first meet at {_position(moved, at)}: {met.path} and {met.other_path}")
+        elif found.path:
             outputs.say(out, f"worst at {_position(moved, found.worst)}: {found.path} to {found.other_path}")
         for jam in found.jams:
             outputs.say(out, f"  {jam.path} jams in {jam.other_path}")
         if found.undecided and found.is_certified:
             outputs.say(out, f"undecided at {100 * found.undecided:.3g} % of the positions")
-        _print_seats(out, found.seats)
+        _print_seats(out, found.seats, "as modelled" if moved else "at the start")
         for kind, target in written.items():
             outputs.say(out, f"{kind} written to {target}")
     if not holds:
@@ -322,9 +350,10 @@ def _print_range(moved: feeler.Mechanism, found: feeler.Range) -> None:
     _print_seats(out, found.seats)
 
 
-def _print_seats(out: Any, seats: tuple[feeler.MechanismSeat, ...]) -> None:
+def _print_seats(out: Any, seats: tuple[feeler.MechanismSeat, ...], where: str = "as modelled") -> None:
     from feeler.cli import outputs
 
     if seats:
-        first = f"{seats[0].path} in {seats[0].other_path}"
-        outputs.say(out, f"  {plural(len(seats), 'pair')} of joints in contact: {first}{', ...' if seats[1:] else ''}")
+        first = f"{seats[0].path} and {seats[0].other_path}"
+        count = plural(len(seats), "pair")
+        outputs.say(out, f"  {count} of parts in contact {where}: {first}{', ...' if seats[1:] else ''}")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 import feeler
+from feeler.errors import OptionError
 from feeler.io.body import Body, body_of
 from feeler.io.export import Motion, animated_glb, write_glb
 
@@ -17,6 +19,9 @@ _PART, _OTHER, _REST = (0.95, 0.55, 0.1), (0.8, 0.1, 0.1), (0.78, 0.78, 0.8)
 _THICKNESS_SHARE = 0.002  # of the mock-up's size
 _FRAMES = 121
 _SECONDS = 4.0
+_TURN = math.pi / 6.0
+"""Keys are nearer, radians: players take the short way between two."""
+_MOST_FRAMES = 20_000
 
 
 def write_worst(path: Path, world: feeler.Mockup, found: feeler.MechanismClearance) -> str:
@@ -47,12 +52,11 @@ def write_film(
     ((name, (lower, upper)),) = [(name, each) for name, each in ranges.items() if isinstance(each, tuple)]
     stand = {each: value for each, value in ranges.items() if not isinstance(value, tuple)}
     poses: dict[str, list[Floats]] = {}
-    last: dict[str, float] | None = None
-    for value in np.linspace(lower, upper, _FRAMES).tolist():
-        last = moved.position({**stand, name: value}, last)
-        for joint, pose in moved.poses(last, last).items():
+    positions = _positions(moved, stand, name, (lower, upper))
+    for position in positions:
+        for joint, pose in moved.poses(position, position).items():
             poses.setdefault(joint, []).append(pose)
-    times = np.linspace(0.0, _SECONDS, _FRAMES)
+    times = np.linspace(0.0, _SECONDS, len(positions))
     motions = [
         Motion(int(part), times, np.array(poses[joint.name]))
         for joint in moved.joints
@@ -62,6 +66,24 @@ def write_film(
     with atomic_file(path, ".glb") as file:
         file.write(data)
     return str(path)
+
+
+def _positions(
+    moved: feeler.Mechanism, stand: dict[str, float], name: str, ends: tuple[float, float]
+) -> list[dict[str, float]]:
+    """The positions of the keys, so many that nothing turns far between two."""
+    turning = [each for joint in moved.joints for each, turns in zip(joint.names, joint.turns, strict=True) if turns]
+    count = _FRAMES
+    while count <= _MOST_FRAMES:
+        found: list[dict[str, float]] = []
+        for value in np.linspace(*ends, count).tolist():
+            found.append(moved.position({**stand, name: value}, found[-1] if found else None))
+        turns = np.array([[each[joint] for joint in turning] for each in found])
+        farthest = float(np.abs(np.diff(turns, axis=0)).sum(axis=1).max())
+        if farthest <= _TURN:
+            return found
+        count = (count - 1) * math.ceil(farthest / _TURN) + 1
+    raise OptionError(f"--film of {name!r} has too many turns to show: give a smaller range")
 
 
 def _colours(world: feeler.Mockup, found: feeler.MechanismClearance) -> Floats:

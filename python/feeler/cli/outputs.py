@@ -84,7 +84,7 @@ def check_targets(
     endings: Mapping[str, Sequence[str]],
     inputs: Iterable[str | Path | None] = (),
 ) -> None:
-    """Checks that each output has one of its endings, can be written, and is none of the inputs.
+    """Checks that each output has one of its endings, can be written, and is none of the inputs or other outputs.
 
     inputs: files, or folders whose files are all read. Raises `OptionError`, `WriteError`.
     """
@@ -92,6 +92,7 @@ def check_targets(
     from feeler.io import check_target
 
     read = [Path(each) for each in inputs if each is not None]
+    taken: dict[Path, str] = {}
 
     for option, target in targets.items():
         if target is None:
@@ -104,6 +105,9 @@ def check_targets(
             raise WriteError(f"--{option}: {error}") from None
         if any(_is_in(target, each) for each in read):
             raise OptionError(f"--{option} {target}: it is read by this command; give another name")
+        first = taken.setdefault(target.resolve(), option)
+        if first != option:
+            raise OptionError(f"--{first} and --{option} both write {target}: give each a name of its own")
 
 
 _MESHES = (".glb", ".stl")

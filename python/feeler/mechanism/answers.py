@@ -13,7 +13,8 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MechanismSeat:
-    """A pair of parts of a joint, coupling or loop that are in contact where they are modelled.
+    """A pair of parts of a joint, coupling or loop that are in contact where they are modelled, or of other links that
+    touch there.
 
     It is followed by the rule of seats: it may slide and separate, but go no deeper than there.
     """
@@ -64,7 +65,8 @@ class Range:
     is_certified: bool = True
     """False for joints of loops, which are followed in small steps."""
     ended: str = ""
-    """Why it ends early where nothing was met: a dead point of a loop."""
+    """Why it ends early where nothing was met: a dead point of a loop, or a joint without limits, which is followed for
+    one turn, or twice the size of the mock-up."""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""
@@ -125,6 +127,7 @@ class MechanismClashes:
     """The pairs of parts that clash at some position of a joint, by its value."""
 
     joint: str
+    """Empty where none has a range: then all values are 0."""
     lower: float
     upper: float
     contacts: tuple[MechanismContact, ...]

@@ -9,11 +9,12 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import World
 from feeler.ignored import IgnoredPairs
 from feeler.mechanism.coupling import JointCoupling
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.links import Links
-from feeler.mechanism.seating import Seated, seated
+from feeler.mechanism.seating import TOUCH_M, Seated, seated
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.scene import Scene
@@ -44,6 +45,7 @@ class Bodies:
         self._loops = {frozenset(ends): joint for joint, ends in loops}
         self._tools: dict[int, Tool] = {}
         self._scenes: dict[int, Scene] = {}
+        self._touching: dict[tuple[int, int], list[tuple[int, int]]] = {}
         self._seats: dict[tuple[int, int], tuple[Seated, ...]] = {}
 
     @cached_property
@@ -84,17 +86,38 @@ class Bodies:
         return self._loops.get(frozenset((one, other)))
 
     def seats(self, one: int, other: int) -> tuple[Seated, ...]:
-        """The pairs of parts that are seated in each other where they are modelled, of two links that a joint, coupling
-        or loop joins."""
+        """The pairs of parts of two links that are seated in each other where they are modelled.
+
+        Of links that no joint, coupling or loop joins those that only touch: what crosses there is exact.
+        """
         key = (one, other)
         if key not in self._seats:
-            is_asked = self.is_joined(one, other) and self.is_solid(one) and self.is_solid(other)
-            self._seats[key] = seated(self, one, other) if is_asked else ()
+            is_asked = self.is_solid(one) and self.is_solid(other)
+            is_joined = self.is_joined(one, other)
+            if is_asked and not is_joined:
+                is_asked = math.isfinite(self.alone(other).distance(self.tool(one), np.eye(4), TOUCH_M).value)
+            found = seated(self, one, other) if is_asked else ()
+            self._seats[key] = tuple(seat for seat in found if is_joined or seat.kind == "touching")
         return self._seats[key]
+
+    def touching(self, one: int, other: int) -> list[tuple[int, int]]:
+        """The pairs of parts of two links, a number of the tool and a part, that are in contact where they are
+        modelled."""
+        key = (one, other)
+        if key not in self._touching:
+            tool, around = self.tool(one), self.alone(other)
+            near = around.clearance(tool, np.eye(4), TOUCH_M)
+            found = set(zip(near.tool_parts.tolist(), near.parts.tolist(), strict=True))
+            found |= {(int(a), int(b)) for a, b in World(around, []).seated_parts(tool, np.eye(4))}
+            self._touching[key] = sorted(found)
+        return self._touching[key]
 
     def ignored(self, one: int, other: int, more: Iterable[tuple[int, int]] = ()) -> IgnoredPairs | None:
         """The seats of two links, and more pairs of a part of the tool and one of the mock-up, as queries skip them."""
-        pairs = sorted({*((seat.number, seat.other) for seat in self.seats(one, other)), *more})
+        return self.without(one, sorted({*((seat.number, seat.other) for seat in self.seats(one, other)), *more}))
+
+    def without(self, one: int, pairs: Sequence[tuple[int, int]]) -> IgnoredPairs | None:
+        """Pairs of a part of the tool of a link and one of the mock-up, as queries skip them; None for none."""
         if not pairs:
             return None
         return IgnoredPairs(self.tool(one), self.mockup, np.array(pairs, dtype=np.int64))

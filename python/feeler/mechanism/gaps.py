@@ -21,15 +21,15 @@ import numpy.typing as npt
 from feeler._core import ClearanceAlong
 from feeler.arguments import check_whole
 from feeler.errors import MechanismError, OptionError
-from feeler.mechanism.answers import MechanismClearance, MechanismContact
+from feeler.mechanism.answers import MechanismClearance, MechanismContact, MechanismSeat
 from feeler.mechanism.enclosing import sure_legs
 from feeler.mechanism.legs import Leg, Legs, relative
 from feeler.mechanism.positions import Positions
-from feeler.mechanism.ranging import contact, gap, moving_pairs, reaches, roots_of, seat_meeting, seats_of
+from feeler.mechanism.ranging import Near, contact, gap, moving_pairs, reaches, roots_of, seat_meeting, seats_of
+from feeler.mechanism.standing import Standing
 from feeler.poses import inverse
 
 Floats = npt.NDArray[np.float64]
-Near = tuple[float, int, int, Floats, Floats]
 Ranges = dict[str, tuple[float, float]]
 
 OFF = 0.2
@@ -48,6 +48,16 @@ class _Best:
     upper: float = math.inf
     near: Near | None = None
     jams: list[MechanismContact] = field(default_factory=list)
+    seats: list[MechanismSeat] = field(default_factory=list)
+
+    def stand(self, roots: set[str], position: dict[str, float], value: float = 0.0) -> None:
+        """The gaps of all that some roots do not move."""
+        standing = Standing(self.mechanism, roots, position, value)
+        standing.measure()
+        self.seats += standing.seats
+        self.take(standing.near, position)
+        for met in standing.jams():
+            self.jam(met, position)
 
     def take(self, near: Near | None, position: dict[str, float]) -> None:
         """A gap at a position, if it is the least."""
@@ -87,7 +97,7 @@ class _Best:
             points,
             boxes,
             undecided,
-            seats_of(self.mechanism, pairs),
+            (*seats_of(self.mechanism, pairs), *self.seats),
             curve,
             is_certified,
             tuple(self.jams),
@@ -95,25 +105,34 @@ class _Best:
 
 
 def clearance_of(
-    mechanism: Positions, values: Mapping[str, float | tuple[float, float]], error: float, most: int
+    mechanism: Positions,
+    values: Mapping[str, float | tuple[float, float]],
+    error: float,
+    most: int,
+    with_standing: bool = True,
 ) -> MechanismClearance:
-    """See `Mechanism.clearance`."""
+    """See `Mechanism.clearance`. with_standing: links that do not move against each other count too."""
     check_whole("most", most, 1)
     stand, move = mechanism.check_ranges(values)
     if not move:
-        raise OptionError("no joint has a range: give the least and greatest value of one, such as {'hinge': (0, 1.9)}")
+        best = _Best(mechanism, mechanism.position(stand))
+        best.stand(set(), best.worst)
+        return best.answer([], math.inf, 1, 0.0, np.empty((0, 3)), True)
     mechanism.position({**stand, **{name: ends[0] for name, ends in move.items()}})  # what is coupled is refused
     if len(move) == 1:
-        return _along(mechanism, stand, move, error)
+        return _along(mechanism, stand, move, error, with_standing)
     if any(mechanism.loops_of(name) for name in move):
         raise OptionError("a mechanism with loops is asked along one joint: give one range, and numbers of the others")
     return _Search(mechanism, stand, move, error, most).answer()
 
 
-def _along(mechanism: Positions, stand: dict[str, float], move: Ranges, error: float) -> MechanismClearance:
+def _along(
+    mechanism: Positions, stand: dict[str, float], move: Ranges, error: float, with_standing: bool
+) -> MechanismClearance:
     """Along one joint, and all that follows it."""
     ((name, (begin, end)),) = move.items()
-    pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
+    roots = roots_of(mechanism, [name])
+    pairs = moving_pairs(mechanism, roots)
     way = Legs(mechanism, name, stand, begin, end)
     followed = list(way)
     if way.why:
@@ -126,8 +145,10 @@ def _along(mechanism: Positions, stand: dict[str, float], move: Ranges, error: f
     )
     is_proven = all(math.isfinite(spread) for _, spreads in legs for spread in spreads)
     best = _Best(mechanism, legs[0][0].at(0.5))
+    if with_standing:
+        best.stand(roots, legs[0][0].start, begin)
+    curve = _Curve(begin, end, best.upper)
     _follow_seats(best, pairs, [leg for leg, _ in legs])
-    curve = _Curve(begin, end)
     lower, boxes, open_ = math.inf, 0, 0.0
     for number, pair in enumerate(pairs):
         for leg, spreads in legs:
@@ -205,13 +226,16 @@ def _follow_seats(best: _Best, pairs: list[tuple[int, int]], legs: list[Leg]) ->
 
 
 class _Curve:
-    """The gap over one joint, and lower bounds between its rows."""
+    """The gap over one joint, and lower bounds between its rows.
 
-    def __init__(self, begin: float, end: float) -> None:
+    standing: the gap of all that does not move.
+    """
+
+    def __init__(self, begin: float, end: float, standing: float) -> None:
         self.values = np.linspace(begin, end, CURVE)
         half = 0.5 * (end - begin) / (CURVE - 1)
         self.edges = np.concatenate([[begin], self.values[:-1] + half, [end]])
-        self.gaps = np.full(CURVE, math.inf)
+        self.gaps = np.full(CURVE, standing)
         self.lowers = np.full(CURVE, math.inf)
         self._step = half
 
@@ -278,13 +302,15 @@ class _Search:
         self.names = list(move)
         self.lower = np.array([ends[0] for ends in move.values()])
         self.upper = np.array([ends[1] for ends in move.values()])
-        self.pairs = moving_pairs(mechanism, roots_of(mechanism, move))
+        roots = roots_of(mechanism, move)
+        self.pairs = moving_pairs(mechanism, roots)
         corners = itertools.product(*move.values())
         reach = reaches(mechanism, *({**stand, **dict(zip(self.names, each, strict=True))} for each in corners))
         self.speeds = [self._speeds(pair, reach) for pair in self.pairs]
         # Each pair is moved along the joint that moves it farthest; boxes are of the others.
         self.ways = [int(np.argmax(speeds * (self.upper - self.lower))) for speeds in self.speeds]
         self.best = _Best(mechanism, mechanism.position(self._values(0.5 * (self.lower + self.upper))))
+        self.best.stand(roots, self.best.worst)
         self.boxes = 0
         self._floor = math.inf
 

@@ -50,14 +50,24 @@ class Legs:
     One leg that is exact, or many where a loop follows: those are straight between positions, to within `BENT_M`.
     """
 
-    def __init__(self, mechanism: Positions, name: str, at: Mapping[str, float], begin: float, end: float) -> None:
+    def __init__(
+        self,
+        mechanism: Positions,
+        name: str,
+        at: Mapping[str, float],
+        begin: float,
+        end: float,
+        start: Position | None = None,
+    ) -> None:
+        """start: the position that loops are followed from; None: where the parts are modelled."""
+        self._start = start
         self._mechanism, self._name, self._at, self._values = mechanism, name, at, (begin, end)
         self.why = ""
         """Why it ends early, if it does, once all legs were taken."""
 
     def __iter__(self) -> Iterator[Leg]:
         mechanism, name, at, (begin, end) = self._mechanism, self._name, self._at, self._values
-        here = mechanism.position({**at, name: begin})
+        here = mechanism.position({**at, name: begin}, self._start)
         if begin == end or not mechanism.loops_of(name):
             yield Leg(here, here if begin == end else mechanism.position({**at, name: end}), (begin, end))
             return

@@ -15,11 +15,12 @@ from feeler.errors import LoadError, OptionError
 from feeler.io import DEFAULT_CHORD_TOLERANCE
 from feeler.mechanism import files
 from feeler.mechanism.answers import MechanismClashes, MechanismClearance, Range
+from feeler.mechanism.clashing import clashes_of
 from feeler.mechanism.coupling import JointCoupling
 from feeler.mechanism.gaps import clearance_of
 from feeler.mechanism.joint import Joint
 from feeler.mechanism.positions import Positions, Values
-from feeler.mechanism.ranging import clashes_of, range_of
+from feeler.mechanism.ranging import range_of
 from feeler.mechanism.robot import read_robot
 from feeler.mockup import Mockup
 from feeler.poses import PoseLike
@@ -151,9 +152,9 @@ class Mechanism:
     def range(self, joint: str, at: Values | None = None) -> Range:
         """How far a joint moves freely both ways, and what it meets first, with the other joints at `at`.
 
-        Parts of joints, couplings and loops that are in contact where they are modelled are seats, as in `removal`:
-        they may go no deeper. All others are exact. Joints of loops are followed in small steps (`is_certified` is
-        false).
+        Parts of joints, couplings and loops that are in contact where they are modelled are seats, as in `removal`, and
+        others that only touch there: they may go no deeper. All others are exact. Joints of loops are followed in small
+        steps (`is_certified` is false).
         """
         return range_of(self._positions, joint, at)
 
@@ -162,16 +163,20 @@ class Mechanism:
     ) -> MechanismClearance:
         """Bounds of the least gap over a range of positions, certified, and the worst position.
 
-        values: a number, or the least and greatest, of each joint. error: the gap of the two bounds at which it ends,
-        metres. most: boxes of positions that are tried, of several joints; what is left then is undecided. Pairs of a
-        joint that are in contact where they are modelled are seats, and have no gap; where one goes deeper, both bounds
-        are 0, and `jams` names it.
+        values: a number, or the least and greatest, of each joint; without any range, it is of that one position.
+        error: the gap of the two bounds at which it ends, metres. most: of several joints, it ends after about
+        this many boxes of positions, of which each pair of links takes some at least; what is left then is undecided.
+        Pairs of a joint that are in contact where they are modelled are seats,
+        and have no gap; where one goes deeper, both bounds are 0, and `jams` names it. Links that do not move against
+        each other count too, where they stand; of those that stand as they are modelled, parts that are in contact are
+        seats.
         """
         error = check_number("error", error, "metres, more than 0", above=0.0)
         return clearance_of(self._positions, values, error, most)
 
     def clash(self, values: Mapping[str, float | tuple[float, float]]) -> MechanismClashes:
         """The pairs of parts that clash at some position of one joint and all that follows it, with the first position
-        of each from the least value on. Seats clash where they go deeper than where they are modelled.
+        of each from the least value on. Seats clash where they go deeper than where they are modelled. Links that do
+        not move against each other are asked once, unless they stand as they are modelled.
         """
         return clashes_of(self._positions, values)

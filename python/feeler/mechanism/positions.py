@@ -23,6 +23,10 @@ Floats = npt.NDArray[np.float64]
 Values = Mapping[str, float]
 
 _SAME = 1e-9
+_CLOSED = 1e-6
+"""Loops whose numbers are all given may be open by this, radians or sizes."""
+_DIFFERENCE = 1e-6
+_RANK = 1e-7
 _MOST_RAD = 1e6
 """Angles beyond have no 1e-9 radians left."""
 _MOST_M = 1e9
@@ -169,7 +173,8 @@ class Positions:
             if isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2:
                 lower, upper = (check_number(f"{name!r}", each, "radians or metres") for each in value)
                 if lower > upper:
-                    raise OptionError(f"the range of {name!r} is {shown(value)}: give the least and the greatest value")
+                    ends = f"{self.said(name, lower)} to {self.said(name, upper)}"
+                    raise OptionError(f"the range of {name!r} is {ends}: give the least and the greatest value")
                 for end in (lower, upper):
                     self._check_limits(name, end)
                 move[name] = (lower, upper)
@@ -272,26 +277,94 @@ class Positions:
             if start is None
             else {name: self.checked(start).get(name, 0.0) for name in found}
         )
-        size = self.size
+        if len(given) > 1 and followed:
+            kept = self._independent({**found, **{root: origin[root] for root in (*given, *followed)}}, given, loops)
+            if len(kept) < len(given):
+                self._close_over(found, given, kept, followed, loops, start)
+                return
 
         def open_by(inputs: Floats, outputs: Floats) -> Floats:
             roots = {**found, **dict(zip(given, inputs, strict=True)), **dict(zip(followed, outputs, strict=True))}
-            poses = self.links.poses({name: by.ratio * roots[by.root] + by.offset for name, by in self.driven.items()})
-            parts = [opening(self.loops[n], poses[self._ends[n][0]], poses[self._ends[n][1]], size) for n in loops]
-            return np.concatenate(parts)
+            return self._opening(roots, loops)
 
         def told(inputs: Floats) -> str:
-            return ", ".join(f"{name} = {self.said(name, value)}" for name, value in zip(given, inputs, strict=True))
+            return self._told(dict(zip(given, inputs, strict=True)))
 
-        scales = np.array([1.0 if self.turns(name) else size for name in followed])
+        scales = np.array([self._scale(name) for name in followed])
         begin, end = (np.array([each[name] for name in given]) for each in (origin, found))
         outputs = np.array([origin[name] for name in followed])
         if not followed:
-            if float(np.abs(open_by(end, outputs)).max()) > 1e-6:
+            if float(np.abs(open_by(end, outputs)).max()) > _CLOSED:
                 raise MechanismError(f"the loop does not close at {told(end)}: give fewer of its joints")
             return
         for name, value in zip(followed, Follower(open_by, scales, told).follow(begin, outputs, end), strict=True):
             found[name] = float(value)
+
+    def _close_over(
+        self,
+        found: dict[str, float],
+        given: list[str],
+        kept: list[str],
+        followed: list[str],
+        loops: list[int],
+        start: Values | None,
+    ) -> None:
+        """Closes loops of which more numbers are given than they have freedoms: the rest must agree with those kept."""
+        wanted = {name: found[name] for name in given}
+        spare = [name for name in given if name not in kept]
+        self._close(found, kept, sorted([*followed, *spare]), loops, start)
+        if any(abs(found[name] - wanted[name]) > _CLOSED * self._scale(name) for name in spare):
+            raise MechanismError(f"the loop does not close at {self._told(wanted)}: give fewer of its joints")
+
+    def freed(self, at: Values, name: str) -> tuple[dict[str, float], dict[str, float] | None]:
+        """The numbers that stand while a joint moves, and the position that its loop is followed from, if it is given.
+
+        Of a loop only as many numbers stand as leave it free to move.
+        """
+        mine = self.driven[name].root
+        for group, loops in self.groups:
+            others = [root for root in group if root != mine and any(self.driven[each].root == root for each in at)]
+            if mine not in group or not others:
+                continue
+            position = self.position(at)
+            inputs = self._independent(position, [mine, *sorted(others)], loops)
+            stand = {
+                each: value for each, value in at.items() if self.driven[each].root not in set(others) - set(inputs)
+            }
+            return stand, position
+        return dict(at), None
+
+    def _independent(self, roots: Values, given: list[str], loops: list[int]) -> list[str]:
+        """The first of some roots of loops that may all be given at a position, the others following."""
+        group = next(group for group, own in self.groups if loops[0] in own)
+        columns = {}
+        for name in sorted(group):
+            by = _DIFFERENCE * self._scale(name)
+            ahead, behind = ({**roots, name: roots[name] + sign * by} for sign in (1.0, -1.0))
+            columns[name] = (self._opening(ahead, loops) - self._opening(behind, loops)) / (2.0 * _DIFFERENCE)
+
+        def rank(names: Iterable[str]) -> int:
+            chosen = [columns[name] for name in names]
+            return int(np.linalg.matrix_rank(np.column_stack(chosen), tol=_RANK)) if chosen else 0
+
+        whole, kept = rank(columns), list[str]()
+        for name in given:
+            if rank(each for each in columns if each not in kept and each != name) == whole:
+                kept.append(name)
+        return kept or given[:1]
+
+    def _opening(self, roots: Values, loops: list[int]) -> Floats:
+        """How far loops are open, by the roots."""
+        poses = self.links.poses({name: by.ratio * roots[by.root] + by.offset for name, by in self.driven.items()})
+        return np.concatenate(
+            [opening(self.loops[n], poses[self._ends[n][0]], poses[self._ends[n][1]], self.size) for n in loops]
+        )
+
+    def _told(self, values: Values) -> str:
+        return ", ".join(f"{name} = {self.said(name, value)}" for name, value in values.items())
+
+    def _scale(self, name: str) -> float:
+        return 1.0 if self.turns(name) else self.size
 
     @cached_property
     def size(self) -> float:
@@ -303,6 +376,10 @@ class Positions:
     def link_of(self, name: str) -> int:
         """The number of the link that a number of a position moves."""
         return self._link(self._of_name[name][0].name)
+
+    def joint_of(self, name: str) -> Joint:
+        """The joint of a number of a position."""
+        return self._of_name[name][0]
 
     def turns(self, name: str) -> bool:
         """Whether a number of a position is an angle."""

@@ -13,18 +13,21 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.choices import TOUCHINGS
-from feeler.errors import OptionError
-from feeler.mechanism.answers import MechanismClashes, MechanismContact, MechanismSeat, Range
+from feeler.mechanism.answers import MechanismContact, MechanismSeat, Range
+from feeler.mechanism.joint import JointKind
 from feeler.mechanism.legs import STRAIGHT_M, Leg, Legs, halves, relative
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.seating import Seated
 from feeler.poses import inverse
 
 Floats = npt.NDArray[np.float64]
+Near = tuple[float, int, int, Floats, Floats]
+"""A distance, both parts, and both points in the world."""
 
 TOLERANCE_M = 2e-8
 """By how much a contact may be early."""
 _TURN = 2.0 * np.pi  # how far a joint without limits is followed, both ways
+_MOST_TURN = 999.0 * _TURN
 _SIZES = 2.0  # the same of a slide, in sizes of the mock-up
 _MOST_HALVES = 40
 _SAME_SHARE = 1e-9
@@ -50,23 +53,57 @@ def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None)
     mechanism.check_name(name)
     at = mechanism.checked(given)
     start = mechanism.position(at)[name]
+    at, origin = mechanism.freed(at, name)
     pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
     found: list[tuple[float, MechanismContact | None]] = []
     why = ""
-    for end in span(mechanism, name, start):
-        value, met, ended = _end(mechanism, name, at, (start, end), pairs)
+    for end, limit in zip(span(mechanism, name, start), mechanism.limits(name) or (-np.inf, np.inf), strict=True):
+        value, met, ended = _end(mechanism, name, at, (start, end), pairs, origin)
+        if met is None and not ended and end != limit:
+            if np.isfinite(limit) and _repeats(mechanism, name):
+                value = limit  # a turn is all
+            elif np.isfinite(limit):
+                ended = f"{name!r} was followed to {mechanism.said(name, end)}, not to its limit: it has too many turns"
+            elif not _repeats(mechanism, name):
+                ended = f"{name!r} has no limit: it was followed to {mechanism.said(name, end)}"
         found.append((value, met))
-        why = why or ended
+        why = "; ".join(dict.fromkeys(each for each in (why, ended) if each))
     (lower, below), (upper, above) = found
     seats = seats_of(mechanism, pairs)
     return Range(name, start, lower, upper, below, above, seats, not mechanism.loops_of(name), why)
 
 
 def span(mechanism: Positions, name: str, start: float) -> tuple[float, float]:
-    """The limits of a joint; without limits a turn both ways, or a slide that leaves the mock-up."""
+    """How far a joint is followed: to its limits; without limits a turn both ways, or a slide that leaves the mock-up.
+
+    What only turns is not followed for more than a turn.
+    """
     far = _TURN if mechanism.turns(name) else _SIZES * mechanism.size
-    own = mechanism.limits(name) or (-np.inf, np.inf)
-    return max(own[0], start - far), min(own[1], start + far)
+    lower, upper = mechanism.limits(name) or (-np.inf, np.inf)
+    if _repeats(mechanism, name) or not np.isfinite(lower):
+        lower = max(lower, start - far)
+    if _repeats(mechanism, name) or not np.isfinite(upper):
+        upper = min(upper, start + far)
+    most = _most(mechanism, name)
+    return float(max(lower, start - most)), float(min(upper, start + most))
+
+
+def _most(mechanism: Positions, name: str) -> float:
+    """How far a number may move in one question: nothing turns by more than a thousand turns."""
+    mine = mechanism.driven[name]
+    rates = [
+        abs(by.ratio / mine.ratio)
+        for other, by in mechanism.driven.items()
+        if by.root == mine.root and mechanism.turns(other)
+    ]
+    return _MOST_TURN / max(rates, default=1e-300)
+
+
+def _repeats(mechanism: Positions, name: str) -> bool:
+    """Whether a turn of a joint leads back to where it begins: it alone turns, without pitch."""
+    mine = mechanism.driven[name].root
+    is_alone = sum(by.root == mine for by in mechanism.driven.values()) == 1 and not mechanism.loops_of(name)
+    return is_alone and mechanism.turns(name) and mechanism.joint_of(name).kind is not JointKind.SCREW
 
 
 def roots_of(mechanism: Positions, names: Iterable[str]) -> set[str]:
@@ -78,18 +115,28 @@ def roots_of(mechanism: Positions, names: Iterable[str]) -> set[str]:
     return roots
 
 
+def solid_pairs(mechanism: Positions) -> list[tuple[int, int]]:
+    """The pairs of links with triangles that joints can move against each other; the frame is the second of its
+    pairs."""
+    links = [link for link in [*range(len(mechanism.links)), -1] if mechanism.bodies.is_solid(link)]
+    pairs = ((one, other) for place, one in enumerate(links) for other in links[place + 1 :])
+    return [pair for pair in pairs if names_between(mechanism, pair)]
+
+
+def names_between(mechanism: Positions, pair: tuple[int, int]) -> list[str]:
+    """The numbers that say how two links are to each other."""
+    up, down = mechanism.links.between(*pair)
+    return [name for n in up + down for name in mechanism.links.links[n].joint.names]
+
+
+def is_moved(mechanism: Positions, pair: tuple[int, int], roots: set[str]) -> bool:
+    """Whether some roots move two links against each other."""
+    return any(mechanism.driven[name].root in roots for name in names_between(mechanism, pair))
+
+
 def moving_pairs(mechanism: Positions, roots: set[str]) -> list[tuple[int, int]]:
-    """The pairs of links that some roots move against each other; the frame is the second of its pairs."""
-    links = [*range(len(mechanism.links)), -1]
-    found = []
-    for place, one in enumerate(links):
-        for other in links[place + 1 :]:
-            up, down = mechanism.links.between(one, other)
-            names = [name for n in up + down for name in mechanism.links.links[n].joint.names]
-            is_moved = any(mechanism.driven[name].root in roots for name in names)
-            if is_moved and mechanism.bodies.is_solid(one) and mechanism.bodies.is_solid(other):
-                found.append((one, other))
-    return found
+    """The pairs of links that some roots move against each other."""
+    return [pair for pair in solid_pairs(mechanism) if is_moved(mechanism, pair, roots)]
 
 
 def seats_of(mechanism: Positions, pairs: Iterable[tuple[int, int]]) -> tuple[MechanismSeat, ...]:
@@ -103,13 +150,18 @@ def seats_of(mechanism: Positions, pairs: Iterable[tuple[int, int]]) -> tuple[Me
 
 
 def _end(
-    mechanism: Positions, name: str, at: Mapping[str, float], ends: tuple[float, float], pairs: list[tuple[int, int]]
+    mechanism: Positions,
+    name: str,
+    at: Mapping[str, float],
+    ends: tuple[float, float],
+    pairs: list[tuple[int, int]],
+    origin: dict[str, float] | None,
 ) -> tuple[float, MechanismContact | None, str]:
     """The value of a joint where its way to another ends, what it meets there, and why else it ends."""
     begin, end = ends
     if begin == end:
         return end, None, ""
-    legs, value = Legs(mechanism, name, at, begin, end), begin
+    legs, value = Legs(mechanism, name, at, begin, end, origin), begin
     for leg in legs:
         value = leg.values[1]
         found = _meeting(mechanism, name, at, leg, pairs, _MOST_HALVES)
@@ -191,8 +243,7 @@ def seat_meeting(mechanism: Positions, pair: tuple[int, int], seat: Seated, leg:
 
 def _rest_share(mechanism: Positions, pair: tuple[int, int], leg: Leg) -> float | None:
     """Where on a leg two links are to each other as they are modelled."""
-    up, down = mechanism.links.between(*pair)
-    names = [name for n in up + down for name in mechanism.links.links[n].joint.names]
+    names = names_between(mechanism, pair)
     moves = [name for name in names if leg.start[name] != leg.end[name]]
     if not moves or any(leg.start[name] != 0.0 for name in names if name not in moves):
         return None
@@ -235,30 +286,6 @@ def contact(mechanism: Positions, leg: Leg, pair: tuple[int, int], met: Meeting)
     )
 
 
-def clashes_of(mechanism: Positions, values: Mapping[str, float | tuple[float, float]]) -> MechanismClashes:
-    """See `Mechanism.clash`."""
-    stand, move = mechanism.check_ranges(values)
-    if len(move) != 1:
-        raise OptionError(f"clash is asked of {len(move)} joints that move: give the range of one, numbers of others")
-    ((name, (lower, upper)),) = move.items()
-    pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))
-    legs = list(Legs(mechanism, name, stand, lower, upper))
-    found: list[MechanismContact] = []
-    for pair in pairs:
-        skipped: set[tuple[int, int]] = set()
-        waiting = list(mechanism.bodies.seats(*pair))
-        for leg in legs:
-            while (met := exactly(mechanism, pair, leg, skipped)) is not None:
-                found.append(contact(mechanism, leg, pair, met))
-                skipped.add((met.number, met.other))
-            for seat in list(waiting):
-                if (met := seat_meeting(mechanism, pair, seat, leg)) is not None:
-                    found.append(contact(mechanism, leg, pair, met))
-                    waiting.remove(seat)
-    ordered = tuple(sorted(found, key=lambda each: each.value))
-    return MechanismClashes(name, lower, upper, ordered, seats_of(mechanism, pairs), not mechanism.loops_of(name))
-
-
 def reaches(mechanism: Positions, *places: Mapping[str, float]) -> dict[str, float]:
     """The largest absolute values of all numbers at some positions, which are the ends of ranges."""
     found: dict[str, float] = {}
@@ -275,12 +302,17 @@ def gap(
     position: dict[str, float],
     within: float,
     poses: list[Floats] | None = None,
-) -> tuple[float, int, int, Floats, Floats] | None:
-    """The distance of two links at a position: metres, both parts, both points in the world; None beyond `within`."""
+    skipped: Iterable[tuple[int, int]] | None = None,
+) -> Near | None:
+    """The distance of two links at a position: metres, both parts, both points in the world; None beyond `within`.
+
+    skipped: pairs of a part of the one's tool and one of the mock-up that have no gap; None: the seats.
+    """
     poses = mechanism.links.poses(position) if poses is None else poses
     bodies = mechanism.bodies
     pose = inverse(poses[other]) @ poses[one]
-    near = bodies.alone(other).distance(bodies.tool(one), pose, within, ignore=bodies.ignored(one, other))
+    ignore = bodies.ignored(one, other) if skipped is None else bodies.without(one, list(skipped))
+    near = bodies.alone(other).distance(bodies.tool(one), pose, within, ignore=ignore)
     if not np.isfinite(near.value):
         return None
     assert near.part is not None and near.tool_part is not None

@@ -207,7 +207,7 @@ class Tracks:
                     lower = min(lower, along.lower - step.error)
                     if not math.isfinite(along.upper):
                         continue
-                    at = step.begin + along.share * (step.end - step.begin)
+                    at = self._when(one, other, step, along.share)
                 found = around.distance(tool, self._relative(one, other, at), best, ignore=ignore)
                 if found.value < best:
                     best, worst, near = found.value, at, (one, other, found)
@@ -284,7 +284,7 @@ class Tracks:
             if hit.fraction > 0.0:
                 break
         assert hit is not None
-        when = step.begin + hit.fraction * (step.end - step.begin)
+        when = self._when(one, other, step, hit.fraction)
         pair = (self._parts(one)[hit.tool_part], hit.part)
         return self._contact(pair, other, (when, hit.point, hit.normal)), (hit.tool_part, hit.part)
 
@@ -344,6 +344,15 @@ class Tracks:
         """The pose of a body in the frame of another at rest."""
         found = self._moves.poses(time)
         return found[one] if other < 0 else np.asarray(inverse(found[other]) @ found[one], dtype=np.float64)
+
+    def _when(self, one: int, other: int, step: Step, share: float) -> float:
+        """The time after a share of a step; of its end the time just before, if a STEP makes a body jump there."""
+        found = step.begin + share * (step.end - step.begin)
+        if not step.joints or found < step.end:
+            return found
+        ended = np.asarray(Chain(step.joints).at(step.pose), dtype=np.float64)
+        jumps = np.abs(self._relative(one, other, step.end) - ended).max() > SAME + step.error
+        return math.nextafter(step.end, step.begin) if jumps else step.end
 
     def _steps(self, one: int, other: int, begin: float, stop: float, error: float) -> Iterator[Step]:
         """How a body moves against another; steps at which they stand as before are left out."""

@@ -432,7 +432,7 @@ class Joints:
             found.upper,
             None if found.below is None else _met(found.below),
             None if found.above is None else _met(found.above),
-            trouble=found.ended,
+            trouble=found.ended if positions.loops_of(name) else "",
         )
 
     def _measured(self, positions: Heard, whole: Positions, document: Document, done: JointRange) -> JointRange:
@@ -441,11 +441,11 @@ class Joints:
             return done
         state, name = _state(document), done.name
         others = given_values(positions, state.values, name)
-        gaps = clearance_of(positions, {**others, name: (done.lower, done.upper)}, ERROR_M, MOST_BOXES)
+        gaps = clearance_of(positions, {**others, name: (done.lower, done.upper)}, ERROR_M, MOST_BOXES, False)
         curve = tuple((float(row[0]), float(row[1]) if math.isfinite(row[1]) else None) for row in gaps.curve)
         inside = narrow_span(gaps.curve[:, :2], done.below is not None, done.above is not None)
         if inside is not None:
-            gaps = clearance_of(positions, {**others, name: inside}, ERROR_M, MOST_BOXES)
+            gaps = clearance_of(positions, {**others, name: inside}, ERROR_M, MOST_BOXES, False)
         worst = None
         if gaps.part is not None and gaps.other is not None and gaps.points is not None and math.isfinite(gaps.upper):
             poses = whole.links.poses({**state.values, **gaps.worst})
