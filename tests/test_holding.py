@@ -241,3 +241,21 @@ def test_the_gearbox_knows_what_its_fasteners_hold(seed: int) -> None:
     for row in rings:
         for path in row.paths:
             assert row.path in after.get(path, (row.path,)), (row.path, path)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.0005, 0.005])
+def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
+    thick = float(np.ptp(nut(0.0)[0][:, 2]))
+    parts = {
+        "bolt": bolt(0.045),
+        "high": ring(CLEAR, -0.01, 0.0),
+        "low": ring(CLEAR, -0.02, -0.01),
+        "nut": nut(-0.02),
+        "lock": nut(-0.02 - thick - gap),
+    }
+    for seed in range(2):
+        found = {row.path: row for row in feeler.holds(tilted(parts, seed))}
+        assert {name: set(row.paths) for name, row in found.items()} == dict.fromkeys(
+            ("bolt", "nut", "lock"), {"high", "low"}
+        )
+        assert [found["bolt"].mates, found["nut"].mates, found["lock"].mates] == [(3,), (0,), (0,)]

@@ -240,7 +240,8 @@ class _Holding:
         nuts = self.nuts[row.part]
         mates = tuple(nut.part for nut in nuts)
         if nuts and row.kind != "stud":
-            height, nut = max((self._bearing(row, each), each) for each in nuts)
+            nut = max(nuts, key=lambda each: self._middle(row, each))
+            height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
             clamped = [each for each in passed if 0.5 * (each.top + each.bottom) > height]
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
         anchor = self._anchor(row, passed)
@@ -261,12 +262,16 @@ class _Holding:
 
     def _of_nut(self, nut: Fastener, shank: Fastener) -> Hold:
         passed, washers = self._without_washers(shank, self.passed[shank.part])
-        others = [each for each in self.nuts[shank.part] if each is not nut]
+        height, is_upward = self._bearing(shank, nut), self._is_upward(shank, nut, passed)
+        # Nuts on the same side lock each other: each has to be undone.
+        others = [
+            each
+            for each in self.nuts[shank.part]
+            if each is not nut and self._is_upward(shank, each, passed) != is_upward
+        ]
         mates = tuple(sorted([shank.part, *(each.part for each in others)]))
-        height = self._bearing(shank, nut)
-        is_upward = float(nut.axis @ shank.axis) > 0.0
         anchor = self._anchor(shank, passed) if shank.kind == "stud" else None
-        beyond = [self._bearing(shank, each) for each in others if float(each.axis @ nut.axis) < 0.0]
+        beyond = [self._bearing(shank, each) for each in others]
         if is_upward:
             # From this nut down to the thread of the stud, or to the nut at its other end.
             end = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top])
@@ -275,6 +280,14 @@ class _Holding:
             end = min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
             clamped = [each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each is not anchor]
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
+
+    def _is_upward(self, shank: Fastener, nut: Fastener, passed: list[Passed]) -> bool:
+        """Whether a nut holds what is below it: its own axis says so only where there are parts on both sides."""
+        height = self._middle(shank, nut)
+        below = [0.5 * (each.top + each.bottom) < height for each in passed]
+        if below and all(each == below[0] for each in below):
+            return below[0]
+        return float(nut.axis @ shank.axis) > 0.0
 
     def _of_union(self, nut: Fastener) -> Hold:
         """A nut without a shank of its own: on a pipe, or on the thread of a part."""
@@ -326,6 +339,12 @@ class _Holding:
         half = 0.5 * row.size
         tight = [each for each in passed if each.radius <= TIGHT * half or each.least <= CORE * half]
         return min(tight, key=lambda each: each.bottom, default=None)
+
+    @staticmethod
+    def _middle(shank: Fastener, nut: Fastener) -> float:
+        """Where a nut is along a shank, whichever way it faces."""
+        point = nut.frame[:3, 3] - 0.5 * _finite(nut.length) * nut.axis
+        return float((point - shank.frame[:3, 3]) @ shank.axis)
 
     @staticmethod
     def _bearing(shank: Fastener, nut: Fastener) -> float:
