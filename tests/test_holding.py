@@ -255,7 +255,5 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
     }
     for seed in range(2):
         found = {row.path: row for row in feeler.holds(tilted(parts, seed))}
-        assert {name: set(row.paths) for name, row in found.items()} == dict.fromkeys(
-            ("bolt", "nut", "lock"), {"high", "low"}
-        )
+        assert all(set(row.paths) == {"high", "low"} for row in found.values()) and len(found) == 3
         assert [found["bolt"].mates, found["nut"].mates, found["lock"].mates] == [(3,), (0,), (0,)]
