@@ -94,7 +94,7 @@ def test_what_blocks_the_tool_goes_first(covered: feeler.Scene) -> None:
     assert undo.strokes == 16 and undo.swing_deg == 360.0 and len(undo.tool_way) == 2
     assert undo.way[-1][2, 3] > 0.03 and covered.mockup.part_names.index("lid") in undo.looked
     assert undo.arithmetic.startswith(
-        "19.7 mm / 1.25 mm (M8, ISO 261 coarse) = 15.7 turns; at 360 deg a stroke: 16 strokes"
+        "20 mm / 1.25 mm (M8, ISO 261 coarse) = 16 turns; at 360 deg a stroke: 16 strokes"
     )
     assert "'case'" in undo.because and "along +z" in cover.because
     assert lid.start == 0.0 and undo.start == lid.seconds and task.seconds == pytest.approx(cover.start + cover.seconds)
@@ -111,7 +111,7 @@ def test_times_of_steps_add_up(covered: feeler.Scene) -> None:
     typed = feeler.task(covered, "cover", driver(), feeler.Times(elements, typed={"bolt": [33.0, 3.0]}))
     assert typed.steps[1].seconds == 133.0 and "typed" in typed.steps[1].arithmetic
     coarse = feeler.task(covered, "cover", None, feeler.Times(elements, pitches_mm={"bolt": 2.5}))
-    assert "19.7 mm / 2.5 mm (pitch given) = 7.87 turns; at 60 deg" in coarse.steps[-2].arithmetic
+    assert "20 mm / 2.5 mm (pitch given) = 8 turns; at 60 deg" in coarse.steps[-2].arithmetic
     assert coarse.steps[-2].strokes == 48 and "not checked" in coarse.notes[0]
 
 
@@ -327,3 +327,22 @@ def test_tools_are_chosen_from_a_catalogue(covered: feeler.Scene, tmp_path: Path
     words: list[Any] = ["task", tmp_path / "a.glb", "--part", "cover", "--catalogue", "built-in"]
     assert run_json(*words)["tools"] == [undo.tool]
     assert "give one" in error_of(*words, "--tool", "sample:hand")
+
+
+@pytest.mark.parametrize(
+    ("parts", "turns"), [(("bolt", "case"), "15 mm / 1.25 mm"), (("bolt", "nut"), "11.4 mm / 1.25 mm")]
+)
+def test_a_thread_is_turned_until_its_end_is_out(parts: tuple[str, str], turns: str) -> None:
+    """A bolt of 25 mm stands out beyond a thin thread, or by 5 mm beyond its nut."""
+    every = {
+        "bolt": bolt(0.025),
+        "cover": ring(CLEAR, -0.01, 0.0),
+        "case": ring(TAPPED, -0.014, -0.01),
+        "nut": nut(-0.0136),
+        "low": ring(CLEAR, -0.0136, -0.01),
+    }
+    chosen = {"cover", *parts, *(("low",) if "nut" in parts else ())}
+    scene = scene_of(**{name: mesh for name, mesh in every.items() if name in chosen})
+    task = feeler.task(scene, "cover")
+    (undone,) = [step for step in task.steps if step.verb == "undo"]
+    assert undone.arithmetic.startswith(turns), undone.arithmetic

@@ -13,7 +13,7 @@ from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import Scene
 from feeler.tasks.holding import Hold, Holds
-from feeler.tasks.passing import LEVELS, in_bore, passed_by
+from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
 from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]
@@ -29,6 +29,10 @@ SIZE_SHARE = (0.7, 1.3)
 """The diameter in the mesh, over that of the width, for the width to decide."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
+_BESIDE = 8
+"""Rays around a hole that look for its edge."""
+_RIM = 1.2
+"""How far they are from its axis, in radii of the shank."""
 
 
 @dataclass(frozen=True, eq=False)  # it holds arrays
@@ -163,16 +167,25 @@ class Fixings:
             return row.size, row.length
         nuts = [self._rows[mate] for mate in hold.mates if mate in self._rows]
         if nuts:
-            return row.size, nuts[0].length
+            return row.size, nuts[0].length + _beyond(nuts[0], row)
         thread = [each for each in next(iter(passed_by(self._bare, [row]))) if each.part == anchor]
         head = row.head_height if math.isfinite(row.head_height) else 0.0
         if thread and math.isfinite(row.length):
-            if thread[0].radius == 0.0:
-                return row.size, min(thread[0].top, -head) + head + row.length
-            # Its rows of rays are this far from each other.
-            engaged = min(thread[0].top, -head) - thread[0].bottom + row.length / LEVELS
-            return row.size, min(engaged, row.length)
+            # It is turned until its end is out of the thread, also where it stands out behind.
+            return row.size, min(self._rim(row, thread[0]), -head) + head + row.length
         return row.size, row.length
+
+    def _rim(self, row: Fastener, thread: Passed) -> float:
+        """The height of the edge of a threaded hole along a shank, metres, by rays beside it."""
+        step = row.length / LEVELS  # its rows of rays are this far from each other
+        angles = np.arange(_BESIDE) * math.tau / _BESIDE
+        around = np.stack([np.cos(angles), np.sin(angles), np.zeros(_BESIDE)], axis=1) * _RIM * 0.5 * row.size
+        start = thread.top + 1.5 * step
+        origins = (around + np.array([0.0, 0.0, start])) @ row.frame[:3, :3].T + row.frame[:3, 3]
+        hits = self.scene.only([thread.part]).rays(origins, np.tile(-row.axis, (_BESIDE, 1)))
+        heights = start - np.asarray(hits.distances)
+        near = heights[heights >= thread.top - 0.5 * step]
+        return float(np.median(near)) if 2 * len(near) >= _BESIDE else thread.top + 0.5 * step
 
     def _nominal(self, row: Fastener, size: float) -> float:
         """The nominal diameter: by the width across flats, if the drive is a hexagon that fits."""
