@@ -11,6 +11,7 @@ from shapes import Mesh, at, box, joined, mockup_of
 
 import feeler
 from feeler.errors import OptionError
+from feeler.plan.fastener_names import retainer_said
 from feeler.samples import hardware
 from feeler.samples import mesh as samples
 from feeler.samples.tessellation import Tolerance
@@ -257,3 +258,22 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
         found = {row.path: row for row in feeler.holds(tilted(parts, seed))}
         assert all(set(row.paths) == {"high", "low"} for row in found.values()) and len(found) == 3
         assert [found["bolt"].mates, found["nut"].mates, found["lock"].mates] == [(3,), (0,), (0,)]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        *(
+            (name, "pin")
+            for name in ("Zylinderstift", "Passstift 4x20", "DIN 7", "ISO-8734 4x20", "goupille", "spina_2")
+        ),
+        *(
+            (name, "circlip")
+            for name in ("Sicherungsring", "DIN_471 20x1.2", "anneau d'arr\u00eat", "e-clip 5", "SnapRing_3")
+        ),
+        *((name, "clasp") for name in ("P-Clip", "Rohrschelle 12", "collier de serrage", "abrazadera", "hose clamp 3")),
+        *((name, None) for name in ("pinion", "spindle", "pin block", "ISO 4762 M8", "ISO 7", "DIN 933 M8", "ring")),
+    ],
+)
+def test_retainers_are_known_by_names_in_several_languages(name: str, kind: str | None) -> None:
+    assert retainer_said(name) == kind

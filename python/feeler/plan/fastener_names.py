@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import unicodedata
 
@@ -22,6 +23,29 @@ STANDARDS = {
 }
 """Numbers of DIN and ISO standards by kind of fastener."""
 
+RETAINERS = {
+    "circlip": "circlip circlips snapring snaprings retainingring retainingrings seeger seegerring sicherungsring "
+    "sprengring eclip eclips",
+    "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift zylinderstift passstift "
+    "spannstift kegelstift kerbstift splint",
+    "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer",
+}
+"""Last words of names, of two words written as one too, by kind of what holds parts without a thread."""
+
+RETAINERS_FIRST = {
+    "circlip": "anneauelastique anneauarret anelloelastico anelloseeger anilloelastico anilloseguridad",
+    "pin": "goupille goupilles spina pasador pasadores",
+    "clasp": "collier colliers fascetta fascette abrazadera abrazaderas",
+}
+"""The same in languages in which they come first."""
+
+RETAINER_STANDARDS = {
+    "circlip": "471 472 983 984 6799 7993",
+    "pin": "1 7 94 1234 1444 1470 1471 1472 1473 1474 1475 1481 2338 2339 2340 2341 6325 7343 7346 7977 7978 7979 8734 "
+    "8735 8740 8741 8742 8744 8745 8748 8750 8752 13337",
+}
+"""Numbers of DIN and ISO standards by kind of retainer."""
+
 SUPPORTING = "plug plugs sensor sensors"
 """Words that confirm a likely shape but make no fastener of another one: plugs and sensors with a hexagon are screwed
 in."""
@@ -40,11 +64,15 @@ HEADS = "head headed hd set cap button countersunk flat pan drive shoulder"
 
 _KIND_OF_WORD = {word: kind for kind, words in KINDS.items() for word in words.split()}
 _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for number in numbers.split()}
+_RETAINER_OF_WORD = {word: kind for kind, words in RETAINERS.items() for word in words.split()}
+_RETAINER_OF_FIRST = {word: kind for kind, words in RETAINERS_FIRST.items() for word in words.split()}
+_RETAINER_OF_STANDARD = {number: kind for kind, numbers in RETAINER_STANDARDS.items() for number in numbers.split()}
 _OTHERS = frozenset(OTHERS.split())
 _GENERIC = frozenset(GENERIC.split())
 _HEADS = frozenset(HEADS.split())
 _SUPPORTING = frozenset(SUPPORTING.split())
 _STANDARD = re.compile(r"(?:din|iso|en)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?(\d{2,5})(?!\d)", re.IGNORECASE)
+_DIN = re.compile(r"(?:din[ _\-]*\d{1,2}|(?:din|iso)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?\d{3,5})(?!\d)", re.IGNORECASE)
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 
@@ -56,9 +84,30 @@ def kind_said(name: str) -> str | None:
     standard = _STANDARD.search(name)
     if standard is not None and standard.group(1) in _KIND_OF_STANDARD:
         return _KIND_OF_STANDARD[standard.group(1)]
-    plain = "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
+    plain = _without_accents(name)
     # "set screw, socket" is a screw: words after a comma describe it.
     return next((said for said in map(_said, re.split(r"[,;(]", plain)) if said is not None), None)
+
+
+def retainer_said(name: str) -> str | None:
+    """What holds parts without a thread, in a name: "circlip", "pin", or "clasp" for clamps and clips; None if the name
+    does not say."""
+    standard = _DIN.search(name)
+    number = "" if standard is None else standard.group().lstrip("DINSOEdinsoe _-")
+    if number in _RETAINER_OF_STANDARD:
+        return _RETAINER_OF_STANDARD[number]
+    every = words(_without_accents(name))
+    said = [word for word in every if len(word) > 1]
+    for last in ("".join(every[-2:]), "".join(said[-2:]), *said[-1:]):
+        if last in _RETAINER_OF_WORD:
+            return _RETAINER_OF_WORD[last]
+    nouns = [word for word in said if len(word) > 2]  # without "de", "di"
+    pairs = [first + second for first, second in itertools.pairwise(nouns)]
+    return next((_RETAINER_OF_FIRST[word] for word in [*nouns, *pairs] if word in _RETAINER_OF_FIRST), None)
+
+
+def _without_accents(name: str) -> str:
+    return "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
 
 
 def words(name: str) -> list[str]:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
-from feeler.plan.fastener_names import words
+from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
 from feeler.tasks.passing import passed_by
@@ -21,12 +21,6 @@ TOUCH_M = 2e-4
 """Parts nearer than this lean on a circlip, metres."""
 CLASP_M = 5e-4
 """What clamps and clips hold may have this gap: rubber is often not drawn."""
-CLASPING = frozenset(["clip", "clips", "clamp", "clamps", "strap", "straps", "saddle", "saddles"])
-CIRCLIPS = frozenset(["circlip", "circlips", "snapring", "snaprings", "retainingring", "retainingrings", "seeger"])
-PINS = frozenset(
-    ["pin", "pins", "dowel", "dowels", "cotter", "cotters", "splitpin", "splitpins", "rollpin", "rollpins"]
-)
-"""Last words of names; of two words written as one, too."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
 _AROUND, _RADII = 24, 12  # rays around a circlip, on each side, and at how many distances from its axis
@@ -44,17 +38,11 @@ class Retained:
     because: str
 
 
-def called(name: str, what: frozenset[str]) -> bool:
-    """Whether the last words of a name are one of a kind's."""
-    said = [word for word in words(name) if len(word) > 1]
-    return bool(said) and (said[-1] in what or "".join(said[-2:]) in what)
-
-
 def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
     """What the clamps and clips among some parts touch, but for some. scene: without fasteners."""
     mockup, found = scene.mockup, set[int]()
     for part in parts:
-        if called(mockup.part_names[part], CLASPING):
+        if retainer_said(mockup.part_names[part]) == "clasp":
             near = scene.clearance(Tool.of_parts(mockup, [part]), np.eye(4), CLASP_M)
             found.update(int(each) for each in near.parts)
     return sorted(found - set(parts) - but)
@@ -68,8 +56,9 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     is_small = scene.part_mask & (sides.max(axis=1) <= LARGEST_M) & (sides.min(axis=1) > 0.0)
     is_small &= (mockup.part_triangles <= MOST_TRIANGLES) & (mockup.part_triangles >= 8)
     some = [int(part) for part in np.flatnonzero(is_small) if int(part) not in taken]
-    circlips = [part for part in some if called(mockup.part_names[part], CIRCLIPS)]
-    pins = [part for part in some if called(mockup.part_names[part], PINS)]
+    said = {part: retainer_said(mockup.part_names[part]) for part in some}
+    circlips = [part for part in some if said[part] == "circlip"]
+    pins = [part for part in some if said[part] == "pin"]
     mask = scene.part_mask.copy()
     mask[[*taken, *circlips, *pins]] = False
     bare, meshes = scene.only(mask), PartMeshes(mockup)
@@ -77,8 +66,8 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
         parts = tuple(each.part for each in passed)
-        said = "it is in no part" if not parts else "it goes through them"
-        rows.append(Retained(rod.part, "pin", parts, None, f"{said}; its name says pin"))
+        how = "it is in no part" if not parts else "it goes through them"
+        rows.append(Retained(rod.part, "pin", parts, None, f"{how}; its name says pin"))
     return rows
 
 
