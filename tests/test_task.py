@@ -346,3 +346,19 @@ def test_a_thread_is_turned_until_its_end_is_out(parts: tuple[str, str], turns: 
     task = feeler.task(scene, "cover")
     (undone,) = [step for step in task.steps if step.verb == "undo"]
     assert undone.arithmetic.startswith(turns), undone.arithmetic
+
+
+def test_a_flush_cover_leaves_its_base_in_place() -> None:
+    """Turned, so that the coordinates of flush faces differ by rounding."""
+    for seed in range(3):
+        turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+        turn *= np.sign(np.linalg.det(turn))
+        parts = {
+            "cover": ring(CLEAR, 0.0, 0.01),
+            "base": ring(TAPPED, -0.03, 0.0),
+            "bolt": bolt(0.025, at(z=0.01)),
+            "beside": box((0.1, 0.1, -0.1), (0.2, 0.2, 0.1)),
+        }
+        scene = scene_of(**{name: (vertices @ turn.T, faces) for name, (vertices, faces) in parts.items()})
+        task = feeler.task(scene, "cover")
+        assert task.is_found and {path for step in task.steps for path in step.paths} == {"bolt", "cover"}

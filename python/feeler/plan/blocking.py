@@ -30,8 +30,9 @@ NEAR_SHARE = 1e-3
 fits."""
 OPPOSED = 1e-3
 """A touching plane blocks directions whose cosine against its normal exceeds this."""
-MOST_NORMALS, MOST_DIRECTIONS = 8, 18
-"""Contact normals, and directions, per part. A larger value finds more motions of crowded parts, and takes longer."""
+MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 18
+"""Contact normals, those that come before the directions along two, and directions, per part. A larger value finds more
+motions of crowded parts, and takes longer."""
 MOST_BLOCKERS = 24
 """A direction with more blockers is dropped: there are shorter sequences, or none."""
 FEW_BLOCKERS = 4
@@ -230,14 +231,15 @@ class _Mover:
         touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
         self.contacts = self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
         is_touching = np.abs(self.contacts.gaps) <= TOUCH_M
-        flush = set(self.contacts.parts[is_touching].tolist())
+        self.flush = flush = set(self.contacts.parts[is_touching].tolist())
         deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
         met = {int(part) for part in touching.parts}
         # Casts find touching parts; measured depths find parts that intersect it.
         self.seats = sorted((met - flush | deep) - self.passed)
+        self.doubtful: set[int] = set()
 
     def directions(self) -> Iterator[Direction]:
-        """The given directions; then contact normals, the axes of fasteners and of the world, and the directions along
+        """The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
         two contacts, both ways, those opposed by the fewest touching parts first."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
@@ -248,7 +250,8 @@ class _Mover:
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
         asked = self.question.grip["directions"] if self.node == TARGET else None
         given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
-        lines = [*np.eye(3), *axes, *(line for line in across if np.linalg.norm(line) > 0.1), *normals]
+        lines = [*np.eye(3), *axes, *normals[:FIRST_NORMALS], *(line for line in across if np.linalg.norm(line) > 0.1)]
+        lines += normals[FIRST_NORMALS:]
         all_: list[Direction] = []
         for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
             unit = line / np.linalg.norm(line)
@@ -256,6 +259,13 @@ class _Mover:
             if all(float(unit @ np.array(other)) < SAME_COSINE for other in all_):
                 all_.append(tuple((np.round(unit, 9) + 0.0).tolist()))
         chosen = all_[:MOST_DIRECTIONS]
+        # Normals of flush faces that cross by rounding can be anything: a part that they hold on all sides may not.
+        rounding = set(
+            self.contacts.parts[(np.abs(self.contacts.gaps) <= TOUCH_M) & (self.contacts.gaps < 0.0)].tolist()
+        )
+        for direction in chosen:
+            rounding &= self.opposed(direction)
+        self.doubtful = rounding
         return iter(sorted(chosen, key=lambda direction: len(self.opposed(direction))))
 
     def opposed(self, direction: Direction) -> set[int]:
@@ -268,10 +278,11 @@ class _Mover:
         """All other parts that block a direction; `None` if a kept part does, if there are more than `most`, or if the
         time is up."""
         kept = self.question.kept
-        found = self.opposed(direction)
+        opposed = self.opposed(direction)
+        found = opposed - self.doubtful
         if not found & kept:
-            found |= self._deeper(direction, set(self.seats) - found)
-        passed = {*found, *self.seats, *self.passed}
+            found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
+        passed = {*found, *self.seats, *self.passed, *self.doubtful}
         pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
             self.graph.clock.look()
@@ -282,7 +293,9 @@ class _Mover:
                 return frozenset(found)
             passed.add(hit.part)
             pose = hit.pose
-            if not self.graph.overlap or self._deeper(direction, {hit.part}):
+            # Flush faces in no special direction cross by rounding: depth tells whether it enters.
+            is_rounding = hit.part in self.flush and float(np.abs(pose[:3, 3]).max()) <= TOUCH_M
+            if not (self.graph.overlap or is_rounding) or self._deeper(direction, {hit.part}):
                 found.add(hit.part)
         return None
 
