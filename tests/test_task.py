@@ -110,7 +110,8 @@ def test_times_of_steps_add_up(covered: feeler.Scene) -> None:
     assert task.by_tool["driver"].mean == task.steps[1].seconds and task.work.mean == task.seconds
     typed = feeler.task(covered, "cover", driver(), feeler.Times(elements, typed={"bolt": [33.0, 3.0]}))
     assert typed.steps[1].seconds == 133.0 and "typed" in typed.steps[1].arithmetic
-    coarse = feeler.task(covered, "cover", None, feeler.Times(elements, pitches_mm={"bolt": 2.5}))
+    coarse = feeler.task(covered, "cover", None, feeler.Times(elements, pitches_mm={"bolt": 2.5, "*stud*": 1.0}))
+    assert any("'*stud*'" in note for note in coarse.notes) and not any("match no part" in note for note in typed.notes)
     assert "20 mm / 2.5 mm (pitch given) = 8 turns; at 60 deg" in coarse.steps[-2].arithmetic
     assert coarse.steps[-2].strokes == 48 and "not checked" in coarse.notes[0]
 

@@ -347,6 +347,9 @@ class _Planner:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
             notes.append(f"Example figures, not measured: {', '.join(self.actions.times.times.examples)}.")
+        idle = self.actions.times.times.idle(self.actions.question.scene.mockup.part_paths)
+        if idle:
+            notes.append(f"Patterns of the times that match no part: {', '.join(map(repr, idle))}.")
         return Task(
             parts=self.wanted,
             is_found=True,

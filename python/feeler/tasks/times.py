@@ -5,7 +5,7 @@ from __future__ import annotations
 import fnmatch
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -110,6 +110,12 @@ class Times:
             return cls(data.get("elements"), pitches_mm=data.get("pitches_mm"), typed=data.get("typed"))
         except OptionError as error:
             raise LoadError(f"{file}: {error}") from None
+
+    def idle(self, paths: Iterable[str]) -> tuple[str, ...]:
+        """The patterns of the tables that match none of some paths."""
+        every = list(paths)
+        patterns = dict.fromkeys([*self.pitches_mm, *self.typed])
+        return tuple(each for each in patterns if not any(_is_named(path, each) for path in every))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes it as TOML. Raises `WriteError`."""
@@ -228,8 +234,12 @@ def _element(name: str, value: object) -> Element:
 
 def _matching(table: Mapping[str, Any], path: str) -> Any:
     """The entry of the first pattern that a path, or its last step, matches."""
-    names = (path, path.split("/")[-1])
-    return next((value for name, value in table.items() if any(fnmatch.fnmatchcase(n, name) for n in names)), None)
+    return next((value for name, value in table.items() if _is_named(path, name)), None)
+
+
+def _is_named(path: str, pattern: str) -> bool:
+    """Whether a path, or its last step, matches a pattern."""
+    return any(fnmatch.fnmatchcase(name, pattern) for name in (path, path.rsplit("/", 1)[-1]))
 
 
 def _quoted(text: str) -> str:
