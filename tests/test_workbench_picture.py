@@ -164,6 +164,7 @@ def test_an_arrow_leads_to_a_tool_out_of_the_picture(context: Any, stand: Path, 
         assert on_screen(page, tool_place(page)) == pytest.approx(((left + right) / 2, (top + bottom) / 2), abs=2)
         # F frames it with the mock-up.
         move(page, 0.0, 0.0, 1.0)
+        settled(page)
         page.locator("#picture").focus()
         page.keyboard.press("f")
         settled(page)
