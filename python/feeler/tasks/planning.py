@@ -28,7 +28,7 @@ from feeler.tasks.holding import Holds, holds
 from feeler.tasks.reached import Reaching, Tooled
 from feeler.tasks.search import Found, Ordered, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
-from feeler.tasks.times import Arithmetic, Timed, Times, strokes_for, times_of
+from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
@@ -347,7 +347,7 @@ class _Planner:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
             notes.append(f"Example figures, not measured: {', '.join(self.actions.times.times.examples)}.")
-        idle = self.actions.times.times.idle(self.actions.question.scene.mockup.part_paths)
+        idle = idle_patterns(self.actions.times.times, self.actions.question.scene.mockup.part_paths)
         if idle:
             notes.append(f"Patterns of the times that match no part: {', '.join(map(repr, idle))}.")
         return Task(

@@ -111,12 +111,6 @@ class Times:
         except OptionError as error:
             raise LoadError(f"{file}: {error}") from None
 
-    def idle(self, paths: Iterable[str]) -> tuple[str, ...]:
-        """The patterns of the tables that match none of some paths."""
-        every = list(paths)
-        patterns = dict.fromkeys([*self.pitches_mm, *self.typed])
-        return tuple(each for each in patterns if not any(_is_named(path, each) for path in every))
-
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes it as TOML. Raises `WriteError`."""
         with atomic_file(path, ".toml") as file:
@@ -235,6 +229,13 @@ def _element(name: str, value: object) -> Element:
 def _matching(table: Mapping[str, Any], path: str) -> Any:
     """The entry of the first pattern that a path, or its last step, matches."""
     return next((value for name, value in table.items() if _is_named(path, name)), None)
+
+
+def idle_patterns(times: Times, paths: Iterable[str]) -> tuple[str, ...]:
+    """The patterns of a table that match none of some paths."""
+    every = list(paths)
+    patterns = dict.fromkeys([*times.pitches_mm, *times.typed])
+    return tuple(each for each in patterns if not any(_is_named(path, each) for path in every))
 
 
 def _is_named(path: str, pattern: str) -> bool:
