@@ -18,7 +18,7 @@ use crate::tool::moving_tool::Tool;
 /// Spans that the motion is cut into first, for a curve.
 const FIRST_SPANS: usize = 32;
 
-/// Most spans: what is known by then is told.
+/// The most spans: a query that would need more ends with the bounds that it has.
 const MOST_SPANS: usize = 1 << 20;
 
 /// The gap in a span of time.
