@@ -192,7 +192,7 @@ GOOD: dict[str, Callable[[World], Call]] = {
     ),
     "feeler.Mechanism": lambda w: (
         feeler.Mechanism,
-        {"mockup": w.mockup, "joints": [SLIDE], "couplings": [], "loops": [], "scene": w.scene},
+        {"mockup": w.mockup, "joints": [SLIDE], "couplings": [], "loops": [], "scene": w.scene, "ignore": []},
     ),
     "feeler.Mechanism.load": lambda w: (
         w.saved_mechanism().load,
@@ -207,6 +207,7 @@ GOOD: dict[str, Callable[[World], Call]] = {
             "chord_tolerance": 1e-4,
             "around": w.mockup,
             "world_from_base": w.pose,
+            "ignore": [],
         },
     ),
     "feeler.Mechanism.save": lambda w: (w.mechanism().save, {"path": "mechanism.toml"}),

@@ -536,3 +536,45 @@ def test_flush_faces_of_links_that_nothing_joins_have_one_answer() -> None:
         c=((5.0, 5.0, 5.0), (6.0, 6.0, 6.0)),
     )
     assert len(Mechanism(sunk, drawers).clash({"a": (0.0, 0.05)})) == 1
+
+
+def test_ignored_pairs_are_looked_at_by_no_question(tmp_path: Path) -> None:
+    """A door on a pin with 0.1 mm of play, and a wall 5 mm off its other end."""
+    boxes = {
+        "door": ((0.0, 0.0, 0.0), (1.0, 0.02, 0.1)),
+        "pin": ((-0.01, 0.0, 0.0), (-0.0001, 0.02, 0.1)),
+        "wall": ((1.005, 0.0, 0.0), (1.1, 0.02, 0.1)),
+    }
+    mock, slide = mockup(**boxes), [Joint("slide", "prismatic", None, "door", (1, 0, 0))]
+    near = Mechanism(mock, slide).clearance({"slide": (0.0, 0.002)})
+    assert near.upper == pytest.approx(1e-4, abs=1e-6)
+    for pairs in ([("door", "p*")], [("pin", "door")], np.array([[0, 1]]), [(1, 0), ("wall", "pin")]):
+        moved = Mechanism(mock, slide, ignore=pairs)
+        found = moved.clearance({"slide": (0.0, 0.002)}, error=1e-5)
+        assert (found.other_path, found.seats) == ("wall", ()) and found.upper == pytest.approx(0.003, abs=1e-6)
+        assert moved.range("slide", {"slide": 0.001}).below is None
+        assert moved.range("slide").upper == pytest.approx(0.005, abs=1e-6)
+        assert len(moved.clash({"slide": (-0.008, 0.002)})) == 0
+        # Links that do not move against each other too.
+        still = Mechanism(mock, [*slide, Joint("wall", "prismatic", None, "wall", Z)], ignore=pairs)
+        assert still.clearance({"wall": (0.0, 0.0)}).upper == pytest.approx(0.005, abs=1e-6)
+        moved.save(tmp_path / "door.toml")
+        again = Mechanism.load(tmp_path / "door.toml", mock)
+        assert again.clearance({"slide": (0.0, 0.002)}, error=1e-5).upper == found.upper
+    # A seat that is ignored is none, and may go deeper.
+    touching = mockup(a=((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), b=((0.1, 0.0, 0.0), (0.2, 0.1, 0.1)))
+    along = [Joint("s", "prismatic", None, "a", (1, 0, 0))]
+    assert Mechanism(touching, along).clearance({"s": (0.0, 0.01)}).jams
+    free = Mechanism(touching, along, ignore=[("a", "b")]).clearance({"s": (0.0, 0.01)})
+    assert (free.jams, free.seats, free.upper) == ((), (), math.inf)
+    file = tmp_path / "bad.toml"
+    for line, says in (
+        ('ignore = ["door", "pin"]', "line 1: ignore is no list of pairs"),
+        ('ignore = [["door", "nothing*"]]', "line 1: ignore"),
+    ):
+        file.write_text(line + '\n[[joint]]\nname = "j"\nkind = "revolute"\nchild = "door"\n')
+        with pytest.raises(LoadError, match=says):
+            Mechanism.load(file, mock)
+    for bad in ("door", ["door"], [("door", "nothing*")], 3):
+        with pytest.raises(OptionError, match="ignore"):
+            Mechanism(mock, slide, ignore=bad)  # type: ignore[arg-type]

@@ -83,6 +83,15 @@ def test_a_slider_stops_at_contact_and_shows_all_pages_where(session: Session) -
     assert seen[-1]["poses"] is None
 
 
+def test_ignored_pairs_stop_nothing(session: Session) -> None:
+    stops = session.ask("joint_to", {"name": "hinge", "value": 2.0})
+    text = 'ignore = [["wall", "door"], ["knob", 1]]\n' + TEXT
+    session.command("mechanism_open", {"name": "door.toml", "text": text})
+    passes = session.ask("joint_to", {"name": "hinge", "value": 2.0})
+    assert stops is not None and stops["is_stopped"]
+    assert passes is not None and passes["value"] == pytest.approx(2.0) and not passes["is_stopped"]
+
+
 def test_a_move_is_one_step_of_undo_and_the_scene_stands_there(session: Session) -> None:
     session.command("joint_move", {"name": "hinge", "value": 0.4})
     assert sorted(session.current.moved) == [DOOR, KNOB]

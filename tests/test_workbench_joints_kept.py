@@ -343,7 +343,7 @@ def test_the_door_of_the_sample_opens_once_its_latch_is_turned() -> None:
         for name, parent, parts in (("door", None, leaf), ("latch", "gearbox/door/panel", ["gearbox/door/latch"]))
     )
     mechanism = feeler.Mechanism(mockup, [door, latch])
-    text = text_of(mockup, mechanism.joints, (), ())
+    text = text_of(mechanism)
     session = opened(mockup)
     session.command("mechanism_open", {"name": "door.toml", "text": text})
     for turned in (0.0, truth["latch"].high):

@@ -35,9 +35,12 @@ class Bodies:
         couplings: Sequence[JointCoupling] = (),
         scene: Scene | None = None,
         loops: Sequence[tuple[Joint, tuple[int, int]]] = (),
+        ignore: npt.NDArray[np.uint32] | None = None,
     ) -> None:
+        """ignore: `(k, 2)` pairs of parts that are skipped in all questions."""
         self.mockup, self.links = mockup, links
         self._given = scene
+        self._skipped = set() if ignore is None else {(int(a), int(b)) for row in ignore for a, b in (row, row[::-1])}
         of_name = {name: link.number for link in links.links for name in link.joint.names}
         self._joined = {frozenset((link.number, link.above)) for link in links.links}
         self._joined |= {frozenset((of_name[each.joint], of_name[each.of])) for each in couplings}
@@ -97,7 +100,11 @@ class Bodies:
             if is_asked and not is_joined:
                 is_asked = math.isfinite(self.alone(other).distance(self.tool(one), np.eye(4), TOUCH_M).value)
             found = seated(self, one, other) if is_asked else ()
-            self._seats[key] = tuple(seat for seat in found if is_joined or seat.kind == "touching")
+            self._seats[key] = tuple(
+                seat
+                for seat in found
+                if (is_joined or seat.kind == "touching") and (seat.part, seat.other) not in self._skipped
+            )
         return self._seats[key]
 
     def touching(self, one: int, other: int) -> list[tuple[int, int]]:
@@ -109,7 +116,8 @@ class Bodies:
             near = around.clearance(tool, np.eye(4), TOUCH_M)
             found = set(zip(near.tool_parts.tolist(), near.parts.tolist(), strict=True))
             found |= {(int(a), int(b)) for a, b in World(around, []).seated_parts(tool, np.eye(4))}
-            self._touching[key] = sorted(found)
+            own = self.parts(one)
+            self._touching[key] = sorted(pair for pair in found if (own[pair[0]], pair[1]) not in self._skipped)
         return self._touching[key]
 
     def ignored(self, one: int, other: int, more: Iterable[tuple[int, int]] = ()) -> IgnoredPairs | None:
@@ -117,7 +125,12 @@ class Bodies:
         return self.without(one, sorted({*((seat.number, seat.other) for seat in self.seats(one, other)), *more}))
 
     def without(self, one: int, pairs: Sequence[tuple[int, int]]) -> IgnoredPairs | None:
-        """Pairs of a part of the tool of a link and one of the mock-up, as queries skip them; None for none."""
+        """Pairs of a part of the tool of a link and one of the mock-up, and those that are ignored, as queries skip
+        them; None for none."""
+        if self._skipped:
+            number = {part: place for place, part in enumerate(self.parts(one))}
+            skipped = {(number[part], other) for part, other in self._skipped if part in number}
+            pairs = sorted(skipped.union(pairs))
         if not pairs:
             return None
         return IgnoredPairs(self.tool(one), self.mockup, np.array(pairs, dtype=np.int64))

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from feeler.mockup import Mockup
 from feeler.parts import Part, PartsLike
 
 _TABLES = ("joint", "coupling", "loop")
+_IGNORE = "ignore"
 _LIMITS = {"limits_deg": math.radians(1.0), "limits_rad": 1.0, "limits_m": 1.0}
 _SLIDES = ("slide_limits_m",)
 _KEYS = {"point": "point_m", "pitch": "pitch_m", "slide_limits": "slide_limits_m"}
@@ -29,16 +30,29 @@ _JOINT = ("name", "kind", "parent", "child", "axis", "point_m", "pitch_m", "beca
 _COUPLING = ("joint", "of", "ratio", "offset_deg", "offset_rad", "offset_m")
 
 
-def read(path: Path, mockup: Mockup | None = None) -> tuple[list[Joint], list[JointCoupling], list[Joint]]:
-    """The joints, couplings and loops of a file, of parts of a mock-up; None: they are not looked up.
+class Drawn(NamedTuple):
+    """What a file of joints holds."""
+
+    joints: Sequence[Joint]
+    couplings: Sequence[JointCoupling]
+    loops: Sequence[Joint]
+    ignore: Sequence[tuple[PartsLike, PartsLike]] = ()
+    """Pairs of parts that no question looks at."""
+
+
+def read(path: Path, mockup: Mockup | None = None) -> Drawn:
+    """The joints, couplings, loops and ignored pairs of a file, of parts of a mock-up; None: they are not looked up.
 
     Raises `LoadError`, naming the line.
     """
     data = toml_of(path, "write one with Mechanism.save, or feeler move --write-mechanism")
     lines = _Lines(path, text_of(path))
+    ignore = _ignored(data.pop(_IGNORE, []), lines, mockup)
     for key in data:
         if key not in _TABLES:
-            raise LoadError(f"{lines.of(key)}: {key!r} is unknown: there are [[joint]], [[coupling]] and [[loop]]")
+            raise LoadError(
+                f"{lines.of(key)}: {key!r} is unknown: there are [[joint]], [[coupling]], [[loop]] and ignore"
+            )
         if not isinstance(data[key], list) or not all(isinstance(each, dict) for each in data[key]):
             raise LoadError(f"{lines.of(key)}: {key!r} is no list of tables: begin each with [[{key}]]")
     joints = [_joint(table, lines.table("joint", n), mockup) for n, table in enumerate(data.get("joint", []))]
@@ -46,7 +60,18 @@ def read(path: Path, mockup: Mockup | None = None) -> tuple[list[Joint], list[Jo
     loops = [_joint(table, lines.table("loop", n), mockup) for n, table in enumerate(data.get("loop", []))]
     if not joints:
         raise LoadError(f"{path}: there is no [[joint]]")
-    return joints, couplings, loops
+    return Drawn(joints, couplings, loops, ignore)
+
+
+def _ignored(rows: object, lines: _Lines, mockup: Mockup | None) -> list[tuple[PartsLike, PartsLike]]:
+    """The pairs of parts of the key `ignore`, which stands before the tables."""
+    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == 2 for row in rows):
+        raise LoadError(f'{lines.of(_IGNORE)}: ignore is no list of pairs of parts, such as [["pin*", "bracket"]]')
+    for row in rows:
+        for parts in row:
+            if mockup is not None:
+                _check_parts(parts, _IGNORE, lines, mockup)
+    return [(row[0], row[1]) for row in rows]
 
 
 class _Lines:
@@ -158,11 +183,13 @@ def _numbers(value: object, key: str, lines: _Lines) -> list[float]:
     return [float(each) for each in value]  # type: ignore[attr-defined]
 
 
-def write(
-    path: Path, mockup: Mockup, joints: Sequence[Joint], couplings: Sequence[JointCoupling], loops: Sequence[Joint]
-) -> None:
+def write(path: Path, mockup: Mockup, drawn: Drawn) -> None:
     """Writes a file. Raises `WriteError`."""
+    joints, couplings, loops, ignore = drawn
     lines = ["# A mechanism of feeler: lengths in metres, world, where the parts are modelled.", ""]
+    if ignore:
+        pairs = [f"    [{_parts(mockup, one)}, {_parts(mockup, other)}]," for one, other in ignore]
+        lines += ["# Pairs of parts that no question looks at.", "ignore = [", *pairs, "]", ""]
     for table, rows in (("joint", joints), ("loop", loops)):
         for joint in rows:
             lines += [f"[[{table}]]", *_lines_of(mockup, joint), ""]

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Screw
-from feeler.arguments import check_kind, check_number, check_path
+from feeler.arguments import check_kind, check_list, check_number, check_path
 from feeler.choices import Geometry
 from feeler.errors import LoadError, OptionError
 from feeler.io import DEFAULT_CHORD_TOLERANCE
@@ -23,6 +23,7 @@ from feeler.mechanism.positions import Positions, Values
 from feeler.mechanism.ranging import range_of
 from feeler.mechanism.robot import read_robot
 from feeler.mockup import Mockup
+from feeler.parts import PartsLike
 from feeler.poses import PoseLike
 from feeler.scene import Scene
 
@@ -34,7 +35,8 @@ class Mechanism:
 
     joints: a tree of links; children move with their parents. couplings: gears, racks and mimic joints. loops: joints
     between two links that are already in the tree; they close loops, and joints that are not given follow. scene: of
-    the mock-up, to ask in place of one of its own.
+    the mock-up, to ask in place of one of its own. ignore: pairs of parts, each as `Parts.select` takes them, that no
+    question looks at, such as `[("pin*", "bracket")]`: a pin that has play in its hole is always near.
     Raises `OptionError` for joints that contradict each other, circles, and parts in two links.
     """
 
@@ -45,8 +47,10 @@ class Mechanism:
         couplings: Iterable[JointCoupling] = (),
         loops: Iterable[Joint] = (),
         scene: Scene | None = None,
+        ignore: Iterable[tuple[PartsLike, PartsLike]] = (),
     ) -> None:
-        self._positions = Positions(mockup, joints, couplings, loops, scene)
+        self._ignore = tuple(check_list("ignore", ignore, "pairs of parts"))
+        self._positions = Positions(mockup, joints, couplings, loops, scene, self._ignore)
 
     def __repr__(self) -> str:
         return f"Mechanism({len(self.joints)} joints: {', '.join(joint.name for joint in self.joints)})"
@@ -56,9 +60,9 @@ class Mechanism:
         """A mechanism of a TOML file. Raises `LoadError` for files that say something else, naming the line."""
         where = check_path("path", path)
         check_kind("mockup", mockup, Mockup)
-        joints, couplings, loops = files.read(where, mockup)
+        drawn = files.read(where, mockup)
         try:
-            return cls(mockup, joints, couplings, loops, scene)
+            return cls(mockup, drawn.joints, drawn.couplings, drawn.loops, scene, drawn.ignore)
         except OptionError as error:
             raise LoadError(f"{where}: {error}") from None
 
@@ -72,11 +76,12 @@ class Mechanism:
         chord_tolerance: float = DEFAULT_CHORD_TOLERANCE,
         around: Mockup | None = None,
         world_from_base: PoseLike | None = None,
+        ignore: Iterable[tuple[PartsLike, PartsLike]] = (),
     ) -> Mechanism:
         """A robot, with all joints at 0: as `feeler.from_urdf`, whose parts and options it has, and its joints.
 
         around: a mock-up that the robot stands in; its parts are in the frame. world_from_base: where the root link
-        stands, `(4, 4)`; None: in the origin.
+        stands, `(4, 4)`; None: in the origin. ignore: as of the class.
 
         Revolute, continuous and prismatic joints keep names, limits and axes; axes are in the world. Links that fixed
         joints hold together are one link, and the root is the frame. Joints that mimic others are couplings. A link
@@ -87,13 +92,14 @@ class Mechanism:
         """
         mockup, joints, couplings = read_robot(path, geometry, package_dirs, chord_tolerance, around, world_from_base)
         try:
-            return cls(mockup, joints, couplings)
+            return cls(mockup, joints, couplings, ignore=ignore)
         except OptionError as error:
             raise LoadError(f"{os.fspath(path)}: {error}") from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a TOML file that `load` reads. Raises `WriteError`."""
-        files.write(check_path("path", path), self.mockup, self.joints, self.couplings, self.loops)
+        drawn = files.Drawn(self.joints, self.couplings, self.loops, self.ignore)
+        files.write(check_path("path", path), self.mockup, drawn)
 
     @property
     def mockup(self) -> Mockup:
@@ -114,6 +120,11 @@ class Mechanism:
     def loops(self) -> tuple[Joint, ...]:
         """The joints that close loops."""
         return self._positions.loops
+
+    @property
+    def ignore(self) -> tuple[tuple[PartsLike, PartsLike], ...]:
+        """The pairs of parts that no question looks at, as they were given."""
+        return self._ignore
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -11,12 +11,14 @@ import numpy.typing as npt
 from feeler._core import Screw
 from feeler.arguments import check_kind, check_list, check_number, check_text, near, shown
 from feeler.errors import MechanismError, OptionError
+from feeler.ignored import pairs_of_parts
 from feeler.mechanism.bodies import Bodies
 from feeler.mechanism.coupling import JointCoupling, driven_by
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.links import Links
 from feeler.mechanism.loops import Follower, opening
 from feeler.mockup import Mockup
+from feeler.parts import PartsLike
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -42,6 +44,7 @@ class Positions:
         couplings: Iterable[JointCoupling] = (),
         loops: Iterable[Joint] = (),
         scene: Scene | None = None,
+        ignore: Iterable[tuple[PartsLike, PartsLike]] = (),
     ) -> None:
         self.mockup = check_kind("mockup", mockup, Mockup)
         self.joints = tuple(check_kind("a joint", each, Joint) for each in check_list("joints", joints, "joints"))
@@ -66,7 +69,8 @@ class Positions:
                     f"two joints are called {loop.name!r}, a loop and another: give each a name of its own"
                 )
         closed = list(zip(self.loops, self._ends, strict=True))
-        self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed)
+        self.ignore = pairs_of_parts(mockup, mockup, ignore, "ignore", ("mock-up", "mock-up"))
+        self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed, self.ignore)
         self.groups = self._grouped()
         self._last: tuple[tuple[tuple[str, float], ...], Scene] | None = None
 

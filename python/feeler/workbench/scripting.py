@@ -92,7 +92,7 @@ def view(
             scene = Scene(scene, tool=tool, progress=lambda share, stage: session.loading(stage, share))
         session.open(scene.mockup, scene, tool, pose=start, mode=mode)
         if mechanism is not None:
-            text = text_of(mechanism.mockup, mechanism.joints, mechanism.couplings, mechanism.loops)
+            text = text_of(mechanism)
             session.command("mechanism_open", {"name": "mechanism", "text": text}, None)
     except BaseException:
         session.close()

@@ -12,10 +12,9 @@ import numpy as np
 
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.mechanism import files
-from feeler.mechanism.coupling import JointCoupling
-from feeler.mechanism.joint import Joint, JointKind
+from feeler.mechanism.joint import JointKind
+from feeler.mechanism.mechanism import Mechanism
 from feeler.mechanism.positions import Positions, Values
-from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench.document import motion
@@ -24,7 +23,6 @@ from feeler.workbench.document.joints import JointLink, JointNumber, MechanismSt
 from feeler.workbench.document.motion import HOME, Row
 from feeler.workbench.engine.standing import Standing
 
-Read = tuple[list[Joint], list[JointCoupling], list[Joint]]
 FILE = "mechanism.toml"
 MOST_JOINTS = 200
 """More than a page shows."""
@@ -32,8 +30,8 @@ STEP_RAD, STEP_M = np.radians(4.0), 0.05
 """Between two poses of the way of a turn, and of a slide, in the sequence."""
 
 
-def read_text(text: str, name: str) -> Read:
-    """The joints, couplings and loops of the text of a TOML file. Raises `WorkbenchError`, naming the line."""
+def read_text(text: str, name: str) -> files.Drawn:
+    """What the text of a TOML file. Raises `WorkbenchError`, naming the line."""
     with tempfile.TemporaryDirectory(prefix="feeler-mechanism-") as folder:
         path = Path(folder) / FILE
         path.write_text(text, encoding="utf-8", newline="\n")
@@ -43,13 +41,11 @@ def read_text(text: str, name: str) -> Read:
             raise WorkbenchError(str(error).replace(str(path), name), "mechanism", "see docs/mechanisms.md") from None
 
 
-def text_of(
-    mockup: Mockup, joints: tuple[Joint, ...], couplings: tuple[JointCoupling, ...], loops: tuple[Joint, ...]
-) -> str:
+def text_of(mechanism: Mechanism) -> str:
     """A mechanism as the text of a TOML file."""
     with tempfile.TemporaryDirectory(prefix="feeler-mechanism-") as folder:
         path = Path(folder) / FILE
-        files.write(path, mockup, joints, couplings, loops)
+        mechanism.save(path)
         return path.read_text(encoding="utf-8")
 
 
@@ -110,11 +106,11 @@ class Standings:
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self._standing = scene, Standing(scene)
-        self._texts: dict[str, Read] = {}
+        self._texts: dict[str, files.Drawn] = {}
         self._whole: tuple[str, Positions] | None = None
         self._kept: tuple[object, Heard] | None = None
 
-    def read(self, text: str, name: str) -> Read:
+    def read(self, text: str, name: str) -> files.Drawn:
         """As `read_text`; the last one is kept."""
         if text not in self._texts:
             self._texts = {text: read_text(text, name)}
@@ -123,9 +119,11 @@ class Standings:
     def whole(self, text: str, name: str) -> Positions:
         """The mechanism with all its parts, where they are modelled. Raises `WorkbenchError`."""
         if self._whole is None or self._whole[0] != text:
-            joints, couplings, loops = self.read(text, name)
+            drawn = self.read(text, name)
             try:
-                made = Positions(self._scene.mockup, joints, couplings, loops, self._scene)
+                made = Positions(
+                    self._scene.mockup, drawn.joints, drawn.couplings, drawn.loops, self._scene, drawn.ignore
+                )
             except FeelerError as error:
                 raise WorkbenchError(f"{name}: {error}", "mechanism", "see docs/mechanisms.md") from None
             self._whole = (text, made)
@@ -142,7 +140,7 @@ class Standings:
         state = document.mechanism
         if state is None:
             raise WorkbenchError("there is no mechanism", "mechanism", "open one")
-        joints, couplings, loops = self.read(state.text, state.name)
+        joints, couplings, loops, ignore = self.read(state.text, state.name)
         away = _away(document) | _absent(self._scene)
         base = replace(document, moved=MappingProxyType(rest(document)))
         scene = self._standing.scene(base, progress=progress)
@@ -165,7 +163,7 @@ class Standings:
             raise WorkbenchError("all parts of the mechanism are out", "mechanism", "put one back")
         names = {name for joint in kept for name in joint.names}
         followed = [each for each in couplings if {each.joint, each.of} <= names]
-        return Heard(scene.mockup, kept, followed, loops if not gone else [], scene)
+        return Heard(scene.mockup, kept, followed, loops if not gone else [], scene, ignore)
 
 
 def rest(document: Document) -> dict[int, Row]:
