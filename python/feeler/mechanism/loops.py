@@ -28,7 +28,10 @@ _POLISH = 1e-3
 _FINE = 1e-14
 _BENT = 1e-10  # larger steps of a polish need a new Jacobian
 _DIFFERENCE = 1e-6
+_CLOSED_BY = 1e-9  # what is left of closed loops moves numbers by less
 _HELPS = 0.2  # a Jacobian that leaves more of the residual than this is made anew
+_NEAR = 1e-3  # below this share of the largest singular value, positions are polished
+_BEND = 0.25  # a step leaves the tangents at its ends by at most this share
 _FARTHEST = 0.5  # that a joint may follow in a step, radians, or in sizes of the mechanism
 
 
@@ -68,23 +71,56 @@ class Follower:
     def follow(self, start: Floats, found: Floats, end: Floats) -> Floats:
         """The followed numbers at the end. Raises `MechanismError` where the way ends."""
         share = 0.0
+        way = end - start
         before = self._jacobian(start, found)
         self._check_rank(before, start)
+        closed = self._newton(start, found, before)
+        found = found if closed is None else closed
+        tangent = self._tangent(start, found, before, way)
         longest = float(np.abs(end - start).max()) if len(end) else 0.0
         step = most = 1.0 if longest == 0.0 else min(1.0, STEP / longest)
         while share < 1.0:
             there = min(1.0, share + step)
-            given = start + there * (end - start)
-            next_ = self._newton(given, found, before)
-            now = None if next_ is None else self._jacobian(given, next_)
-            if next_ is None or now is None or self._is_lost(now) or np.linalg.det(before.T @ now) <= 0.0:
+            given = start + there * way
+            place = self._next(given, found, before, way)
+            if place is None or not self._is_smooth(there - share, way, place[0] - found, (tangent, place[2])):
                 step /= 2.0
                 if step < LEAST_SHARE:
                     raise MechanismError(f"the mechanism has a dead point at {self._told(given)}, where its way ends")
                 continue
-            share, found, before = there, next_, now
+            share, (found, before, tangent) = there, place
             step = min(most, 2.0 * step)
         return self._polished(end, found, before)
+
+    def _next(self, given: Floats, begin: Floats, before: Floats, way: Floats) -> tuple[Floats, Floats, Floats] | None:
+        """The followed numbers at a place nearby, their Jacobian and tangent; None where they do not follow."""
+        found = self._newton(given, begin, before)
+        if found is None:
+            return None
+        jacobian = self._jacobian(given, found)
+        if self._is_lost(jacobian, _NEAR):
+            found = self._polished(given, found, jacobian)
+            jacobian = self._jacobian(given, found)
+        if self._is_lost(jacobian) or np.linalg.det(before.T @ jacobian) <= 0.0:
+            return None
+        return found, jacobian, self._tangent(given, found, jacobian, way)
+
+    def _tangent(self, given: Floats, found: Floats, jacobian: Floats, way: Floats) -> Floats:
+        """How the followed numbers move with the share of the way, in their scales."""
+        length = float(np.linalg.norm(way))
+        by = _DIFFERENCE * way / (length or 1.0)
+        rate = (self._open_by(given + by, found) - self._open_by(given - by, found)) * (length / (2.0 * _DIFFERENCE))
+        return np.asarray(-np.linalg.pinv(jacobian) @ rate, dtype=np.float64)
+
+    def _is_smooth(self, share: float, way: Floats, moved: Floats, tangents: tuple[Floats, Floats]) -> bool:
+        """Whether a step follows the tangents at both its ends: where two ways cross, such as those of a parallelogram
+        whose bars lie in line, a step from one to the other does not."""
+        forward = float(np.linalg.norm(way))
+        return all(
+            float(np.linalg.norm(moved / self._scales - share * tangent))
+            <= _BEND * share * math.hypot(forward, float(np.linalg.norm(tangent))) + _CLOSED_BY
+            for tangent in tangents
+        )
 
     def _newton(self, given: Floats, begin: Floats, jacobian: Floats) -> Floats | None:
         """Of the followed numbers; the Jacobian of a position nearby serves as long as it helps."""
@@ -124,9 +160,10 @@ class Follower:
             columns.append((self._open_by(given, found + by) - self._open_by(given, found - by)) / (2.0 * _DIFFERENCE))
         return np.column_stack(columns)
 
-    def _is_lost(self, jacobian: Floats) -> bool:
+    @staticmethod
+    def _is_lost(jacobian: Floats, least: float = RANK) -> bool:
         values: Sequence[float] = np.linalg.svd(jacobian, compute_uv=False).tolist()
-        return len(values) < jacobian.shape[1] or values[-1] <= RANK * max(values[0], RANK)
+        return len(values) < jacobian.shape[1] or values[-1] <= least * max(values[0], RANK)
 
     def _check_rank(self, jacobian: Floats, given: Floats) -> None:
         if self._is_lost(jacobian):
