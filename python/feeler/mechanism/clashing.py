@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from feeler.errors import OptionError
 from feeler.mechanism.answers import MechanismClashes, MechanismContact
-from feeler.mechanism.legs import Legs
+from feeler.mechanism.legs import whole
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.ranging import contact, exactly, moving_pairs, roots_of, seat_meeting, seats_of
 from feeler.mechanism.standing import Standing
@@ -24,7 +24,7 @@ def clashes_of(mechanism: Positions, values: Mapping[str, float | tuple[float, f
     ((name, (lower, upper)),) = move.items()
     roots = roots_of(mechanism, [name])
     pairs = moving_pairs(mechanism, roots)
-    legs = list(Legs(mechanism, name, stand, lower, upper))
+    legs = whole(mechanism, name, stand, lower, upper)
     standing = Standing(mechanism, roots, legs[0].start, lower)
     found: list[MechanismContact] = standing.clashes()
     for pair in pairs:

@@ -20,10 +20,10 @@ import numpy.typing as npt
 
 from feeler._core import ClearanceAlong
 from feeler.arguments import check_whole
-from feeler.errors import MechanismError, OptionError
+from feeler.errors import OptionError
 from feeler.mechanism.answers import MechanismClearance, MechanismContact, MechanismSeat
 from feeler.mechanism.enclosing import sure_legs
-from feeler.mechanism.legs import Leg, Legs, relative
+from feeler.mechanism.legs import Leg, relative, whole
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.ranging import Near, contact, gap, moving_pairs, reaches, roots_of, seat_meeting, seats_of
 from feeler.mechanism.standing import Standing
@@ -133,10 +133,7 @@ def _along(
     ((name, (begin, end)),) = move.items()
     roots = roots_of(mechanism, [name])
     pairs = moving_pairs(mechanism, roots)
-    way = Legs(mechanism, name, stand, begin, end)
-    followed = list(way)
-    if way.why:
-        raise MechanismError(f"{name!r} does not get from {begin:.9g} to {end:.9g}: {way.why}")
+    followed = whole(mechanism, name, stand, begin, end)
     is_loop = mechanism.loops_of(name)
     legs = (
         _with_spreads(mechanism, stand, name, followed, pairs, error)

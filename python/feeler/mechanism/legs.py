@@ -97,6 +97,15 @@ class Legs:
                 step = min(longest, 2.0 * step)
 
 
+def whole(mechanism: Positions, name: str, at: Mapping[str, float], begin: float, end: float) -> list[Leg]:
+    """All legs. Raises `MechanismError` where the way ends early."""
+    way = Legs(mechanism, name, at, begin, end)
+    found = list(way)
+    if way.why:
+        raise MechanismError(f"{name!r} does not get from {begin:.9g} to {end:.9g}: {way.why}")
+    return found
+
+
 def halves(mechanism: Positions, name: str, at: Mapping[str, float], leg: Leg) -> tuple[Leg, Leg]:
     """A leg of a loop in two."""
     begin, end = leg.values

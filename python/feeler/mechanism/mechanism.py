@@ -189,5 +189,7 @@ class Mechanism:
         """The pairs of parts that clash at some position of one joint and all that follows it, with the first position
         of each from the least value on. Seats clash where they go deeper than where they are modelled. Links that do
         not move against each other are asked once, unless they stand as they are modelled.
+
+        Raises `MechanismError` for a range that passes a dead point of a loop; so does `clearance`.
         """
         return clashes_of(self._positions, values)
