@@ -245,7 +245,7 @@ def test_a_table_and_a_film_show_one_joint_only(tmp_path: Path) -> None:
         (HINGE.replace("limits_deg", "limits_m"), "a revolute joint has no limits_m"),
         (HINGE + "axis = [0, 0, 0]\n", "line 6: axis of joint 'hinge' is [0, 0, 0], of length zero"),
         (HINGE.replace("[0, 90]", "[nan, 90]"), "line 5: limits_deg is [nan, 90]: give finite numbers"),
-        (HINGE.replace("[0, 90]", "[9, 1]"), "line 5: limits of joint 'hinge'"),
+        (HINGE.replace("[0, 90]", "[9, 1]"), "line 5: limits_deg is [9, 1]: give the least value first"),
         (HINGE.replace('"*door"', "9"), "cowl.toml, line 4: child: "),
         (HINGE.replace('"*door"', "[]"), "cowl.toml, line 4: child names no part"),
         (HINGE + "parent = []\n", "cowl.toml, line 6: parent names no part"),

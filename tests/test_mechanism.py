@@ -432,22 +432,31 @@ def test_groups_without_parts_and_names_given_twice_are_refused() -> None:
 
 
 def test_a_mechanism_is_saved_and_loaded(tmp_path: Path) -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        joint = Joint("s", "screw", None, "a", tuple(rng.normal(size=3)), tuple(rng.normal(size=3)), pitch=rng.normal())
+        moved = Mechanism(dots((0, 0, 0), (1, 0, 0)), [joint])
+        moved.save(tmp_path / "screw.toml")
+        assert Mechanism.load(tmp_path / "screw.toml", moved.mockup).joints == moved.joints, "to the bit"
     moved = off_centre()
     moved.save(tmp_path / "crank.toml")
     again = Mechanism.load(tmp_path / "crank.toml", moved.mockup)
     assert (again.joints, again.loops) == (moved.joints, moved.loops)
     file = tmp_path / "cowl.toml"
     text = '[[joint]]\nname = "j"\nkind = "revolute"\nchild = "a"\n'
+    text += "axis = [0, 0, 1]\npoint_m = [0, 0, 0]\n"
     file.write_text(text + "limits_deg = [0, 90]\n")
     assert Mechanism.load(file, moved.mockup).limits("j") == pytest.approx((0.0, math.pi / 2))
     for line, says in (
-        ("limits = [0, 1]", "line 5: 'limits' is unknown"),
-        ("limits_m = [0, 1]", "line 5: a revolute joint has no limits_m"),
-        ("limits_deg = [0]", "line 5: limits_deg is no pair"),
-        ("colour = 1", "line 5: 'colour' is unknown"),
+        ("limits = [0, 1]", "line 7: 'limits' is unknown"),
+        ("limits_m = [0, 1]", "line 7: a revolute joint has no limits_m"),
+        ("limits_deg = [0]", "line 7: limits_deg is no pair"),
+        ("limits_deg = [10, 1]", r"line 7: limits_deg is \[10, 1\]: give the least value first"),
+        ("colour = 1", "line 7: 'colour' is unknown"),
+        ('ignore = [["a", "b"]]', "line 7: 'ignore' is unknown here: it stands before all tables"),
         ("axis = [0, 0, 0]", "line 5: .*length zero"),
     ):
-        file.write_text(text + line + "\n")
+        file.write_text((text.replace("axis = [0, 0, 1]\n", line + "\n") if "axis" in line else text + line) + "\n")
         with pytest.raises(LoadError, match=says):
             Mechanism.load(file, moved.mockup)
 

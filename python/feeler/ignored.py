@@ -98,7 +98,8 @@ def pairs_of_parts(
     rows = [np.empty((0, 2), np.uint32)]
     for pair in pairs:
         if isinstance(pair, (str, bytes)) or not hasattr(pair, "__len__") or len(pair) != 2:
-            raise OptionError(f"{option} holds {shown(pair)}: give pairs of a {whose[0]}'s and a {whose[1]}'s part")
+            wanted = "of two parts" if whose[0] == whose[1] else f"of a {whose[0]}'s and a {whose[1]}'s part"
+            raise OptionError(f"{option} holds {shown(pair)}: give pairs {wanted}")
         ours = _selected(one, pair[0], f"{option}, of the {whose[0]}")
         theirs = _selected(other, pair[1], f"{option}, of the {whose[1]}")
         rows.append(np.stack(np.meshgrid(ours, theirs, indexing="ij"), axis=-1).reshape(-1, 2).astype(np.uint32))

@@ -107,8 +107,11 @@ class _Lines:
 def _check(table: dict[str, Any], known: Sequence[str], needed: Sequence[str], lines: _Lines) -> None:
     for key in table:
         if key not in known:
-            hint = ": say limits_deg, limits_rad or limits_m" if key == "limits" else f": known are {', '.join(known)}"
-            raise LoadError(f"{lines.of(key)}: {key!r} is unknown{hint}")
+            hint = f"known are {', '.join(known)}"
+            hint = {"limits": "say limits_deg, limits_rad or limits_m", _IGNORE: "it stands before all tables"}.get(
+                key, hint
+            )
+            raise LoadError(f"{lines.of(key)}: {key!r} is unknown here: {hint}")
     for key in needed:
         if key not in table:
             raise LoadError(f"{lines.here()}: {key!r} is missing")
@@ -128,8 +131,9 @@ def _joint(table: dict[str, Any], lines: _Lines, mockup: Mockup | None) -> Joint
         if (key == "limits_m") != (kind == "prismatic"):
             right = "limits_m" if kind == "prismatic" else "limits_deg or limits_rad"
             raise LoadError(f"{lines.of(key)}: a {kind} joint has no {key}: say {right}")
-        limits = tuple(_LIMITS[key] * each for each in _numbers(table[key], key, lines))
-    slide = tuple(_numbers(table["slide_limits_m"], "slide_limits_m", lines)) if "slide_limits_m" in table else None
+        low, high = _pair(table[key], key, lines)
+        limits = (_LIMITS[key] * low, _LIMITS[key] * high)
+    slide = _pair(table["slide_limits_m"], "slide_limits_m", lines) if "slide_limits_m" in table else None
     parent = table.get("parent")
     try:
         return Joint(
@@ -139,10 +143,10 @@ def _joint(table: dict[str, Any], lines: _Lines, mockup: Mockup | None) -> Joint
             table["child"],
             table.get("axis", (0.0, 0.0, 1.0)),
             table.get("point_m", (0.0, 0.0, 0.0)),
-            limits,  # type: ignore[arg-type]
+            limits,
             table.get("pitch_m", 0.0),
             table.get("because", ""),
-            slide,  # type: ignore[arg-type]
+            slide,
         )
     except FeelerError as error:
         said_of = {"limits": said[0] if said else "limits", **_KEYS}
@@ -174,13 +178,17 @@ def _coupling(table: dict[str, Any], lines: _Lines) -> JointCoupling:
     return made
 
 
-def _numbers(value: object, key: str, lines: _Lines) -> list[float]:
+def _pair(value: object, key: str, lines: _Lines) -> tuple[float, float]:
+    """The least and the greatest value of a key."""
     is_list = isinstance(value, list) and len(value) == 2
     if not is_list or not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in value):  # type: ignore[attr-defined]
         raise LoadError(f"{lines.of(key)}: {key} is no pair of numbers: say {key} = [0, 1]")
     if not all(math.isfinite(each) for each in value):  # type: ignore[attr-defined]
         raise LoadError(f"{lines.of(key)}: {key} is {value}: give finite numbers")
-    return [float(each) for each in value]  # type: ignore[attr-defined]
+    low, high = (float(each) for each in value)  # type: ignore[attr-defined]
+    if low > high:
+        raise LoadError(f"{lines.of(key)}: {key} is {value}: give the least value first")
+    return low, high
 
 
 def write(path: Path, mockup: Mockup, drawn: Drawn) -> None:

@@ -16,6 +16,7 @@ from feeler.errors import OptionError
 from feeler.parts import Part, PartsLike
 
 _SHORTEST_AXIS = 1e-9  # shorter ones are zero but for rounding
+_UNIT = 2e-15  # axes whose square is this near 1 are kept as they are, so that files give them back
 _ORIGIN = (0.0, 0.0, 0.0)
 _EYE = np.eye(4)
 
@@ -164,8 +165,10 @@ def _unit(what: str, value: npt.ArrayLike) -> Vector:
     largest = float(np.abs(given).max())
     if largest < _SHORTEST_AXIS:
         raise OptionError(f"{what} is {shown(value)}, of length zero: give a direction, such as (0, 0, 1)")
-    given /= largest
-    x, y, z = given / np.linalg.norm(given)
+    if abs(float(given @ given) - 1.0) > _UNIT:
+        given /= largest
+        given /= np.linalg.norm(given)
+    x, y, z = given
     return (float(x), float(y), float(z))
 
 

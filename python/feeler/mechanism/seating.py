@@ -95,7 +95,9 @@ def seated(bodies: Sides, one: int, other: int) -> tuple[Seated, ...]:
         around = bodies.scene.only([part])
         guard = GuardedMove(World(around, []), alone, np.eye(4))
         kinds = [str(seat.kind) for seat in guard.seats()]
-        kind = kinds[0] if kinds else "round" if by else "touching"
+        kind = "touching" if not kinds else kinds[0]
+        if by and kind == "touching":
+            kind = "round"
         found.append(Seated(number, own[number], part, kind, alone, around, guard))
     return tuple(found)
 
