@@ -345,6 +345,30 @@ def test_a_scissor_lift_rises() -> None:
     assert top[1, 3] == pytest.approx(bar * math.sin(0.8) - high, abs=1e-9)
 
 
+def test_a_scissor_of_two_loops_does_not_pass_where_its_bars_lie_on_each_other() -> None:
+    """Both loops may go on otherwise there: the Jacobian loses two ranks at once, and its determinant keeps its sign."""
+    angle = math.radians(35.0)
+    wide, high = 2.0 * math.cos(angle), 2.0 * math.sin(angle)
+    mock = dots((0.2, 0.2, 0), (1, 0.3, 0.1), (wide, 0, 0.2), (wide, high, 0.3), (0, high, 0.4), (0, -1, 0))
+    joints = [
+        Joint("arm", "revolute", None, "a", Z),
+        Joint("mid", "revolute", "a", "b", Z, (wide / 2, high / 2, 0)),
+        Joint("foot", "revolute", "b", "c", Z, (wide, 0, 0)),
+        Joint("table", "revolute", "a", "d", Z, (wide, high, 0)),
+        Joint("slide", "prismatic", "d", "e", (1, 0, 0)),
+    ]
+    loops = [
+        Joint("floor", "prismatic", None, "c", (1, 0, 0)),
+        Joint("pin", "revolute", "b", "e", Z, (0, high, 0)),
+    ]
+    moved = Mechanism(mock, joints, loops=loops)
+    for value in (-0.3, 0.9):
+        assert moved.position({"arm": value})["mid"] == pytest.approx(-2.0 * value, abs=1e-9)
+    for beyond in (math.pi / 2 - angle + 0.001, 1.4):
+        with pytest.raises(MechanismError, match="dead point"):
+            moved.position({"arm": beyond})
+
+
 def test_a_seated_hinge_turns_and_names_its_seat() -> None:
     mock = mockup(door=((0.0, 0.0, 0.1), (1.0, 0.02, 1.0)), sill=((0.0, -0.5, 0.0), (1.0, 0.5, 0.1)))
     found = Mechanism(mock, [Joint("hinge", "revolute", "sill", "door", Z, limits=(0.0, 1.5))]).range("hinge")
@@ -546,6 +570,38 @@ def test_parts_that_stand_as_they_are_modelled_may_touch_and_seats_may_not_go_de
     assert found.upper == 0.0 and [(jam.path, jam.other_path) for jam in found.jams] == [("a", "b")]
     assert [each.path for each in moved.clash({"s": 0.05, "h": (0.0, 1.0)}).contacts] == ["a"]
     assert moved.clearance({"s": -0.05, "h": (0.0, 1.0)}).jams == ()
+
+
+def test_seats_that_two_joints_move_are_followed_over_all_their_values(tmp_path: Path) -> None:
+    """A carriage slides on a table in x and y, towards a post that is one part with the table."""
+    slabs = [((-1.0, -1.0, -0.1), (1.0, 1.0, 0.0)), ((0.45, 0.45, -0.05), (0.55, 0.55, 0.3))]
+    slabs += [((-0.9, -0.95, 0.1), (-0.6, -0.7, 0.2)), ((-0.8, -0.9, 0.0), (-0.7, -0.8, 0.1))]
+    made = [box(*ends) for ends in slabs]
+    faces = np.concatenate([np.asarray(faces) + 8 * i for i, (_, faces) in enumerate(made)])
+    points = np.concatenate([vertices for vertices, _ in made])
+    mock = feeler.Mockup(points, faces, np.repeat([0, 0, 1, 2], 12), ["table", "beam", "carriage"])
+    joints = [Joint("x", "prismatic", None, "beam", (1, 0, 0)), Joint("y", "prismatic", "beam", "carriage", (0, 1, 0))]
+    moved = Mechanism(mock, joints)
+    found = moved.clearance({"x": (0.0, 1.5), "y": (0.0, 1.7)})
+    assert (found.lower, found.upper, found.jams[0].path, found.jams[0].other_path) == (0.0, 0.0, "carriage", "table")
+    # Nothing is met here, and nothing is proven.
+    ranges = {"x": (0.0, 1.0), "y": (0.0, 1.2)}
+    found = moved.clearance(ranges)
+    assert (found.lower, found.jams, found.is_certified) == (0.0, (), False) and found.upper > 0.09
+    apart = Mechanism(mock, joints, ignore=[("carriage", "*")]).clearance(ranges)
+    assert apart.lower == pytest.approx(0.1, abs=1e-3) and apart.is_certified
+    write_glb(tmp_path / "table.glb", mock)
+    text = "".join(
+        f'[[joint]]\nname = "{name}"\nkind = "prismatic"\nchild = "*{child}"\naxis = {axis}\n{more}'
+        for name, child, axis, more in (
+            ("x", "beam", [1, 0, 0], ""),
+            ("y", "carriage", [0, 1, 0], 'parent = "*beam"\n'),
+        )
+    )
+    (tmp_path / "table.toml").write_text(text)
+    words = ("move", str(tmp_path / "table.glb"), "--mechanism", str(tmp_path / "table.toml"), "--joint", "x=0:1")
+    said = run(*words, "--joint", "y=0:1.2", code=1).stdout
+    assert "not proven to hold" in said and "of parts in contact that several joints move" in said
 
 
 def test_flush_faces_of_links_that_nothing_joins_have_one_answer() -> None:

@@ -316,12 +316,15 @@ def _gap(found: feeler.MechanismClearance) -> str:
 
     if found.upper == 0.0:
         return "parts meet"
-    if math.isinf(found.upper):
-        return "nothing is near"
+    is_near = math.isfinite(found.upper)
     if not found.is_certified and found.lower == 0.0:
-        return f"the least gap is at most {length(found.upper)}; no lower bound is proven, near a dead point of a loop"
+        why = "near a dead point of a loop" if len(found.curve) else "of parts in contact that several joints move"
+        most = f"the least gap is at most {length(found.upper)}" if is_near else "nothing is near where it was tried"
+        return f"{most}; no lower bound is proven {why}"
+    if not is_near:
+        return "nothing is near"
     bounds = f"the least gap is {length(found.lower)} to {length(found.upper)}"
-    return bounds if found.is_certified else f"{bounds}; seats that several joints move are tested at some positions"
+    return bounds if found.is_certified else f"{bounds}; parts in contact are followed in small steps of the loop"
 
 
 def _value(moved: feeler.Mechanism | None, name: str, value: float) -> str:

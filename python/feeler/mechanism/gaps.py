@@ -36,6 +36,8 @@ OFF = 0.2
 """By how much of the error the legs of a loop may be off."""
 CURVE = 121
 """Values of a joint at which the curve has a row."""
+SEAT_LINES = 64
+"""Along which a seat that several joints move is followed."""
 _SLACK = 1e-9  # metres: rounding of poses and distances
 
 
@@ -352,24 +354,30 @@ class _Search:
         share = (share + is_open * sum(bound < self.best.upper - self.error for bound in left)) / max(
             1, len(self.pairs)
         )
+        lower = lower if is_followed else 0.0
         return self.best.answer(self.pairs, lower, self.boxes, min(1.0, share), np.empty((0, 3)), is_followed)
 
     def _follow_seats(self) -> bool:
-        """Whether all seats are followed at all positions: each moves with one joint alone, along which it is cast."""
+        """Whether all seats are followed at all positions: each moves with one joint alone, along which it is cast.
+
+        One that several joints move is cast along the one that moves it farthest, with the others at a grid of values.
+        """
         is_followed = True
         middle = 0.5 * (self.lower + self.upper)
-        for pair, speeds in zip(self.pairs, self.speeds, strict=True):
-            own = np.flatnonzero(speeds > 0.0)
+        for pair, speeds, way in zip(self.pairs, self.speeds, self.ways, strict=True):
             if not self.mechanism.bodies.seats(*pair):
                 continue
-            is_followed &= len(own) <= 1
-            for corner in itertools.product(*((self.lower[k], self.upper[k]) for k in own[1:])):
+            others = [k for k in np.flatnonzero(speeds > 0.0).tolist() if k != way]
+            is_followed &= not others
+            count = max(2, int(SEAT_LINES ** (1.0 / max(1, len(others)))))
+            for place in itertools.product(*(np.linspace(self.lower[k], self.upper[k], count) for k in others)):
                 begin, end = middle.copy(), middle.copy()
-                begin[own[1:]] = end[own[1:]] = corner
-                begin[own[:1]], end[own[:1]] = self.lower[own[:1]], self.upper[own[:1]]
-                ends = [self.mechanism.position(self._values(place)) for place in (begin, end)]
-                first = int(own[0]) if len(own) else 0
-                _follow_seats(self.best, [pair], [Leg(ends[0], ends[1], (float(begin[first]), float(end[first])))])
+                begin[others] = end[others] = place
+                begin[way], end[way] = self.lower[way], self.upper[way]
+                ends = [self.mechanism.position(self._values(each)) for each in (begin, end)]
+                _follow_seats(self.best, [pair], [Leg(ends[0], ends[1], (float(begin[way]), float(end[way])))])
+                if self.best.jams:
+                    return is_followed
         return is_followed
 
     def _values(self, place: Floats) -> dict[str, float]:

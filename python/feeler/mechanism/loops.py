@@ -101,7 +101,7 @@ class Follower:
         if self._is_lost(jacobian, _NEAR):
             found = self._polished(given, found, jacobian)
             jacobian = self._jacobian(given, found)
-        if self._is_lost(jacobian) or np.linalg.det(before.T @ jacobian) <= 0.0:
+        if self._is_lost(jacobian) or _is_crossed(before, jacobian):
             return None
         return found, jacobian, self._tangent(given, found, jacobian, way)
 
@@ -171,3 +171,10 @@ class Follower:
                 f"the loop is at a dead point at {self._told(given)}, or has more freedom than is given: the other "
                 "joints do not follow from these; give another joint too, or begin elsewhere"
             )
+
+
+def _is_crossed(before: Floats, now: Floats) -> bool:
+    """Whether a Jacobian has lost its rank on the way from another: in one direction, or in several at once."""
+    left, _, right = np.linalg.svd(before, full_matrices=False)
+    along = np.einsum("ij,ik,jk->j", left, now, right)
+    return bool((along <= 0.0).any() or np.linalg.det(before.T @ now) <= 0.0)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Screw, Slide
-from feeler.errors import LoadError
+from feeler.errors import LoadError, MechanismError
 from feeler.io.gltf_animation import Node, Sampler
 from feeler.poses import nearest_rigid
 
@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 SAME = 1e-9
 """Poses that differ by more are not the same: metres, and shares of one."""
 _STILL = 1e-12  # radians or metres: rounding
+_LEAST_QUATERNION = 1e-9
 _UNEVEN = 1e-6  # a share: the scales above a node that turns differ by less
 
 
@@ -201,7 +202,14 @@ def _before(track: Sampler | None, time: float, held: Floats) -> Floats:
 
 
 def _unit(value: Floats) -> Floats:
-    return np.asarray(value if len(value) == 3 else value / np.linalg.norm(value), dtype=np.float64)
+    if len(value) == 3:
+        return np.asarray(value, dtype=np.float64)
+    length = float(np.linalg.norm(value))
+    if length < _LEAST_QUATERNION:
+        raise MechanismError(
+            "a spline of rotations passes through the quaternion 0, which turns nothing: add keys to the animation"
+        )
+    return np.asarray(value / length, dtype=np.float64)
 
 
 def _hermite(track: Sampler, k: int, share: float) -> Floats:
