@@ -346,7 +346,7 @@ def test_a_scissor_lift_rises() -> None:
 
 
 def test_a_scissor_of_two_loops_does_not_pass_where_its_bars_lie_on_each_other() -> None:
-    """Both loops may go on otherwise there: the Jacobian loses two ranks at once, and its determinant keeps its sign."""
+    """Both loops may go on otherwise there: the Jacobian loses two ranks at once, and its determinant its sign."""
     angle = math.radians(35.0)
     wide, high = 2.0 * math.cos(angle), 2.0 * math.sin(angle)
     mock = dots((0.2, 0.2, 0), (1, 0.3, 0.1), (wide, 0, 0.2), (wide, high, 0.3), (0, high, 0.4), (0, -1, 0))
@@ -670,3 +670,30 @@ def test_ignored_pairs_are_looked_at_by_no_question(tmp_path: Path) -> None:
     for bad in ("door", ["door"], [("door", "nothing*")], 3):
         with pytest.raises(OptionError, match="ignore"):
             Mechanism(mock, slide, ignore=bad)  # type: ignore[arg-type]
+
+
+def test_one_of_two_joints_that_drive_a_loop_moves_with_the_other_held(tmp_path: Path) -> None:
+    """Five bars: two cranks, and two rods that meet."""
+    left, right, top = (-0.3, 0.4, 0.0), (1.3, 0.4, 0.0), (0.5, 1.0, 0.0)
+    mock = dots((-0.15, 0.2, 0), (0.1, 0.7, 0.1), (1.15, 0.2, 0.2), (0.9, 0.7, 0.3), (3, 3, 0), (5, 5, 0))
+    joints = [
+        Joint("a", "revolute", None, "a", Z, limits=(-0.1, 0.1)),
+        Joint("p", "revolute", "a", "b", Z, left),
+        Joint("b", "revolute", None, "c", Z, (1, 0, 0)),
+        Joint("q", "revolute", "c", "d", Z, right),
+        Joint("o", "prismatic", None, "e", Z, limits=(0.0, 0.5)),
+    ]
+    moved = Mechanism(mock, joints, loops=[Joint("top", "revolute", "b", "d", Z, top)])
+    for values, start in (({"b": 0.1}, 0.0), ({"a": 0.05, "b": 0.0}, 0.05)):
+        found = moved.range("a", values)
+        assert found.start == start and found.lower < start < found.upper
+    with pytest.raises(MechanismError, match="more freedom"):
+        moved.range("a")
+    write_glb(tmp_path / "five.glb", mock)
+    moved.save(tmp_path / "five.toml")
+    text = (tmp_path / "five.toml").read_text()
+    for side in ("child", "parent"):
+        text = text.replace(f'{side} = "', f'{side} = "*/')
+    (tmp_path / "five.toml").write_text(text)
+    ended = run("move", str(tmp_path / "five.glb"), "--mechanism", str(tmp_path / "five.toml"), code=2)
+    assert "o" in ended.stdout and "500 mm" in ended.stdout and "a: the loop" in ended.stderr

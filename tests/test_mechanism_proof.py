@@ -373,6 +373,16 @@ def test_a_pin_with_edges_jams_in_its_hole(sides: int) -> None:
     assert found.above is not None and found.above.other_path == "plate"
 
 
+@pytest.mark.parametrize("kind", ["oval", "beside its axis"])
+def test_a_pin_that_is_not_round_about_the_axis_jams_however_fine_its_facets(kind: str) -> None:
+    shapes = {"pin": prism_ring(0.1, 0.0, 400, -0.1, 0.2), "plate": prism_ring(0.2, 0.1, 400, 0.0, 0.1)}
+    for vertices, _ in shapes.values():
+        vertices[:, 0] = 1.02 * vertices[:, 0] if kind == "oval" else vertices[:, 0] + 0.002
+    found = Mechanism(parts(**shapes), [Joint("hinge", "revolute", "plate", "pin", Z)]).range("hinge")
+    assert -0.01 < found.lower <= found.upper < 0.01
+    assert found.above is not None and found.above.other_path == "plate"
+
+
 def jamming_door() -> Mechanism:
     """A door that stands on the sill of its frame, all of one part, and meets a post of it at 45 degrees or so."""
     door = box((0.1, -0.01, 0.0), (1.0, 0.01, 1.0))

@@ -153,16 +153,22 @@ def move(
             written["csv"] = _write_csv(csv, f"{name}_{'rad' if _turns(moved)[name] else 'm'}", found)
         _tell(moved, found, require, written, world, as_json, _first(moved, ranges, found))
         return
-    rows = []
+    rows, failed = [], []
     with bar("moving") as progress:
         for number, name in enumerate(moved.names):
             progress(number / len(moved.names), name)
-            rows.append(moved.range(name))
+            try:
+                rows.append(moved.range(name))
+            except feeler.MechanismError as error:
+                failed.append(f"{name}: {error}")
     if as_json:
-        outputs.print_json({"mockup": mesh_facts(world), "ranges": [each.to_dict() for each in rows]})
-        return
-    for each in rows:
-        _print_range(moved, each)
+        facts = {"ranges": [each.to_dict() for each in rows], "failed": failed}
+        outputs.print_json({"mockup": mesh_facts(world), **facts})
+    else:
+        for each in rows:
+            _print_range(moved, each)
+    if failed:
+        raise feeler.MechanismError("; ".join(failed))
 
 
 def _robot(

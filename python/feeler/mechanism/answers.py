@@ -105,8 +105,8 @@ class MechanismClearance:
     curve: npt.NDArray[np.float64]
     """`(n, 3)`: of one joint its value, the gap there, and a lower bound around it up to the middle of the next."""
     is_certified: bool = True
-    """False where `lower` is not proven, and then 0: near a dead point of a loop, and where several joints move a seat at
-    once, which is followed along some lines. False too for seats of loops, followed along legs that are a little off."""
+    """False where `lower` is not proven, and then 0: near a dead point of a loop, and where several joints move a seat
+    at once, which is followed along some lines. False too for seats of loops: their legs are a little off."""
     jams: tuple[MechanismContact, ...] = ()
     """The seated pairs that go deeper than where they are modelled, and their first values of the joint."""
 

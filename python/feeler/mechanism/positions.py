@@ -338,6 +338,18 @@ class Positions:
             return stand, position
         return dict(at), None
 
+    def completed(self, at: Values, name: str) -> dict[str, float]:
+        """The numbers that stand where a joint begins, with its own where those of its loop leave it free: there it is
+        as it is modelled."""
+        given, mine = self._rooted(self.checked(at)), self.driven[name].root
+        for group, loops in self.groups:
+            if mine not in group or mine in given or not group & given.keys():
+                continue
+            modelled = dict.fromkeys({by.root for by in self.driven.values()}, 0.0)
+            if mine in self._independent(modelled, [*sorted(group & given.keys()), mine], loops):
+                return {**at, name: self.driven[name].offset}
+        return dict(at)
+
     def _independent(self, roots: Values, given: list[str], loops: list[int]) -> list[str]:
         """The first of some roots of loops that may all be given at a position, the others following."""
         group = next(group for group, own in self.groups if loops[0] in own)

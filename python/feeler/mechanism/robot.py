@@ -13,7 +13,7 @@ import numpy.typing as npt
 from feeler.arguments import check_kind, check_path, check_word
 from feeler.choices import GEOMETRIES
 from feeler.choices import Geometry as GeometryKind
-from feeler.errors import FeelerError, LoadError
+from feeler.errors import FeelerError, LoadError, PoseError
 from feeler.interchange.kinematics import zero_poses
 from feeler.interchange.urdf import placed_robot
 from feeler.interchange.urdf_file import MOVES, Link, read_urdf
@@ -23,7 +23,7 @@ from feeler.mechanism.coupling import JointCoupling
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
-from feeler.poses import PoseLike, one_pose
+from feeler.poses import PoseLike, nearest_rigid, one_pose
 
 Floats = npt.NDArray[np.float64]
 PathLike = str | os.PathLike[str]
@@ -46,7 +46,7 @@ def read_robot(
     """See `Mechanism.from_urdf`."""
     check_word("geometry", geometry, GEOMETRIES)
     file = check_path("path", path)
-    base = np.eye(4) if world_from_base is None else one_pose(world_from_base, "world_from_base")
+    base = np.eye(4) if world_from_base is None else _rigid(world_from_base)
     if around is not None:
         check_kind("around", around, Mockup)
     links, hinges = read_urdf(file)
@@ -83,6 +83,14 @@ def read_robot(
         if each.mimic is not None and each.kind in MOVES and _leads(hinges, each.mimic.joint, each.name, file)
     ]
     return mockup, joints, couplings
+
+
+def _rigid(world_from_base: PoseLike) -> npt.NDArray[np.float64]:
+    """Where the base stands. Raises `PoseError` for scales and mirrors: joints would turn otherwise."""
+    try:
+        return nearest_rigid(one_pose(world_from_base, "world_from_base"))
+    except PoseError as error:
+        raise PoseError(str(error).replace("the pose", "world_from_base", 1)) from None
 
 
 def _stands(hinge: Hinge) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ _ARC = 1.5
 """The least arc that facets side by side make up, radians: less is a flat face that is square to its radius."""
 _FEWEST = 4
 _UPRIGHT = 1e-3  # cosine of a facet's normal with the axis
-_SAME = 1e-3  # differences of radii, as a share of them: axes are found, and files rounded
+_SAME = 2e-4  # differences of radii on one surface, as a share of them: axes are found, and files rounded
 _PRESS = 1.1  # a pin is wider than its hole by this factor at most
 
 
@@ -85,10 +85,7 @@ def rounds_of(
     low_bearing = bearing[faces[:, 0]] + turned.min(axis=1)
     order = np.lexsort((mean, is_hole))
     found = []
-    starts = np.flatnonzero(
-        (np.diff(mean[order], prepend=-1.0) > 2.0 * _SAME * mean[order]) | (np.diff(is_hole[order], prepend=False) != 0)
-    )
-    for group in np.split(order, starts[1:]) if len(order) else []:
+    for group in _same_radii(order, mean, is_hole):
         if _longest_arc(low_bearing[group], span[group]) < _ARC:
             continue
         if len(np.unique(np.round(low_bearing[group], 4))) < _FEWEST:
@@ -105,6 +102,16 @@ def rounds_of(
             )
         )
     return found
+
+
+def _same_radii(order: Ints, mean: Floats, is_hole: npt.NDArray[np.bool_]) -> Iterator[Ints]:
+    """Facets of one radius each, of pins and of holes: an oval has many. order: by that, and by radius."""
+    for side in np.split(order, np.flatnonzero(np.diff(is_hole[order])) + 1) if len(order) else []:
+        radii, start = mean[side], 0
+        while start < len(side):
+            end = int(np.searchsorted(radii, radii[start] * (1.0 + _SAME) + 1e-9, "right"))
+            yield side[start:end]
+            start = end
 
 
 def _longest_arc(begin: Floats, span: Floats) -> float:
