@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import joint_shapes as drawn_joints
@@ -232,3 +233,25 @@ def test_the_matrix_of_a_cylinder_has_two_free_motions() -> None:
         sides.append(surfaces_of(corners, np.zeros(len(corners), dtype=np.int64), 4.0))
     values = np.linalg.eigvalsh(matrix_of(touches_of(*sides, 0.05))[0])
     assert (values[:2] < 1e-9).all() and (values[2:] > 1e-3).all()
+
+
+def grid_of_thread(sides: int, turns: int, is_nut: bool) -> Mesh:
+    """A thread of 20 mm pitch as a grid of sides and 24 steps a turn, whose diagonals run from flank to flank."""
+    angle = np.linspace(0.0, math.tau, sides, endpoint=False) + 0.1
+    height = np.linspace(0.0, 0.02 * turns, 24 * turns + 1)
+    around, along = (each.ravel() for each in np.meshgrid(angle, height, indexing="ij"))
+    flank = 1.0 - np.abs(2.0 * ((along / 0.02 - around / math.tau) % 1.0) - 1.0)
+    radius = 0.022 + 0.008 * flank + 0.001 * is_nut
+    points = np.column_stack([radius * np.cos(around), radius * np.sin(around), along + 0.04 * is_nut])
+    rows = len(height)
+    a = (np.arange(sides)[:, None] * rows + np.arange(rows - 1)).ravel()
+    b = (a + rows) % len(points)
+    faces = np.concatenate([np.column_stack([a, b, b + 1]), np.column_stack([a, b + 1, a + 1])])
+    return points, faces[:, ::-1] if is_nut else faces
+
+
+@pytest.mark.parametrize("sides", [17, 23, 27, 31])
+def test_edges_over_the_crest_of_a_thread_give_no_pitch(sides: int) -> None:
+    shapes = {"nut": grid_of_thread(sides, 3, True), "screw": grid_of_thread(24, 8, False)}
+    found = feeler.find_joint(mockup_of(shapes), "nut", "screw")
+    assert found.kind == "screw" and found.pitch == pytest.approx(0.02, rel=0.01)

@@ -175,13 +175,25 @@ def pitch_of(touches: Touches, axis: Floats, point: Floats) -> float | None:
 
 
 def winding_of(corners: Floats, axis: Floats, point: Floats, pitch: float) -> float:
-    """The pitch, metres a radian, of the edges that wind around an axis at one radius; `pitch` if too few do."""
-    begin, end = corners.reshape(-1, 3) - point, np.roll(corners, -1, axis=1).reshape(-1, 3) - point
-    rise = (end - begin) @ axis
-    begin, end = (each - (each @ axis)[:, None] * axis for each in (begin, end))
-    inner, outer = np.linalg.norm(begin, axis=1), np.linalg.norm(end, axis=1)
+    """The pitch, metres a radian, of the edges that wind around an axis at one radius; `pitch` if too few do.
+
+    They go on: edges over a crest from flank to flank, which may keep their radius too, do not.
+    """
+    rounding = 2.0**-22 * float(np.abs(corners).max(initial=0.0))
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2, 3) - point
+    height = ends @ axis
+    across = ends - height[:, :, None] * axis
+    radius = np.linalg.norm(across, axis=2)
+    begin, end = across[:, 0], across[:, 1]
     angle = np.arctan2(np.cross(begin, end) @ axis, np.einsum("ij,ij->i", begin, end))
-    winds = (np.abs(inner - outer) < 0.002 * np.maximum(inner, outer)) & (np.abs(angle) > 0.01)
-    found = rise[winds] / angle[winds]
-    found = found[np.abs(found - pitch) < 0.3 * abs(pitch)]
+    same = np.abs(radius[:, 0] - radius[:, 1]) < rounding + 1e-6 * radius.max(axis=1)
+    winds = same & (np.abs(angle) > 0.01)
+    ends, angle = ends[winds], angle[winds]
+    rates = (height[winds, 1] - height[winds, 0]) / angle
+    alike = np.abs(rates - pitch) < 0.3 * abs(pitch)
+    ends, rates, angle = ends[alike], rates[alike], angle[alike]
+    ends[angle < 0.0] = ends[angle < 0.0][:, ::-1]
+    places = np.round(ends / (4.0 * rounding or 1.0)).astype(np.int64).reshape(-1, 3)
+    number = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1, 2)
+    found = rates[np.isin(number[:, 0], number[:, 1]) | np.isin(number[:, 1], number[:, 0])]
     return float(np.median(found)) if len(found) >= 8 else pitch
