@@ -1,21 +1,26 @@
 """The parts that block straight motions of a part: the arcs of a directional blocking graph, computed on demand.
 
 Wilson and Latombe, "Geometric reasoning about mechanical assembly", Artificial Intelligence 71, 1994. The directions of
-a part come from its contacts, from the axes of fasteners and from the world. Parts hit by casts block it; so do parts
-that it intersects at the start and would enter deeper. `removal` later checks each step by its own rule.
+a part come from its contacts, from its own faces, from the axes of fasteners and from the faces of the scene. Parts hit
+by casts block it; so do parts that it intersects at the start and would enter deeper. `removal` later checks each step
+by its own rule.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
+from feeler.plan.frames import part_axes, scene_axes
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
@@ -30,7 +35,7 @@ NEAR_SHARE = 1e-3
 fits."""
 OPPOSED = 1e-3
 """A touching plane blocks directions whose cosine against its normal exceeds this."""
-MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 18
+MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 26
 """Contact normals, those that come before the directions along two, and directions, per part. A larger value finds more
 motions of crowded parts, and takes longer."""
 MOST_BLOCKERS = 24
@@ -46,6 +51,8 @@ DEPTHS_AT_ONCE = 4
 """Parts whose depth is measured between two looks at the clock: each may take a second."""
 SAME_COSINE = 1.0 - 1e-8
 """Directions closer than this are one: 0.1 mrad."""
+SAME_LABEL = 1e-6
+"""Directions of two parts that are this close, radians, are one, by which they can leave together."""
 
 SHANK_PLAY = 1.12
 """A fastener joins the parts that its shank, this much wider, collides with. Holes are up to a tenth wider than their
@@ -88,6 +95,32 @@ class BlockingGraph:
         self._exits: dict[int, list[Exit]] = {}
         self._sources: dict[int, _Source] = {}
         self._holding: dict[int, frozenset[int]] = {}
+        self._labels: list[Direction] = []
+
+    @cached_property
+    def axes(self) -> list[Floats]:
+        """Three axes of the scene."""
+        return scene_axes(self.question.scene)
+
+    @cached_property
+    def meshes(self) -> PartMeshes:
+        """The triangles of each part."""
+        return PartMeshes(self.question.scene.mockup)
+
+    def _named(self, one: Exit) -> Exit:
+        """An exit whose motions have the names of the same directions of other parts: these differ by rounding."""
+        return replace(one, motions=tuple(self._label(motion) for motion in one.motions))
+
+    def _label(self, motion: Any) -> Hashable:
+        """The first direction that was known within `SAME_LABEL` of one."""
+        if not (isinstance(motion, tuple) and len(motion) == 3 and isinstance(motion[0], float)):
+            return cast(Hashable, motion)
+        if self._labels:
+            apart = np.abs(np.array(self._labels) - np.array(motion)).max(axis=1)
+            if apart.min() <= SAME_LABEL:
+                return self._labels[int(np.argmin(apart))]
+        self._labels.append(motion)
+        return motion
 
     def expect(self, nodes: Sequence[int]) -> None:
         """Computes the exits of several parts at once. Where there is an executor alone: they may not be needed. No
@@ -117,14 +150,14 @@ class BlockingGraph:
             if node not in self.question.kept:
                 self.clock.tell(f"what blocks {self.question.names([node])}")
                 first = self._ahead.pop(node, FirstExits((), 0, MOST_BLOCKERS, False))
-                self._exits[node] = list(first.exits)
+                self._exits[node] = [self._named(one) for one in first.exits]
                 self._sources[node] = _Source(self, node, first)
         source = self._sources.get(node)
         while source is not None and all(one.blockers for one in self._exits[node]):
             more = source.next(self._exits[node])
             if more is None:
                 break
-            self._exits[node] = undominated([*self._exits[node], more])
+            self._exits[node] = undominated([*self._exits[node], self._named(more)])
         return self._exits[node]
 
     def holding(self, node: int) -> frozenset[int]:
@@ -239,18 +272,20 @@ class _Mover:
         self.doubtful: set[int] = set()
 
     def directions(self) -> Iterator[Direction]:
-        """The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
-        two contacts, both ways, those opposed by the fewest touching parts first."""
+        """The given directions; then the axes of the scene, of fasteners and of its own faces, contact normals, and the
+        directions along two contacts, both ways: those opposed by the fewest touching parts first, of these the ways
+        that are the shortest out. An assembly in another pose has the same ones, turned."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
                 normals.append(normal)
         normals = normals[:MOST_NORMALS]
+        own = part_axes(np.concatenate([self.graph.meshes.corners(part) for part in self.parts]))
         axes = [fastener.axis for fastener in self.graph.joints.among(self.parts)]
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
         asked = self.question.grip["directions"] if self.node == TARGET else None
         given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
-        lines = [*np.eye(3), *axes, *normals[:FIRST_NORMALS], *(line for line in across if np.linalg.norm(line) > 0.1)]
+        lines = [*self.graph.axes, *axes, *own, *normals[:FIRST_NORMALS], *(line for line in across if np.linalg.norm(line) > 0.1)]
         lines += normals[FIRST_NORMALS:]
         all_: list[Direction] = []
         for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
@@ -266,7 +301,8 @@ class _Mover:
         for direction in chosen:
             rounding &= self.opposed(direction)
         self.doubtful = rounding
-        return iter(sorted(chosen, key=lambda direction: len(self.opposed(direction))))
+        # To a micrometre: in another pose ways that are as long differ by rounding.
+        return iter(sorted(chosen, key=lambda each: (len(self.opposed(each)), round(self._way_out(each), 6))))
 
     def opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
