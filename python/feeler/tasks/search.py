@@ -327,6 +327,8 @@ class Search:
         for item, blockers in order.blocked.items():
             if not blockers - one.items:
                 self._note(item, blockers)
+        for item, blockers in order.waiting.items():
+            self._note(item, blockers)
         helping = frozenset[int]().union(*order.blocked.values()) if order.blocked else frozenset[int]()
         return None, helping - one.items
 
@@ -367,6 +369,8 @@ class _Order:
         self.problem, self.units, self._goes_on = problem, units, goes_on
         self.all = frozenset(item for unit in units for item in unit.items)
         self.blocked: dict[int, frozenset[int]] = {}
+        self.waiting: dict[int, frozenset[int]] = {}
+        """Where no tool lacks room: what waits for what waits for it, parts if there are any."""
         self._least = [self._cheapest(unit) for unit in units]
 
     def _cheapest(self, unit: Unit) -> float:
@@ -463,6 +467,10 @@ class _Order:
                 choices, blockers = self.problem.tooled(item, out)
                 if not choices:
                     self.blocked[item] = blockers - {item}
+        if not self.blocked:
+            left = [unit for unit in self.units if not out & set(unit.items) and not unit.before <= out]
+            parts = [unit for unit in left if not self.problem.is_turned(unit.items[0])]
+            self.waiting = {item: unit.before - out for unit in parts or left for item in unit.items}
 
 
 def _leading_to(items: set[int], chosen: Mapping[int, Way]) -> set[int]:
