@@ -8,6 +8,7 @@ by its own rule.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -221,7 +222,7 @@ class _Source:
     def __init__(self, graph: BlockingGraph, node: int, first: FirstExits) -> None:
         self.graph, self.node = graph, node
         self.done, self.fewest, self.is_all = first.done, first.fewest, first.is_all
-        self._mover: _Mover | None = None
+        self._mover: Mover | None = None
         self._directions: list[Direction] = []
 
     def next(self, known: Sequence[Exit]) -> Exit | None:
@@ -231,7 +232,7 @@ class _Source:
         graph, node_of = self.graph, self.graph.question.node_of
         holding = graph.holding(self.node)
         if self._mover is None:
-            self._mover = _Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
+            self._mover = Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
             self._directions = list(self._mover.directions())
         while self.done < len(self._directions):
             if not graph.clock.goes_on():
@@ -250,15 +251,15 @@ class _Source:
         return None
 
 
-class _Mover:
+class Mover:
     """A part, or the wanted ones with their tool, among all other parts of the scene."""
 
-    def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int]) -> None:
+    def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int], shape: Tool | None = None) -> None:
+        """before: parts that leave before it, or may touch it. shape: instead of its own."""
         self.graph, self.question, self.node = graph, graph.question, node
-        # Parts that leave before it, or may touch it.
         self.passed = graph.allowed | before
         self.parts = self.question.parts_of([node])
-        self.tool = self.question.moving([node])
+        self.tool = self.question.moving([node]) if shape is None else shape
         self.rest = self.question.scene.without(list(self.parts))
         self.size = float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
         touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
@@ -285,7 +286,13 @@ class _Mover:
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
         asked = self.question.grip["directions"] if self.node == TARGET else None
         given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
-        lines = [*self.graph.axes, *axes, *own, *normals[:FIRST_NORMALS], *(line for line in across if np.linalg.norm(line) > 0.1)]
+        lines = [
+            *self.graph.axes,
+            *axes,
+            *own,
+            *normals[:FIRST_NORMALS],
+            *(line for line in across if np.linalg.norm(line) > 0.1),
+        ]
         lines += normals[FIRST_NORMALS:]
         all_: list[Direction] = []
         for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
@@ -310,21 +317,21 @@ class _Mover:
         touching = np.abs(self.contacts.gaps) <= TOUCH_M
         return set(self.contacts.parts[against & touching].tolist()) - self.passed
 
-    def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
-        """All other parts that block a direction; `None` if a kept part does, if there are more than `most`, or if the
-        time is up."""
+    def blockers(self, direction: Direction, most: int, far: float = math.inf) -> frozenset[int] | None:
+        """All other parts that block a direction, up to a distance, metres; `None` if a kept part does, if there are
+        more than `most`, or if the time is up."""
         kept = self.question.kept
         opposed = self.opposed(direction)
         found = opposed - self.doubtful
         if not found & kept:
             found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
-        pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
+        pose, end = np.eye(4), self._moved(direction, min(far, self._way_out(direction)))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
             self.graph.clock.look()
             ignore = [("*", sorted(passed))] if passed else None
             # The next cast starts where the last one hit.
-            hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
+            hit = self.rest.cast(self.tool, pose, end, touching="free", ignore=ignore)
             if hit is None:
                 return frozenset(found)
             passed.add(hit.part)

@@ -53,7 +53,7 @@ def scene_axes(scene: Scene) -> list[Floats]:
         if all(abs(float(line @ other)) < 1e-3 for other in found):
             found.append(line)
     if len(found) == 2:
-        found.append(np.cross(*found))
+        found.append(np.cross(found[0], found[1]))
     return distinct([*found[:3], *([] if len(found) == 3 else np.eye(3))])
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Rays
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
@@ -102,18 +103,26 @@ def _circlip(scene: Scene, part: int, vertices: Floats, faces: Ints, fasteners: 
     frame = framed(ring.middle, ring.axis)
     turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
     sides: list[set[int]] = []
+    leaning = set[int]()
     for way in (ring.axis, -ring.axis):
         found = set[int]()
         for share in _SHARES:
             radius = ring.inner + share * ring.width
             at = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
             origins, ways = ring.middle + at, np.broadcast_to(way, (_AROUND, 3))
-            hits = scene.rays(origins, ways, within=0.5 * ring.thickness + TOUCH_M)
-            names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
-            found.update(int(n) for n, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND)
+            hits = scene.rays(origins, ways, within=max(ring.thickness, 0.5 * ring.thickness + TOUCH_M))
+            found |= _most(hits, ring.thickness)
+            leaning |= _most(hits, 0.5 * ring.thickness + TOUCH_M)
         sides.append(found)
     both = sides[0] & sides[1]
     anchor = min(both) if both else None
-    parts = tuple(sorted((sides[0] | sides[1]) - both - fasteners))
+    parts = tuple(sorted(leaning - both - fasteners))
     said = "no groove was found" if anchor is None else f"its groove is in {mockup.part_paths[anchor]!r}"
     return Retained(part, "circlip", parts, anchor, f"{said}; its name says circlip")
+
+
+def _most(hits: Rays, within: float) -> set[int]:
+    """The parts that a share of the rays around hit within a distance, metres."""
+    is_near = (np.asarray(hits.triangles) >= 0) & (np.asarray(hits.distances) <= within)
+    names, counts = np.unique(np.asarray(hits.parts)[is_near], return_counts=True)
+    return {int(name) for name, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND}

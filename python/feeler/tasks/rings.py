@@ -156,9 +156,12 @@ def _facets(normals: Floats, middles: Floats, areas: Floats, axis: Floats) -> tu
     key = np.round(np.stack([turn, np.einsum("ij,ij->i", normals, middles)]).T / SAME_FACE)
     _, index = np.unique(key, axis=0, return_inverse=True)
     index = index.reshape(-1)
-    total = np.bincount(index, areas)
-    joined = [np.stack([np.bincount(index, areas * each[:, n]) / total for n in range(3)], axis=1) for each in (normals, middles)]
-    return joined[0], joined[1], total
+    total = np.bincount(index, areas).astype(np.float64)
+
+    def mean(rows: Floats) -> Floats:
+        return np.stack([np.bincount(index, areas * rows[:, n]) / total for n in range(3)], axis=1)
+
+    return mean(normals), mean(middles), total
 
 
 def _gap(across: Floats, axis: Floats) -> tuple[Floats, float]:

@@ -168,6 +168,35 @@ class Search:
         is_complete = first.is_complete and second.is_complete
         return Found(second.steps, second.seconds, max(first.bound, second.bound), is_complete, self.stuck)
 
+    def sure(self) -> frozenset[int]:
+        """The items that every plan takes out."""
+        first = self._grown(_Set(frozenset(), ()), [self.target])
+        assert first is not None
+        return first.items
+
+    def longest(self) -> float:
+        """The least seconds of the longest chain of steps that every plan has: none is done in less, by any number of
+        people. A fastener waits for what is in the way of its tool, and a part for the fasteners that hold it; whoever
+        undoes one has taken a tool before."""
+        problem, items = self.problem, self.sure()
+        ends: dict[int, float] = {}
+
+        def end(item: int, above: frozenset[int]) -> float:
+            if item not in ends:
+                before = {next(iter(joint)) for joint in problem.holders(item) if len(joint) == 1}
+                before |= problem.needed(item) if problem.is_turned(item) else set()
+                waits = [end(each, above | {item}) for each in before & items - above]
+                start = max(waits, default=0.0)
+                if not problem.is_turned(item):
+                    ends[item] = start + (problem.by_hand([item]).seconds if item == self.target else 0.0)
+                else:
+                    least = problem.least(item)
+                    needs_tool = least > 0.0 and not problem.mates(item)
+                    ends[item] = max(start, problem.get_seconds if needs_tool else 0.0) + least
+            return ends[item]
+
+        return max(end(item, frozenset([item])) for item in items)
+
     def _run(self, known: Found) -> Found:
         """The search over sets. known: a plan from before."""
         best, seconds = known.steps, known.seconds
