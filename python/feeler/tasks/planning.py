@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from feeler.arguments import check_kind, check_list, check_number, check_progres
 from feeler.errors import OptionError
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fasteners, find_fasteners
-from feeler.plan.question import TARGET, Clock
+from feeler.plan.question import TARGET
 from feeler.plan.removal import LARGEST_SEED
 from feeler.plan.sequence import Exit
 from feeler.progress import Progress
@@ -25,9 +25,10 @@ from feeler.tasks.answer import Task
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
-from feeler.tasks.leading import ASKED_ROUNDS, BENT_ROUNDS, Led, Leading
+from feeler.tasks.leading import ASKED_ROUNDS, BENT_ROUNDS, Leading, Led
+from feeler.tasks.pacing import Pace
 from feeler.tasks.reached import Reaching, Tooled
-from feeler.tasks.search import Found, Ordered, Search
+from feeler.tasks.search import Found, Ordered, Search, Unit
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
 from feeler.words import plural
@@ -37,6 +38,8 @@ Floats = npt.NDArray[np.float64]
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
+FOUND, HELD, READY, SEARCHED = 0.1, 0.2, 0.25, 0.85
+"""Shares of the progress when fasteners are found, what they hold, what leaves together, and the order."""
 
 
 def task(
@@ -74,7 +77,8 @@ def task(
       these.
     - `seconds`: the search ends then. The plan depends neither on it, unless it ended it (`is_complete`), nor on
       `threads`.
-    - `progress`: called with the share of the time, 0 to 1, and what is done.
+    - `progress`: called with the share of the work that is done, as far as it is known, or of the time if that is more,
+      0 to 1, and what is done. It never goes back.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
     `MeshError` for tools that are none, `LoadError` for a bad file of times.
@@ -92,17 +96,17 @@ def task(
         path = scene.mockup.part_paths[min(kept & set(wanted))]
         raise OptionError(f"keep has {path!r}, which is wanted: leave it out of one of them")
     reaching = Reaching(scene, tools, workers)
-    clock = Clock(limit, progress)
-    clock.tell("looking for fasteners")
+    clock = Pace(limit, progress)
+    clock.stage(FOUND, "looking for fasteners")
     if fasteners is None:
-        fasteners = find_fasteners(scene, None, lambda _share, _stage: clock.look())
+        fasteners = find_fasteners(scene, None, clock.heard)
     check_kind("fasteners", fasteners, Fasteners, "the result of feeler.find_fasteners")
-    clock.tell("looking at what they hold")
+    clock.stage(HELD, "looking at what they hold")
     if held is None:
-        held = holds(scene, fasteners)
+        held = holds(scene, fasteners, progress=clock.heard)
     check_kind("held", held, Holds, "the result of feeler.holds")
     fixings = Fixings(scene, fasteners, held, table)
-    clock.tell("looking at what leaves together")
+    clock.stage(READY, "looking at what leaves together")
     question = _question(scene, wanted, kept, fixings, seed, workers)
     actions = Actions(question, clock, fixings, reaching, table)
     forced = _forced(scene, before, question)
@@ -202,7 +206,7 @@ class _Planner:
     def __init__(
         self,
         actions: Actions,
-        clock: Clock,
+        clock: Pace,
         people: int,
         wanted: tuple[str, ...],
         forced: Mapping[int, frozenset[int]],
@@ -214,7 +218,15 @@ class _Planner:
 
     def task(self) -> Task:
         """The best plan whose ways hold."""
-        found = self._found()
+        answer = self._best()
+        self.clock.stage(1.0, "done")
+        self.clock.within(1.0)
+        self.clock.tell("done")
+        return answer
+
+    def _best(self) -> Task:
+        self.clock.stage(SEARCHED, "searching the quickest order")
+        found = self._found(self.clock.within)
         for _ in range(MOST_PLANS):
             if found.steps is None:
                 if not (found.is_complete and self._try_bent(found)):
@@ -228,16 +240,18 @@ class _Planner:
             found = self._found()
         return self._blocked(found)
 
-    def _found(self) -> Found:
+    def _found(self, told: Callable[[float], None] = lambda share: None) -> Found:
         self.clock.tell("searching the quickest order")
-        self.search = Search(self.actions, TARGET, self.clock.goes_on, self.forced)
+        self.search = Search(self.actions, TARGET, self.clock.goes_on, self.forced, told)
         return self.search.best()
 
     def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
         """The steps with their ways; None if one does not hold, and then its blockers are known."""
         out: frozenset[int] = frozenset()
         checked = []
-        for step in steps:
+        self.clock.stage(1.0, "checking the ways")
+        for n, step in enumerate(steps):
+            self.clock.within(n / len(steps))
             one = self._checked_step(step, out)
             if one is None:
                 return None
@@ -293,12 +307,14 @@ class _Planner:
     def _asks_before(self, steps: tuple[Ordered, ...]) -> bool:
         """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
         these have to go."""
-        out: frozenset[int] = frozenset()
+        actions, out = self.actions, frozenset[int]()
         sure = self.search.sure()
-        for step in steps:
-            for item in step.unit.items:
-                extra = step.unit.before - sure - self.actions.graph.holding(item)
-                if extra and not self.actions.is_turned(item) and self.leading.search(item, out - extra, ASKED_ROUNDS):
+        needs = [self._needed(step.unit) for step in steps]
+        for n, step in enumerate(steps):
+            elsewhere = sure.union(*(each for m, each in enumerate(needs) if m != n))
+            extra = step.unit.before - elsewhere
+            for item in step.unit.items if extra else ():
+                if not actions.is_turned(item) and self.leading.search(item, out - extra, ASKED_ROUNDS):
                     return True
             out |= set(step.unit.items)
         return False
@@ -346,7 +362,7 @@ class _Planner:
         """Of each step those before it that it depends on."""
         found = []
         for n, one in enumerate(checked):
-            needed = self._needed(one)
+            needed = self._needed(one.ordered.unit)
             if isinstance(one.ordered.choice.key, Tooled):
                 after = self._with_room(checked, n, needed)
             else:
@@ -373,9 +389,9 @@ class _Planner:
                 after = fewer
         return after
 
-    def _needed(self, one: _Checked) -> frozenset[int]:
+    def _needed(self, unit: Unit) -> frozenset[int]:
         """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
-        actions, unit = self.actions, one.ordered.unit
+        actions = self.actions
         joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
         mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
         return joints | mates | unit.before

@@ -209,7 +209,7 @@ def _along(ring: Ring, anchor: Scene, direction: tuple[float, float, float]) -> 
 
 
 def _opening(ring: Ring, anchor: Scene, direction: tuple[float, float, float], sign: float) -> float | None:
-    """By how much a ring is opened at least to leave its groove along a direction, metres; None: more than its width."""
+    """The least opening with which a ring leaves its groove along a direction, metres; None: more than its width."""
 
     def is_clear(by: float) -> bool:
         tool = ring.opened(sign * by)

@@ -23,6 +23,8 @@ MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
 MOST_STATES = 5_000
 """States of one order; beyond it the order is completed step by step, the quickest first."""
+SETTLED = 0.75
+"""The share of the progress of a search when it has a plan."""
 SLACK = 1e-9
 """Seconds that do not count."""
 
@@ -146,9 +148,11 @@ class Search:
         target: int,
         goes_on: Callable[[], bool] = lambda: True,
         forced: Mapping[int, frozenset[int]] | None = None,
+        told: Callable[[float], None] = lambda share: None,
     ) -> None:
-        """forced: of items those that go before them, if they go at all."""
-        self._forced = forced or {}
+        """forced: of items those that go before them, if they go at all. told: called with the share of the search that
+        is done, as far as it is known: of the needs of a plan, then of the way from its bound to its seconds."""
+        self._forced, self._told = forced or {}, told
         self.problem, self.target, self._goes_on = problem, target, goes_on
         self.sets = 0
         """Sets that were looked at."""
@@ -202,7 +206,7 @@ class Search:
         best, seconds = known.steps, known.seconds
         queue: list[tuple[float, int, _Set]] = []
         seen: set[Hashable] = set()
-        least_leaf, number, looked = math.inf, 0, 0
+        least_leaf, number, looked, opened = math.inf, 0, 0, 0.0
         limit = MOST_SETS if best is None else MOST_MORE
         first = self._grown(_Set(frozenset(), ()), [self.target])
         assert first is not None
@@ -222,6 +226,11 @@ class Search:
                 break
             bound, _, one = heapq.heappop(queue)
             looked += 1
+            if best is None:
+                self._told(SETTLED * self._settled(one))
+            else:
+                closed = (bound - opened) / (seconds - opened) if seconds > opened else 1.0
+                self._told(SETTLED + (1.0 - SETTLED) * max(closed, looked / limit))
             if one.needs:
                 waiting = list(self._children(one))
                 continue
@@ -232,6 +241,7 @@ class Search:
                 continue
             least_leaf = min(least_leaf, bound)
             if best is None:
+                opened = bound
                 limit = min(limit, looked + MOST_MORE)
             cost = self._seconds(steps)
             if cost < seconds - SLACK:
@@ -239,6 +249,11 @@ class Search:
         self.sets += looked
         lowest = queue[0][0] if queue else math.inf
         return Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+
+    def _settled(self, one: _Set) -> float:
+        """The share of the needs of a set that are settled."""
+        turned = sum(self.problem.is_turned(item) for item in one.items)
+        return max(0.0, 1.0 - len(one.needs) / (len(one.items) + turned))
 
     def _bound(self, one: _Set) -> float:
         """The least seconds of all plans that take this set out: of its fasteners, of its parts with a known way, as
