@@ -25,6 +25,10 @@ FAR_M = 10.0
 NEAR_M = 1e-6
 
 
+_Running = tuple[float, int, str]
+"""When a step ends, its part, and the tool in hand."""
+
+
 class Judge:
     """All states of one assembly."""
 
@@ -52,6 +56,40 @@ class Judge:
                     best[after] = now
                     number += 1
                     heapq.heappush(queue, (now, number, *after))
+        return None
+
+    def soonest(self, people: int) -> float | None:
+        """Seconds until several people have the wanted part out, at best; None if nothing takes it out.
+
+        All schedules: whoever is free begins with what can be done, or waits for the next step of another to end. What
+        is being taken out is in the way until it is out.
+        """
+        start = (0.0, frozenset[int](), tuple[_Running, ...](), ("",) * people)
+        queue: list[tuple[float, int, frozenset[int], tuple[_Running, ...], tuple[str, ...]]] = [(0.0, 0, *start[1:])]
+        seen, number = {start}, 0
+        while queue:
+            now, _, out, running, hands = heapq.heappop(queue)
+            if self.made.wanted in out:
+                return now
+            following = []
+            busy = {part for _, part, _ in running}
+            for hand in sorted(set(hands)):
+                left = list(hands)
+                left.remove(hand)
+                for part, tool, seconds in self.actions(out, hand):
+                    if part not in busy:
+                        one = (round(now + seconds, 9), part, tool or hand)
+                        following.append((now, out, tuple(sorted([*running, one])), tuple(left)))
+            if running:
+                end = running[0][0]
+                ended = [each for each in running if each[0] <= end]
+                free = tuple(sorted([*hands, *(tool for _, _, tool in ended)]))
+                following.append((end, out | {part for _, part, _ in ended}, running[len(ended) :], free))
+            for state in following:
+                if state not in seen:
+                    seen.add(state)
+                    number += 1
+                    heapq.heappush(queue, (state[0], number, *state[1:]))
         return None
 
     def actions(self, out: frozenset[int], hand: str) -> Iterator[tuple[int, str, float]]:

@@ -103,6 +103,9 @@ class Actions:
         self.graph = _Graph(question, clock, fixings)
         self.rings = self.graph.rings
         self.get_seconds = times.elements["get"].mean
+        by_hand = min(times.elements[name].mean for name in ("take", "draw", "clip", "pin"))
+        typed = [each.mean for each in times.times.typed.values()]
+        self.quickest = min([by_hand + times.elements["aside"].mean, *typed])
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
         self._needed: dict[int, frozenset[int]] = {}

@@ -52,6 +52,8 @@ class Problem(Protocol):
 
     get_seconds: float
     """For each change of the tool in hand."""
+    quickest: float
+    """The least seconds of any step by hand."""
 
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener, which leaves alone along its axis and needs a tool."""
@@ -180,26 +182,34 @@ class Search:
 
     def longest(self) -> float:
         """The least seconds of the longest chain of steps that every plan has: none is done in less, by any number of
-        people. A fastener waits for what is in the way of its tool, and a part for the fasteners that hold it; whoever
-        undoes one has taken a tool before."""
-        problem, items = self.problem, self.sure()
+        people. A fastener waits for what is on its axis and in the way of its tool, a part for the fasteners that hold
+        it; whoever undoes one has taken a tool before."""
         ends: dict[int, float] = {}
+        return max(self._end(item, frozenset([item]), ends) for item in self.sure())
 
-        def end(item: int, above: frozenset[int]) -> float:
-            if item not in ends:
-                before = {next(iter(joint)) for joint in problem.holders(item) if len(joint) == 1}
-                before |= problem.needed(item) if problem.is_turned(item) else set()
-                waits = [end(each, above | {item}) for each in before & items - above]
-                start = max(waits, default=0.0)
-                if not problem.is_turned(item):
-                    ends[item] = start + (problem.by_hand([item]).seconds if item == self.target else 0.0)
-                else:
-                    least = problem.least(item)
-                    needs_tool = least > 0.0 and not problem.mates(item)
-                    ends[item] = max(start, problem.get_seconds if needs_tool else 0.0) + least
-            return ends[item]
+    def _end(self, item: int, above: frozenset[int], ends: dict[int, float]) -> float:
+        """When an item of a plan is out at the earliest, seconds. above: what waits for it; ends: those known."""
+        if item not in ends:
+            problem, is_turned = self.problem, self.problem.is_turned(item)
+            before = {next(iter(joint)) for joint in problem.holders(item) if len(joint) == 1}
+            before |= problem.needed(item) if is_turned else set()
+            ways = [way.blockers for way in problem.ways(item)]
+            in_all = frozenset.intersection(*ways) if ways else frozenset[int]()
+            before |= {each for each in in_all if is_turned or self._leaves_alone(each)}
+            start = max((self._end(each, above | {each}, ends) for each in before - above), default=0.0)
+            if is_turned:
+                least = problem.least(item)
+                needs_tool = least > 0.0 and not problem.mates(item)
+                ends[item] = max(start, problem.get_seconds if needs_tool else 0.0) + least
+            else:
+                own = problem.by_hand([item]).seconds
+                # A part may leave together with another one, whose time then counts.
+                ends[item] = start + (own if item == self.target else min(own, problem.quickest))
+        return ends[item]
 
-        return max(end(item, frozenset([item])) for item in items)
+    def _leaves_alone(self, item: int) -> bool:
+        """Whether no plan takes it out together with another item."""
+        return self.problem.is_turned(item) or not any(way.blockers for way in self.problem.ways(item))
 
     def _run(self, known: Found) -> Found:
         """The search over sets. known: a plan from before."""
