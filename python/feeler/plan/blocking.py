@@ -161,6 +161,11 @@ class BlockingGraph:
             self._exits[node] = undominated([*self._exits[node], self._named(more)])
         return self._exits[node]
 
+    def directions(self, node: int) -> list[Direction]:
+        """The directions of a part, if its exits were computed here."""
+        source = self._sources.get(node)
+        return [] if source is None else source.directions
+
     def holding(self, node: int) -> frozenset[int]:
         """The removable fasteners that join a part to others."""
         if node not in self._holding:
@@ -223,7 +228,7 @@ class _Source:
         self.graph, self.node = graph, node
         self.done, self.fewest, self.is_all = first.done, first.fewest, first.is_all
         self._mover: Mover | None = None
-        self._directions: list[Direction] = []
+        self.directions: list[Direction] = []
 
     def next(self, known: Sequence[Exit]) -> Exit | None:
         """Another exit, unless all directions are blocked for good, dominated by known exits, or the time is up."""
@@ -233,12 +238,12 @@ class _Source:
         holding = graph.holding(self.node)
         if self._mover is None:
             self._mover = Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
-            self._directions = list(self._mover.directions())
-        while self.done < len(self._directions):
+            self.directions = list(self._mover.directions())
+        while self.done < len(self.directions):
             if not graph.clock.goes_on():
                 return None
             graph.clock.look()
-            direction = self._directions[self.done]
+            direction = self.directions[self.done]
             self.done += 1
             least = set(map(node_of, self._mover.opposed(direction)))
             if any(one.blockers < least for one in known):
@@ -375,14 +380,18 @@ class Mover:
         return pose
 
     def _way_out(self, direction: Direction) -> float:
-        """The distance along a direction at which the box of the tool leaves the box of all else, metres."""
-        boxes = self.question.scene.mockup.part_bounds.reshape(-1, 2, 3)[self.rest.part_mask]
-        lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-        low, high = self.tool.bounds
-        along = np.array(direction)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            leave = np.where(along > 0, (upper - low) / along, np.where(along < 0, (lower - high) / along, np.inf))
-        return max(0.0, float(leave.min())) + TOUCH_M
+        return way_out(self.rest, self.tool, direction)
+
+
+def way_out(rest: Scene, tool: Tool, direction: Direction) -> float:
+    """The distance along a direction at which the box of a tool leaves the box of a scene, metres."""
+    boxes = rest.mockup.part_bounds.reshape(-1, 2, 3)[rest.part_mask]
+    lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    low, high = tool.bounds
+    along = np.array(direction)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        leave = np.where(along > 0, (upper - low) / along, np.where(along < 0, (lower - high) / along, np.inf))
+    return max(0.0, float(leave.min())) + TOUCH_M
 
 
 class Joints:

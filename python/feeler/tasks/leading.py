@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.mockup import Tool
+from feeler.plan.blocking import way_out
 from feeler.plan.question import Clock
 from feeler.plan.removal import Allowed, Removal, RemovalBlocker, not_tried, removal, way_from
 from feeler.plan.sequence import Exit
@@ -23,6 +25,8 @@ STRAIGHT_ROUNDS = 2
 """Rounds of the search for the way of a part whose direction is known."""
 BENT_ROUNDS = 8
 """Rounds for a part that no straight motion takes out."""
+SHORTER_M = 1e-3
+"""Ways that are shorter by less are not."""
 ASKED_ROUNDS = 2
 """Rounds before it is said that other parts have to go for one."""
 
@@ -48,7 +52,9 @@ class Bent:
 class Leading:
     """Leads parts out, and remembers the ways that searches found."""
 
-    def __init__(self, actions: Actions, clock: Clock) -> None:
+    def __init__(self, actions: Actions, clock: Clock, is_shortest: bool) -> None:
+        """is_shortest: whether the shortest of the straight ways is taken, not one that waits for the fewest parts."""
+        self.is_shortest = is_shortest
         self.actions, self.clock, self.question = actions, clock, actions.question
         self._mockup = self.question.scene.mockup
         self._bent: dict[Bent, tuple[frozenset[int], Led]] = {}
@@ -69,7 +75,21 @@ class Leading:
                 return led
         is_straight = isinstance(motion, tuple) and len(motion) == 3
         rounds = STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS
-        return _led(self._removal(parts, gone, rounds, [motion] if is_straight else None))
+        directions = [*self._shorter(unit, parts, gone), motion] if is_straight else None
+        return _led(self._removal(parts, gone, rounds, directions))
+
+    def _shorter(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> list[Any]:
+        """The directions in which parts are out earlier than along their motion: now that others are gone, they may be
+        free. Not for several people: they need not wait for those."""
+        if not self.is_shortest:
+            return []
+        question = self.question
+        rest = question.scene.without([*parts, *gone])
+        tool = Tool.of_parts(self._mockup, list(parts))
+        motion: Any = unit.motion
+        most = way_out(rest, tool, motion) - SHORTER_M
+        found = {each: way_out(rest, tool, each) for each in self.actions.graph.directions(unit.items[0])}
+        return sorted((each for each, far in found.items() if far < most), key=lambda each: round(found[each], 6))
 
     def search(self, item: int, out: frozenset[int], rounds: int) -> bool:
         """Whether a way is found while items are out, by pushes and random trees too; the graph then knows it, with

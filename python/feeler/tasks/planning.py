@@ -214,7 +214,7 @@ class _Planner:
         self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
-        self.leading = Leading(actions, clock)
+        self.leading = Leading(actions, clock, people == 1)
 
     def task(self) -> Task:
         """The best plan whose ways hold."""
