@@ -385,6 +385,8 @@ class Mover:
 
 def way_out(rest: Scene, tool: Tool, direction: Direction) -> float:
     """The distance along a direction at which the box of a tool leaves the box of a scene, metres."""
+    if not rest.part_mask.any():
+        return 0.0
     boxes = rest.mockup.part_bounds.reshape(-1, 2, 3)[rest.part_mask]
     lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
     low, high = tool.bounds

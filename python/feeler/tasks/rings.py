@@ -203,7 +203,7 @@ def _along(ring: Ring, anchor: Scene, direction: tuple[float, float, float]) -> 
         tool = ring.opened(opening)
         for end in ends:
             way = Slipping(direction, end, opening, tool, False)
-            if anchor.cast(tool, np.eye(4), way.pose, touching="free") is None:
+            if _is_free(anchor, way, 0.5 * ring.thickness):
                 return way
     return None
 
@@ -259,6 +259,15 @@ def _moved(direction: tuple[float, float, float], by: float) -> Floats:
     pose = np.eye(4)
     pose[:3, 3] = by * np.array(direction)
     return pose
+
+
+def _is_free(anchor: Scene, way: Slipping, step: float) -> bool:
+    """Whether a way is free of the part with the groove: first by places on it, since a cast along it takes long."""
+    count = max(1, min(MOST_LOOKS, math.ceil(way.travel / step)))
+    places = (_moved(way.direction, way.travel * (n + 1) / count) for n in range(count))
+    if not all(_is_clear(anchor, way.tool, place) for place in places):
+        return False
+    return anchor.cast(way.tool, np.eye(4), way.pose, touching="free") is None
 
 
 def _is_clear(alone: Scene, tool: Tool, pose: Floats) -> bool:

@@ -204,7 +204,8 @@ class Search:
             else:
                 own = problem.by_hand([item]).seconds
                 # A part may leave together with another one, whose time then counts.
-                ends[item] = start + (own if item == self.target else min(own, problem.quickest))
+                is_own = item == self.target or self._leaves_alone(item)
+                ends[item] = start + (own if is_own else min(own, problem.quickest))
         return ends[item]
 
     def _leaves_alone(self, item: int) -> bool:
