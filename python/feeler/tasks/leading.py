@@ -27,6 +27,8 @@ BENT_ROUNDS = 8
 """Rounds for a part that no straight motion takes out."""
 SHORTER_M = 1e-3
 """Ways that are shorter by less are not."""
+PLAY_SHARE = 0.02
+"""How far a part can be moved at least before it is searched for a bent way, in sizes of it."""
 ASKED_ROUNDS = 2
 """Rounds before it is said that other parts have to go for one."""
 
@@ -75,21 +77,28 @@ class Leading:
                 return led
         is_straight = isinstance(motion, tuple) and len(motion) == 3
         rounds = STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS
-        directions = [*self._shorter(unit, parts, gone), motion] if is_straight else None
-        return _led(self._removal(parts, gone, rounds, directions))
+        direction = [self._shortest(unit, parts, gone)] if is_straight else None
+        return _led(self._removal(parts, gone, rounds, direction))
 
-    def _shorter(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> list[Any]:
-        """The directions in which parts are out earlier than along their motion: now that others are gone, they may be
-        free. Not for several people: they need not wait for those."""
+    def _shortest(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> Any:
+        """The direction in which parts are out first: their motion, or one that is free now that others are gone. Not
+        for several people: they need not wait for those."""
         if not self.is_shortest:
-            return []
+            return unit.motion
         question = self.question
         rest = question.scene.without([*parts, *gone])
         tool = Tool.of_parts(self._mockup, list(parts))
         motion: Any = unit.motion
         most = way_out(rest, tool, motion) - SHORTER_M
         found = {each: way_out(rest, tool, each) for each in self.actions.graph.directions(unit.items[0])}
-        return sorted((each for each, far in found.items() if far < most), key=lambda each: round(found[each], 6))
+        shorter = sorted((each for each, far in found.items() if far < most), key=lambda each: round(found[each], 6))
+        for each in shorter:
+            self.clock.look()
+            far = np.eye(4)
+            far[:3, 3] = found[each] * np.array(each)
+            if rest.cast(tool, np.eye(4), far, touching="free") is None:
+                return each
+        return motion
 
     def search(self, item: int, out: frozenset[int], rounds: int) -> bool:
         """Whether a way is found while items are out, by pushes and random trees too; the graph then knows it, with
@@ -118,6 +127,24 @@ class Leading:
         self._bent[name] = (met | needed, led)
         actions.graph.learn(item, Exit((name,), met | needed))
         return True
+
+    def has_play(self, item: int, out: frozenset[int]) -> bool:
+        """Whether a part can be moved a little in one of its directions while items are out: without, a longer search
+        is not worth it."""
+        if item in self.actions.rings:
+            return True
+        gone = self.actions.gone(out)
+        parts = [part for part in self.question.parts_of([item]) if part not in gone]
+        rest = self.question.scene.without([*parts, *gone])
+        tool = Tool.of_parts(self._mockup, parts)
+        far = PLAY_SHARE * float(np.linalg.norm(tool.bounds[1] - tool.bounds[0]))
+        for direction in self.actions.graph.directions(item):
+            self.clock.look()
+            pose = np.eye(4)
+            pose[:3, 3] = far * np.array(direction)
+            if rest.cast(tool, np.eye(4), pose, touching="free") is None:
+                return True
+        return False
 
     def _is_met(self, item: int, node: int, poses: Floats) -> bool:
         self.clock.look()

@@ -314,7 +314,9 @@ class _Planner:
             elsewhere = sure.union(*(each for m, each in enumerate(needs) if m != n))
             extra = step.unit.before - elsewhere
             for item in step.unit.items if extra else ():
-                if not actions.is_turned(item) and self.leading.search(item, out - extra, ASKED_ROUNDS):
+                if actions.is_turned(item) or not self.leading.has_play(item, out - extra):
+                    continue
+                if self.leading.search(item, out - extra, ASKED_ROUNDS):
                     return True
             out |= set(step.unit.items)
         return False
