@@ -23,6 +23,8 @@ PITCH_M = 0.00125
 """Of M8."""
 FAR_M = 10.0
 NEAR_M = 1e-6
+TURN_M = 5e-6
+"""How far beside a face a part turns off into another direction."""
 
 
 _Running = tuple[float, int, str]
@@ -119,13 +121,39 @@ class Judge:
                     yield part, "", elements["take"].mean + elements["aside"].mean
 
     def is_free(self, part: int, others: list[int]) -> bool:
-        """Whether it leaves along an axis."""
-        ways = itertools.product(range(3), (FAR_M, -FAR_M))
-        return any(not any(self._blocks(part, other, axis, by) for other in others) for axis, by in ways)
+        """Whether it leaves along an axis, or along one and then along another."""
+        boxes = self.made.parts[part].boxes
+        ways = list(itertools.product(range(3), (1.0, -1.0)))
+        if any(self._is_clear(boxes, others, axis, sign * FAR_M) for axis, sign in ways):
+            return True
+        for axis, sign in ways:
+            for by in self._turns(boxes, others, axis, sign):
+                if not self._is_clear(boxes, others, axis, sign * by):
+                    break
+                there = boxes.copy()
+                there[:, :, axis] += sign * by
+                if any(self._is_clear(there, others, other, way * FAR_M) for other, way in ways if other != axis):
+                    return True
+        return False
+
+    def _turns(self, boxes: Floats, others: list[int], axis: int, sign: float) -> list[float]:
+        """How far along an axis it has passed a face of another part, or is just before one; the nearest first."""
+        found: set[float] = set()
+        for other in others:
+            faces = self.made.parts[other].boxes[:, :, axis].ravel()
+            apart = sign * (faces[:, None] - boxes[:, :, axis].ravel())
+            found.update((apart + TURN_M).ravel().tolist(), (apart - TURN_M).ravel().tolist())
+        return sorted(by for by in found if by > 0.0)
+
+    def _is_clear(self, boxes: Floats, others: list[int], axis: int, by: float) -> bool:
+        return not any(self._meets(boxes, other, axis, by) for other in others)
 
     def _blocks(self, part: int, other: int, axis: int, by: float) -> bool:
         """Whether a part meets another on its way along an axis."""
-        swept = self.made.parts[part].boxes.copy()
+        return self._meets(self.made.parts[part].boxes, other, axis, by)
+
+    def _meets(self, own: Floats, other: int, axis: int, by: float) -> bool:
+        swept = own.copy()
         if by > 0.0:
             swept[:, 1, axis] += by
         else:
